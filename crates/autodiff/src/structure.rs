@@ -1,0 +1,65 @@
+//! What is known of H before any number is put in.
+
+/// Structural non-zeros of a symmetric matrix, row by row: both triangles, columns ascending in each row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pattern {
+    /// Entries of row i stand at `row_starts[i]..row_starts[i + 1]`; length n + 1.
+    pub row_starts: Vec<usize>,
+    /// Column of each entry.
+    pub columns: Vec<usize>,
+}
+
+impl Pattern {
+    /// Every entry of an n×n matrix.
+    pub fn dense(n: usize) -> Self {
+        Pattern {
+            row_starts: (0..=n).map(|i| i * n).collect(),
+            columns: (0..n * n).map(|k| k % n).collect(),
+        }
+    }
+
+    /// Rows (and columns) of the matrix.
+    pub fn dimension(&self) -> usize {
+        self.row_starts.len() - 1
+    }
+
+    /// Number of structural non-zeros.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Whether the matrix is identically zero.
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty()
+    }
+
+    /// Positions (in the order of the entries) and columns of row i.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let range = self.row_starts[i]..self.row_starts[i + 1];
+        range.clone().zip(self.columns[range].iter().copied())
+    }
+}
+
+/// Facts about H read off its recording; each one that cannot be proved is absent.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Structure {
+    /// Degrees of freedom m; the state has 2m components.
+    pub degrees_of_freedom: usize,
+    /// H = T(p) + U(q).
+    pub separable: bool,
+    /// Degree of H as a polynomial in (q, p) together; `None` if it is not known to be one.
+    pub degree: Option<u32>,
+    /// Degree in q with p held fixed.
+    pub degree_in_q: Option<u32>,
+    /// Degree in p with q held fixed.
+    pub degree_in_p: Option<u32>,
+    /// Entries of ∇²H that can be non-zero.
+    pub hessian: Pattern,
+}
+
+impl Structure {
+    /// H has degree at most 2: every Gauss method keeps it, and no α is needed.
+    pub fn is_quadratic(&self) -> bool {
+        self.degree.is_some_and(|d| d <= 2)
+    }
+}

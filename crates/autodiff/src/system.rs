@@ -1,0 +1,57 @@
+//! What an integrator asks of an energy.
+
+use crate::Structure;
+use equip_scalar::Float;
+
+/// A scalar energy with everything derived from it, in any float type.
+pub trait System {
+    /// Values and derivatives in one float type, with their workspace.
+    type Evaluator<T: Float>: Evaluate<T>;
+
+    /// Degrees of freedom m; the state y = (q, p) has 2m components.
+    fn degrees_of_freedom(&self) -> usize {
+        self.structure().degrees_of_freedom
+    }
+
+    /// Separability, degree and sparsity of H.
+    fn structure(&self) -> &Structure;
+
+    /// An evaluator in float type `T`: constants are read in it once, workspace is allocated once.
+    fn evaluator<T: Float>(&self) -> Self::Evaluator<T>;
+}
+
+impl<H: System> System for &H {
+    type Evaluator<T: Float> = H::Evaluator<T>;
+
+    fn structure(&self) -> &Structure {
+        (**self).structure()
+    }
+
+    fn evaluator<T: Float>(&self) -> Self::Evaluator<T> {
+        (**self).evaluator()
+    }
+}
+
+/// H, ∇H and ∇²H at given states y = (q, p) of length n = 2m. Nothing is allocated by these calls.
+///
+/// Slices of another length are a programming error and panic.
+pub trait Evaluate<T: Float> {
+    /// H(y).
+    fn value(&mut self, y: &[T]) -> T;
+
+    /// ∇H(y) into `gradient` (length n); returns H(y).
+    fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T;
+
+    /// ∇H at several states, which stand one after the other in `states` (length s·n), as do the results.
+    fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
+        for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
+            self.gradient(y, gradient);
+        }
+    }
+
+    /// ∇²H(y)·v into `product` (length n).
+    fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]);
+
+    /// The entries of ∇²H(y) in the order of the pattern `structure().hessian`.
+    fn hessian(&mut self, y: &[T], entries: &mut [T]);
+}

@@ -1,0 +1,84 @@
+//! `f64` as [`Scalar`] and [`Float`].
+
+use crate::{Constant, Float, Forward, Forward2, ParseFloatError, Scalar};
+
+macro_rules! functions {
+    ($($f:ident),*) => {$(
+        #[inline(always)]
+        fn $f(x: f64) -> f64 {
+            f64::$f(x)
+        }
+    )*};
+}
+
+impl Scalar for f64 {
+    #[inline(always)]
+    fn constant(c: Constant) -> f64 {
+        c.to()
+    }
+    #[inline(always)]
+    fn powi(x: f64, n: i32) -> f64 {
+        f64::powi(x, n)
+    }
+    #[inline(always)]
+    fn powf(x: f64, c: Constant) -> f64 {
+        f64::powf(x, c.to())
+    }
+    #[inline(always)]
+    fn pow(x: f64, y: f64) -> f64 {
+        f64::powf(x, y)
+    }
+    #[inline(always)]
+    fn atan2(y: f64, x: f64) -> f64 {
+        f64::atan2(y, x)
+    }
+    #[inline(always)]
+    fn hypot(x: f64, y: f64) -> f64 {
+        f64::hypot(x, y)
+    }
+    #[inline(always)]
+    fn min(x: f64, y: f64) -> f64 {
+        f64::min(x, y)
+    }
+    #[inline(always)]
+    fn max(x: f64, y: f64) -> f64 {
+        f64::max(x, y)
+    }
+    functions!(
+        recip, sqrt, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, abs
+    );
+}
+
+impl Float for f64 {
+    const NAME: &'static str = "f64";
+    const MANTISSA_BITS: u32 = f64::MANTISSA_DIGITS;
+    const ROUND_TRIP_DIGITS: usize = 17;
+    const EPSILON: f64 = f64::EPSILON;
+    const MAX: f64 = f64::MAX;
+    const MIN_POSITIVE: f64 = f64::MIN_POSITIVE;
+    const INFINITY: f64 = f64::INFINITY;
+    const NAN: f64 = f64::NAN;
+
+    type Forward<const N: usize> = Forward<f64, N>;
+    type Forward2<const N: usize> = Forward2<f64, N>;
+
+    #[inline(always)]
+    fn exact(x: f64) -> f64 {
+        x
+    }
+    #[inline(always)]
+    fn int(n: i64) -> f64 {
+        n as f64
+    }
+    fn decimal(text: &str) -> Result<f64, ParseFloatError> {
+        text.trim().parse::<f64>().map_err(|_| ParseFloatError { text: text.into() })
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+    #[inline(always)]
+    fn expansion(self) -> [f64; 4] {
+        [self, 0.0, 0.0, 0.0]
+    }
+}

@@ -1,0 +1,74 @@
+//! [`Float`]: what the integrator computes in.
+
+use crate::{FirstOrder, Scalar, SecondOrder};
+use nalgebra::RealField;
+use std::fmt::{Display, LowerExp};
+
+/// A decimal that could not be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` is not a decimal number; write it like 0.012277471, -3 or 6.02e23")]
+pub struct ParseFloatError {
+    /// The offending text.
+    pub text: String,
+}
+
+/// A [`Scalar`] with ordering, ε, exact integer ratios, parsed decimals and dense linear algebra.
+///
+/// Elementary functions are methods (`x.sqrt()`) through the supertrait [`RealField`]; the names below are
+/// chosen not to collide with it.
+pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
+    /// Name for people and files: `f64`, `dd`.
+    const NAME: &'static str;
+    /// Bits of the significand.
+    const MANTISSA_BITS: u32;
+    /// Decimal digits that print and parse back to the same number.
+    const ROUND_TRIP_DIGITS: usize;
+    /// Distance from 1 to the next number a result of arithmetic is rounded to: 2^(1 − [`MANTISSA_BITS`](Self::MANTISSA_BITS)).
+    const EPSILON: Self;
+    /// Largest finite number.
+    const MAX: Self;
+    /// Smallest positive number at which full relative precision is still reached.
+    const MIN_POSITIVE: Self;
+    /// Positive infinity.
+    const INFINITY: Self;
+    /// Not a number.
+    const NAN: Self;
+
+    /// Dual number with `N` first derivatives over this type.
+    type Forward<const N: usize>: FirstOrder<Self, N>;
+    /// Dual number with `N` first and N×N second derivatives over this type.
+    type Forward2<const N: usize>: SecondOrder<Self, N>;
+
+    /// The value of the given `f64`, exactly. A literal such as `0.1` stays the *double* 0.1:
+    /// use [`ratio`](Self::ratio) or [`decimal`](Self::decimal) for 1/10.
+    fn exact(x: f64) -> Self;
+    /// An integer, exactly as far as the significand reaches.
+    fn int(n: i64) -> Self;
+    /// n/d, correctly rounded or nearly so.
+    fn ratio(n: i64, d: i64) -> Self {
+        Self::int(n) / Self::int(d)
+    }
+    /// A decimal such as `"0.012277471"`, read in this type's precision.
+    ///
+    /// # Errors
+    /// [`ParseFloatError`] when the text is not a decimal number.
+    fn decimal(text: &str) -> Result<Self, ParseFloatError>;
+    /// The nearest `f64`.
+    fn to_f64(self) -> f64;
+    /// The number as an unevaluated sum of four `f64`, largest first; exact for every type up to 212 bits.
+    fn expansion(self) -> [f64; 4];
+    /// The sum of an expansion made by [`expansion`](Self::expansion).
+    fn from_expansion(parts: [f64; 4]) -> Self {
+        parts.iter().rev().fold(Self::int(0), |sum, &part| sum + Self::exact(part))
+    }
+    /// Whether the number is NaN.
+    fn is_nan(self) -> bool {
+        self.partial_cmp(&self).is_none()
+    }
+    /// (a + b rounded, the part lost): Knuth's two-sum, [Møller 1965; Knuth, TAOCP 2, 4.2.2], six additions.
+    fn two_sum(a: Self, b: Self) -> (Self, Self) {
+        let sum = a + b;
+        let b_part = sum - a;
+        (sum, (a - (sum - b_part)) + (b - b_part))
+    }
+}

@@ -1,0 +1,30 @@
+//! Number types of the equip integrators.
+//!
+//! | type or trait | what it is |
+//! |---|---|
+//! | [`Scalar`] | arithmetic and elementary functions, **no ordering**: what an energy H may use |
+//! | [`Float`] | a [`Scalar`] with ordering, ε, exact ratios, parsed decimals: what the integrator computes in |
+//! | [`Num`] | the wrapper a user's generic energy sees: `0.5 * q[0]`, `q[0].sin()`, never `q[0] < 1.0` |
+//! | [`Constant`] | a constant in H that is as exact as the float type that later reads it |
+//! | [`DoubleDouble`] | about 31 digits, as an unevaluated sum of two `f64` |
+//! | [`Forward`], [`Forward2`] | dual numbers with first, with first and second derivatives (through num-dual) |
+//!
+//! `Scalar` declares its functions without a receiver (`S::sin(x)`, not `x.sin()`), so that in code
+//! generic over [`Float`] the call `x.sin()` means nalgebra's [`RealField`](nalgebra::RealField) and nothing else.
+#![forbid(unsafe_code)]
+
+mod constant;
+mod double;
+mod double_double;
+mod float;
+mod forward;
+mod glue;
+mod num;
+mod scalar;
+
+pub use constant::{Constant, decimal, ratio};
+pub use double_double::DoubleDouble;
+pub use float::{Float, ParseFloatError};
+pub use forward::{FirstOrder, Forward, Forward2, SecondOrder};
+pub use num::Num;
+pub use scalar::Scalar;
