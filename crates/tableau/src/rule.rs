@@ -1,0 +1,104 @@
+//! The Gauss–Legendre rule on [0, 1]: nodes, weights, and the polynomials at the nodes.
+//!
+//! Newton's method on L_s in the target float type, from an `f64` start, in the distance t = 2(1 − c) to the end of the
+//! interval:
+//!
+//! $$t \leftarrow t + \frac{L_s}{L_s'}, \qquad L_s' = \frac{s\,(L_{s-1} - x L_s)}{t\,(2-t)}, \qquad x = 1 - t.$$
+//!
+//! Only one half is computed, the other is its mirror image. Cost: O(s²) operations.
+
+use crate::legendre::{Classical, alternate, norm};
+use equip_scalar::Float;
+
+/// Newton steps allowed; four from f64 to f64, one or two more for every doubling of the digits.
+const MAX_NEWTON: usize = 20;
+
+/// s nodes and weights, and P_0 … P_{n−1} at the nodes.
+#[derive(Debug, Clone)]
+pub(crate) struct Rule<T> {
+    pub(crate) nodes: Vec<T>,
+    pub(crate) weights: Vec<T>,
+    /// n rows of s values, row k being p_k.
+    pub(crate) legendre: Vec<T>,
+}
+
+impl<T: Float> Rule<T> {
+    /// The rule with s ≥ 1 nodes and n ≤ s polynomials.
+    pub(crate) fn new(s: usize, n: usize) -> Self {
+        let zero = T::int(0);
+        let mut rule = Rule {
+            nodes: vec![zero; s],
+            weights: vec![zero; s],
+            legendre: vec![zero; n * s],
+        };
+        for i in 0..s.div_ceil(2) {
+            rule.mirrored_pair(i, distance(s, i), n);
+        }
+        rule
+    }
+
+    /// Fills in the nodes c_i and 1 − c_i, the latter at distance t/2 from 1.
+    fn mirrored_pair(&mut self, i: usize, t: T, n: usize) {
+        let (one, two) = (T::int(1), T::int(2));
+        let s = self.nodes.len();
+        let mirror = s - 1 - i;
+
+        // 1 − c is exact for ½ ≤ c ≤ 1, so the two nodes add up to exactly 1.
+        self.nodes[mirror] = one - t / two;
+        self.nodes[i] = one - self.nodes[mirror];
+
+        let mut norm_squared = T::int(0);
+        for (k, (value, _)) in Classical::new(t).take(s).enumerate() {
+            let value = if i == mirror && k % 2 == 1 {
+                T::int(0)
+            } else {
+                value
+            };
+            norm_squared += T::int(2 * k as i64 + 1) * value * value;
+            if k < n {
+                let p = norm::<T>(k) * value;
+                self.legendre[k * s + mirror] = p;
+                self.legendre[k * s + i] = alternate(true, k, p);
+            }
+        }
+        self.weights[i] = one / norm_squared;
+        self.weights[mirror] = self.weights[i];
+    }
+}
+
+/// t = 2c of the i-th node from the left (i < s/2, or the middle one), with full relative accuracy.
+fn distance<T: Float>(s: usize, i: usize) -> T {
+    let (one, two, order) = (T::int(1), T::int(2), T::int(s as i64));
+    if 2 * i + 1 == s {
+        return one;
+    }
+    let mut t = T::exact(start(s, i));
+    let mut last = T::INFINITY;
+    for _ in 0..MAX_NEWTON {
+        let (before, value) = last_two(s, t);
+        let delta = value * t * (two - t) / (order * (before - (one - t) * value));
+        t += delta;
+        // Steps that no longer halve are rounding noise.
+        if two * delta.abs() < last {
+            last = delta.abs();
+        } else {
+            break;
+        }
+    }
+    t
+}
+
+/// (L_{s−1}, L_s) at 1 − t.
+fn last_two<T: Float>(s: usize, t: T) -> (T, T) {
+    let mut values = Classical::new(t).map(|(value, _)| value).skip(s - 1);
+    match (values.next(), values.next()) {
+        (Some(before), Some(value)) => (before, value),
+        _ => (T::NAN, T::NAN),
+    }
+}
+
+/// 1 − cos θ with θ = π (4i + 3)/(4s + 2), the leading term of the asymptotic expansion of the zeros (Szegő, 6.21.5).
+fn start(s: usize, i: usize) -> f64 {
+    let theta = std::f64::consts::PI * (4 * i + 3) as f64 / (4 * s + 2) as f64;
+    2.0 * (0.5 * theta).sin().powi(2)
+}

@@ -1,0 +1,136 @@
+//! K(α) in skew form: A(α) = K(α) B with B = diag(b).
+//!
+//! $$K(\alpha) = \tfrac12\,\mathbf 1\mathbf 1^T + U(\alpha), \qquad U(\alpha) = \sum_{k=1}^{s-1} (\xi_k + \alpha_k)\,T_k,
+//! \qquad T_k = p_k p_{k-1}^T - p_{k-1} p_k^T.$$
+//!
+//! This is the paper's A = 𝒫 X_s 𝒫⁻¹, eqs. (3)–(6), with 𝒫⁻¹ = 𝒫ᵀB never formed, and with an α for every k instead of the
+//! last one only (project note, sections 1 and 3). b_i a_ij + b_j a_ji = b_i b_j is then K_ij + K_ji = 1. Which identity
+//! is exact in which form:
+//!
+//! | form | exact, not only to rounding | range |
+//! |---|---|---|
+//! | U of [`Gauss::antisymmetric_into`] | U_ji = −U_ij, U_ii = 0 | every finite α |
+//! | K of [`Gauss::skew_into`] | K_ij + K_ji = 1, K_ii = ½ | \|U_ij\| ≤ 2⁵² |
+//! | both | U and K unchanged under (i, j) → (s+1−j, s+1−i): the method is symmetric | as above |
+//!
+//! Adding ½ to U rounds: K has the absolute accuracy of an ulp of max(1, |U_ij|), U the relative one of its sum. An
+//! integrator that wants U as it is computes K L = ½ Σ_j L_j + U L. Beyond 2⁵² no two numbers of that size add up to 1.
+//!
+//! Cost: s²/2 multiplications for each α_k ≠ 0, no allocation in the `_into` forms; α = 0 costs a copy.
+
+use crate::Gauss;
+use equip_scalar::Float;
+
+impl<T: Float> Gauss<T> {
+    /// T_k, s × s in row-major order, for k = 1 … s − 1; antisymmetric to the last bit.
+    ///
+    /// # Panics
+    /// When k = 0 or k ≥ s.
+    ///
+    /// ```
+    /// let gauss = equip_tableau::Gauss::<f64>::new(2)?;
+    /// let t = gauss.skew_basis(1);
+    /// assert_eq!((t[0], t[3], t[1]), (0.0, 0.0, -t[2]));
+    /// # Ok::<(), equip_tableau::TableauError>(())
+    /// ```
+    pub fn skew_basis(&self, k: usize) -> &[T] {
+        let size = self.stages * self.stages;
+        assert!((1..self.stages).contains(&k), "T_k exists for k = 1..s-1");
+        &self.basis[(k - 1) * size..k * size]
+    }
+
+    /// K(α), s × s in row-major order; entry k − 1 of `alphas` is α_k.
+    ///
+    /// # Panics
+    /// When `alphas` does not have s − 1 entries.
+    ///
+    /// ```
+    /// let gauss = equip_tableau::Gauss::<f64>::new(3)?;
+    /// let k = gauss.skew(&[0.1, -2e3]);
+    /// assert!((0..9).all(|ij| k[ij] + k[ij % 3 * 3 + ij / 3] == 1.0));
+    /// # Ok::<(), equip_tableau::TableauError>(())
+    /// ```
+    pub fn skew(&self, alphas: &[T]) -> Vec<T> {
+        let mut k = vec![T::int(0); self.stages * self.stages];
+        self.skew_into(alphas, &mut k);
+        k
+    }
+
+    /// [`skew`](Self::skew) into `k`, without allocation.
+    ///
+    /// Of each pair the larger one, ½ + |U_ij| ≥ ½, is rounded; the smaller one is 1 minus that, which is exact.
+    ///
+    /// # Panics
+    /// When `alphas` does not have s − 1 entries, or `k` not s².
+    pub fn skew_into(&self, alphas: &[T], k: &mut [T]) {
+        self.antisymmetric_into(alphas, k);
+        let (s, half, one) = (self.stages, T::ratio(1, 2), T::int(1));
+        for i in 0..s {
+            k[i * s + i] = half;
+            for j in i + 1..s {
+                let u = k[i * s + j];
+                let large = half + u.abs();
+                let small = one - large;
+                let (upper, lower) = if u < T::int(0) {
+                    (small, large)
+                } else {
+                    (large, small)
+                };
+                k[i * s + j] = upper;
+                k[j * s + i] = lower;
+            }
+        }
+    }
+
+    /// The antisymmetric part U(α) = K(α) − ½, s × s in row-major order, into `u`: U_ji = −U_ij exactly.
+    ///
+    /// # Panics
+    /// When `alphas` does not have s − 1 entries, or `u` not s².
+    ///
+    /// ```
+    /// let gauss = equip_tableau::Gauss::<f64>::new(2)?;
+    /// let mut u = [0.0; 4];
+    /// gauss.antisymmetric_into(&[1e300], &mut u);
+    /// assert_eq!((u[0], u[1]), (0.0, -u[2]));
+    /// # Ok::<(), equip_tableau::TableauError>(())
+    /// ```
+    pub fn antisymmetric_into(&self, alphas: &[T], u: &mut [T]) {
+        let s = self.stages;
+        assert_eq!(alphas.len(), s - 1, "one alpha for each k = 1..s-1");
+        assert_eq!(u.len(), s * s, "room for s x s entries");
+        u.copy_from_slice(&self.unperturbed);
+        for (index, &alpha) in alphas.iter().enumerate() {
+            if alpha != T::int(0) {
+                let t_k = self.skew_basis(index + 1);
+                for i in 0..s {
+                    for j in i + 1..s {
+                        u[i * s + j] += alpha * t_k[i * s + j];
+                    }
+                }
+            }
+        }
+        mirror(s, u);
+    }
+}
+
+/// p qᵀ − q pᵀ: the upper triangle computed, the lower one its negative.
+pub(crate) fn commutator<T: Float>(p: &[T], q: &[T]) -> Vec<T> {
+    let s = p.len();
+    let mut t = vec![T::int(0); s * s];
+    for i in 0..s {
+        for j in i + 1..s {
+            t[i * s + j] = p[i] * q[j] - q[i] * p[j];
+        }
+    }
+    mirror(s, &mut t);
+    t
+}
+
+/// Makes the lower triangle the negative of the upper one.
+fn mirror<T: Float>(s: usize, u: &mut [T]) {
+    for i in 0..s {
+        for j in i + 1..s {
+            u[j * s + i] = -u[i * s + j];
+        }
+    }
+}
