@@ -1,1 +1,42 @@
-//! x
+//! Energy and quadratic invariants preserving (EQUIP) integrators for Hamiltonian systems y' = J∇H(y).
+//!
+//! One step reads: initial guess (`guess`) → stages and α (`stages`, `energy`, `alpha`, `newton`) → accept or halve (`step`)
+//! → update (`state`) → observe (`stepper`, `run`).
+//!
+//! Paper: L. Brugnano, F. Iavernaro, D. Trigiante, *Energy and quadratic invariants preserving integrators of Gaussian
+//! type*, AIP Conf. Proc. 1281 (2010), and arXiv:1005.1930.
+#![forbid(unsafe_code)]
+
+mod alpha;
+mod certificate;
+mod energy;
+mod error;
+mod guess;
+mod invariant;
+mod linear;
+mod method;
+mod newton;
+mod observer;
+mod options;
+mod outcome;
+mod run;
+mod stages;
+mod state;
+mod step;
+mod stepper;
+
+pub use certificate::Certificate;
+pub use error::IntegrateError;
+pub use invariant::{Defect, Invariant};
+pub use method::{Alphas, Equip, Family, Gauss, Method};
+pub use newton::NewtonRecord;
+pub use observer::{NoObserver, Observer};
+pub use options::{FixedStep, OnNoAlpha, Record};
+pub use outcome::{Counts, Outcome};
+pub use run::{Run, RunFailure};
+pub use stepper::{Step, StepView, Stepper};
+
+/// Most stages a method may have.
+pub const MAX_STAGES: usize = 32;
+/// Fewest stages with an α.
+const MIN_EQUIP_STAGES: usize = 2;

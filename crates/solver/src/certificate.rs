@@ -1,0 +1,141 @@
+//! What a run kept, measured.
+
+use crate::invariant::Defect;
+use crate::method::{Alphas, Family, Method};
+use crate::outcome::{Counts, Outcome};
+use equip_scalar::Float;
+use std::fmt;
+
+/// The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certificate<T> {
+    /// The method.
+    pub method: Method,
+    /// The step.
+    pub step: T,
+    /// Time at the start.
+    pub start: T,
+    /// Time reached.
+    pub end: T,
+    /// H at the start, H − H_ref over the run. `None` if it was not measured.
+    pub energy: Option<Defect<T>>,
+    /// Largest |H − H_ref| in units of its round-off floor, over the steps that solved for the energy.
+    pub energy_in_floors: Option<T>,
+    /// Defects of the invariants watched.
+    pub invariants: Vec<Defect<T>>,
+    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for.
+    pub alpha_range: Vec<(T, T)>,
+    /// Counts of work and of outcomes.
+    pub counts: Counts,
+    /// Extra steps made for output times; their work is not in `counts`.
+    pub output_steps: u64,
+    /// Wall-clock time in seconds.
+    pub seconds: f64,
+}
+
+impl<T: Float> Certificate<T> {
+    /// Whether every step kept the energy: solved, at the floor, quadratic, or halved and then solved.
+    pub fn energy_kept_on_every_step(&self) -> bool {
+        self.counts.outcome(Outcome::Carried) == 0 && self.counts.outcome(Outcome::NotAsked) == 0
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (s, order) = (self.stages, self.order());
+        match self.family {
+            Family::Gauss => write!(f, "Gauss, {s} stages, order {order}"),
+            Family::FixedAlpha(alpha) => {
+                write!(
+                    f,
+                    "Gauss family, fixed α = {}, {s} stages, order {order}",
+                    alpha.to::<f64>()
+                )
+            }
+            Family::Equip(Alphas::All) => write!(f, "EQUIP, {s} stages, order {order}"),
+            Family::Equip(Alphas::Last) => {
+                write!(f, "EQUIP with the last α only, {s} stages, order {order}")
+            }
+        }
+    }
+}
+
+impl<T: Float> fmt::Display for Certificate<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counts = &self.counts;
+        let line = |f: &mut fmt::Formatter<'_>, label: &str, text: fmt::Arguments<'_>| {
+            writeln!(f, "{label:<24}{text}")
+        };
+        line(f, "method", format_args!("{} in {}", self.method, T::NAME))?;
+        line(
+            f,
+            "time",
+            format_args!("{:.6} to {:.6}", self.start, self.end),
+        )?;
+        line(
+            f,
+            "steps",
+            format_args!("{} of {:.6}", counts.steps, self.step),
+        )?;
+        if let Some(energy) = &self.energy {
+            line(f, "energy at start", format_args!("{}", energy.start))?;
+            line(
+                f,
+                "energy defect",
+                format_args!("max {:.2e}, end {:.2e}", energy.max, energy.end),
+            )?;
+        }
+        if let Some(floors) = self.energy_in_floors {
+            line(f, "  in round-off floors", format_args!("max {floors:.2}"))?;
+        }
+        for defect in &self.invariants {
+            line(
+                f,
+                &format!("{} defect", defect.name),
+                format_args!("max {:.2e}, end {:.2e}", defect.max, defect.end),
+            )?;
+        }
+        for outcome in Outcome::ALL {
+            let count = counts.outcome(outcome);
+            if count > 0 {
+                line(
+                    f,
+                    "steps by outcome",
+                    format_args!("{count} {}", outcome.label()),
+                )?;
+            }
+        }
+        for (k, (low, high)) in self.alpha_range.iter().enumerate() {
+            line(
+                f,
+                &format!("α_{} range", k + 1),
+                format_args!("{low:.2e} to {high:.2e}"),
+            )?;
+        }
+        line(
+            f,
+            "Newton iterations",
+            format_args!("{}", counts.newton_iterations),
+        )?;
+        line(
+            f,
+            "factorisations",
+            format_args!("{}", counts.factorisations),
+        )?;
+        line(
+            f,
+            "evaluations",
+            format_args!(
+                "{} ∇H, {} ∇²H, {} H",
+                counts.gradients, counts.hessians, counts.energies
+            ),
+        )?;
+        if counts.halvings > 0 {
+            line(f, "halvings", format_args!("{}", counts.halvings))?;
+        }
+        if self.output_steps > 0 {
+            line(f, "steps for output", format_args!("{}", self.output_steps))?;
+        }
+        write!(f, "{:<24}{:.3} s", "wall-clock time", self.seconds)
+    }
+}

@@ -1,0 +1,163 @@
+//! Everything that can go wrong, each with what to change.
+
+use equip_scalar::Float;
+
+/// Why an integration could not start or go on. A failed step leaves the state as it was before it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum IntegrateError<T: Float> {
+    /// The number of stages is outside what the method and the tableau allow.
+    #[error(
+        "{stages} stages asked for; this method takes {min} to {max}: change the argument of `stages`"
+    )]
+    StagesOutOfRange {
+        /// Stages asked for.
+        stages: usize,
+        /// Fewest stages the method has.
+        min: usize,
+        /// Most stages the tableau is made for.
+        max: usize,
+    },
+    /// The step is zero, negative, infinite or NaN.
+    #[error(
+        "the step is {step}; it must be positive and finite (to go back in time, flip the sign of the momenta)"
+    )]
+    StepNotPositive {
+        /// The step given.
+        step: T,
+    },
+    /// The step is lost in the rounding of the time.
+    #[error(
+        "the step {step} does not change the time {time}; take a larger step or let time start at 0"
+    )]
+    StepBelowTimeResolution {
+        /// The step given.
+        step: T,
+        /// A time of the interval at which the step vanishes.
+        time: T,
+    },
+    /// More steps than can be counted.
+    #[error(
+        "the interval takes {steps:.1e} steps of this size; take a larger step or a shorter interval"
+    )]
+    TooManySteps {
+        /// Interval divided by step.
+        steps: f64,
+    },
+    /// The interval ends before it starts or is not finite.
+    #[error(
+        "the interval {start} to {end} must be finite and run forward (to go back in time, flip the sign of the momenta)"
+    )]
+    Interval {
+        /// Start of the interval.
+        start: T,
+        /// End of the interval.
+        end: T,
+    },
+    /// A vector has the wrong length.
+    #[error("{what} has length {found}, but this Hamiltonian needs {expected}")]
+    WrongLength {
+        /// Which vector.
+        what: &'static str,
+        /// Degrees of freedom of the Hamiltonian.
+        expected: usize,
+        /// Length given.
+        found: usize,
+    },
+    /// An initial value is infinite or NaN.
+    #[error("initial value {what}[{index}] is {value}; it must be finite")]
+    InitialNotFinite {
+        /// `q0` or `p0`.
+        what: &'static str,
+        /// Component.
+        index: usize,
+        /// The value given.
+        value: T,
+    },
+    /// H or its gradient is infinite or NaN where the run starts.
+    #[error(
+        "at the initial state H or its gradient is not finite (H = {energy}); start elsewhere or check H for a division by zero, a root or a logarithm of a negative number"
+    )]
+    EnergyNotFinite {
+        /// H at the start.
+        energy: T,
+    },
+    /// An option has a value outside its range.
+    #[error("option `{option}` is {value}; it must be {expected}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// The value given.
+        value: T,
+        /// What is accepted.
+        expected: &'static str,
+    },
+    /// An output time lies outside the interval or before the one ahead of it.
+    #[error(
+        "output time {time} (number {index}) must lie in {start} to {end} and not before the one ahead of it"
+    )]
+    OutputTime {
+        /// The time given.
+        time: T,
+        /// Its place in the list.
+        index: usize,
+        /// Start of the interval.
+        start: T,
+        /// End of the interval.
+        end: T,
+    },
+    /// H became infinite or NaN inside a step, also after all halvings.
+    #[error(
+        "H or its derivatives are not finite inside the step at t = {time}, h = {step}, also after halving it {halvings} times; the trajectory leaves the domain of H there, or the step is too large"
+    )]
+    NotFinite {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// Halvings tried.
+        halvings: u32,
+    },
+    /// The stage equations were not solved, also after all halvings.
+    #[error(
+        "the stage equations did not converge in the step at t = {time}, h = {step}, also after halving it {halvings} times ({iterations} iterations, last correction {correction:e} relative to the state); take a smaller step"
+    )]
+    NoConvergence {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// Halvings tried.
+        halvings: u32,
+        /// Newton iterations of the last attempt.
+        iterations: u32,
+        /// Last correction, relative to the state.
+        correction: T,
+    },
+    /// The Newton matrix is singular, also after all halvings.
+    #[error(
+        "the Newton matrix is singular in the step at t = {time}, h = {step}, also after halving it {halvings} times; take a slightly different step"
+    )]
+    Singular {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// Halvings tried.
+        halvings: u32,
+    },
+    /// No admissible α keeps the energy, and the user asked to refuse such steps.
+    #[error(
+        "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller step, more stages, all α's, or allow the defect to be carried to the next step"
+    )]
+    NoAdmissibleAlpha {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// H − H_ref of the step with α = 0.
+        defect: T,
+        /// What of it would be round-off.
+        floor: T,
+    },
+}

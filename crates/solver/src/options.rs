@@ -1,0 +1,217 @@
+//! [`FixedStep`]: a method with its step and options, ready to integrate.
+
+use crate::error::IntegrateError;
+use crate::invariant::Invariant;
+use crate::method::{Alphas, Family, Method};
+use crate::{MAX_STAGES, MIN_EQUIP_STAGES};
+use equip_scalar::Float;
+
+/// What to do with a step for which no admissible α exists, after all halvings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum OnNoAlpha {
+    /// Make the step with α = 0, count it, and let the next step repair the energy.
+    #[default]
+    Carry,
+    /// End the integration with [`IntegrateError::NoAdmissibleAlpha`].
+    Refuse,
+}
+
+/// Which steps of the grid a [`Run`](crate::Run) keeps. The first and the last state are always kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Record {
+    /// Every step.
+    #[default]
+    All,
+    /// Every k-th step, k ≥ 1.
+    Every(u64),
+    /// The first and the last state only.
+    Ends,
+}
+
+/// A method with a fixed step: fixed for the whole run, the last step shorter if it does not divide the interval.
+#[derive(Debug, Clone)]
+pub struct FixedStep<T: Float> {
+    pub(crate) method: Method,
+    pub(crate) h: T,
+    pub(crate) on_no_alpha: OnNoAlpha,
+    pub(crate) alpha_bound: T,
+    pub(crate) max_iterations: u32,
+    pub(crate) max_halvings: u32,
+    pub(crate) pure_newton: bool,
+    pub(crate) measure_energy: bool,
+    pub(crate) invariants: Vec<Invariant>,
+    pub(crate) record: Record,
+    pub(crate) output_times: Vec<T>,
+}
+
+/// Options after validation, in the form the step wants them.
+#[derive(Debug, Clone)]
+pub(crate) struct Settings<T> {
+    pub(crate) stages: usize,
+    pub(crate) fixed_alpha: Option<T>,
+    /// Number of the first free α; `None` if none is solved for.
+    pub(crate) first_alpha: Option<usize>,
+    pub(crate) on_no_alpha: OnNoAlpha,
+    pub(crate) alpha_bound: T,
+    pub(crate) max_iterations: u32,
+    pub(crate) max_halvings: u32,
+    pub(crate) pure_newton: bool,
+}
+
+impl<T: Float> FixedStep<T> {
+    pub(crate) fn new(method: Method, h: T) -> Self {
+        FixedStep {
+            method,
+            h,
+            on_no_alpha: OnNoAlpha::default(),
+            alpha_bound: T::ratio(1, 5),
+            max_iterations: 30,
+            max_halvings: 3,
+            pure_newton: false,
+            measure_energy: true,
+            invariants: Vec::new(),
+            record: Record::default(),
+            output_times: Vec::new(),
+        }
+    }
+
+    /// What to do when no α keeps the energy; [`OnNoAlpha::Carry`] by default.
+    #[must_use]
+    pub fn on_no_alpha(mut self, choice: OnNoAlpha) -> Self {
+        self.on_no_alpha = choice;
+        self
+    }
+
+    /// Largest |α_k| accepted, 0.2 by default (dimensionless; ξ_1 = 0.289 is what it is added to).
+    #[must_use]
+    pub fn alpha_bound(mut self, bound: T) -> Self {
+        self.alpha_bound = bound;
+        self
+    }
+
+    /// Newton iterations allowed per step, 30 by default.
+    #[must_use]
+    pub fn max_iterations(mut self, iterations: u32) -> Self {
+        self.max_iterations = iterations;
+        self
+    }
+
+    /// How often a step that fails may be halved, 3 by default; 0 never halves.
+    #[must_use]
+    pub fn max_halvings(mut self, halvings: u32) -> Self {
+        self.max_halvings = halvings;
+        self
+    }
+
+    /// Factor the Newton matrix in every iteration, also where the last factorisation would serve. For studies.
+    #[must_use]
+    pub fn pure_newton(mut self, pure: bool) -> Self {
+        self.pure_newton = pure;
+        self
+    }
+
+    /// Whether to evaluate H after steps that do not solve for it (Gauss, fixed α, quadratic H); on by default.
+    #[must_use]
+    pub fn measure_energy(mut self, measure: bool) -> Self {
+        self.measure_energy = measure;
+        self
+    }
+
+    /// A further quantity whose defect the certificate shows.
+    #[must_use]
+    pub fn invariant(mut self, invariant: Invariant) -> Self {
+        self.invariants.push(invariant);
+        self
+    }
+
+    /// Which steps the run keeps in memory; all by default.
+    #[must_use]
+    pub fn record(mut self, record: Record) -> Self {
+        self.record = record;
+        self
+    }
+
+    /// Times at which the state is wanted besides the grid, ascending and within the interval. Each costs one extra
+    /// step of the same method from the last grid point; the steps of the run do not change by a single bit.
+    #[must_use]
+    pub fn output_at(mut self, times: &[T]) -> Self {
+        self.output_times = times.to_vec();
+        self
+    }
+
+    /// Checks everything that does not need the Hamiltonian.
+    pub(crate) fn validate(&self) -> Result<Settings<T>, IntegrateError<T>> {
+        let s = self.method.stages;
+        let min = match self.method.family {
+            Family::Gauss => 1,
+            Family::FixedAlpha(_) | Family::Equip(_) => MIN_EQUIP_STAGES,
+        };
+        if !(min..=MAX_STAGES).contains(&s) {
+            return Err(IntegrateError::StagesOutOfRange {
+                stages: s,
+                min,
+                max: MAX_STAGES,
+            });
+        }
+        if !(self.h > T::int(0)) || !self.h.is_finite() {
+            return Err(IntegrateError::StepNotPositive { step: self.h });
+        }
+        let check = |ok: bool, option, value, expected| {
+            if ok {
+                Ok(())
+            } else {
+                Err(IntegrateError::Option {
+                    option,
+                    value,
+                    expected,
+                })
+            }
+        };
+        let bound = self.alpha_bound;
+        check(
+            bound > T::int(0) && bound.is_finite(),
+            "alpha_bound",
+            bound,
+            "positive and finite",
+        )?;
+        let int = |n: u64| T::int(i64::try_from(n).unwrap_or(i64::MAX));
+        let iterations = self.max_iterations;
+        check(
+            iterations >= 2,
+            "max_iterations",
+            int(iterations.into()),
+            "2 or more",
+        )?;
+        let halvings = self.max_halvings;
+        check(
+            halvings <= 20,
+            "max_halvings",
+            int(halvings.into()),
+            "at most 20",
+        )?;
+        if let Record::Every(k) = self.record {
+            check(k > 0, "record", int(k), "Every(k) with k of 1 or more")?;
+        }
+        let fixed_alpha = match self.method.family {
+            Family::FixedAlpha(alpha) => Some(alpha.to::<T>()),
+            _ => None,
+        };
+        if let Some(alpha) = fixed_alpha {
+            check(alpha.is_finite(), "fixed_alpha", alpha, "finite")?;
+        }
+        Ok(Settings {
+            stages: s,
+            fixed_alpha,
+            first_alpha: match self.method.family {
+                Family::Equip(Alphas::All) => Some(1),
+                Family::Equip(Alphas::Last) => Some(s - 1),
+                _ => None,
+            },
+            on_no_alpha: self.on_no_alpha,
+            alpha_bound: bound,
+            max_iterations: iterations,
+            max_halvings: halvings,
+            pure_newton: self.pure_newton,
+        })
+    }
+}

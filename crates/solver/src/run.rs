@@ -1,0 +1,349 @@
+//! A whole run over an interval, and what it leaves.
+
+use crate::certificate::Certificate;
+use crate::error::IntegrateError;
+use crate::observer::{NoObserver, Observer};
+use crate::options::{FixedStep, Record};
+use crate::outcome::Outcome;
+use crate::stepper::{StepView, Stepper};
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+use std::ops::{ControlFlow, RangeInclusive};
+
+/// The states a run kept, and its certificate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run<T> {
+    m: usize,
+    times: Vec<T>,
+    states: Vec<T>,
+    energy_defects: Vec<T>,
+    outcomes: Vec<Outcome>,
+    output_times: Vec<T>,
+    outputs: Vec<T>,
+    stopped: bool,
+    certificate: Certificate<T>,
+}
+
+/// A run that ended in an error, with all that was made before it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{error}")]
+pub struct RunFailure<T: Float> {
+    /// What went wrong.
+    #[source]
+    pub error: IntegrateError<T>,
+    /// The run up to the last good step; `None` if the fault was found before the first.
+    pub partial: Option<Box<Run<T>>>,
+}
+
+impl<T: Float> From<IntegrateError<T>> for RunFailure<T> {
+    fn from(error: IntegrateError<T>) -> Self {
+        RunFailure {
+            error,
+            partial: None,
+        }
+    }
+}
+
+impl<T: Float> FixedStep<T> {
+    /// Integrates from (`q0`, `p0`), each of length m, over `interval`.
+    ///
+    /// The grid is t0 + n h; a last, shorter step reaches the end if h does not divide the interval.
+    ///
+    /// # Errors
+    /// [`RunFailure`], which carries the part that was made.
+    pub fn integrate<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        self.integrate_observed(system, q0, p0, interval, &mut NoObserver)
+    }
+
+    /// The same, with an observer that sees every step and may end the run.
+    ///
+    /// # Errors
+    /// [`RunFailure`], which carries the part that was made.
+    pub fn integrate_observed<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let (t0, t1) = interval.into_inner();
+        let grid = Grid::new(t0, t1, self.h)?;
+        self.check_output_times(t0, t1)?;
+        let mut stepper = self.start(system, q0, p0, t0)?;
+        // The steps for output have a workspace of their own: the run must not feel them.
+        let mut outputs = match self.output_times.as_slice() {
+            [] => None,
+            times => Some(Outputs {
+                stepper: self.start(system, q0, p0, t0)?,
+                times,
+                done: 0,
+            }),
+        };
+        let mut run = Run::new(q0.len(), &stepper);
+        for index in 1..=grid.steps() {
+            if let Some(outputs) = &mut outputs {
+                if let Err(error) = outputs.up_to(&stepper, grid.time(index), &mut run) {
+                    return Err(run.fail(error, &stepper));
+                }
+            }
+            let view = match stepper.advance_to(grid.time(index), grid.size(index)) {
+                Ok(view) => view,
+                Err(error) => return Err(run.fail(error, &stepper)),
+            };
+            let stop = observer.step(&view) == ControlFlow::Break(());
+            let keep = match self.record {
+                Record::All => true,
+                Record::Every(k) => index % k == 0,
+                Record::Ends => false,
+            };
+            if keep || stop || index == grid.steps() {
+                run.keep(&view);
+            }
+            if stop {
+                run.stopped = true;
+                break;
+            }
+        }
+        if let (Some(outputs), false) = (&mut outputs, run.stopped) {
+            if let Err(error) = outputs.up_to(&stepper, T::INFINITY, &mut run) {
+                return Err(run.fail(error, &stepper));
+            }
+        }
+        run.finish(&stepper);
+        Ok(run)
+    }
+
+    fn check_output_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
+        let mut previous = start;
+        for (index, &time) in self.output_times.iter().enumerate() {
+            if !(time >= previous && time <= end) {
+                return Err(IntegrateError::OutputTime {
+                    time,
+                    index,
+                    start,
+                    end,
+                });
+            }
+            previous = time;
+        }
+        Ok(())
+    }
+}
+
+/// The grid t0 + n h over an interval.
+#[derive(Debug, Clone, Copy)]
+struct Grid<T> {
+    t0: T,
+    t1: T,
+    h: T,
+    whole: u64,
+    rest: bool,
+}
+
+impl<T: Float> Grid<T> {
+    fn new(t0: T, t1: T, h: T) -> Result<Self, IntegrateError<T>> {
+        if !(h > T::int(0)) || !h.is_finite() {
+            return Err(IntegrateError::StepNotPositive { step: h });
+        }
+        if !(t1 >= t0) || !t0.is_finite() || !t1.is_finite() {
+            return Err(IntegrateError::Interval { start: t0, end: t1 });
+        }
+        let ratio = (t1 - t0) / h;
+        // The step count must be exact in an f64 and fit the time grid of T.
+        if !(ratio.to_f64() < 9e15) {
+            return Err(IntegrateError::TooManySteps {
+                steps: ratio.to_f64(),
+            });
+        }
+        let largest = t0.abs().max(t1.abs());
+        if ratio > T::int(0) && largest + h == largest {
+            return Err(IntegrateError::StepBelowTimeResolution {
+                step: h,
+                time: largest,
+            });
+        }
+        // h divides the interval if the rounded number of steps meets t1 within the rounding of the time.
+        let nearest = ratio.round();
+        let miss = (t0 + nearest * h - t1).abs();
+        let divides = miss <= T::int(2) * T::EPSILON * largest.max(t1 - t0);
+        let whole = if divides { nearest } else { ratio.floor() };
+        Ok(Grid {
+            t0,
+            t1,
+            h,
+            whole: whole.to_f64() as u64,
+            rest: !divides,
+        })
+    }
+
+    fn steps(&self) -> u64 {
+        self.whole + u64::from(self.rest)
+    }
+
+    fn time(&self, index: u64) -> T {
+        if index > self.whole {
+            self.t1
+        } else {
+            self.t0 + T::int(index as i64) * self.h
+        }
+    }
+
+    fn size(&self, index: u64) -> T {
+        if index > self.whole {
+            self.t1 - self.time(self.whole)
+        } else {
+            self.h
+        }
+    }
+}
+
+/// States at chosen times: one step of the same method from the last grid point, to each.
+struct Outputs<'a, T: Float, E> {
+    stepper: Stepper<T, E>,
+    times: &'a [T],
+    done: usize,
+}
+
+impl<T: Float, E: Evaluate<T>> Outputs<'_, T, E> {
+    /// Makes the outputs before time `end`, starting from the state that `main` has now.
+    fn up_to(
+        &mut self,
+        main: &Stepper<T, E>,
+        end: T,
+        run: &mut Run<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        while let Some(&time) = self.times.get(self.done).filter(|&&time| time < end) {
+            let h = time - main.time();
+            if h > T::int(0) {
+                self.stepper.core.forget();
+                let side = &mut self.stepper;
+                side.core.step(&main.y, main.time(), h, &mut side.y)?;
+                run.outputs.extend_from_slice(&side.y.hi);
+                run.certificate.output_steps += 1;
+            } else {
+                run.outputs.extend_from_slice(&main.y.hi);
+            }
+            run.output_times.push(time);
+            self.done += 1;
+        }
+        Ok(())
+    }
+}
+
+impl<T: Float> Run<T> {
+    fn new<E: Evaluate<T>>(m: usize, stepper: &Stepper<T, E>) -> Self {
+        let mut run = Run {
+            m,
+            times: Vec::new(),
+            states: Vec::new(),
+            energy_defects: Vec::new(),
+            outcomes: Vec::new(),
+            output_times: Vec::new(),
+            outputs: Vec::new(),
+            stopped: false,
+            certificate: stepper.certificate(),
+        };
+        run.keep(&stepper.view());
+        run
+    }
+
+    fn keep(&mut self, view: &StepView<'_, T>) {
+        self.times.push(view.time);
+        self.states.extend_from_slice(view.q);
+        self.states.extend_from_slice(view.p);
+        self.energy_defects.extend(view.energy_defect);
+        self.outcomes.push(view.outcome);
+    }
+
+    fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
+        let output_steps = self.certificate.output_steps;
+        self.certificate = Certificate {
+            output_steps,
+            ..stepper.certificate()
+        };
+    }
+
+    fn fail<E: Evaluate<T>>(
+        mut self,
+        error: IntegrateError<T>,
+        stepper: &Stepper<T, E>,
+    ) -> RunFailure<T> {
+        if self.times.last() != Some(&stepper.time()) {
+            self.keep(&stepper.view());
+        }
+        self.finish(stepper);
+        RunFailure {
+            error,
+            partial: Some(Box::new(self)),
+        }
+    }
+
+    /// Number of states kept, the initial one included.
+    pub fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    /// A run always keeps its initial state.
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    /// Times of the states kept.
+    pub fn times(&self) -> &[T] {
+        &self.times
+    }
+
+    /// Positions of state number `i`, length m.
+    pub fn q(&self, i: usize) -> &[T] {
+        &self.states[2 * self.m * i..][..self.m]
+    }
+
+    /// Momenta of state number `i`, length m.
+    pub fn p(&self, i: usize) -> &[T] {
+        &self.states[2 * self.m * i + self.m..][..self.m]
+    }
+
+    /// The last state: time, positions, momenta.
+    pub fn last(&self) -> (T, &[T], &[T]) {
+        let i = self.len() - 1;
+        (self.times[i], self.q(i), self.p(i))
+    }
+
+    /// H − H_ref of the states kept; empty if the energy was not measured.
+    pub fn energy_defects(&self) -> &[T] {
+        &self.energy_defects
+    }
+
+    /// Outcomes of the steps that led to the states kept; that of the initial state means nothing.
+    pub fn outcomes(&self) -> &[Outcome] {
+        &self.outcomes
+    }
+
+    /// The states at the times asked for with [`FixedStep::output_at`]: time, positions, momenta.
+    pub fn outputs(&self) -> impl Iterator<Item = (T, &[T], &[T])> {
+        self.output_times
+            .iter()
+            .zip(self.outputs.chunks_exact(2 * self.m))
+            .map(|(&t, y)| {
+                let (q, p) = y.split_at(self.m);
+                (t, q, p)
+            })
+    }
+
+    /// Whether an observer ended the run before the end of the interval.
+    pub fn stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// What was kept, measured.
+    pub fn certificate(&self) -> &Certificate<T> {
+        &self.certificate
+    }
+}

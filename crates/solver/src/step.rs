@@ -1,0 +1,244 @@
+//! One step, as the paper reads: initial guess → stages and α → accept, or halve and try again → update.
+
+use crate::energy::{Residual, Target};
+use crate::error::IntegrateError;
+use crate::guess::Guess;
+use crate::newton::{Failure, Newton, StepTask};
+use crate::options::{OnNoAlpha, Settings};
+use crate::outcome::{Counts, Outcome};
+use crate::stages::Stages;
+use crate::state::State;
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+use equip_tableau::Gauss;
+
+/// Everything a step works with; no allocation after it is made.
+#[derive(Debug)]
+pub(crate) struct Core<T: Float, E> {
+    pub(crate) energy: E,
+    pub(crate) stages: Stages<T>,
+    pub(crate) newton: Newton<T>,
+    pub(crate) residual: Residual<T>,
+    pub(crate) counts: Counts,
+    pub(crate) settings: Settings<T>,
+    guess: Guess<T>,
+    /// α's a step starts from: zero, or the fixed ones.
+    start_alphas: Vec<T>,
+    target: Option<Target<T>>,
+    /// Outcome of a step that has no target.
+    without_target: Outcome,
+    /// Mid points of halved steps, one per level.
+    middles: Vec<State<T>>,
+}
+
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// `h_ref` is H at the start of the run.
+    pub(crate) fn new<H: System<Evaluator<T> = E>>(
+        system: &H,
+        energy: E,
+        settings: Settings<T>,
+        gauss: Gauss<T>,
+        h_ref: T,
+    ) -> Self {
+        let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
+        let structure = system.structure();
+        let mut start_alphas = vec![T::int(0); s - 1];
+        if let (Some(alpha), Some(last)) = (settings.fixed_alpha, start_alphas.last_mut()) {
+            *last = alpha;
+        }
+        let asked = settings.first_alpha.is_some();
+        let zero = State::new(&vec![T::int(0); n], &[]);
+        Core {
+            energy,
+            newton: Newton::new(s, structure.hessian.clone(), settings.max_iterations),
+            residual: Residual::new(n),
+            counts: Counts::default(),
+            guess: Guess::new(s, n),
+            start_alphas,
+            target: (asked && !structure.is_quadratic()).then_some(Target { h_ref }),
+            without_target: if asked {
+                Outcome::Quadratic
+            } else {
+                Outcome::NotAsked
+            },
+            middles: vec![zero; settings.max_halvings as usize],
+            stages: Stages::new(gauss, n),
+            settings,
+        }
+    }
+
+    /// Whether the steps have an energy to reach.
+    pub(crate) fn has_target(&self) -> bool {
+        self.target.is_some()
+    }
+
+    /// Forgets the last step, so that the next depends on the state alone.
+    pub(crate) fn forget(&mut self) {
+        self.guess.forget();
+    }
+
+    /// One step of size `h` from `y` at time `t` into `next`. `y` is not changed, whatever happens.
+    pub(crate) fn step(
+        &mut self,
+        y: &State<T>,
+        t: T,
+        h: T,
+        next: &mut State<T>,
+    ) -> Result<Outcome, IntegrateError<T>> {
+        self.step_at_level(0, y, t, h, next)
+    }
+
+    fn step_at_level(
+        &mut self,
+        level: u32,
+        y: &State<T>,
+        t: T,
+        h: T,
+        next: &mut State<T>,
+    ) -> Result<Outcome, IntegrateError<T>> {
+        let failure = match self.attempt(y, h, self.target, next) {
+            Ok(outcome) => return Ok(outcome),
+            Err(failure) => failure,
+        };
+        if level < self.settings.max_halvings {
+            return self.halve(level, y, t, h, next);
+        }
+        match failure {
+            Failure::NoAlpha => self.without_alpha(y, t, h, next),
+            other => Err(self.error(other, t, h)),
+        }
+    }
+
+    fn halve(
+        &mut self,
+        level: u32,
+        y: &State<T>,
+        t: T,
+        h: T,
+        next: &mut State<T>,
+    ) -> Result<Outcome, IntegrateError<T>> {
+        self.counts.halvings += 1;
+        let h = h / T::int(2);
+        let mut middle = std::mem::replace(&mut self.middles[level as usize], State::empty());
+        let end = self
+            .step_at_level(level + 1, y, t, h, &mut middle)
+            .and_then(|_| self.step_at_level(level + 1, &middle, t + h, h, next));
+        self.middles[level as usize] = middle;
+        Ok(if end? == Outcome::Carried {
+            Outcome::Carried
+        } else {
+            Outcome::Halved
+        })
+    }
+
+    /// No admissible α at this size and no halving left: the step with α = 0, or an error, as the user chose.
+    fn without_alpha(
+        &mut self,
+        y: &State<T>,
+        t: T,
+        h: T,
+        next: &mut State<T>,
+    ) -> Result<Outcome, IntegrateError<T>> {
+        self.attempt(y, h, None, next)
+            .map_err(|failure| self.error(failure, t, h))?;
+        if let Some(target) = self.target {
+            self.counts.gradients += 1;
+            self.residual.evaluate(&mut self.energy, next, target);
+        }
+        match self.settings.on_no_alpha {
+            OnNoAlpha::Carry => Ok(Outcome::Carried),
+            OnNoAlpha::Refuse => Err(IntegrateError::NoAdmissibleAlpha {
+                time: t,
+                step: h,
+                defect: self.residual.defect,
+                floor: self.residual.floor,
+            }),
+        }
+    }
+
+    /// Initial guess and solution of system (7); from the state alone if the prolonged guess leads nowhere.
+    fn attempt(
+        &mut self,
+        y: &State<T>,
+        h: T,
+        target: Option<Target<T>>,
+        next: &mut State<T>,
+    ) -> Result<Outcome, Failure<T>> {
+        let solved = self.solve(y, h, target, next);
+        let solved = match solved {
+            Err(Failure::NoAlpha) | Ok(()) => solved,
+            Err(_) if self.guess.is_from_last_step() => {
+                self.guess.forget();
+                self.solve(y, h, target, next)
+            }
+            Err(_) => solved,
+        };
+        solved?;
+        self.guess.remember(&self.stages.l, h);
+        Ok(match target {
+            None => self.without_target,
+            Some(_) if self.stages.alphas.iter().all(|a| *a == T::int(0)) => Outcome::AtFloor,
+            Some(_) => Outcome::Solved,
+        })
+    }
+
+    fn solve(
+        &mut self,
+        y: &State<T>,
+        h: T,
+        target: Option<Target<T>>,
+        next: &mut State<T>,
+    ) -> Result<(), Failure<T>> {
+        self.stages.set_alphas(&self.start_alphas);
+        self.guess.make(&mut self.stages, &mut self.energy, y, h);
+        let task = StepTask {
+            y,
+            h,
+            target,
+            first: self.settings.first_alpha.unwrap_or(1),
+            alpha_bound: self.settings.alpha_bound,
+            max_iterations: self.settings.max_iterations,
+            pure: self.settings.pure_newton,
+        };
+        self.newton.solve(
+            &mut self.stages,
+            &mut self.residual,
+            next,
+            &mut self.energy,
+            &task,
+            &mut self.counts,
+        )
+    }
+
+    fn error(&self, failure: Failure<T>, time: T, step: T) -> IntegrateError<T> {
+        let halvings = self.settings.max_halvings;
+        match failure {
+            Failure::NotFinite => IntegrateError::NotFinite {
+                time,
+                step,
+                halvings,
+            },
+            Failure::Singular => IntegrateError::Singular {
+                time,
+                step,
+                halvings,
+            },
+            Failure::NoConvergence {
+                iterations,
+                correction,
+            } => IntegrateError::NoConvergence {
+                time,
+                step,
+                halvings,
+                iterations,
+                correction,
+            },
+            Failure::NoAlpha => IntegrateError::NoAdmissibleAlpha {
+                time,
+                step,
+                defect: self.residual.defect,
+                floor: self.residual.floor,
+            },
+        }
+    }
+}
