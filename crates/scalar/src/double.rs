@@ -71,7 +71,9 @@ impl Float for f64 {
         n as f64
     }
     fn decimal(text: &str) -> Result<f64, ParseFloatError> {
-        text.trim().parse::<f64>().map_err(|_| ParseFloatError { text: text.into() })
+        text.trim()
+            .parse::<f64>()
+            .map_err(|_| ParseFloatError { text: text.into() })
     }
     #[inline(always)]
     fn to_f64(self) -> f64 {

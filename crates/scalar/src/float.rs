@@ -59,7 +59,10 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
     fn expansion(self) -> [f64; 4];
     /// The sum of an expansion made by [`expansion`](Self::expansion).
     fn from_expansion(parts: [f64; 4]) -> Self {
-        parts.iter().rev().fold(Self::int(0), |sum, &part| sum + Self::exact(part))
+        parts
+            .iter()
+            .rev()
+            .fold(Self::int(0), |sum, &part| sum + Self::exact(part))
     }
     /// Whether the number is NaN.
     fn is_nan(self) -> bool {
