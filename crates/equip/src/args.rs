@@ -8,13 +8,17 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 #[derive(Debug, Parser)]
-#[command(name = "equip", version, about = "Energy-preserving integration of Hamiltonian systems",
+#[command(
+    name = "equip",
+    version,
+    about = "Energy-preserving integration of Hamiltonian systems",
     long_about = "Integrates named Hamiltonian systems with EQUIP methods: Gauss methods whose free parameters α are \
         chosen at every step so that the energy H is kept to round-off, and quadratic invariants with it.",
     after_help = "Examples:\n  equip scenes                       what there is to integrate\n  \
         equip scenes kepler                formula, parameters and source of one scene\n  \
         equip run kepler                   a run with its certificate\n  \
-        equip run kepler --e 0.9 --stages 6 --periods 100 --plot kepler.svg")]
+        equip run kepler --e 0.9 --stages 6 --periods 100 --plot kepler.svg"
+)]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -36,7 +40,8 @@ pub(crate) struct ScenesArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Numbers are decimals (0.05, 1e-3) or quotients (1/20), read in the precision of the run: with \
+#[command(
+    after_help = "Numbers are decimals (0.05, 1e-3) or quotients (1/20), read in the precision of the run: with \
         --precision dd, 0.1 is 1/10 to 31 digits.\n\n\
         Exit codes: 0 success; 1 the integration or the output failed, with the output up to there written; 2 bad usage \
         or input.\n\n\
@@ -46,7 +51,8 @@ pub(crate) struct ScenesArgs {
         equip run henon-heiles --stages 4 --step 0.25 --until 1000 --method gauss\n  \
         equip run pendulum --precision dd --stages 8 --step 1/10 --until 50\n  \
         equip run kepler --json | jq .energy.max\n\n\
-        `equip run SCENE --help` lists the parameters of that scene.")]
+        `equip run SCENE --help` lists the parameters of that scene."
+)]
 pub(crate) struct RunArgs {
     /// Scene to integrate; `equip scenes` lists them
     pub(crate) scene: String,
@@ -60,16 +66,38 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
     pub(crate) method: MethodName,
     /// Step; the scene's suggestion if not given
-    #[arg(long, value_name = "H", allow_hyphen_values = true, conflicts_with = "steps_per_period", help_heading = "Method")]
+    #[arg(
+        long,
+        value_name = "H",
+        allow_hyphen_values = true,
+        conflicts_with = "steps_per_period",
+        help_heading = "Method"
+    )]
     pub(crate) step: Option<String>,
     /// Step as the scene's period divided by N
-    #[arg(long, value_name = "N", allow_hyphen_values = true, help_heading = "Method")]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
     pub(crate) steps_per_period: Option<String>,
     /// Time to end at; the scene's suggestion if not given
-    #[arg(long, value_name = "T", allow_hyphen_values = true, conflicts_with = "periods", help_heading = "Method")]
+    #[arg(
+        long,
+        value_name = "T",
+        allow_hyphen_values = true,
+        conflicts_with = "periods",
+        help_heading = "Method"
+    )]
     pub(crate) until: Option<String>,
     /// Time to end at, in periods of the scene
-    #[arg(long, value_name = "P", allow_hyphen_values = true, help_heading = "Method")]
+    #[arg(
+        long,
+        value_name = "P",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
     pub(crate) periods: Option<String>,
     /// Numbers to compute in: f64 has 16 digits, dd (double-double) about 31
     #[arg(long, value_enum, default_value = "f64", help_heading = "Method")]
@@ -114,9 +142,13 @@ pub(crate) enum MethodName {
 /// Parses the command line; ends the program on `--help` and on wrong usage.
 pub(crate) fn parse() -> Cli {
     let arguments: Vec<OsString> = std::env::args_os().collect();
-    let named = arguments.iter().skip(2).find_map(|text| equip_scenes::find(text.to_str()?).ok());
+    let named = arguments
+        .iter()
+        .skip(2)
+        .find_map(|text| equip_scenes::find(text.to_str()?).ok());
     let mut names = Vec::new();
-    let command = Cli::command().mut_subcommand("run", |run| with_parameters(run, named, &mut names));
+    let command =
+        Cli::command().mut_subcommand("run", |run| with_parameters(run, named, &mut names));
     let mut matches = command.clone().get_matches_from(arguments);
     let given: Vec<_> = match matches.subcommand_matches("run") {
         Some(run) => names
@@ -139,8 +171,14 @@ fn with_parameters(
     named: Option<&'static Scene>,
     names: &mut Vec<&'static str>,
 ) -> clap::Command {
-    let rest = equip_scenes::all().iter().filter(|scene| named.is_none_or(|n| n.name != scene.name));
-    for (visible, scene) in named.into_iter().map(|s| (true, s)).chain(rest.map(|s| (false, s))) {
+    let rest = equip_scenes::all()
+        .iter()
+        .filter(|scene| named.is_none_or(|n| n.name != scene.name));
+    for (visible, scene) in named
+        .into_iter()
+        .map(|s| (true, s))
+        .chain(rest.map(|s| (false, s)))
+    {
         for parameter in scene.parameters {
             let name = parameter.name;
             let taken = |arg: &Arg| arg.get_id() == name || arg.get_long() == Some(name);
@@ -154,7 +192,10 @@ fn with_parameters(
                     .value_name("VALUE")
                     .allow_hyphen_values(true)
                     .hide(!visible)
-                    .help(format!("{}, in {} [default: {}]", parameter.meaning, parameter.range, parameter.default))
+                    .help(format!(
+                        "{}, in {} [default: {}]",
+                        parameter.meaning, parameter.range, parameter.default
+                    ))
                     .help_heading("Parameters of the scene"),
             );
         }
@@ -163,7 +204,9 @@ fn with_parameters(
 }
 
 fn pair(text: &str) -> Result<(String, String), &'static str> {
-    let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE, like e=0.9")?;
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("write it as NAME=VALUE, like e=0.9")?;
     Ok((name.trim().to_owned(), value.trim().to_owned()))
 }
 
@@ -194,14 +237,24 @@ mod tests {
                 .mut_subcommand("run", |run| with_parameters(run, Some(scene), &mut names))
                 .debug_assert();
             // Every parameter has its option: none is hidden behind an option of `run`.
-            assert!(scene.parameters.iter().all(|p| names.contains(&p.name)), "{}", scene.name);
+            assert!(
+                scene.parameters.iter().all(|p| names.contains(&p.name)),
+                "{}",
+                scene.name
+            );
         }
     }
 
     #[test]
     fn method_names() {
-        assert_eq!(method("fixed-alpha=-1/50"), Ok(MethodName::FixedAlpha("-1/50".into())));
-        assert_eq!(method("fixed-alpha"), Ok(MethodName::FixedAlpha("0.02".into())));
+        assert_eq!(
+            method("fixed-alpha=-1/50"),
+            Ok(MethodName::FixedAlpha("-1/50".into()))
+        );
+        assert_eq!(
+            method("fixed-alpha"),
+            Ok(MethodName::FixedAlpha("0.02".into()))
+        );
         assert!(method("gauss=2").is_err() && method("euler").is_err());
     }
 }

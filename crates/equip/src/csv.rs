@@ -37,15 +37,30 @@ impl<W: Write> Rows<W> {
             }
         }
         writeln!(out, ",energy_defect,outcome")?;
-        let mut rows = Rows { out, every, last: None };
+        let mut rows = Rows {
+            out,
+            every,
+            last: None,
+        };
         let zero = T::int(0);
-        rows.write(Row { index: 0, time: zero, q, p, energy_defect: Some(zero), outcome: START })?;
+        rows.write(Row {
+            index: 0,
+            time: zero,
+            q,
+            p,
+            energy_defect: Some(zero),
+            outcome: START,
+        })?;
         Ok(rows)
     }
 
     /// Writes the row if it is one of those wanted.
     pub(crate) fn step<T: Float>(&mut self, row: Row<'_, T>) -> io::Result<()> {
-        if row.index % self.every == 0 { self.write(row) } else { Ok(()) }
+        if row.index % self.every == 0 {
+            self.write(row)
+        } else {
+            Ok(())
+        }
     }
 
     /// Writes the last row, whatever its number, and flushes.
@@ -98,7 +113,14 @@ mod tests {
     #[test]
     fn every_second_row_and_the_last() {
         let mut file = Vec::new();
-        let row = |index| Row { index, time: index as f64, q: &[0.5], p: &[2.0], energy_defect: None, outcome: "a, b" };
+        let row = |index| Row {
+            index,
+            time: index as f64,
+            q: &[0.5],
+            p: &[2.0],
+            energy_defect: None,
+            outcome: "a, b",
+        };
         let mut rows = Rows::start(&mut file, 2, &[0.5], &[2.0]).unwrap();
         for index in 1..=3 {
             rows.step(row(index)).unwrap();

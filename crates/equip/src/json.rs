@@ -101,7 +101,10 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         energy_in_floors: certificate.energy_in_floors.map(Number::new),
         energy_kept_on_every_step: certificate.energy_kept_on_every_step(),
         invariants: certificate.invariants.iter().map(quantity).collect(),
-        outcomes: Outcome::ALL.iter().map(|o| (o.label(), counts.outcome(*o))).collect(),
+        outcomes: Outcome::ALL
+            .iter()
+            .map(|o| (o.label(), counts.outcome(*o)))
+            .collect(),
         alpha_range: certificate
             .alpha_range
             .iter()
@@ -116,12 +119,18 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             alpha_solves: counts.alpha_solves,
             halvings: counts.halvings,
         },
-        end_state: AtEnd { q: Number::all(q), p: Number::all(p) },
-        end_state_error: finished.end_error.as_ref().map(|EndError { against, q, p }| Against {
-            against: against.clone(),
-            q: Number::new(*q),
-            p: Number::new(*p),
-        }),
+        end_state: AtEnd {
+            q: Number::all(q),
+            p: Number::all(p),
+        },
+        end_state_error: finished
+            .end_error
+            .as_ref()
+            .map(|EndError { against, q, p }| Against {
+                against: against.clone(),
+                q: Number::new(*q),
+                p: Number::new(*p),
+            }),
         seconds: certificate.seconds,
         error: finished.error.as_ref().map(ToString::to_string),
     };

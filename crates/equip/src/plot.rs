@@ -7,12 +7,16 @@ use equip_scalar::Float;
 use equip_scenes::{Instance, View};
 
 /// Muted colours, told apart also by those who do not see red and green apart: the first is that of the run.
-const COLOURS: [&str; 6] = ["#2b6a99", "#c46b1f", "#4f8f6b", "#8d6a9f", "#b0485c", "#6b6b6b"];
+const COLOURS: [&str; 6] = [
+    "#2b6a99", "#c46b1f", "#4f8f6b", "#8d6a9f", "#b0485c", "#6b6b6b",
+];
 const GAUSS: &str = COLOURS[1];
 const WIDTH: u32 = 1040;
 const HEIGHT: u32 = 480;
 const TOP: f64 = 108.0;
 const SIDE: f64 = 300.0;
+/// Up to this many steps, each is marked by a dot.
+const FEW: usize = 1500;
 
 /// The energy defect of the Gauss method on the same steps.
 #[derive(Debug)]
@@ -41,16 +45,37 @@ pub(crate) fn draw<T: Float>(
     let mut svg = Svg::new(WIDTH, HEIGHT);
     let (instance, certificate) = (finished.instance, finished.run.certificate());
     svg.text((28.0, 36.0), 20, Anchor::Start, INK, instance.scene().title);
-    let mut facts: Vec<_> = instance.parameters().map(|(n, v)| format!("{n} = {v}")).collect();
-    facts.push(format!("{} steps of {:.5}", certificate.counts.steps, certificate.step.to_f64()));
+    let mut facts: Vec<_> = instance
+        .parameters()
+        .map(|(n, v)| format!("{n} = {v}"))
+        .collect();
+    facts.push(format!(
+        "{} steps of {}",
+        certificate.counts.steps,
+        brief(certificate.step.to_f64())
+    ));
     facts.push(format!("{} in {}", certificate.method, T::NAME));
-    svg.text((28.0, 60.0), 14, Anchor::Start, FAINT, &facts.join("  \u{b7}  "));
+    svg.text(
+        (28.0, 60.0),
+        14,
+        Anchor::Start,
+        FAINT,
+        &facts.join("  \u{b7}  "),
+    );
     match instance.view() {
         View::Profile => profile(&mut svg, finished),
         view => paths(&mut svg, instance, path, &view),
     }
-    let scale = certificate.energy.as_ref().map_or(1.0, |e| e.start.to_f64().abs());
-    let floor = T::EPSILON.to_f64() * if scale > 0.0 { scale } else { 1.0 };
+    let scale = certificate
+        .energy
+        .as_ref()
+        .map_or(0.0, |e| e.start.to_f64().abs());
+    let epsilon: f64 = T::EPSILON.to_f64();
+    let floor = if scale > 0.0 {
+        epsilon * scale
+    } else {
+        epsilon
+    };
     let name = certificate.method.to_string();
     let name = name.split(',').next().unwrap_or_default();
     let end = certificate.end.to_f64();
@@ -59,7 +84,14 @@ pub(crate) fn draw<T: Float>(
 }
 
 fn left_panel(x: Axis, y: Axis) -> Panel {
-    Panel { left: 92.0, top: TOP, width: 340.0, height: SIDE, x, y }
+    Panel {
+        left: 92.0,
+        top: TOP,
+        width: 340.0,
+        height: SIDE,
+        x,
+        y,
+    }
 }
 
 /// Paths of bodies, or the phase portrait of one degree of freedom.
@@ -84,6 +116,9 @@ fn paths(svg: &mut Svg, instance: &Instance, path: &Path, view: &View) {
         let points = path.pairs(i).map(|point| panel.at(point));
         // Points of steps far apart are not joined: the line would not be the path.
         if path.stride() == 1 {
+            if points.clone().count() <= FEW {
+                svg.dots(points.clone(), colour, 3.0);
+            }
             svg.polyline(points, colour, 1.2);
         } else {
             svg.dots(points, colour, 1.6);
@@ -95,27 +130,43 @@ fn paths(svg: &mut Svg, instance: &Instance, path: &Path, view: &View) {
     svg.dot((panel.left + 6.0, TOP - 18.0), 4.0, INK);
     let every = match path.stride() {
         1 => String::new(),
-        stride => format!(", every {stride}th step"),
+        stride => format!(", one step in {stride} drawn"),
     };
-    svg.text((panel.left + 18.0, TOP - 13.0), 14, Anchor::Start, INK, &format!("start{every}"));
+    svg.text(
+        (panel.left + 18.0, TOP - 13.0),
+        14,
+        Anchor::Start,
+        INK,
+        &format!("start{every}"),
+    );
 }
 
 /// q_i against i, at the start and at the end.
 fn profile<T: Float>(svg: &mut Svg, finished: &Finished<'_, T>) {
     let (run, last) = (&finished.run, finished.run.len() - 1);
     let states = [(run.q(0), FAINT), (run.q(last), COLOURS[0])];
-    let all = states.iter().flat_map(|(q, _)| q.iter().map(|x| x.to_f64()));
+    let all = states
+        .iter()
+        .flat_map(|(q, _)| q.iter().map(|x| x.to_f64()));
     let y = Axis::around(all, "q\u{1d62}");
     let panel = left_panel(Axis::between(0.0, (run.q(0).len() + 1) as f64, "i"), y);
     panel.draw_axes(svg);
     for (k, (q, colour)) in states.into_iter().enumerate() {
-        let points = q.iter().enumerate().map(|(i, x)| panel.at(((i + 1) as f64, x.to_f64())));
+        let points = q
+            .iter()
+            .enumerate()
+            .map(|(i, x)| panel.at(((i + 1) as f64, x.to_f64())));
         svg.polyline(points.clone(), colour, 1.5);
         if q.len() <= 64 {
             svg.dots(points, colour, 5.0);
         }
         let left = panel.left + 120.0 * k as f64;
-        legend(svg, left, colour, &format!("t = {:.4}", run.times()[k * last].to_f64()));
+        legend(
+            svg,
+            left,
+            colour,
+            &format!("t = {}", brief(run.times()[k * last].to_f64())),
+        );
     }
 }
 
@@ -133,16 +184,35 @@ fn energies(
         let short = if *complete { "" } else { ", ended early" };
         curves.insert(0, (energy, GAUSS, format!("Gauss, same steps{short}")));
     }
-    let all = curves.iter().flat_map(|(curve, ..)| curve.points().iter().map(|point| point.1));
+    let all = curves
+        .iter()
+        .flat_map(|(curve, ..)| curve.points().iter().map(|point| point.1));
     let (low, high) = all
         .filter(|&x| x.is_finite() && x > 0.0)
-        .fold((f64::INFINITY, floor), |(low, high), x| (low.min(x), high.max(x)));
-    let y = Axis::decades(low.clamp(floor * 0.1, high), high, "energy defect |H \u{2212} H(0)|");
+        .fold((f64::INFINITY, floor), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+    let y = Axis::decades(
+        low.clamp(floor * 0.1, high),
+        high,
+        "energy defect |H \u{2212} H(0)|",
+    );
     let x = Axis::between(0.0, end, "time t");
-    let panel = Panel { left: 560.0, top: TOP, width: 448.0, height: SIDE, x, y };
+    let panel = Panel {
+        left: 560.0,
+        top: TOP,
+        width: 448.0,
+        height: SIDE,
+        x,
+        y,
+    };
     panel.draw_axes(svg);
     for (curve, colour, _) in &curves {
-        svg.polyline(curve.points().iter().map(|&point| panel.at(point)), colour, 1.2);
+        svg.polyline(
+            curve.points().iter().map(|&point| panel.at(point)),
+            colour,
+            1.2,
+        );
     }
     let mut left = panel.left;
     for (_, colour, label) in curves.iter().rev() {
@@ -154,4 +224,14 @@ fn energies(
 fn legend(svg: &mut Svg, left: f64, colour: &str, label: &str) {
     svg.line((left, TOP - 18.0), (left + 26.0, TOP - 18.0), colour, 3.0);
     svg.text((left + 34.0, TOP - 13.0), 14, Anchor::Start, INK, label);
+}
+
+/// A number in at most five digits.
+fn brief(x: f64) -> String {
+    let rounded = format!("{x:.4e}").parse().unwrap_or(x);
+    if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
 }

@@ -19,7 +19,12 @@ impl Progress {
     /// A bar for a run of so many steps, if it is `wanted` and there is a terminal to see it.
     pub(crate) fn new(steps: u64, wanted: bool) -> Self {
         let wanted = wanted && stderr().is_terminal();
-        Progress { begun: Instant::now(), steps, wanted, bar: None }
+        Progress {
+            begun: Instant::now(),
+            steps,
+            wanted,
+            bar: None,
+        }
     }
 
     pub(crate) fn see(&mut self, index: u64) {
@@ -28,7 +33,8 @@ impl Progress {
         }
         if self.bar.is_none() && self.begun.elapsed() > PATIENCE {
             let bar = ProgressBar::new(self.steps);
-            let style = ProgressStyle::with_template("{bar:40} {percent}% of {len} steps, {eta} to go");
+            let style =
+                ProgressStyle::with_template("{bar:40} {percent}% of {len} steps, {eta} to go");
             self.bar = Some(bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar())));
         }
         if let Some(bar) = &self.bar {

@@ -10,7 +10,8 @@ use crate::{json, plot};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
 use equip_solver::{
-    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run, StepView,
+    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run,
+    StepView,
 };
 use std::io::{Write, stdout};
 use std::ops::ControlFlow;
@@ -34,7 +35,11 @@ pub(crate) struct EndError<T> {
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
     let scene = equip_scenes::find(&args.scene)?;
-    let values: Vec<_> = args.set.iter().map(|(n, v)| (n.as_str(), v.as_str())).collect();
+    let values: Vec<_> = args
+        .set
+        .iter()
+        .map(|(n, v)| (n.as_str(), v.as_str()))
+        .collect();
     let instance = scene.instance(&values)?;
     match args.precision {
         Precision::F64 => run_in::<f64>(args, &instance),
@@ -50,11 +55,16 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         integrator = integrator.on_no_alpha(OnNoAlpha::Refuse);
     }
     for invariant in instance.invariants() {
-        integrator = integrator.invariant(Invariant::new(invariant.name, invariant.quantity.clone()));
+        integrator =
+            integrator.invariant(Invariant::new(invariant.name, invariant.quantity.clone()));
     }
 
     let (q0, p0) = instance.initial::<T>();
-    let components = if args.plot.is_some() { plot::components(instance) } else { Vec::new() };
+    let components = if args.plot.is_some() {
+        plot::components(instance)
+    } else {
+        Vec::new()
+    };
     let steps = (end / h).to_f64().ceil() as u64;
     let progress = Progress::new(steps, !args.quiet);
     let mut watch = Watch::new((&q0, &p0), Path::new(components), progress);
@@ -63,7 +73,8 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     watch.plot.clone_from(&args.plot);
 
     let interval = T::int(0)..=end;
-    let made = integrator.integrate_observed(instance.hamiltonian(), &q0, &p0, interval, &mut watch);
+    let made =
+        integrator.integrate_observed(instance.hamiltonian(), &q0, &p0, interval, &mut watch);
     let (run, error) = match made {
         Ok(run) => (run, None),
         Err(failure) => match failure.partial {
@@ -72,13 +83,22 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         },
     };
     watch.finish(&run)?;
-    let finished = Finished { end_error: end_error(instance, &run), instance, run, error };
+    let finished = Finished {
+        end_error: end_error(instance, &run),
+        instance,
+        run,
+        error,
+    };
     if let (Some(mut file), Some(path)) = (watch.drawing.take(), &args.plot) {
         let compare = !args.no_compare && args.method != MethodName::Gauss;
         let reached = finished.run.certificate().end;
         let comparison = compare.then(|| gauss::<T>(args.stages, h, instance, reached));
         let text = draw(&finished, &watch.path, &watch.energy, comparison.as_ref());
-        file.write_all(text.as_bytes()).map_err(|source| Fault::Write { path: path.clone(), source })?;
+        file.write_all(text.as_bytes())
+            .map_err(|source| Fault::Write {
+                path: path.clone(),
+                source,
+            })?;
     }
     drop(watch);
     report(args, &finished)?;
@@ -104,7 +124,11 @@ fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), F
             let steps = number::<T>("--steps-per-period", text)?;
             if !(steps > T::int(0)) {
                 let (option, value) = ("--steps-per-period", text.clone());
-                return Err(Fault::Option { option, value, expected: "positive" });
+                return Err(Fault::Option {
+                    option,
+                    value,
+                    expected: "positive",
+                });
             }
             period() / steps
         }
@@ -132,7 +156,8 @@ fn method<T: Float>(args: &RunArgs) -> Result<Method, Fault> {
 
 /// A decimal or a quotient of decimals, in the precision of the run.
 fn number<T: Float>(option: &'static str, text: &str) -> Result<T, Fault> {
-    let read = |text: &str| T::decimal(text.trim()).map_err(|source| Fault::Number { option, source });
+    let read =
+        |text: &str| T::decimal(text.trim()).map_err(|source| Fault::Number { option, source });
     match text.split_once('/') {
         Some((n, d)) => Ok(read(n)? / read(d)?),
         None => read(text),
@@ -152,23 +177,36 @@ fn gauss<T: Float>(stages: usize, h: T, instance: &Instance, end: T) -> Comparis
     };
     let made =
         integrator.integrate_observed(instance.hamiltonian(), &q0, &p0, T::int(0)..=end, &mut see);
-    Comparison { energy, complete: made.is_ok() }
+    Comparison {
+        energy,
+        complete: made.is_ok(),
+    }
 }
 
 /// The error of the last state against the stored reference or the closed form, where there is one for its time.
 fn end_error<T: Float>(instance: &Instance, run: &Run<T>) -> Option<EndError<T>> {
     let (t, q, p) = run.last();
-    let reference = instance.reference().filter(|r| {
-        (r.end::<T>() - t).abs() <= T::int(4) * T::EPSILON * t.abs()
-    });
+    let reference = instance
+        .reference()
+        .filter(|r| (r.end::<T>() - t).abs() <= T::int(4) * T::EPSILON * t.abs());
     let (against, (q_exact, p_exact)) = match reference {
-        Some(reference) => (format!("reference {}", reference.name()), reference.state::<T>()),
+        Some(reference) => (
+            format!("reference {}", reference.name()),
+            reference.state::<T>(),
+        ),
         None => ("the closed form".to_owned(), instance.exact(t)?),
     };
     let largest = |found: &[T], exact: &[T]| {
-        found.iter().zip(exact).fold(T::int(0), |most, (&x, &y)| most.max((x - y).abs()))
+        found
+            .iter()
+            .zip(exact)
+            .fold(T::int(0), |most, (&x, &y)| most.max((x - y).abs()))
     };
-    Some(EndError { against, q: largest(q, &q_exact), p: largest(p, &p_exact) })
+    Some(EndError {
+        against,
+        q: largest(q, &q_exact),
+        p: largest(p, &p_exact),
+    })
 }
 
 /// Prints the certificate in the form asked for.
@@ -178,14 +216,30 @@ fn report<T: Float>(args: &RunArgs, finished: &Finished<'_, T>) -> Result<(), Fa
         let text = json::document(finished).map_err(std::io::Error::from)?;
         writeln!(out, "{text}")?;
     } else if !args.quiet {
-        let parameters: Vec<_> =
-            finished.instance.parameters().map(|(name, value)| format!(" {name}={value}")).collect();
-        writeln!(out, "{:<24}{}{}", "scene", finished.instance.scene().name, parameters.concat())?;
+        let parameters: Vec<_> = finished
+            .instance
+            .parameters()
+            .map(|(name, value)| format!(" {name}={value}"))
+            .collect();
+        writeln!(
+            out,
+            "{:<24}{}{}",
+            "scene",
+            finished.instance.scene().name,
+            parameters.concat()
+        )?;
         writeln!(out, "{}", finished.run.certificate())?;
         if let Some(EndError { against, q, p }) = &finished.end_error {
-            writeln!(out, "{:<24}q {q:.2e}, p {p:.2e} against {against}", "end state error")?;
+            writeln!(
+                out,
+                "{:<24}q {q:.2e}, p {p:.2e} against {against}",
+                "end state error"
+            )?;
         }
-        for (label, path) in [("steps written to", &args.out), ("plot written to", &args.plot)] {
+        for (label, path) in [
+            ("steps written to", &args.out),
+            ("plot written to", &args.plot),
+        ] {
             if let Some(path) = path {
                 writeln!(out, "{label:<24}{}", path.display())?;
             }

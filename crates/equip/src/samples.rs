@@ -14,7 +14,11 @@ pub(crate) struct Path {
 
 impl Path {
     pub(crate) fn new(components: Vec<usize>) -> Self {
-        Path { components, points: Vec::new(), stride: 1 }
+        Path {
+            components,
+            points: Vec::new(),
+            stride: 1,
+        }
     }
 
     /// Takes the state y = (q, p) of step `index`, as a function of the component.
@@ -25,7 +29,12 @@ impl Path {
         self.points.extend(self.components.iter().map(|&i| y(i)));
         if self.points.len() > MOST_POINTS * 2 {
             let width = self.components.len();
-            let kept = self.points.chunks_exact(width).step_by(2).flatten().copied();
+            let kept = self
+                .points
+                .chunks_exact(width)
+                .step_by(2)
+                .flatten()
+                .copied();
             self.points = kept.collect();
             self.stride *= 2;
         }
@@ -39,7 +48,9 @@ impl Path {
     /// The points of path number `i`: components 2i and 2i + 1 of those chosen.
     pub(crate) fn pairs(&self, i: usize) -> impl Iterator<Item = (f64, f64)> + Clone {
         let width = self.components.len().max(1);
-        self.points.chunks_exact(width).map(move |row| (row[2 * i], row[2 * i + 1]))
+        self.points
+            .chunks_exact(width)
+            .map(move |row| (row[2 * i], row[2 * i + 1]))
     }
 }
 
@@ -66,7 +77,10 @@ impl Envelope {
         }
         if self.points.len() > MOST_BUCKETS {
             let joined = self.points.chunks(2).map(|pair| {
-                (pair[0].0, pair.iter().fold(0.0, |most: f64, point| most.max(point.1)))
+                (
+                    pair[0].0,
+                    pair.iter().fold(0.0, |most: f64, point| most.max(point.1)),
+                )
             });
             self.points = joined.collect();
             self.width = self.width.max(1) * 2;
@@ -94,8 +108,19 @@ mod tests {
         }
         assert!(path.pairs(0).count() <= MOST_POINTS && energy.points().len() <= MOST_BUCKETS);
         let step = path.stride() as f64;
-        assert!(path.pairs(0).enumerate().all(|(k, (x, y))| x == k as f64 * step && y == x + 1.0));
-        assert_eq!(energy.points().iter().filter(|point| point.1 == 9.0).count(), 1);
+        assert!(
+            path.pairs(0)
+                .enumerate()
+                .all(|(k, (x, y))| x == k as f64 * step && y == x + 1.0)
+        );
+        assert_eq!(
+            energy
+                .points()
+                .iter()
+                .filter(|point| point.1 == 9.0)
+                .count(),
+            1
+        );
         assert!(energy.points().is_sorted_by(|a, b| a.0 < b.0));
     }
 }

@@ -36,7 +36,11 @@ impl Anchor {
 
 impl Svg {
     pub(crate) fn new(width: u32, height: u32) -> Self {
-        Svg { body: String::new(), width, height }
+        Svg {
+            body: String::new(),
+            width,
+            height,
+        }
     }
 
     fn push(&mut self, element: std::fmt::Arguments<'_>) {
@@ -44,7 +48,14 @@ impl Svg {
         let _ = writeln!(self.body, "{element}");
     }
 
-    pub(crate) fn text(&mut self, (x, y): (f64, f64), size: u32, anchor: Anchor, colour: &str, text: &str) {
+    pub(crate) fn text(
+        &mut self,
+        (x, y): (f64, f64),
+        size: u32,
+        anchor: Anchor,
+        colour: &str,
+        text: &str,
+    ) {
         let (anchor, text) = (anchor.name(), escape(text));
         self.push(format_args!(
             r#"<text x="{x:.1}" y="{y:.1}" font-size="{size}" text-anchor="{anchor}" fill="{colour}">{text}</text>"#
@@ -77,17 +88,28 @@ impl Svg {
     }
 
     pub(crate) fn dot(&mut self, (x, y): (f64, f64), radius: f64, colour: &str) {
-        self.push(format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius}" fill="{colour}"/>"#));
+        self.push(format_args!(
+            r#"<circle cx="{x:.1}" cy="{y:.1}" r="{radius}" fill="{colour}"/>"#
+        ));
     }
 
     /// A line through points; those within a third of a pixel of the last one drawn are left out.
-    pub(crate) fn polyline(&mut self, points: impl Iterator<Item = (f64, f64)>, colour: &str, width: f64) {
+    pub(crate) fn polyline(
+        &mut self,
+        points: impl Iterator<Item = (f64, f64)>,
+        colour: &str,
+        width: f64,
+    ) {
         let (mut path, mut last) = (String::new(), None);
         for (x, y) in points {
             if last.is_some_and(|(a, b): (f64, f64)| (a - x).abs() < 0.33 && (b - y).abs() < 0.33) {
                 continue;
             }
-            let _ = write!(path, "{}{x:.1} {y:.1}", if last.is_none() { "M" } else { "L" });
+            let _ = write!(
+                path,
+                "{}{x:.1} {y:.1}",
+                if last.is_none() { "M" } else { "L" }
+            );
             last = Some((x, y));
         }
         self.push(format_args!(
@@ -96,7 +118,12 @@ impl Svg {
     }
 
     /// A cloud of round dots.
-    pub(crate) fn dots(&mut self, points: impl Iterator<Item = (f64, f64)>, colour: &str, diameter: f64) {
+    pub(crate) fn dots(
+        &mut self,
+        points: impl Iterator<Item = (f64, f64)>,
+        colour: &str,
+        diameter: f64,
+    ) {
         let mut path = String::new();
         for (x, y) in points {
             let _ = write!(path, "M{x:.1} {y:.1}h0");
@@ -107,7 +134,11 @@ impl Svg {
     }
 
     pub(crate) fn finish(self) -> String {
-        let Svg { body, width, height } = self;
+        let Svg {
+            body,
+            width,
+            height,
+        } = self;
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
              font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n\
@@ -117,7 +148,9 @@ impl Svg {
 }
 
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
 }
 
 /// An axis from `low` to `high`; a logarithmic one holds decimal logarithms.
@@ -133,23 +166,39 @@ impl Axis {
     /// From the smallest to the largest finite value, and a little more on either side.
     pub(crate) fn around(values: impl Iterator<Item = f64>, label: &str) -> Self {
         let finite = values.filter(|x| x.is_finite());
-        let (low, high) =
-            finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+            (l.min(x), h.max(x))
+        });
         let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
         let margin = if high > low { 0.04 * (high - low) } else { 1.0 };
-        Axis { low: low - margin, high: high + margin, logarithmic: false, label: label.into() }
+        Axis {
+            low: low - margin,
+            high: high + margin,
+            logarithmic: false,
+            label: label.into(),
+        }
     }
 
     /// Exactly from `low` to `high`.
     pub(crate) fn between(low: f64, high: f64, label: &str) -> Self {
         let high = if high > low { high } else { low + 1.0 };
-        Axis { low, high, logarithmic: false, label: label.into() }
+        Axis {
+            low,
+            high,
+            logarithmic: false,
+            label: label.into(),
+        }
     }
 
-    /// Whole decades around `low` to `high`, both positive.
+    /// Whole decades around `low` to `high`, both positive, with room above `high`.
     pub(crate) fn decades(low: f64, high: f64, label: &str) -> Self {
-        let (low, high) = (low.log10().floor(), high.log10().ceil());
-        Axis { low, high: high.max(low + 1.0), logarithmic: true, label: label.into() }
+        let (low, high) = (low.log10().floor(), (high.log10() + 0.1).ceil());
+        Axis {
+            low,
+            high: high.max(low + 1.0),
+            logarithmic: true,
+            label: label.into(),
+        }
     }
 
     fn widen(&mut self, factor: f64) {
@@ -167,11 +216,24 @@ impl Axis {
     fn ticks(&self, count: f64) -> (f64, impl Iterator<Item = f64>) {
         let rough = (self.high - self.low) / count;
         let power = 10_f64.powf(rough.log10().floor());
-        let unit = [1.0, 2.0, 5.0, 10.0].map(|k| k * power).into_iter().find(|&u| u >= rough * 0.999);
+        let unit = [1.0, 2.0, 5.0, 10.0]
+            .map(|k| k * power)
+            .into_iter()
+            .find(|&u| u >= rough * 0.999);
         let unit = unit.unwrap_or(rough);
-        let unit = if self.logarithmic { unit.max(1.0) } else { unit };
-        let (first, last) = ((self.low / unit - 1e-9).ceil(), (self.high / unit + 1e-9).floor());
-        (unit, (0..=(last - first).max(0.0) as u32).map(move |i| (first + f64::from(i)) * unit))
+        let unit = if self.logarithmic {
+            unit.max(1.0)
+        } else {
+            unit
+        };
+        let (first, last) = (
+            (self.low / unit - 1e-9).ceil(),
+            (self.high / unit + 1e-9).floor(),
+        );
+        (
+            unit,
+            (0..=(last - first).max(0.0) as u32).map(move |i| (first + f64::from(i)) * unit),
+        )
     }
 }
 
@@ -189,13 +251,23 @@ pub(crate) struct Panel {
 impl Panel {
     /// Widens one axis until a unit is as long on either.
     pub(crate) fn same_units(&mut self) {
-        let (x, y) = ((self.x.high - self.x.low) / self.width, (self.y.high - self.y.low) / self.height);
-        if x < y { self.x.widen(y / x) } else { self.y.widen(x / y) }
+        let (x, y) = (
+            (self.x.high - self.x.low) / self.width,
+            (self.y.high - self.y.low) / self.height,
+        );
+        if x < y {
+            self.x.widen(y / x)
+        } else {
+            self.y.widen(x / y)
+        }
     }
 
     /// The pixel of a data point.
     pub(crate) fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
-        (self.left + self.width * self.x.place(x), self.top + self.height * (1.0 - self.y.place(y)))
+        (
+            self.left + self.width * self.x.place(x),
+            self.top + self.height * (1.0 - self.y.place(y)),
+        )
     }
 
     /// Grid, ticks, frame and labels.
@@ -211,7 +283,14 @@ impl Panel {
         for tick in ticks {
             let y = bottom - self.height * (tick - self.y.low) / (self.y.high - self.y.low);
             svg.line((self.left, y), (right, y), GRID, 1.0);
-            tick_label(svg, &self.y, (self.left - 8.0, y + 4.5), Anchor::End, tick, unit);
+            tick_label(
+                svg,
+                &self.y,
+                (self.left - 8.0, y + 4.5),
+                Anchor::End,
+                tick,
+                unit,
+            );
         }
         for (from, to) in [
             ((self.left, self.top), (self.left, bottom)),
@@ -219,8 +298,18 @@ impl Panel {
         ] {
             svg.line(from, to, FAINT, 1.2);
         }
-        svg.text((self.left + self.width / 2.0, bottom + 42.0), 15, Anchor::Middle, INK, &self.x.label);
-        svg.upward_text((self.left - 56.0, self.top + self.height / 2.0), 15, &self.y.label);
+        svg.text(
+            (self.left + self.width / 2.0, bottom + 42.0),
+            15,
+            Anchor::Middle,
+            INK,
+            &self.x.label,
+        );
+        svg.upward_text(
+            (self.left - 56.0, self.top + self.height / 2.0),
+            15,
+            &self.y.label,
+        );
     }
 }
 
@@ -231,7 +320,9 @@ fn tick_label(svg: &mut Svg, axis: &Axis, at: (f64, f64), anchor: Anchor, tick: 
     }
     let largest = axis.low.abs().max(axis.high.abs());
     let text = if largest >= 1e5 || unit < 1e-4 {
-        format!("{tick:.1e}")
+        let tick: f64 = format!("{tick:.3e}").parse().unwrap_or(tick);
+        format!("{tick:e}")
+    }
     } else {
         let decimals = (-unit.log10().floor()).max(0.0) as usize;
         let tick = if tick.abs() < unit / 2.0 { 0.0 } else { tick };
@@ -248,10 +339,19 @@ mod tests {
     fn ticks_are_round_and_within_the_axis() {
         let axis = Axis::between(-1.3, 2.7, "");
         let (unit, ticks) = axis.ticks(5.0);
-        assert_eq!((unit, ticks.collect::<Vec<_>>()), (1.0, vec![-1.0, 0.0, 1.0, 2.0]));
+        assert_eq!(
+            (unit, ticks.collect::<Vec<_>>()),
+            (1.0, vec![-1.0, 0.0, 1.0, 2.0])
+        );
         let axis = Axis::decades(3e-16, 2e-3, "");
         let (unit, ticks) = axis.ticks(7.0);
-        assert_eq!((unit, ticks.collect::<Vec<_>>()), (2.0, vec![-16.0, -14.0, -12.0, -10.0, -8.0, -6.0, -4.0, -2.0]));
+        assert_eq!(
+            (unit, ticks.collect::<Vec<_>>()),
+            (
+                2.0,
+                vec![-16.0, -14.0, -12.0, -10.0, -8.0, -6.0, -4.0, -2.0]
+            )
+        );
     }
 
     #[test]

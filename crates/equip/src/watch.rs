@@ -49,7 +49,10 @@ impl<'a, T: Float> Watch<'a, T> {
         self.begun = true;
         let (q, p) = self.start;
         self.path.see(0, |i| component(q, p, i));
-        let write = |path: &PathBuf, source| Fault::Write { path: path.clone(), source };
+        let write = |path: &PathBuf, source| Fault::Write {
+            path: path.clone(),
+            source,
+        };
         if let Some(path) = &self.plot {
             self.drawing = Some(File::create(path).map_err(|e| write(path, e))?);
         }
@@ -78,7 +81,10 @@ impl<'a, T: Float> Watch<'a, T> {
                 energy_defect: view.energy_defect,
                 outcome: view.outcome.label(),
             };
-            rows.step(row).map_err(|source| Fault::Write { path: path.clone(), source })?;
+            rows.step(row).map_err(|source| Fault::Write {
+                path: path.clone(),
+                source,
+            })?;
         }
         Ok(())
     }
@@ -104,7 +110,10 @@ impl<'a, T: Float> Watch<'a, T> {
                 energy_defect: run.energy_defects().last().copied(),
                 outcome: run.outcomes().last().map_or("", |outcome| outcome.label()),
             };
-            rows.finish(last).map_err(|source| Fault::Write { path: path.clone(), source })?;
+            rows.finish(last).map_err(|source| Fault::Write {
+                path: path.clone(),
+                source,
+            })?;
         }
         Ok(())
     }
