@@ -18,6 +18,7 @@
 #![forbid(unsafe_code)]
 
 mod anomaly;
+mod decimal_text;
 mod elliptic;
 mod error;
 mod instance;

@@ -23,7 +23,6 @@ pub struct DoublePendulum {
     pub spring: Option<Constant>,
 }
 
-const ANGLE: Range = Range::closed(-3.141_592_653_589_793, 3.141_592_653_589_793);
 const MOMENTUM: Range = Range::closed(-100.0, 100.0);
 const GRAVITY: Parameter =
     Parameter::real("g", "acceleration of gravity", "9.8", Range::closed(0.0, 1e4));
@@ -34,8 +33,8 @@ pub(crate) const SCENE: Scene = Scene {
     formula: "H = (2 P2^2 + D^2 + 2 P2 D cos Q2)/(3 - cos 2Q2) - 2 g cos Q1 - g cos(Q1 + Q2), D = P2 - P1",
     source: "Antoñana, Makazaga, Murua, Reducing and monitoring round-off error propagation for symplectic implicit Runge-Kutta schemes, Numer. Algorithms 76 (2017)",
     parameters: &[
-        Parameter::real("q1", "starting angle of the first rod", "1.1", ANGLE),
-        Parameter::real("q2", "starting angle of the second rod against the first", "-1.1", ANGLE),
+        Parameter::real("q1", "starting angle of the first rod", "1.1", Range::ANGLE),
+        Parameter::real("q2", "starting angle of the second rod against the first", "-1.1", Range::ANGLE),
         Parameter::real("p1", "starting momentum of Q1", "2.7746", MOMENTUM),
         Parameter::real("p2", "starting momentum of Q2", "2.7746", MOMENTUM),
         GRAVITY,

@@ -30,7 +30,7 @@ pub(crate) const SCENE: Scene = Scene {
     formula: "H = p^2/2 - cos q",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.1.2",
     parameters: &[
-        Parameter::real("q", "starting angle, 0 hanging down, in radians", "0", Range::closed(-3.141, 3.141)),
+        Parameter::real("q", "starting angle, 0 hanging down, in radians", "0", Range::ANGLE),
         Parameter::real("p", "starting angular velocity", "1", Range::closed(-1e3, 1e3)),
     ],
     invariants: "none besides H",
