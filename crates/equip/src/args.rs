@@ -7,6 +7,9 @@ use equip_scenes::Scene;
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+/// Heading of the options that are parameters of the scene.
+const PARAMETERS: &str = "Parameters of the scene";
+
 #[derive(Debug, Parser)]
 #[command(
     name = "equip",
@@ -47,17 +50,17 @@ pub(crate) struct ScenesArgs {
         or input.\n\n\
         Examples:\n  \
         equip run kepler --e 0.6 --periods 100 --plot kepler.svg\n  \
-        equip run kepler --e 0.9 --stages 6 --periods 100 --steps-per-period 400 --out orbit.csv --every 10\n  \
+        equip run kepler --e 0.9 --stages 6 --periods 100 --out orbit.csv --every 10\n  \
         equip run henon-heiles --stages 4 --step 0.25 --until 1000 --method gauss\n  \
         equip run pendulum --precision dd --stages 8 --step 1/10 --until 50\n  \
-        equip run kepler --json | jq .energy.max\n\n\
+        equip run kepler --json | jq .energy.max_defect\n\n\
         `equip run SCENE --help` lists the parameters of that scene."
 )]
 pub(crate) struct RunArgs {
     /// Scene to integrate; `equip scenes` lists them
     pub(crate) scene: String,
     /// Set a parameter of the scene; `--NAME VALUE` does the same
-    #[arg(long, value_name = "NAME=VALUE", value_parser = pair)]
+    #[arg(long, value_name = "NAME=VALUE", value_parser = pair, help_heading = PARAMETERS)]
     pub(crate) set: Vec<(String, String)>,
     /// Stages s: the order is 2s, the cost of a step grows like s³
     #[arg(long, short, default_value_t = 4, help_heading = "Method")]
@@ -196,7 +199,7 @@ fn with_parameters(
                         "{}, in {} [default: {}]",
                         parameter.meaning, parameter.range, parameter.default
                     ))
-                    .help_heading("Parameters of the scene"),
+                    .help_heading(PARAMETERS),
             );
         }
     }

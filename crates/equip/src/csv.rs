@@ -87,7 +87,8 @@ impl<W: Write> Rows<W> {
     }
 }
 
-/// A number with all the digits it takes to read it back.
+/// A number with all the digits it takes to read it back. A double-double whose low part happens to vanish or to be
+/// tiny takes more than its 33.
 pub(crate) fn digits<T: Float>(x: T) -> String {
     let shortest = format!("{x:e}");
     match T::decimal(&shortest) {

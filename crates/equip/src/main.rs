@@ -5,6 +5,7 @@ mod args;
 mod csv;
 mod fault;
 mod json;
+mod panel;
 mod plot;
 mod progress;
 mod run;
@@ -14,6 +15,8 @@ mod svg;
 mod watch;
 
 use args::Command;
+use fault::Fault;
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -23,6 +26,8 @@ fn main() -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
+        // The reader of a pipe had enough: `equip scenes | head`.
+        Err(Fault::Print(error)) if error.kind() == ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(fault) => {
             eprintln!("error: {fault}");
             fault.exit_code()

@@ -1,8 +1,9 @@
 //! The picture of a run: orbit or phase portrait on the left, the energy defect over time on the right.
 
+use crate::panel::{Axis, Panel};
 use crate::run::Finished;
 use crate::samples::{Envelope, Path};
-use crate::svg::{Anchor, Axis, FAINT, INK, Panel, Svg};
+use crate::svg::{Anchor, FAINT, INK, Svg};
 use equip_scalar::Float;
 use equip_scenes::{Instance, View};
 
