@@ -1,6 +1,6 @@
 //! Kepler's problem in closed form: the state after time t on an ellipse through a given state.
 //!
-//! Lagrange's f and g with the eccentric anomaly difference x, [Danby, Fundamentals of Celestial Mechanics, 6.8]:
+//! Lagrange's f and g with the eccentric anomaly difference x, [Danby, Fundamentals of Celestial Mechanics, 6]:
 //!
 //! x − (1 − ρ) sin x + σ (1 − cos x) = n t,   ρ = r₀/a = 1 − e cos E₀,   σ = q₀·p₀/√(μa) = e sin E₀.
 //!

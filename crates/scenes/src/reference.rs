@@ -29,7 +29,7 @@ pub(crate) struct ReferenceData {
     pub(crate) trusted_error: f64,
 }
 
-/// A stored end state, computed with two independent methods whose difference bounds its error.
+/// A stored end state, with a bound on its error.
 #[derive(Debug, Clone, Copy)]
 pub struct Reference<'a> {
     pub(crate) data: &'static ReferenceData,

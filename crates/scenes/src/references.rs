@@ -1,9 +1,9 @@
 //! Stored reference end states.
 //!
-//! Every row was computed with two independent methods in extended precision;
-//! `trusted_error` bounds their difference, or is one unit in the last digit shown. Initial data in
-//! `start` are doubles, written in their shortest decimal form; the other rows start from the exact decimals of their
-//! scene. Generated from the table of references; edit the table, not this file.
+//! The rows that start from doubles were computed with two independent methods in extended precision, and `trusted_error` bounds
+//! their difference; the doubles stand in their shortest decimal form, which reads back to the same double. The other rows
+//! start from the exact decimals of their scene, and `trusted_error` is a unit of the last digit stored; for the
+//! Arenstorf orbit it is the distance by which a Taylor series of order 40 in 45 digits misses the start after one period.
 #![allow(clippy::unreadable_literal)]
 
 use crate::reference::{Doubles, ReferenceData};

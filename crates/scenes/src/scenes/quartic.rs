@@ -1,7 +1,7 @@
 //! The quartic oscillator.
 //!
 //! H = p²/2 + q⁴/4: all solutions are one curve scaled. With A = (4E)^{1/4} and Jacobi's functions at k² = 1/2,
-//! q = A cn(At + u₀), p = −A² sn dn, [Abramowitz, Stegun, 16.16]; u₀ enters by the addition theorem.
+//! q = A cn(At + u₀), p = −A² sn dn, [Abramowitz, Stegun, 16]; u₀ enters by the addition theorem.
 
 use crate::elliptic::{Jacobi, add, jacobi, quarter_period};
 use crate::model::{Model, State};
@@ -22,7 +22,7 @@ pub(crate) const SCENE: Scene = Scene {
     name: "quartic",
     title: "Quartic oscillator",
     formula: "H = p^2/2 + q^4/4",
-    source: "Celledoni et al., Energy-preserving Runge-Kutta methods, M2AN 43 (2009)",
+    source: "textbook; closed form after Abramowitz, Stegun, Handbook of Mathematical Functions, 16",
     parameters: &[
         Parameter::real("q", "starting position", "1", Range::closed(-1e3, 1e3)),
         Parameter::real("p", "starting momentum", "0", Range::closed(-1e3, 1e3)),
