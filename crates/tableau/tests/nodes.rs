@@ -1,9 +1,18 @@
 //! Nodes and weights against what is known of them from elsewhere.
-
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
 use equip_scalar::Float;
-use equip_tableau::Gauss;
+use equip_tableau::{Gauss, MAX_STAGES, TableauError};
+
+common::in_every_float!(
+    up_to_five_nodes_are_radicals,
+    twenty_nodes_agree_with_the_published_table,
+    every_rule_is_symmetric_to_the_last_bit,
+    polynomials_are_orthonormal_in_the_discrete_product,
+    moments_are_those_of_the_interval,
+);
 
 /// Abramowitz and Stegun, Handbook of Mathematical Functions, table 25.4, n = 20, on [−1, 1]: (x, w).
 const TABLE_25_4: [(&str, &str); 10] = [
@@ -19,19 +28,128 @@ const TABLE_25_4: [(&str, &str); 10] = [
     ("0.993128599185094924786", "0.017614007139152118312"),
 ];
 
-#[test]
-fn twenty_nodes_agree_with_the_published_table() {
-    table::<f64>();
+/// (x, w) on [−1, 1] for the nodes x ≥ 0, ascending.
+fn radicals<T: Float>(s: usize) -> Vec<(T, T)> {
+    let (int, ratio) = (T::int, T::ratio);
+    let root = |n, d| ratio(n, d).sqrt();
+    match s {
+        1 => vec![(int(0), int(2))],
+        2 => vec![(root(1, 3), int(1))],
+        3 => vec![(int(0), ratio(8, 9)), (root(3, 5), ratio(5, 9))],
+        4 => [-1, 1]
+            .map(|sign| {
+                let x = (ratio(3, 7) + int(2 * sign) / int(7) * root(6, 5)).sqrt();
+                (x, (int(18) - int(sign) * int(30).sqrt()) / int(36))
+            })
+            .to_vec(),
+        _ => {
+            let outer = [-1, 1].map(|sign| {
+                let x = (int(5) + int(2 * sign) * root(10, 7)).sqrt() / int(3);
+                (x, (int(322) - int(13 * sign) * int(70).sqrt()) / int(900))
+            });
+            [vec![(int(0), ratio(128, 225))], outer.to_vec()].concat()
+        }
+    }
 }
 
-fn table<T: Float>() {
-    let gauss = Gauss::<T>::new(20).unwrap();
+fn up_to_five_nodes_are_radicals<T: Float>() {
+    for s in 1..=5 {
+        let known = radicals::<T>(s);
+        let worst = distance_to(&Gauss::new(s).unwrap(), &known);
+        println!("s = {s}: {:.2} eps", (worst / T::EPSILON).to_f64());
+        assert!(worst <= T::EPSILON, "s = {s}: {worst:e}");
+    }
+}
+
+fn twenty_nodes_agree_with_the_published_table<T: Float>() {
+    let decimal = |text| T::decimal(text).unwrap();
+    let known = TABLE_25_4.map(|(x, w)| (decimal(x), decimal(w)));
+    let worst = distance_to(&Gauss::new(20).unwrap(), &known);
+    println!("{:e}", worst.to_f64());
+    assert!(worst <= T::EPSILON.max(decimal("1e-21")), "{worst:e}");
+}
+
+/// The largest deviation of the upper half of a rule on [0, 1] from (x, w) on [−1, 1].
+fn distance_to<T: Float>(gauss: &Gauss<T>, known: &[(T, T)]) -> T {
     let half = T::ratio(1, 2);
-    // 20 digits printed in f64 or 3 ulp measured, whichever is larger, × 4.
-    let tolerance = T::int(12) * T::EPSILON + T::decimal("2e-20").unwrap();
-    for (k, (x, w)) in TABLE_25_4.into_iter().enumerate() {
-        let (x, w) = (T::decimal(x).unwrap(), T::decimal(w).unwrap());
-        assert!((gauss.nodes()[10 + k] - half * (x + T::int(1))).abs() < tolerance);
-        assert!((gauss.weights()[10 + k] - half * w).abs() < tolerance);
+    let upper = gauss.stages() / 2;
+    let computed = gauss.nodes()[upper..].iter().zip(&gauss.weights()[upper..]);
+    assert_eq!(computed.len(), known.len());
+    computed
+        .zip(known)
+        .fold(T::int(0), |worst, ((&c, &b), &(x, w))| {
+            let node = (c - (half + half * x)).abs();
+            worst.max(node).max((b - half * w).abs())
+        })
+}
+
+fn every_rule_is_symmetric_to_the_last_bit<T: Float>() {
+    for s in 1..=MAX_STAGES {
+        let gauss = Gauss::<T>::new(s).unwrap();
+        let (c, b) = (gauss.nodes(), gauss.weights());
+        assert!(c[0] > T::int(0) && c.is_sorted_by(|x, y| x < y));
+        for i in 0..s {
+            assert_eq!(c[i], T::int(1) - c[s - 1 - i]);
+            assert_eq!(c[i] + c[s - 1 - i], T::int(1));
+            assert_eq!(b[i], b[s - 1 - i]);
+            for k in 0..s {
+                let mirrored = gauss.legendre(k)[s - 1 - i];
+                assert_eq!(
+                    gauss.legendre(k)[i],
+                    if k % 2 == 0 { mirrored } else { -mirrored }
+                );
+            }
+        }
+    }
+}
+
+fn polynomials_are_orthonormal_in_the_discrete_product<T: Float>() {
+    for s in (1..=20).chain([32, 48, MAX_STAGES]) {
+        let gauss = Gauss::<T>::new(s).unwrap();
+        let mut worst = T::int(0);
+        for k in 0..s {
+            for l in 0..=k {
+                let values = gauss.legendre(k).iter().zip(gauss.legendre(l));
+                let sum = values
+                    .zip(gauss.weights())
+                    .fold(T::int(0), |sum, ((&x, &y), &b)| sum + b * x * y);
+                worst = worst.max((sum - T::int(i64::from(k == l))).abs());
+            }
+        }
+        println!("s = {s}: {:.1} eps", (worst / T::EPSILON).to_f64());
+        assert!(worst <= T::int(40) * T::EPSILON, "s = {s}: {worst:e}");
+    }
+}
+
+fn moments_are_those_of_the_interval<T: Float>() {
+    for s in (1..=20).chain([32, 48, MAX_STAGES]) {
+        let gauss = Gauss::<T>::new(s).unwrap();
+        let mut powers = gauss.weights().to_vec();
+        let mut worst = T::int(0);
+        for q in 1..=2 * s {
+            let sum = powers.iter().fold(T::int(0), |sum, &x| sum + x);
+            worst = worst.max((sum - T::ratio(1, q as i64)).abs());
+            for (power, &c) in powers.iter_mut().zip(gauss.nodes()) {
+                *power *= c;
+            }
+        }
+        println!("s = {s}: {:.1} eps", (worst / T::EPSILON).to_f64());
+        assert!(worst <= T::int(8) * T::EPSILON, "s = {s}: {worst:e}");
+    }
+}
+
+#[test]
+fn impossible_numbers_of_stages_are_refused() {
+    for stages in [0, MAX_STAGES + 1] {
+        let error = Gauss::<f64>::new(stages).unwrap_err();
+        assert_eq!(
+            error,
+            TableauError::StagesOutOfRange {
+                stages,
+                min: 1,
+                max: MAX_STAGES
+            }
+        );
+        assert!(error.to_string().contains("choose a number from 1 to 64"));
     }
 }
