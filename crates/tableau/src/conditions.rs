@@ -75,7 +75,7 @@ pub fn d_defect<T: Float>(tableau: &Tableau<T>, zeta: usize) -> T {
     )
 }
 
-/// The conditions of the trees [τᵃ, [τᵇ]] with a + b + 2 ≤ p, in Legendre form:
+/// The conditions of the trees of height two, a leaves and one branch with b leaves, a + b + 2 ≤ p, in Legendre form:
 /// Σ b_i P_a(c_i) a_ij P_b(c_j) = ∫₀¹ P_a(c) ∫₀ᶜ P_b, whose right-hand sides are the entries of X_s(0) in the paper.
 ///
 /// Necessary for order p where C(1) holds; they find the entry that an α has moved.

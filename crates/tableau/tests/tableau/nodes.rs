@@ -1,12 +1,9 @@
 //! Nodes and weights against what is known of them from elsewhere.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use equip_scalar::Float;
 use equip_tableau::{Gauss, MAX_STAGES, TableauError};
 
-common::in_every_float!(
+crate::common::in_every_float!(
     up_to_five_nodes_are_radicals,
     twenty_nodes_agree_with_the_published_table,
     every_rule_is_symmetric_to_the_last_bit,

@@ -1,12 +1,9 @@
 //! The polynomials, their integrals and derivatives.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use equip_scalar::Float;
 use equip_tableau::{Gauss, legendre_at, legendre_derivatives_at, legendre_integrals_at};
 
-common::in_every_float!(
+crate::common::in_every_float!(
     the_first_polynomials_are_the_textbook_ones,
     integrals_are_differences_of_neighbours,
     integrals_vanish_at_both_ends,
