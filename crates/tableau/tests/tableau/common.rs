@@ -1,6 +1,6 @@
 //! What the tests share: every check is a generic function that runs in each float type.
 
-/// Runs each check in `f64`.
+/// Runs each check in `f64` and in [`DoubleDouble`](equip_scalar::DoubleDouble).
 macro_rules! in_every_float {
     ($($check:ident),* $(,)?) => {
         mod in_f64 {
@@ -9,11 +9,28 @@ macro_rules! in_every_float {
                 super::$check::<f64>();
             })*
         }
+        mod in_dd {
+            $(#[test]
+            fn $check() {
+                super::$check::<equip_scalar::DoubleDouble>();
+            })*
+        }
     };
 }
 pub(crate) use in_every_float;
 
 use equip_scalar::Float;
+
+/// Asserts a defect of at most `bound` ε; the measured one is printed for whoever states the bounds.
+pub(crate) fn within<T: Float>(what: &str, defect: T, bound: f64) {
+    let measured = (defect / T::EPSILON).to_f64();
+    println!("{what}: {measured:.2} eps of {}", T::NAME);
+    assert!(
+        measured <= bound,
+        "{what}: {measured} eps of {}, bound {bound}",
+        T::NAME
+    );
+}
 
 /// A seeded generator: splitmix64 (Steele, Lea, Flood 2014).
 pub(crate) struct Random(pub(crate) u64);

@@ -1,6 +1,6 @@
 //! B, C, D, symplecticity and symmetry of the Gauss and EQUIP methods.
 
-use crate::common::Random;
+use crate::common::{Random, within};
 use equip_scalar::Float;
 use equip_tableau::conditions::{
     b_defect, bilinear_defect, c_defect, d_defect, symmetry_defect, symplecticity_defect,
@@ -23,18 +23,10 @@ fn plain<T: Float>(s: usize) -> Tableau<T> {
 fn gauss_has_b_of_2s_and_c_and_d_of_s<T: Float>() {
     for s in 1..=20 {
         let method = plain::<T>(s);
-        let b = b_defect(&method, 2 * s);
-        let (c, d) = (c_defect(&method, s), d_defect(&method, s));
-        let in_eps = |x: T| (x / T::EPSILON).to_f64();
-        println!(
-            "{s}: B {:.1} C {:.1} D {:.1} eps",
-            in_eps(b),
-            in_eps(c),
-            in_eps(d)
-        );
-        assert!(b <= T::int(16) * T::EPSILON);
-        assert!(c <= T::int(16) * T::EPSILON);
-        assert!(d <= T::int(16) * T::EPSILON);
+        // Worst of all s: 9.7, 5.6, 0.5 in f64 and 3.1, 1.0, 0.1 in double-double; × 2.
+        within("B(2s)", b_defect(&method, 2 * s), 20.0);
+        within("C(s)", c_defect(&method, s), 12.0);
+        within("D(s)", d_defect(&method, s), 1.0);
     }
 }
 
@@ -70,8 +62,8 @@ fn powers_give_the_same_conditions<T: Float>() {
             }
         }
     }
-    println!("{:.1} eps", (worst / T::EPSILON).to_f64());
-    assert!(worst <= T::int(8) * T::EPSILON);
+    // 1.5 in f64, 0.5 in double-double, × 2.
+    within("B, C, D in powers", worst, 3.0);
 }
 
 fn every_member_is_symplectic_and_symmetric<T: Float>() {
@@ -81,16 +73,13 @@ fn every_member_is_symplectic_and_symmetric<T: Float>() {
         let mut worst = [T::int(0); 2];
         for size in ["0", "1e-8", "0.2", "1"] {
             let method = gauss.tableau(&random.alphas(s - 1, T::decimal(size).unwrap()));
-            let scale = method.a.iter().fold(T::int(1), |max, a| max.max(a.abs())) * T::EPSILON;
+            let scale = method.a.iter().fold(T::int(1), |max, a| max.max(a.abs()));
             worst[0] = worst[0].max(symplecticity_defect(&method) / scale);
             worst[1] = worst[1].max(symmetry_defect(&method) / scale);
         }
-        println!(
-            "{s}: symplectic {:.2}, symmetric {:.2} eps",
-            worst[0].to_f64(),
-            worst[1].to_f64()
-        );
-        assert!(worst.iter().all(|&worst| worst <= T::int(2)));
+        // 0.16 and 0.57 in f64, 0.06 and 0.41 in double-double; × 3 and × 2.
+        within("symplecticity", worst[0], 0.5);
+        within("symmetry", worst[1], 1.2);
     }
 }
 
@@ -100,9 +89,14 @@ fn a_perturbed_entry_is_found<T: Float>() {
         let mut alphas = vec![T::int(0); s - 1];
         alphas[k - 1] = alpha;
         let method = Gauss::new(s).unwrap().tableau(&alphas);
-        assert!(bilinear_defect(&method, 2 * k) <= T::int(40) * T::EPSILON);
-        let error = (bilinear_defect(&method, 2 * k + 1) - alpha).abs();
-        assert!(error <= T::int(40) * T::EPSILON);
+        // 3.4 in f64, 0.8 in double-double, × 2.
+        within("bilinear", bilinear_defect(&method, 2 * k), 7.0);
+        // 0.25 in f64, 0.17 in double-double, × 2.
+        within(
+            "alpha",
+            (bilinear_defect(&method, 2 * k + 1) - alpha).abs(),
+            0.5,
+        );
     }
 }
 

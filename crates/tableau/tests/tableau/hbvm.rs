@@ -1,5 +1,6 @@
 //! HBVM(k, s) beside Gauss, and what it is for: keeping a polynomial energy.
 
+use crate::common::within;
 use equip_scalar::Float;
 use equip_tableau::conditions::{b_defect, c_defect, symmetry_defect, symplecticity_defect};
 use equip_tableau::{Gauss, Tableau, TableauError, hbvm};
@@ -11,10 +12,6 @@ crate::common::in_every_float!(
     a_quartic_energy_is_kept_from_twice_as_many_nodes_on,
 );
 
-fn eps<T: Float>(n: i64) -> T {
-    T::int(n) * T::EPSILON
-}
-
 fn hbvm_with_as_many_nodes_is_gauss<T: Float>() {
     let mut worst = T::int(0);
     for s in 1..=20 {
@@ -25,17 +22,20 @@ fn hbvm_with_as_many_nodes_is_gauss<T: Float>() {
             worst = worst.max((x - y).abs());
         }
     }
-    println!("{:.2} eps", (worst / T::EPSILON).to_f64());
-    assert!(worst <= eps(4));
+    // 0.44 in f64, 0.25 in double-double, × 2.
+    within("HBVM(s, s) - Gauss", worst, 0.9);
 }
 
 fn it_is_symmetric_and_collocates_but_is_not_symplectic<T: Float>() {
     for (k, s) in [(3, 1), (4, 2), (9, 3), (20, 10)] {
         let method = hbvm::<T>(k, s).unwrap();
-        assert!(b_defect(&method, 2 * k) <= eps(16));
-        assert!(c_defect(&method, s) <= eps(8));
+        // 8.2 in f64, 1.6 in double-double, × 2.
+        within("B(2k)", b_defect(&method, 2 * k), 16.4);
+        // 2.4 in f64, 0.4 in double-double, × 2.
+        within("C(s)", c_defect(&method, s), 4.8);
         assert!(c_defect(&method, s + 1) > T::ratio(1, 100));
-        assert!(symmetry_defect(&method) <= eps(2));
+        // 0.13 in f64, 0.13 in double-double, × 2.
+        within("symmetry of HBVM", symmetry_defect(&method), 0.26);
         assert!(
             symplecticity_defect(&method) > T::ratio(1, 10_000),
             "HBVM({k}, {s})"
@@ -58,12 +58,8 @@ fn a_quartic_energy_is_kept_from_twice_as_many_nodes_on<T: Float>() {
     for s in 1..=3 {
         let kept = energy_error(&hbvm::<T>(2 * s, s).unwrap());
         let lost = energy_error(&hbvm::<T>(2 * s - 1, s).unwrap());
-        println!(
-            "s = {s}: {:.1} eps, one node less {:e}",
-            (kept / T::EPSILON).to_f64(),
-            lost.to_f64()
-        );
-        assert!(kept <= eps(4));
+        // 1.0 in f64, 0.5 in double-double, × 2.
+        within("energy", kept, 2.0);
         assert!(lost > T::ratio(1, 1_000_000_000_000));
     }
 }

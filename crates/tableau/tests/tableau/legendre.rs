@@ -1,5 +1,6 @@
 //! The polynomials, their integrals and derivatives.
 
+use crate::common::within;
 use equip_scalar::Float;
 use equip_tableau::{Gauss, legendre_at, legendre_derivatives_at, legendre_integrals_at};
 
@@ -18,7 +19,8 @@ fn arguments<T: Float>() -> Vec<T> {
 }
 
 fn the_first_polynomials_are_the_textbook_ones<T: Float>() {
-    let (int, eps) = (T::int, T::EPSILON);
+    let int = T::int;
+    let mut worst = T::int(0);
     for c in arguments::<T>() {
         let mut p = [T::NAN; 4];
         legendre_at(c, &mut p);
@@ -29,15 +31,17 @@ fn the_first_polynomials_are_the_textbook_ones<T: Float>() {
             int(7).sqrt() * (((int(20) * c - int(30)) * c + int(12)) * c - int(1)),
         ];
         for (x, y) in p.into_iter().zip(expected) {
-            // The textbook form loses up to 16 ε by cancellation.
-            assert!((x - y).abs() <= int(64) * eps, "{c}: {x} {y}");
+            worst = worst.max((x - y).abs());
         }
     }
+    // 48, by cancellation in the textbook form, in f64, 12 in double-double, × 2.
+    within("textbook", worst, 96.0);
 }
 
 fn integrals_are_differences_of_neighbours<T: Float>() {
     const N: usize = 20;
     let gauss = Gauss::<T>::new(1).unwrap();
+    let mut worst = T::int(0);
     for c in arguments::<T>() {
         let (mut p, mut integrals) = ([T::NAN; N + 1], [T::NAN; N]);
         legendre_at(c, &mut p);
@@ -46,12 +50,11 @@ fn integrals_are_differences_of_neighbours<T: Float>() {
         for k in 1..N {
             let (up, down) = (gauss.xi(k + 1) * p[k + 1], gauss.xi(k) * p[k - 1]);
             let error = (integrals[k] - (up - down)).abs();
-            assert!(
-                error <= int_eps::<T>(40) * (up.abs() + down.abs()),
-                "{c} {k} {error:e}"
-            );
+            worst = worst.max(error / (up.abs() + down.abs()));
         }
     }
+    // 1.5 in f64, 1.0 in double-double, × 2.
+    within("neighbours", worst, 3.0);
 }
 
 fn integrals_vanish_at_both_ends<T: Float>() {
@@ -70,16 +73,15 @@ fn integrals_keep_relative_accuracy_near_the_ends<T: Float>() {
     for (k, integral) in integrals.into_iter().enumerate() {
         let sign = if k % 2 == 0 { 1 } else { -1 };
         let leading = T::int(sign) * T::int(2 * k as i64 + 1).sqrt() * c;
-        assert!(
-            (integral / leading - T::int(1)).abs() <= int_eps::<T>(40),
-            "{k}"
-        );
+        // 1.0 in f64, 0.7 in double-double, × 2.
+        within("near the end", (integral / leading - T::int(1)).abs(), 2.0);
     }
 }
 
 fn the_integral_of_the_derivative_is_the_polynomial<T: Float>() {
     const N: usize = 20;
     let gauss = Gauss::<T>::new(N).unwrap();
+    let mut worst = T::int(0);
     for c in arguments::<T>() {
         let (mut at_c, mut at_0, mut slopes) = ([T::NAN; N], [T::NAN; N], [T::NAN; N]);
         legendre_at(c, &mut at_c);
@@ -95,13 +97,11 @@ fn the_integral_of_the_derivative_is_the_polynomial<T: Float>() {
         }
         for k in 0..N {
             let error = (sums[k] - (at_c[k] - at_0[k])).abs();
-            assert!(
-                error <= int_eps::<T>(400) * sizes[k],
-                "{c} {k}: {error:e} {}",
-                sizes[k]
-            );
+            worst = worst.max(error / sizes[k]);
         }
     }
+    // 14 in f64, 4 in double-double, × 2.
+    within("integral of the derivative", worst, 28.0);
 }
 
 fn nodes_are_zeros<T: Float>() {
@@ -110,11 +110,8 @@ fn nodes_are_zeros<T: Float>() {
         for &c in Gauss::<T>::new(s).unwrap().nodes() {
             legendre_at(c, &mut p);
             legendre_derivatives_at(c, &mut slopes);
-            assert!((p[s] / slopes[s]).abs() <= T::EPSILON, "s = {s}, c = {c}");
+            // 0.38 in f64, 0.12 in double-double, × 2.
+            within("zeros", (p[s] / slopes[s]).abs(), 0.8);
         }
     }
-}
-
-fn int_eps<T: Float>(n: i64) -> T {
-    T::int(n) * T::EPSILON
 }

@@ -1,6 +1,6 @@
 //! The order of the methods, by rooted trees and by simplifying assumptions.
 
-use crate::common::Random;
+use crate::common::{Random, within};
 use equip_scalar::Float;
 use equip_tableau::trees::{Trees, order_conditions};
 use equip_tableau::{Gauss, Tableau, TableauError, hbvm, order};
@@ -66,10 +66,8 @@ fn gauss_has_order_2s<T: Float>() {
 fn a_fixed_last_alpha_leaves_order_2s_minus_2<T: Float>() {
     for s in 2..=4 {
         let method = perturbed::<T>(s, s - 1);
-        assert!(
-            order_conditions(&method, 2 * s - 2) <= T::int(8) * T::EPSILON,
-            "{s}"
-        );
+        // 0.25 in f64, 0.28 in double-double, × 2.
+        within("order 2s - 2", order_conditions(&method, 2 * s - 2), 0.6);
         assert!(
             order_conditions(&method, 2 * s - 1) > T::ratio(1, 10_000),
             "{s}"
@@ -103,10 +101,8 @@ fn trees_agree_with_the_simplifying_assumptions<T: Float>() {
     for s in 2..=6 {
         for k in (1..s).filter(|&k| k <= 4) {
             let method = perturbed::<T>(s, k);
-            assert!(
-                order_conditions(&method, 2 * k) <= T::int(8) * T::EPSILON,
-                "{s} {k}"
-            );
+            // 0.5 in f64, 0.31 in double-double, × 2.
+            within("order 2k", order_conditions(&method, 2 * k), 1.0);
             assert!(
                 order_conditions(&method, 2 * k + 1) > T::ratio(1, 1_000_000),
                 "{s} {k}"
@@ -114,9 +110,8 @@ fn trees_agree_with_the_simplifying_assumptions<T: Float>() {
         }
     }
     let gauss = Gauss::<T>::new(5).unwrap().tableau(&[T::int(0); 4]);
-    let defect = order_conditions(&gauss, 10);
-    println!("{:.2} eps", (defect / T::EPSILON).to_f64());
-    assert!(defect <= T::int(8) * T::EPSILON);
+    // 0.5 in f64, 0.25 in double-double, × 2.
+    within("order 2s of Gauss", order_conditions(&gauss, 10), 1.0);
 }
 
 fn hbvm_has_order_2s<T: Float>() {

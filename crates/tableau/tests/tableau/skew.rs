@@ -1,6 +1,6 @@
 //! K(α): which identities hold to the last bit, and that it is the paper's matrix.
 
-use crate::common::Random;
+use crate::common::{Random, within};
 use equip_scalar::Float;
 use equip_tableau::{Gauss, MAX_STAGES};
 use nalgebra::DMatrix;
@@ -96,8 +96,8 @@ fn k_is_the_paper_s_matrix<T: Float>() {
         let k = DMatrix::from_row_slice(s, s, &gauss.skew(&alphas));
         worst = worst.max((k - paper).amax());
     }
-    println!("{:.1} eps", (worst / T::EPSILON).to_f64());
-    assert!(worst <= T::int(40) * T::EPSILON);
+    // 6.0 in f64, 5.0 in double-double, × 2.
+    within("K - P X P^T", worst, 12.0);
 }
 
 fn k_is_one_half_plus_its_antisymmetric_part<T: Float>() {
