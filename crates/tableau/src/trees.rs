@@ -14,6 +14,12 @@ use equip_scalar::Float;
 pub const MAX_TREE_ORDER: usize = 12;
 
 /// A rooted tree, its branches being earlier trees of the same [`Trees`].
+///
+/// ```
+/// let trees = equip_tableau::trees::Trees::up_to(3);
+/// let tall = &trees.all()[3]; // [[τ]], its only branch being number 1, [τ]
+/// assert_eq!((tall.order(), tall.density(), tall.branches()), (3, 6, &[1][..]));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tree {
     order: usize,
