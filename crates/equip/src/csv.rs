@@ -56,7 +56,7 @@ impl<W: Write> Rows<W> {
 
     /// Writes the row if it is one of those wanted.
     pub(crate) fn step<T: Float>(&mut self, row: Row<'_, T>) -> io::Result<()> {
-        if row.index % self.every == 0 {
+        if row.index.is_multiple_of(self.every) {
             self.write(row)
         } else {
             Ok(())

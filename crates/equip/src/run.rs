@@ -122,7 +122,7 @@ fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), F
         (Some(text), _) => number::<T>("--step", text)?,
         (None, Some(text)) => {
             let steps = number::<T>("--steps-per-period", text)?;
-            if !(steps > T::int(0)) {
+            if steps <= T::int(0) {
                 let (option, value) = ("--steps-per-period", text.clone());
                 return Err(Fault::Option {
                     option,

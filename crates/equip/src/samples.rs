@@ -23,7 +23,7 @@ impl Path {
 
     /// Takes the state y = (q, p) of step `index`, as a function of the component.
     pub(crate) fn see(&mut self, index: u64, y: impl Fn(usize) -> f64) {
-        if self.components.is_empty() || index % self.stride != 0 {
+        if self.components.is_empty() || !index.is_multiple_of(self.stride) {
             return;
         }
         self.points.extend(self.components.iter().map(|&i| y(i)));

@@ -1,4 +1,5 @@
 //! The program as its user meets it: what it prints, what it writes, and how it ends.
+#![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
 
 use equip::prelude::*;
 use std::path::PathBuf;
