@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod comparison;
 mod csv;
 mod fault;
 mod json;

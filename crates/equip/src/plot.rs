@@ -1,5 +1,6 @@
 //! The picture of a run: orbit or phase portrait on the left, the energy defect over time on the right.
 
+use crate::comparison::Comparison;
 use crate::panel::{Axis, Panel};
 use crate::run::Finished;
 use crate::samples::{Envelope, Path};
@@ -18,14 +19,6 @@ const TOP: f64 = 108.0;
 const SIDE: f64 = 300.0;
 /// Up to this many steps, each is marked by a dot.
 const FEW: usize = 1500;
-
-/// The energy defect of the Gauss method on the same steps.
-#[derive(Debug)]
-pub(crate) struct Comparison {
-    pub(crate) energy: Envelope,
-    /// Whether it reached the end of the run.
-    pub(crate) complete: bool,
-}
 
 /// The components of y = (q, p) that the scene's picture is made of, two for each path.
 pub(crate) fn components(instance: &Instance) -> Vec<usize> {

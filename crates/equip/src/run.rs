@@ -1,20 +1,19 @@
 //! `equip run`: one scene, one method, one certificate.
 
 use crate::args::{MethodName, Precision, RunArgs};
+use crate::comparison::Comparison;
 use crate::fault::Fault;
-use crate::plot::{Comparison, draw};
+use crate::plot::draw;
 use crate::progress::Progress;
-use crate::samples::{Envelope, Path};
+use crate::samples::Path;
 use crate::watch::Watch;
 use crate::{json, plot};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
 use equip_solver::{
-    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run,
-    StepView,
+    Alphas, Equip, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run,
 };
 use std::io::{Write, stdout};
-use std::ops::ControlFlow;
 
 /// A run with what was found out about it afterwards.
 #[derive(Debug)]
@@ -66,7 +65,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         Vec::new()
     };
     let steps = (end / h).to_f64().ceil() as u64;
-    let progress = Progress::new(steps, !args.quiet);
+    let progress = Progress::new("integrating", steps, !args.quiet);
     let mut watch = Watch::new((&q0, &p0), Path::new(components), progress);
     watch.out.clone_from(&args.out);
     watch.every = args.every;
@@ -89,17 +88,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         run,
         error,
     };
-    if let (Some(mut file), Some(path)) = (watch.drawing.take(), &args.plot) {
-        let compare = !args.no_compare && args.method != MethodName::Gauss;
-        let reached = finished.run.certificate().end;
-        let comparison = compare.then(|| gauss::<T>(args.stages, h, instance, reached));
-        let text = draw(&finished, &watch.path, &watch.energy, comparison.as_ref());
-        file.write_all(text.as_bytes())
-            .map_err(|source| Fault::Write {
-                path: path.clone(),
-                source,
-            })?;
-    }
+    picture(args, h, &finished, &mut watch)?;
     drop(watch);
     report(args, &finished)?;
     match finished.error {
@@ -113,6 +102,30 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
             },
         }),
     }
+}
+
+/// Draws the finished run into the file made for it, if there is one.
+fn picture<T: Float>(
+    args: &RunArgs,
+    h: T,
+    finished: &Finished<'_, T>,
+    watch: &mut Watch<'_, T>,
+) -> Result<(), Fault> {
+    let (Some(mut file), Some(path)) = (watch.drawing.take(), &args.plot) else {
+        return Ok(());
+    };
+    let compare = !args.no_compare && args.method != MethodName::Gauss;
+    let comparison = compare.then(|| {
+        let progress = Progress::new("Gauss for comparison", watch.progress.steps(), !args.quiet);
+        let end = finished.run.certificate().end;
+        Comparison::new(args.stages, h, finished.instance, end, progress)
+    });
+    let text = draw(finished, &watch.path, &watch.energy, comparison.as_ref());
+    file.write_all(text.as_bytes())
+        .map_err(|source| Fault::Write {
+            path: path.clone(),
+            source,
+        })
 }
 
 /// Step and end time.
@@ -161,25 +174,6 @@ fn number<T: Float>(option: &'static str, text: &str) -> Result<T, Fault> {
     match text.split_once('/') {
         Some((n, d)) => Ok(read(n)? / read(d)?),
         None => read(text),
-    }
-}
-
-/// The energy defect of the Gauss method on the same steps, as far as it gets.
-fn gauss<T: Float>(stages: usize, h: T, instance: &Instance, end: T) -> Comparison {
-    let mut energy = Envelope::default();
-    let integrator: FixedStep<T> = Gauss::stages(stages).step(h).record(Record::Ends);
-    let (q0, p0) = instance.initial::<T>();
-    let mut see = |view: &StepView<'_, T>| {
-        if let Some(defect) = view.energy_defect {
-            energy.see(view.time.to_f64(), defect.to_f64());
-        }
-        ControlFlow::Continue(())
-    };
-    let made =
-        integrator.integrate_observed(instance.hamiltonian(), &q0, &p0, T::int(0)..=end, &mut see);
-    Comparison {
-        energy,
-        complete: made.is_ok(),
     }
 }
 
