@@ -88,6 +88,8 @@ impl<T: DualFloat + Float, const N: usize> SecondOrder<T, N> for Forward2<T, N> 
 trait Chain<T>: Sized {
     /// For finite derivatives.
     fn chain(&self, f0: T, f1: T, f2: T) -> Self;
+    /// Whether the derivatives that this type uses are finite.
+    fn regular(f1: T, f2: T) -> bool;
     /// For a point where a derivative is infinite or NaN: 0 · ∞ = 0, and the second derivative outweighs the first.
     fn chain_singular(&self, f0: T, f1: T, f2: T) -> Self;
 
@@ -96,7 +98,7 @@ trait Chain<T>: Sized {
     where
         T: Float,
     {
-        if ComplexField::is_finite(&f1) && ComplexField::is_finite(&f2) {
+        if Self::regular(f1, f2) {
             self.chain(f0, f1, f2)
         } else {
             self.chain_singular(f0, f1, f2)
@@ -112,7 +114,12 @@ fn scaled<T: Float>(x: T, f: T) -> T {
 impl<T: DualFloat + Float, const N: usize> Chain<T> for DualSVec<T, N> {
     #[inline(always)]
     fn chain(&self, f0: T, f1: T, _: T) -> Self {
-        DualSVec::new(f0, &self.eps * f1)
+        DualSVec::new(f0, self.eps * f1)
+    }
+
+    #[inline(always)]
+    fn regular(f1: T, _: T) -> bool {
+        ComplexField::is_finite(&f1)
     }
 
     #[cold]
@@ -127,8 +134,13 @@ impl<T: DualFloat + Float, const N: usize> Chain<T> for DualSVec<T, N> {
 impl<T: DualFloat + Float, const N: usize> Chain<T> for Dual2SVec<T, N> {
     #[inline(always)]
     fn chain(&self, f0: T, f1: T, f2: T) -> Self {
-        let v2 = &self.v2 * f1 + self.v1.tr_mul(&self.v1) * f2;
-        Dual2SVec::new(f0, &self.v1 * f1, v2)
+        let v2 = self.v2 * f1 + self.v1.tr_mul(&self.v1) * f2;
+        Dual2SVec::new(f0, self.v1 * f1, v2)
+    }
+
+    #[inline(always)]
+    fn regular(f1: T, f2: T) -> bool {
+        ComplexField::is_finite(&f1) && ComplexField::is_finite(&f2)
     }
 
     #[cold]
@@ -236,7 +248,7 @@ macro_rules! scalar_by_num_dual {
             fn sqrt(x: Self) -> Self {
                 let f0 = <T as Scalar>::sqrt(x.0.re);
                 let f1 = T::exact(0.5) / f0;
-                $name(x.0.chain_any(f0, f1, T::exact(-0.5) * f1 / x.0.re))
+                $name(x.0.chain_any(f0, f1, T::int(-2) * f1 * f1 * f1))
             }
             #[inline(always)]
             fn tanh(x: Self) -> Self {

@@ -1,4 +1,5 @@
 //! + − × ÷ √ and the error-free sum of `DoubleDouble` against exact arithmetic, and the rules for special values.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod common;
 use astro_float::BigFloat;

@@ -2,6 +2,7 @@
 //!
 //! All errors are relative, in units of 2⁻¹⁰⁴. The bound asserted is the measured maximum with a margin of half to two
 //! thirds; 8 is what the documentation promises.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod common;
 use astro_float::{BigFloat, Consts};
@@ -9,6 +10,8 @@ use common::{BITS, RM, Random, Worst, big, consts, error};
 use equip_scalar::DoubleDouble;
 
 const COUNT: usize = 10_000;
+
+type Generator = Box<dyn Fn(&mut Random) -> DoubleDouble>;
 
 /// Runs `f` against `exact` over the arguments.
 fn check(
@@ -30,21 +33,18 @@ fn check(
 }
 
 /// A mix of generators, each taken in turn.
-fn mix(
-    seed: u64,
-    generators: Vec<Box<dyn Fn(&mut Random) -> DoubleDouble>>,
-) -> impl Iterator<Item = DoubleDouble> {
+fn mix(seed: u64, generators: Vec<Generator>) -> impl Iterator<Item = DoubleDouble> {
     let mut random = Random(seed);
     (0..COUNT).map(move |i| generators[i % generators.len()](&mut random))
 }
 
 /// Uniform in [a, b).
-fn uniform(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn uniform(a: f64, b: f64) -> Generator {
     Box::new(move |r| r.between(a, b))
 }
 
 /// ±2^k, k uniform in [a, b), with a random significand.
-fn sizes(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn sizes(a: f64, b: f64) -> Generator {
     Box::new(move |r| {
         let x = r.log_uniform(a, b);
         r.sign(x)
@@ -52,12 +52,12 @@ fn sizes(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
 }
 
 /// The same, positive.
-fn positive(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn positive(a: f64, b: f64) -> Generator {
     Box::new(move |r| r.log_uniform(a, b))
 }
 
 /// 1 ± 2^k.
-fn near_one(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn near_one(a: f64, b: f64) -> Generator {
     Box::new(move |r| {
         let x = r.log_uniform(a, b);
         DoubleDouble::ONE + r.sign(x)
@@ -65,7 +65,7 @@ fn near_one(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
 }
 
 /// ±(1 − 2^k).
-fn below_one(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn below_one(a: f64, b: f64) -> Generator {
     Box::new(move |r| {
         let x = DoubleDouble::ONE - r.log_uniform(a, b);
         r.sign(x)
@@ -73,7 +73,7 @@ fn below_one(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
 }
 
 /// Next to kπ/2 for k up to `limit`, as close as two doubles come.
-fn near_multiples(limit: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn near_multiples(limit: f64) -> Generator {
     Box::new(move |r| {
         let k = (2f64.powf(limit.log2() * r.unit())).floor();
         let x = DoubleDouble::FRAC_PI_2 * DoubleDouble::from(k);
@@ -223,8 +223,7 @@ fn inverse_hyperbolic() {
     check("asinh", 2.0, arguments, DoubleDouble::asinh, |x, c| {
         x.asinh(BITS, RM, c)
     });
-    let above_one: Box<dyn Fn(&mut Random) -> DoubleDouble> =
-        Box::new(|r| DoubleDouble::ONE + r.log_uniform(-100.0, 0.0));
+    let above_one: Generator = Box::new(|r| DoubleDouble::ONE + r.log_uniform(-100.0, 0.0));
     let arguments = mix(7, vec![above_one, positive(1.0, 1000.0), uniform(1.0, 4.0)]);
     // Measured: 1.4.
     check("acosh", 2.2, arguments, DoubleDouble::acosh, |x, c| {
@@ -297,8 +296,8 @@ fn trigonometric_of_huge_arguments() {
         worst.record([x, DoubleDouble::ZERO], error(s, &exact[0]));
         worst.record([x, DoubleDouble::ZERO], error(k, &exact[1]));
     }
-    // Measured: 0.52.
-    worst.assert(1200, 1.0);
+    // Measured: 0.72.
+    worst.assert(1200, 1.2);
 }
 
 #[test]
@@ -338,7 +337,7 @@ fn inverse_trigonometric() {
 
     let mut worst = Worst::new("atan2");
     let (mut random, mut c) = (Random(12), consts());
-    for i in 0..COUNT {
+    for i in 0..COUNT + 600 {
         let spread = [3.0, 60.0, 900.0][i % 3];
         let (y, x) = (
             random.log_uniform(-spread, spread),
@@ -360,7 +359,7 @@ fn inverse_trigonometric() {
         worst.record([y, x], error(y.atan2(x), &exact));
     }
     // Measured: 1.09.
-    worst.assert(COUNT * 9 / 10, 2.0);
+    worst.assert(COUNT, 2.0);
 }
 
 #[test]
@@ -368,7 +367,7 @@ fn powers() {
     let (mut random, mut c) = (Random(13), consts());
     let mut small = Worst::new("powi ≤ 6");
     let mut large = Worst::new("powi / n");
-    for i in 0..COUNT {
+    for i in 0..2 * COUNT + 1500 {
         let n = if i % 2 == 0 {
             (random.bits() % 13) as i32 - 6
         } else {
@@ -394,8 +393,8 @@ fn powers() {
         }
     }
     // Measured: 2.1 up to |n| = 6; 0.40 |n| beyond (a product may cost 1.25).
-    small.assert(COUNT / 3, 4.0);
-    large.assert(COUNT / 3, 0.6);
+    small.assert(9_900, 4.0);
+    large.assert(COUNT, 0.6);
 
     let mut worst = Worst::new("powf*");
     for i in 0..COUNT {

@@ -1,4 +1,5 @@
 //! Decimals: every finite `DoubleDouble` survives printing and parsing, and parsing rounds correctly.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod common;
 use common::{RM, Random, big, consts};
