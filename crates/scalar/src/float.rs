@@ -21,9 +21,11 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
     const NAME: &'static str;
     /// Bits of the significand.
     const MANTISSA_BITS: u32;
-    /// Decimal digits that print and parse back to the same number.
+    /// Decimal digits that print and parse back to the same number. Of the numbers of double-double only those that
+    /// have no gap between the two parts need this few; `Display` without a precision finds the digits a number needs.
     const ROUND_TRIP_DIGITS: usize;
-    /// Distance from 1 to the next number a result of arithmetic is rounded to: 2^(1 − [`MANTISSA_BITS`](Self::MANTISSA_BITS)).
+    /// The unit in which relative errors of arithmetic are counted. For `f64` 2⁻⁵², 2^(1 − [`MANTISSA_BITS`](Self::MANTISSA_BITS)).
+    /// For double-double 2⁻¹⁰⁴, twice that, because its arithmetic rounds to that only (sums within 0.75, products within 1.25 of it).
     const EPSILON: Self;
     /// Largest finite number.
     const MAX: Self;

@@ -1,7 +1,16 @@
 //! Forward dual numbers over any [`Float`], through num-dual, which stays a private field.
+//!
+//! √, tanh, xⁿ, xᶜ and atan2 are not num-dual's but follow the chain rule here, because num-dual 0.15.1 gives NaN for
+//! (0)^2.5, tanh(800), the slope of √ at 0, x⁻¹ at 1e-110 and atan2(y, 0). A derivative that is infinite stays so, and
+//! an infinite slope times a derivative that is exactly 0 is 0.
+//!
+//! The value part of √, tanh, xᶜ, atan2 and of all functions of one argument is bitwise that of the plain float. That of
+//! x/y (computed as x·(1/y)), of xⁿ for n ≥ 3 (xⁿ⁻²·x·x), of hypot and of xʸ (exp(y ln x)) may differ in the last
+//! bits. hypot squares: it overflows above 1e154.
 
 use crate::glue::DualFloat;
 use crate::{Constant, Float, Scalar};
+use nalgebra::{ComplexField, SMatrix};
 use num_dual::{Derivative, Dual2SVec, DualNum, DualSVec};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -75,6 +84,135 @@ impl<T: DualFloat + Float, const N: usize> SecondOrder<T, N> for Forward2<T, N> 
     }
 }
 
+/// The chain rule for a function with value f0 and derivatives f1, f2.
+trait Chain<T>: Sized {
+    /// For finite derivatives.
+    fn chain(&self, f0: T, f1: T, f2: T) -> Self;
+    /// Whether the derivatives that this type uses are finite.
+    fn regular(f1: T, f2: T) -> bool;
+    /// For a point where a derivative is infinite or NaN: 0 · ∞ = 0, and the second derivative outweighs the first.
+    fn chain_singular(&self, f0: T, f1: T, f2: T) -> Self;
+
+    #[inline(always)]
+    fn chain_any(&self, f0: T, f1: T, f2: T) -> Self
+    where
+        T: Float,
+    {
+        if Self::regular(f1, f2) {
+            self.chain(f0, f1, f2)
+        } else {
+            self.chain_singular(f0, f1, f2)
+        }
+    }
+}
+
+/// x·f with 0·∞ = 0.
+fn scaled<T: Float>(x: T, f: T) -> T {
+    if x == T::int(0) { x } else { x * f }
+}
+
+impl<T: DualFloat + Float, const N: usize> Chain<T> for DualSVec<T, N> {
+    #[inline(always)]
+    fn chain(&self, f0: T, f1: T, _: T) -> Self {
+        DualSVec::new(f0, self.eps * f1)
+    }
+
+    #[inline(always)]
+    fn regular(f1: T, _: T) -> bool {
+        ComplexField::is_finite(&f1)
+    }
+
+    #[cold]
+    fn chain_singular(&self, f0: T, f1: T, _: T) -> Self {
+        DualSVec::new(
+            f0,
+            Derivative(self.eps.0.map(|eps| eps.map(|x| scaled(x, f1)))),
+        )
+    }
+}
+
+impl<T: DualFloat + Float, const N: usize> Chain<T> for Dual2SVec<T, N> {
+    #[inline(always)]
+    fn chain(&self, f0: T, f1: T, f2: T) -> Self {
+        let v2 = self.v2 * f1 + self.v1.tr_mul(&self.v1) * f2;
+        Dual2SVec::new(f0, self.v1 * f1, v2)
+    }
+
+    #[inline(always)]
+    fn regular(f1: T, f2: T) -> bool {
+        ComplexField::is_finite(&f1) && ComplexField::is_finite(&f2)
+    }
+
+    #[cold]
+    fn chain_singular(&self, f0: T, f1: T, f2: T) -> Self {
+        let second = |linear: T, square: T| {
+            let bend = scaled(square, f2);
+            if ComplexField::is_finite(&bend) {
+                scaled(linear, f1) + bend
+            } else {
+                bend
+            }
+        };
+        let zero = SMatrix::<T, N, N>::from_element(T::int(0));
+        let square = self.v1.tr_mul(&self.v1).0.unwrap_or(zero);
+        let v2 = self.v2.0.unwrap_or(zero).zip_map(&square, second);
+        Dual2SVec::new(
+            f0,
+            Derivative(self.v1.0.map(|v1| v1.map(|x| scaled(x, f1)))),
+            Derivative(Some(v2)),
+        )
+    }
+}
+
+/// (xⁿ, n xⁿ⁻¹, n(n − 1) xⁿ⁻²) with one power and no power that overflows before the derivatives do.
+#[inline(always)]
+fn power<T: Float>(x: T, n: i32) -> (T, T, T) {
+    let (first, second) = (i64::from(n), i64::from(n) * (i64::from(n) - 1));
+    match n {
+        0 => (T::int(1), T::int(0), T::int(0)),
+        1 => (x, T::int(1), T::int(0)),
+        2.. => {
+            let p = if n == 2 {
+                T::int(1)
+            } else {
+                <T as Scalar>::powi(x, n - 2)
+            };
+            (p * x * x, T::int(first) * (p * x), T::int(second) * p)
+        }
+        _ => {
+            let r = <T as Scalar>::recip(x);
+            let f0 = if n == -1 {
+                r
+            } else {
+                <T as Scalar>::powi(x, n)
+            };
+            let f1 = T::int(first) * f0 * r;
+            (f0, f1, T::int(i64::from(n) - 1) * f1 * r)
+        }
+    }
+}
+
+/// (xᶜ, c xᶜ⁻¹, c(c − 1) xᶜ⁻²). A factor 0 is 0 also before an infinite power.
+#[inline(always)]
+fn real_power<T: Float>(x: T, c: Constant) -> (T, T, T) {
+    let f0 = <T as Scalar>::powf(x, c);
+    let c: T = c.to();
+    let less = c - T::int(1);
+    if f0 != T::int(0) && ComplexField::is_finite(&f0) {
+        let r = <T as Scalar>::recip(x);
+        let f1 = c * f0 * r;
+        return (f0, f1, less * f1 * r);
+    }
+    let power = |factor: T, c: T| {
+        if factor == T::int(0) {
+            factor
+        } else {
+            factor * <T as Scalar>::pow(x, c)
+        }
+    };
+    (f0, power(c, less), power(c * less, less - T::int(1)))
+}
+
 macro_rules! scalar_by_num_dual {
     ($name:ident, $inner:ident) => {
         scalar_by_num_dual!(@op $name, Add, add);
@@ -115,12 +253,28 @@ macro_rules! scalar_by_num_dual {
                 $name(x.0.recip())
             }
             #[inline(always)]
+            fn sqrt(x: Self) -> Self {
+                let f0 = <T as Scalar>::sqrt(x.0.re);
+                let f1 = T::exact(0.5) / f0;
+                $name(x.0.chain_any(f0, f1, T::int(-2) * f1 * f1 * f1))
+            }
+            #[inline(always)]
+            fn tanh(x: Self) -> Self {
+                // 1/cosh² keeps the relative precision that 1 − tanh² loses.
+                let f0 = <T as Scalar>::tanh(x.0.re);
+                let r = <T as Scalar>::recip(<T as Scalar>::cosh(x.0.re));
+                let f1 = r * r;
+                $name(x.0.chain(f0, f1, T::int(-2) * f0 * f1))
+            }
+            #[inline(always)]
             fn powi(x: Self, n: i32) -> Self {
-                $name(x.0.powi(n))
+                let (f0, f1, f2) = power(x.0.re, n);
+                $name(x.0.chain_any(f0, f1, f2))
             }
             #[inline(always)]
             fn powf(x: Self, c: Constant) -> Self {
-                $name(x.0.powf(c.to::<T>()))
+                let (f0, f1, f2) = real_power(x.0.re, c);
+                $name(x.0.chain_any(f0, f1, f2))
             }
             #[inline(always)]
             fn pow(x: Self, y: Self) -> Self {
@@ -128,7 +282,11 @@ macro_rules! scalar_by_num_dual {
             }
             #[inline(always)]
             fn atan2(y: Self, x: Self) -> Self {
-                $name(y.0.atan2(x.0))
+                // Of the two quotients the one that cannot overflow.
+                let steep = <T as Scalar>::abs(y.0.re) > <T as Scalar>::abs(x.0.re);
+                let mut angle = if steep { -(x.0 / y.0).atan() } else { (y.0 / x.0).atan() };
+                angle.re = <T as Scalar>::atan2(y.0.re, x.0.re);
+                $name(angle)
             }
             #[inline(always)]
             fn hypot(x: Self, y: Self) -> Self {
@@ -146,8 +304,8 @@ macro_rules! scalar_by_num_dual {
             fn max(x: Self, y: Self) -> Self {
                 if x.0.re >= y.0.re { x } else { y }
             }
-            scalar_by_num_dual!(@functions $name, sqrt, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin,
-                acos, atan, sinh, cosh, tanh);
+            scalar_by_num_dual!(@functions $name, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan,
+                sinh, cosh);
         }
     };
     (@op $name:ident, $op:ident, $f:ident) => {

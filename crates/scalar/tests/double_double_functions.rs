@@ -1,4 +1,8 @@
-//! Elementary functions of `DoubleDouble` against astro-float.
+//! Elementary functions of `DoubleDouble` against astro-float at 320 bits and more.
+//!
+//! All errors are relative, in units of 2⁻¹⁰⁴. The bound asserted is the measured maximum with a margin of half to two
+//! thirds; 8 is what the documentation promises.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod common;
 use astro_float::{BigFloat, Consts};
@@ -6,6 +10,8 @@ use common::{BITS, RM, Random, Worst, big, consts, error};
 use equip_scalar::DoubleDouble;
 
 const COUNT: usize = 10_000;
+
+type Generator = Box<dyn Fn(&mut Random) -> DoubleDouble>;
 
 /// Runs `f` against `exact` over the arguments.
 fn check(
@@ -27,21 +33,18 @@ fn check(
 }
 
 /// A mix of generators, each taken in turn.
-fn mix(
-    seed: u64,
-    generators: Vec<Box<dyn Fn(&mut Random) -> DoubleDouble>>,
-) -> impl Iterator<Item = DoubleDouble> {
+fn mix(seed: u64, generators: Vec<Generator>) -> impl Iterator<Item = DoubleDouble> {
     let mut random = Random(seed);
     (0..COUNT).map(move |i| generators[i % generators.len()](&mut random))
 }
 
 /// Uniform in [a, b).
-fn uniform(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn uniform(a: f64, b: f64) -> Generator {
     Box::new(move |r| r.between(a, b))
 }
 
 /// ±2^k, k uniform in [a, b), with a random significand.
-fn sizes(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn sizes(a: f64, b: f64) -> Generator {
     Box::new(move |r| {
         let x = r.log_uniform(a, b);
         r.sign(x)
@@ -49,12 +52,12 @@ fn sizes(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
 }
 
 /// The same, positive.
-fn positive(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn positive(a: f64, b: f64) -> Generator {
     Box::new(move |r| r.log_uniform(a, b))
 }
 
 /// 1 ± 2^k.
-fn near_one(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn near_one(a: f64, b: f64) -> Generator {
     Box::new(move |r| {
         let x = r.log_uniform(a, b);
         DoubleDouble::ONE + r.sign(x)
@@ -62,7 +65,7 @@ fn near_one(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
 }
 
 /// ±(1 − 2^k).
-fn below_one(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn below_one(a: f64, b: f64) -> Generator {
     Box::new(move |r| {
         let x = DoubleDouble::ONE - r.log_uniform(a, b);
         r.sign(x)
@@ -70,7 +73,7 @@ fn below_one(a: f64, b: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
 }
 
 /// Next to kπ/2 for k up to `limit`, as close as two doubles come.
-fn near_multiples(limit: f64) -> Box<dyn Fn(&mut Random) -> DoubleDouble> {
+fn near_multiples(limit: f64) -> Generator {
     Box::new(move |r| {
         let k = (2f64.powf(limit.log2() * r.unit())).floor();
         let x = DoubleDouble::FRAC_PI_2 * DoubleDouble::from(k);
@@ -102,7 +105,8 @@ fn exponentials() {
             ],
         )
     };
-    check("exp", 8.0, arguments(), DoubleDouble::exp, |x, c| {
+    // Measured: 0.44.
+    check("exp", 0.7, arguments(), DoubleDouble::exp, |x, c| {
         x.exp(BITS, RM, c)
     });
     let near = || {
@@ -117,28 +121,34 @@ fn exponentials() {
             ],
         )
     };
+    // 2 sinh(x/2) exp(x/2): no cancellation in the reference.
     let exp_m1 = |x: &BigFloat, c: &mut Consts| {
-        let bits = BITS + 2 * x.exponent().unwrap_or(0).unsigned_abs() as usize;
-        x.exp(bits, RM, c)
-            .sub(&BigFloat::from_f64(1.0, 64), bits, RM)
+        let half = x.mul_full_prec(&BigFloat::from_f64(0.5, 64));
+        let product = half.sinh(BITS, RM, c).mul(&half.exp(BITS, RM, c), BITS, RM);
+        product.add_full_prec(&product)
     };
-    check("exp_m1", 8.0, near(), DoubleDouble::exp_m1, exp_m1);
-    check("sinh", 8.0, near(), DoubleDouble::sinh, |x, c| {
+    // Measured: 0.39.
+    check("exp_m1", 0.7, near(), DoubleDouble::exp_m1, exp_m1);
+    // Measured: 0.75.
+    check("sinh", 1.2, near(), DoubleDouble::sinh, |x, c| {
         x.sinh(BITS, RM, c)
     });
-    check("cosh", 8.0, near(), DoubleDouble::cosh, |x, c| {
+    // Measured: 0.48.
+    check("cosh", 0.8, near(), DoubleDouble::cosh, |x, c| {
         x.cosh(BITS, RM, c)
     });
-    check("tanh", 8.0, near(), DoubleDouble::tanh, |x, c| {
+    // Measured: 1.22.
+    check("tanh", 2.0, near(), DoubleDouble::tanh, |x, c| {
         x.tanh(BITS, RM, c)
     });
     let exp2 = |x: &BigFloat, c: &mut Consts| {
         let two = BigFloat::from_f64(2.0, 64);
         two.pow(x, BITS, RM, c)
     };
+    // Measured: 0.44.
     check(
         "exp2",
-        8.0,
+        0.7,
         mix(3, vec![uniform(-960.0, 1023.0), uniform(-1.0, 1.0)]),
         DoubleDouble::exp2,
         exp2,
@@ -159,14 +169,17 @@ fn logarithms() {
             ],
         )
     };
-    check("ln", 8.0, arguments(), DoubleDouble::ln, |x, c| {
-        x.ln(2 * BITS, RM, c)
+    // Measured: 1.09.
+    check("ln", 2.0, arguments(), DoubleDouble::ln, |x, c| {
+        x.ln(BITS, RM, c)
     });
-    check("log2", 8.0, arguments(), DoubleDouble::log2, |x, c| {
-        x.log2(2 * BITS, RM, c)
+    // Measured: 1.15.
+    check("log2", 2.0, arguments(), DoubleDouble::log2, |x, c| {
+        x.log2(BITS, RM, c)
     });
-    check("log10", 8.0, arguments(), DoubleDouble::log10, |x, c| {
-        x.log10(2 * BITS, RM, c)
+    // Measured: 1.18.
+    check("log10", 2.0, arguments(), DoubleDouble::log10, |x, c| {
+        x.log10(BITS, RM, c)
     });
     let near = mix(
         5,
@@ -180,11 +193,19 @@ fn logarithms() {
         ],
     );
     let ln_1p = |x: &BigFloat, c: &mut Consts| {
-        let bits = BITS + 2 * x.exponent().unwrap_or(0).unsigned_abs() as usize;
-        x.add(&BigFloat::from_f64(1.0, 64), 2240, RM)
-            .ln(bits, RM, c)
+        if x.exponent() > Some(-5) {
+            return x
+                .add_full_prec(&BigFloat::from_f64(1.0, 64))
+                .ln(BITS, RM, c);
+        }
+        // 2 artanh(x/(2 + x)): 1 + x would have too many bits.
+        let s = x
+            .div(&x.add(&BigFloat::from_f64(2.0, 64), BITS, RM), BITS, RM)
+            .atanh(BITS, RM, c);
+        s.add_full_prec(&s)
     };
-    check("ln_1p", 8.0, near, DoubleDouble::ln_1p, ln_1p);
+    // Measured: 0.96.
+    check("ln_1p", 1.6, near, DoubleDouble::ln_1p, ln_1p);
 }
 
 #[test]
@@ -198,14 +219,15 @@ fn inverse_hyperbolic() {
             sizes(-100.0, 0.0),
         ],
     );
-    check("asinh", 8.0, arguments, DoubleDouble::asinh, |x, c| {
+    // Measured: 1.1.
+    check("asinh", 2.0, arguments, DoubleDouble::asinh, |x, c| {
         x.asinh(BITS, RM, c)
     });
-    let above_one: Box<dyn Fn(&mut Random) -> DoubleDouble> =
-        Box::new(|r| DoubleDouble::ONE + r.log_uniform(-100.0, 0.0));
+    let above_one: Generator = Box::new(|r| DoubleDouble::ONE + r.log_uniform(-100.0, 0.0));
     let arguments = mix(7, vec![above_one, positive(1.0, 1000.0), uniform(1.0, 4.0)]);
-    check("acosh", 8.0, arguments, DoubleDouble::acosh, |x, c| {
-        x.acosh(2 * BITS, RM, c)
+    // Measured: 1.4.
+    check("acosh", 2.2, arguments, DoubleDouble::acosh, |x, c| {
+        x.acosh(BITS, RM, c)
     });
     let arguments = mix(
         8,
@@ -216,8 +238,9 @@ fn inverse_hyperbolic() {
             sizes(-20.0, -1.0),
         ],
     );
-    check("atanh", 8.0, arguments, DoubleDouble::atanh, |x, c| {
-        x.atanh(2 * BITS, RM, c)
+    // Measured: 1.3.
+    check("atanh", 2.0, arguments, DoubleDouble::atanh, |x, c| {
+        x.atanh(BITS, RM, c)
     });
 }
 
@@ -238,15 +261,43 @@ fn trigonometric() {
             ],
         )
     };
-    check("sin", 8.0, arguments(), DoubleDouble::sin, |x, c| {
+    // Measured: 0.65.
+    check("sin", 1.0, arguments(), DoubleDouble::sin, |x, c| {
         x.sin(wide(x), RM, c)
     });
-    check("cos", 8.0, arguments(), DoubleDouble::cos, |x, c| {
+    // Measured: 0.52.
+    check("cos", 0.8, arguments(), DoubleDouble::cos, |x, c| {
         x.cos(wide(x), RM, c)
     });
-    check("tan", 8.0, arguments(), DoubleDouble::tan, |x, c| {
+    // Measured: 1.14.
+    check("tan", 1.8, arguments(), DoubleDouble::tan, |x, c| {
         x.tan(wide(x), RM, c)
     });
+}
+
+/// Where the reduction needs all of the 1280 bits of 2/π.
+#[test]
+fn trigonometric_of_huge_arguments() {
+    let (mut random, mut c) = (Random(16), consts());
+    let mut worst = Worst::new("sin huge");
+    for i in 0..600 {
+        let x = match i % 3 {
+            0 => random.log_uniform(100.0, 1023.0),
+            1 => near_multiples(2f64.powi(900))(&mut random),
+            // The double next to a multiple of π/2 in all the range (Kahan), and a lower part that goes closer.
+            _ => DoubleDouble::new(
+                6_381_956_970_095_103.0 * 2f64.powi(797),
+                random.unit() * 2f64.powi(700 - i),
+            ),
+        };
+        let (s, k) = x.sin_cos();
+        let bits = BITS + 1100;
+        let exact = [big(x).sin(bits, RM, &mut c), big(x).cos(bits, RM, &mut c)];
+        worst.record([x, DoubleDouble::ZERO], error(s, &exact[0]));
+        worst.record([x, DoubleDouble::ZERO], error(k, &exact[1]));
+    }
+    // Measured: 0.72.
+    worst.assert(1200, 1.2);
 }
 
 #[test]
@@ -262,11 +313,13 @@ fn inverse_trigonometric() {
             ],
         )
     };
-    check("asin", 8.0, arguments(), DoubleDouble::asin, |x, c| {
-        x.asin(2 * BITS, RM, c)
+    // Measured: 1.2.
+    check("asin", 2.0, arguments(), DoubleDouble::asin, |x, c| {
+        x.asin(BITS, RM, c)
     });
-    check("acos", 8.0, arguments(), DoubleDouble::acos, |x, c| {
-        x.acos(2 * BITS, RM, c)
+    // Measured: 1.23.
+    check("acos", 2.0, arguments(), DoubleDouble::acos, |x, c| {
+        x.acos(BITS, RM, c)
     });
     let arguments = mix(
         11,
@@ -277,13 +330,14 @@ fn inverse_trigonometric() {
             sizes(-10.0, 10.0),
         ],
     );
-    check("atan", 8.0, arguments, DoubleDouble::atan, |x, c| {
+    // Measured: 1.34.
+    check("atan", 2.0, arguments, DoubleDouble::atan, |x, c| {
         x.atan(BITS, RM, c)
     });
 
     let mut worst = Worst::new("atan2");
     let (mut random, mut c) = (Random(12), consts());
-    for i in 0..COUNT {
+    for i in 0..COUNT + 600 {
         let spread = [3.0, 60.0, 900.0][i % 3];
         let (y, x) = (
             random.log_uniform(-spread, spread),
@@ -304,7 +358,8 @@ fn inverse_trigonometric() {
         }
         worst.record([y, x], error(y.atan2(x), &exact));
     }
-    worst.assert(COUNT * 9 / 10, 8.0);
+    // Measured: 1.09.
+    worst.assert(COUNT, 2.0);
 }
 
 #[test]
@@ -312,7 +367,7 @@ fn powers() {
     let (mut random, mut c) = (Random(13), consts());
     let mut small = Worst::new("powi ≤ 6");
     let mut large = Worst::new("powi / n");
-    for i in 0..COUNT {
+    for i in 0..2 * COUNT + 1500 {
         let n = if i % 2 == 0 {
             (random.bits() % 13) as i32 - 6
         } else {
@@ -324,7 +379,7 @@ fn powers() {
             assert_eq!(x.powi(0), DoubleDouble::ONE);
             continue;
         }
-        let power = big(x).powi(n.unsigned_abs() as usize, 2 * BITS, RM);
+        let power = big(x).powi(n.unsigned_abs() as usize, BITS, RM);
         let exact = if n > 0 {
             power
         } else {
@@ -337,8 +392,9 @@ fn powers() {
             large.record([x, n.into()], error / f64::from(n.abs()))
         }
     }
-    small.assert(COUNT / 3, 8.0);
-    large.assert(COUNT / 3, 1.3);
+    // Measured: 2.1 up to |n| = 6; 0.40 |n| beyond (a product may cost 1.25).
+    small.assert(9_900, 4.0);
+    large.assert(COUNT, 0.6);
 
     let mut worst = Worst::new("powf*");
     for i in 0..COUNT {
@@ -352,8 +408,8 @@ fn powers() {
         let amplification = 8.0 + 4.0 * (y.hi() * x.hi().ln()).abs();
         worst.record([x, y], error(x.powf(y), &exact) / amplification);
     }
-    // The error as a fraction of the stated (8 + 4 |y ln x|).
-    worst.assert(COUNT, 1.0);
+    // The error as a fraction of the stated 8 + 4 |y ln x|. Measured: 0.18.
+    worst.assert(COUNT, 0.5);
 }
 
 #[test]
@@ -370,10 +426,12 @@ fn roots() {
         let exact = square(x).add(&square(y), 2240, RM).sqrt(BITS, RM);
         worst.record([x, y], error(x.hypot(y), &exact));
     }
-    worst.assert(COUNT, 8.0);
+    // Measured: 0.65.
+    worst.assert(COUNT, 1.0);
+    // Measured: 0.22.
     check(
         "cbrt",
-        8.0,
+        0.4,
         mix(15, vec![sizes(-960.0, 1020.0), uniform(-10.0, 10.0)]),
         DoubleDouble::cbrt,
         |x, _| x.cbrt(BITS, RM),

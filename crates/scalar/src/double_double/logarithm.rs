@@ -37,9 +37,11 @@ fn exponent_and_ln(x: DoubleDouble) -> (i32, DoubleDouble) {
     }
     let j = nearest(32.0 / m.hi);
     let r = j / 32.0;
+    // All parts of m·r − 1: its absolute error is amplified by 1/ln m.
     let (p, q) = two_prod(m.hi, r);
+    let (v, w) = two_prod(m.lo, r);
     let (s, t) = two_sum(p - 1.0, q);
-    let small = small_ln_1p(dd(s, t).plus_double(m.lo * r));
+    let small = small_ln_1p(dd(s, t).plus_double(v).plus_double(w));
     (
         e,
         if j == 32.0 {

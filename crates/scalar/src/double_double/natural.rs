@@ -97,7 +97,7 @@ impl Natural {
     pub(super) fn low_bits(&self, k: usize) -> Self {
         let mut limbs = self.0.clone();
         limbs.truncate(k.div_ceil(32));
-        if k % 32 != 0 && limbs.len() == k.div_ceil(32) {
+        if !k.is_multiple_of(32) && limbs.len() == k.div_ceil(32) {
             limbs[k / 32] &= (1 << (k % 32)) - 1;
         }
         Natural(limbs).trimmed()

@@ -11,7 +11,7 @@ use super::transforms::{nearest, power_of_two, two_prod, two_sum};
 use super::{DoubleDouble, dd};
 
 const PI_2: [f64; 3] = [
-    1.5707963267948966,
+    std::f64::consts::FRAC_PI_2,
     6.123233995736766e-17,
     -1.4973849048591698e-33,
 ];

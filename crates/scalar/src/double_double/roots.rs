@@ -1,8 +1,11 @@
 //! Square root, cube root, hypotenuse.
 
 use super::arithmetic::SAFE_MIN;
-use super::transforms::{exponent, two_prod};
+use super::transforms::{exponent, power_of_two, two_prod};
 use super::{DoubleDouble, dd};
+
+/// From here on s² might overflow.
+const SAFE_MAX: f64 = power_of_two(1000);
 
 impl DoubleDouble {
     /// √x; NaN below zero.
@@ -12,11 +15,12 @@ impl DoubleDouble {
     /// 25/8 u².
     #[inline]
     pub fn sqrt(self) -> Self {
-        if self.hi >= SAFE_MIN && self.hi < f64::INFINITY {
+        if SAFE_MIN <= self.hi && self.hi < SAFE_MAX {
             return self.root();
         }
         if self.hi > 0.0 && self.hi.is_finite() {
-            return self.scale(600).root().scale(-300);
+            let k = if self.hi < 1.0 { 600 } else { -600 };
+            return self.scale(k).root().scale(-k / 2);
         }
         self.hi.sqrt().into()
     }

@@ -381,4 +381,5 @@ pub(super) const TWO_OVER_PI: [u32; 40] = [
 ];
 
 #[cfg(test)]
-mod tests {}
+#[path = "tables_tests.rs"]
+mod tests;
