@@ -1,4 +1,5 @@
 //! Cost of ∇H and ∇²H: by hand, by dual numbers, by the tape; and how it grows with the length of a chain.
+#![allow(clippy::unwrap_used, missing_docs)]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use equip_autodiff::{Energy, Evaluate, Hamiltonian, System, Var, hamiltonian};
