@@ -1,0 +1,263 @@
+//! Commands and options, and the help that teaches them.
+//!
+//! The parameters of a scene are options of `run` too (`--e 0.9`); they are added to the derived parser by name.
+
+use clap::{Arg, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use equip_scenes::Scene;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Heading of the options that are parameters of the scene.
+const PARAMETERS: &str = "Parameters of the scene";
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "equip",
+    version,
+    about = "Energy-preserving integration of Hamiltonian systems",
+    long_about = "Integrates named Hamiltonian systems with EQUIP methods: Gauss methods whose free parameters α are \
+        chosen at every step so that the energy H is kept to round-off, and quadratic invariants with it.",
+    after_help = "Examples:\n  equip scenes                       what there is to integrate\n  \
+        equip scenes kepler                formula, parameters and source of one scene\n  \
+        equip run kepler                   a run with its certificate\n  \
+        equip run kepler --e 0.9 --stages 6 --periods 100 --plot kepler.svg"
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// List the scenes, or describe one
+    Scenes(ScenesArgs),
+    /// Integrate a scene and print what was kept
+    Run(Box<RunArgs>),
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  equip scenes\n  equip scenes henon-heiles")]
+pub(crate) struct ScenesArgs {
+    /// Scene to describe; all are listed if none is named
+    pub(crate) name: Option<String>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Numbers are decimals (0.05, 1e-3) or quotients (1/20), read in the precision of the run: with \
+        --precision dd, 0.1 is 1/10 to 31 digits.\n\n\
+        Exit codes: 0 success; 1 the integration or the output failed, with the output up to there written; 2 bad usage \
+        or input.\n\n\
+        Examples:\n  \
+        equip run kepler --e 0.6 --periods 100 --plot kepler.svg\n  \
+        equip run kepler --e 0.9 --stages 6 --periods 100 --out orbit.csv --every 10\n  \
+        equip run henon-heiles --stages 4 --step 0.25 --until 1000 --method gauss\n  \
+        equip run pendulum --precision dd --stages 8 --step 1/10 --until 50\n  \
+        equip run kepler --json | jq .energy.max_defect\n\n\
+        `equip run SCENE --help` lists the parameters of that scene."
+)]
+pub(crate) struct RunArgs {
+    /// Scene to integrate; `equip scenes` lists them
+    pub(crate) scene: String,
+    /// Set a parameter of the scene; `--NAME VALUE` does the same
+    #[arg(long, value_name = "NAME=VALUE", value_parser = pair, help_heading = PARAMETERS)]
+    pub(crate) set: Vec<(String, String)>,
+    /// Stages s: the order is 2s, the cost of a step grows like s³
+    #[arg(long, short, default_value_t = 4, help_heading = "Method")]
+    pub(crate) stages: usize,
+    /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not given)
+    #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
+    pub(crate) method: MethodName,
+    /// Step; the scene's suggestion if not given
+    #[arg(
+        long,
+        value_name = "H",
+        allow_hyphen_values = true,
+        conflicts_with = "steps_per_period",
+        help_heading = "Method"
+    )]
+    pub(crate) step: Option<String>,
+    /// Step as the scene's period divided by N
+    #[arg(
+        long,
+        value_name = "N",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub(crate) steps_per_period: Option<String>,
+    /// Time to end at; the scene's suggestion if not given
+    #[arg(
+        long,
+        value_name = "T",
+        allow_hyphen_values = true,
+        conflicts_with = "periods",
+        help_heading = "Method"
+    )]
+    pub(crate) until: Option<String>,
+    /// Time to end at, in periods of the scene
+    #[arg(
+        long,
+        value_name = "P",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub(crate) periods: Option<String>,
+    /// Numbers to compute in: f64 has 16 digits, dd (double-double) about 31
+    #[arg(long, value_enum, default_value = "f64", help_heading = "Method")]
+    pub(crate) precision: Precision,
+    /// End the run with an error at the first step for which no α keeps the energy
+    #[arg(long, help_heading = "Method")]
+    pub(crate) refuse: bool,
+    /// Write the steps to FILE.csv: t, q, p, energy defect, outcome, with digits that read back exactly
+    #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write every K-th step only (the last one always)
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..), help_heading = "Output")]
+    pub(crate) every: u64,
+    /// Draw orbit or phase portrait, and the energy defect over time
+    #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Leave out the Gauss method's energy defect on the same steps, which the plot shows for comparison
+    #[arg(long, help_heading = "Output")]
+    pub(crate) no_compare: bool,
+    /// Print the certificate as JSON
+    #[arg(long, help_heading = "Output")]
+    pub(crate) json: bool,
+    /// Print no certificate and no progress
+    #[arg(long, short, conflicts_with = "json", help_heading = "Output")]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Precision {
+    F64,
+    Dd,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum MethodName {
+    Equip,
+    EquipLast,
+    Gauss,
+    FixedAlpha(String),
+}
+
+/// Parses the command line; ends the program on `--help` and on wrong usage.
+pub(crate) fn parse() -> Cli {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let named = arguments
+        .iter()
+        .skip(2)
+        .find_map(|text| equip_scenes::find(text.to_str()?).ok());
+    let mut names = Vec::new();
+    let command =
+        Cli::command().mut_subcommand("run", |run| with_parameters(run, named, &mut names));
+    let mut matches = command.clone().get_matches_from(arguments);
+    let given: Vec<_> = match matches.subcommand_matches("run") {
+        Some(run) => names
+            .iter()
+            .filter_map(|name| Some((name.to_string(), run.get_one::<String>(name)?.clone())))
+            .collect(),
+        None => Vec::new(),
+    };
+    let mut cli = Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|error| error.exit());
+    if let Command::Run(run) = &mut cli.command {
+        run.set.extend(given);
+    }
+    cli
+}
+
+/// Adds the parameters of all scenes as options, those of the scene `named` visibly; a parameter that has the name of
+/// an option of `run` is left to `--set`.
+fn with_parameters(
+    mut run: clap::Command,
+    named: Option<&'static Scene>,
+    names: &mut Vec<&'static str>,
+) -> clap::Command {
+    let rest = equip_scenes::all()
+        .iter()
+        .filter(|scene| named.is_none_or(|n| n.name != scene.name));
+    for (visible, scene) in named
+        .into_iter()
+        .map(|s| (true, s))
+        .chain(rest.map(|s| (false, s)))
+    {
+        for parameter in scene.parameters {
+            let name = parameter.name;
+            let taken = |arg: &Arg| arg.get_id() == name || arg.get_long() == Some(name);
+            if ["help", "version"].contains(&name) || run.get_arguments().any(taken) {
+                continue;
+            }
+            names.push(name);
+            run = run.arg(
+                Arg::new(name)
+                    .long(name)
+                    .value_name("VALUE")
+                    .allow_hyphen_values(true)
+                    .hide(!visible)
+                    .help(format!(
+                        "{}, in {} [default: {}]",
+                        parameter.meaning, parameter.range, parameter.default
+                    ))
+                    .help_heading(PARAMETERS),
+            );
+        }
+    }
+    run
+}
+
+fn pair(text: &str) -> Result<(String, String), &'static str> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("write it as NAME=VALUE, like e=0.9")?;
+    Ok((name.trim().to_owned(), value.trim().to_owned()))
+}
+
+fn method(text: &str) -> Result<MethodName, &'static str> {
+    match text.split_once('=') {
+        None => match text {
+            "equip" => Ok(MethodName::Equip),
+            "equip-last" => Ok(MethodName::EquipLast),
+            "gauss" => Ok(MethodName::Gauss),
+            "fixed-alpha" => Ok(MethodName::FixedAlpha("0.02".into())),
+            _ => Err("choose equip, equip-last, gauss or fixed-alpha=VALUE"),
+        },
+        Some(("fixed-alpha", value)) => Ok(MethodName::FixedAlpha(value.into())),
+        Some(_) => Err("only fixed-alpha takes a value"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cli, MethodName, method, with_parameters};
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_parser_is_sound_with_the_parameters_of_every_scene() {
+        for scene in equip_scenes::all() {
+            let mut names = Vec::new();
+            Cli::command()
+                .mut_subcommand("run", |run| with_parameters(run, Some(scene), &mut names))
+                .debug_assert();
+            // Every parameter has its option: none is hidden behind an option of `run`.
+            assert!(
+                scene.parameters.iter().all(|p| names.contains(&p.name)),
+                "{}",
+                scene.name
+            );
+        }
+    }
+
+    #[test]
+    fn method_names() {
+        assert_eq!(
+            method("fixed-alpha=-1/50"),
+            Ok(MethodName::FixedAlpha("-1/50".into()))
+        );
+        assert_eq!(
+            method("fixed-alpha"),
+            Ok(MethodName::FixedAlpha("0.02".into()))
+        );
+        assert!(method("gauss=2").is_err() && method("euler").is_err());
+    }
+}

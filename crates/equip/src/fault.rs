@@ -1,0 +1,58 @@
+//! [`Fault`]: why the program ends without success, and with which exit code.
+
+use equip_scalar::{Float, ParseFloatError};
+use equip_scenes::SceneError;
+use equip_solver::IntegrateError;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Exit code of a run that began and could not be finished; its output up to there is written.
+const INTEGRATION_FAILED: u8 = 1;
+/// Exit code of wrong usage and bad input, the same as that of the argument parser.
+const BAD_INPUT: u8 = 2;
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Fault {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error("{option}: {source}")]
+    Number {
+        option: &'static str,
+        source: ParseFloatError,
+    },
+    #[error("{option} is {value}; it must be {expected}")]
+    Option {
+        option: &'static str,
+        value: String,
+        expected: &'static str,
+    },
+    #[error("cannot write {}: {source}; choose another path or make its directory", path.display())]
+    Write {
+        path: PathBuf,
+        source: std::io::Error,
+    },
+    #[error("cannot print: {0}")]
+    Print(#[from] std::io::Error),
+    #[error("{0}")]
+    Start(Box<dyn std::error::Error>),
+    #[error("{cause}\nthe run ended at t = {reached}; {written}")]
+    Integration {
+        cause: Box<dyn std::error::Error>,
+        reached: f64,
+        written: &'static str,
+    },
+}
+
+impl Fault {
+    /// A fault found before the first step.
+    pub(crate) fn start<T: Float>(error: IntegrateError<T>) -> Self {
+        Fault::Start(Box::new(error))
+    }
+
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        ExitCode::from(match self {
+            Fault::Integration { .. } | Fault::Write { .. } | Fault::Print(_) => INTEGRATION_FAILED,
+            _ => BAD_INPUT,
+        })
+    }
+}

@@ -1,0 +1,47 @@
+//! Energy-preserving integration of Hamiltonian systems y' = J∇H(y), from the scalar energy H alone.
+//!
+//! ```
+//! use equip::prelude::*;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // 1. Write H, nothing else: no gradient, no Hessian. Parameters are captured as in any closure.
+//! let mu = 1.0;
+//! let kepler = Hamiltonian::new(2, |q, p| {
+//!     0.5 * (p[0] * p[0] + p[1] * p[1]) - mu / (q[0] * q[0] + q[1] * q[1]).sqrt()
+//! })?;
+//!
+//! // 2. Choose a method and a step, and integrate from (q, p) over an interval of time.
+//! let run = Equip::stages(4)
+//!     .step(0.05)
+//!     .integrate(&kepler, &[0.4, 0.0], &[0.0, 2.0], 0.0..=100.0)?;
+//!
+//! // 3. Read what was kept: measured, not promised.
+//! println!("{}", run.certificate());
+//! assert!(run.certificate().energy_kept_on_every_step());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | crate | re-exported as | what is in it |
+//! |---|---|---|
+//! | `equip-scalar` | [`scalar`] | number types: `f64`, `DoubleDouble`, constants in H |
+//! | `equip-tableau` | [`tableau`] | Gauss nodes, weights, K(α) |
+//! | `equip-autodiff` | [`autodiff`] | H → gradient, Hessian, structure |
+//! | `equip-solver` | [`solver`] | methods, steps, certificate |
+//! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
+//!
+//! The program `equip` is built by the default feature `cli`; `default-features = false` leaves it and its
+//! dependencies out.
+#![forbid(unsafe_code)]
+
+pub use equip_autodiff as autodiff;
+pub use equip_scalar as scalar;
+pub use equip_scenes as scenes;
+pub use equip_solver as solver;
+pub use equip_tableau as tableau;
+
+pub mod prelude;
+
+#[doc = include_str!("../../../README.md")]
+#[cfg(doctest)]
+struct ReadMe;

@@ -1,0 +1,37 @@
+//! The program `equip`: the scenes of the catalogue, integrated and drawn from the shell.
+#![forbid(unsafe_code)]
+
+mod args;
+mod comparison;
+mod csv;
+mod fault;
+mod json;
+mod panel;
+mod plot;
+mod progress;
+mod run;
+mod samples;
+mod scenes;
+mod svg;
+mod watch;
+
+use args::Command;
+use fault::Fault;
+use std::io::ErrorKind;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let done = match args::parse().command {
+        Command::Scenes(args) => scenes::scenes(&args),
+        Command::Run(args) => run::run(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        // The reader of a pipe had enough: `equip scenes | head`.
+        Err(Fault::Print(error)) if error.kind() == ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(fault) => {
+            eprintln!("error: {fault}");
+            fault.exit_code()
+        }
+    }
+}

@@ -1,0 +1,243 @@
+//! `equip run`: one scene, one method, one certificate.
+
+use crate::args::{MethodName, Precision, RunArgs};
+use crate::comparison::Comparison;
+use crate::fault::Fault;
+use crate::plot::draw;
+use crate::progress::Progress;
+use crate::samples::Path;
+use crate::watch::Watch;
+use crate::{json, plot};
+use equip_scalar::{Constant, DoubleDouble, Float};
+use equip_scenes::Instance;
+use equip_solver::{
+    Alphas, Equip, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run,
+};
+use std::io::{Write, stdout};
+
+/// A run with what was found out about it afterwards.
+#[derive(Debug)]
+pub(crate) struct Finished<'a, T: Float> {
+    pub(crate) instance: &'a Instance,
+    pub(crate) run: Run<T>,
+    pub(crate) end_error: Option<EndError<T>>,
+    pub(crate) error: Option<IntegrateError<T>>,
+}
+
+/// Largest error of a component of q and of p at the end.
+#[derive(Debug)]
+pub(crate) struct EndError<T> {
+    pub(crate) against: String,
+    pub(crate) q: T,
+    pub(crate) p: T,
+}
+
+pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
+    let scene = equip_scenes::find(&args.scene)?;
+    let values: Vec<_> = args
+        .set
+        .iter()
+        .map(|(n, v)| (n.as_str(), v.as_str()))
+        .collect();
+    let instance = scene.instance(&values)?;
+    match args.precision {
+        Precision::F64 => run_in::<f64>(args, &instance),
+        Precision::Dd => run_in::<DoubleDouble>(args, &instance),
+    }
+}
+
+/// The whole command in float type `T`.
+fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
+    let (h, end) = time_scale::<T>(args, instance)?;
+    let mut integrator = method::<T>(args)?.step(h).record(Record::Ends);
+    if args.refuse {
+        integrator = integrator.on_no_alpha(OnNoAlpha::Refuse);
+    }
+    for invariant in instance.invariants() {
+        integrator =
+            integrator.invariant(Invariant::new(invariant.name, invariant.quantity.clone()));
+    }
+
+    let (q0, p0) = instance.initial::<T>();
+    let components = if args.plot.is_some() {
+        plot::components(instance)
+    } else {
+        Vec::new()
+    };
+    let steps = (end / h).to_f64().ceil() as u64;
+    let progress = Progress::new("integrating", steps, !args.quiet);
+    let mut watch = Watch::new((&q0, &p0), Path::new(components), progress);
+    watch.out.clone_from(&args.out);
+    watch.every = args.every;
+    watch.plot.clone_from(&args.plot);
+
+    let interval = T::int(0)..=end;
+    let made =
+        integrator.integrate_observed(instance.hamiltonian(), &q0, &p0, interval, &mut watch);
+    let (run, error) = match made {
+        Ok(run) => (run, None),
+        Err(failure) => match failure.partial {
+            Some(partial) => (*partial, Some(failure.error)),
+            None => return Err(Fault::start(failure.error)),
+        },
+    };
+    watch.finish(&run)?;
+    let finished = Finished {
+        end_error: end_error(instance, &run),
+        instance,
+        run,
+        error,
+    };
+    picture(args, h, &finished, &mut watch)?;
+    drop(watch);
+    report(args, &finished)?;
+    match finished.error {
+        None => Ok(()),
+        Some(error) => Err(Fault::Integration {
+            cause: Box::new(error),
+            reached: finished.run.certificate().end.to_f64(),
+            written: match (&args.out, &args.plot) {
+                (None, None) => "--out FILE.csv writes the steps up to there",
+                _ => "its steps up to there are written",
+            },
+        }),
+    }
+}
+
+/// Draws the finished run into the file made for it, if there is one.
+fn picture<T: Float>(
+    args: &RunArgs,
+    h: T,
+    finished: &Finished<'_, T>,
+    watch: &mut Watch<'_, T>,
+) -> Result<(), Fault> {
+    let (Some(mut file), Some(path)) = (watch.drawing.take(), &args.plot) else {
+        return Ok(());
+    };
+    let compare = !args.no_compare && args.method != MethodName::Gauss;
+    let comparison = compare.then(|| {
+        let progress = Progress::new("Gauss for comparison", watch.progress.steps(), !args.quiet);
+        let end = finished.run.certificate().end;
+        Comparison::new(args.stages, h, finished.instance, end, progress)
+    });
+    let text = draw(finished, &watch.path, &watch.energy, comparison.as_ref());
+    file.write_all(text.as_bytes())
+        .map_err(|source| Fault::Write {
+            path: path.clone(),
+            source,
+        })
+}
+
+/// Step and end time.
+fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), Fault> {
+    let period = || instance.period::<T>();
+    let h = match (&args.step, &args.steps_per_period) {
+        (Some(text), _) => number::<T>("--step", text)?,
+        (None, Some(text)) => {
+            let steps = number::<T>("--steps-per-period", text)?;
+            if steps <= T::int(0) {
+                let (option, value) = ("--steps-per-period", text.clone());
+                return Err(Fault::Option {
+                    option,
+                    value,
+                    expected: "positive",
+                });
+            }
+            period() / steps
+        }
+        (None, None) => T::exact(instance.suggested_step()),
+    };
+    let end = match (&args.until, &args.periods) {
+        (Some(text), _) => number::<T>("--until", text)?,
+        (None, Some(text)) => number::<T>("--periods", text)? * period(),
+        (None, None) => T::exact(instance.suggested_end()),
+    };
+    Ok((h, end))
+}
+
+fn method<T: Float>(args: &RunArgs) -> Result<Method, Fault> {
+    Ok(match &args.method {
+        MethodName::Equip => Equip::stages(args.stages),
+        MethodName::EquipLast => Equip::stages(args.stages).alphas(Alphas::Last),
+        MethodName::Gauss => Gauss::stages(args.stages),
+        MethodName::FixedAlpha(text) => {
+            let alpha = number::<T>("--method fixed-alpha", text)?;
+            Method::fixed_alpha(args.stages, Constant::Extended(alpha.expansion()))
+        }
+    })
+}
+
+/// A decimal or a quotient of decimals, in the precision of the run.
+fn number<T: Float>(option: &'static str, text: &str) -> Result<T, Fault> {
+    let read =
+        |text: &str| T::decimal(text.trim()).map_err(|source| Fault::Number { option, source });
+    match text.split_once('/') {
+        Some((n, d)) => Ok(read(n)? / read(d)?),
+        None => read(text),
+    }
+}
+
+/// The error of the last state against the stored reference or the closed form, where there is one for its time.
+fn end_error<T: Float>(instance: &Instance, run: &Run<T>) -> Option<EndError<T>> {
+    let (t, q, p) = run.last();
+    let reference = instance
+        .reference()
+        .filter(|r| (r.end::<T>() - t).abs() <= T::int(4) * T::EPSILON * t.abs());
+    let (against, (q_exact, p_exact)) = match reference {
+        Some(reference) => (
+            format!("reference {}", reference.name()),
+            reference.state::<T>(),
+        ),
+        None => ("the closed form".to_owned(), instance.exact(t)?),
+    };
+    let largest = |found: &[T], exact: &[T]| {
+        found
+            .iter()
+            .zip(exact)
+            .fold(T::int(0), |most, (&x, &y)| most.max((x - y).abs()))
+    };
+    Some(EndError {
+        against,
+        q: largest(q, &q_exact),
+        p: largest(p, &p_exact),
+    })
+}
+
+/// Prints the certificate in the form asked for.
+fn report<T: Float>(args: &RunArgs, finished: &Finished<'_, T>) -> Result<(), Fault> {
+    let mut out = stdout().lock();
+    if args.json {
+        let text = json::document(finished).map_err(std::io::Error::from)?;
+        writeln!(out, "{text}")?;
+    } else if !args.quiet {
+        let parameters: Vec<_> = finished
+            .instance
+            .parameters()
+            .map(|(name, value)| format!(" {name}={value}"))
+            .collect();
+        writeln!(
+            out,
+            "{:<24}{}{}",
+            "scene",
+            finished.instance.scene().name,
+            parameters.concat()
+        )?;
+        writeln!(out, "{}", finished.run.certificate())?;
+        if let Some(EndError { against, q, p }) = &finished.end_error {
+            writeln!(
+                out,
+                "{:<24}q {q:.2e}, p {p:.2e} against {against}",
+                "end state error"
+            )?;
+        }
+        for (label, path) in [
+            ("steps written to", &args.out),
+            ("plot written to", &args.plot),
+        ] {
+            if let Some(path) = path {
+                writeln!(out, "{label:<24}{}", path.display())?;
+            }
+        }
+    }
+    Ok(())
+}

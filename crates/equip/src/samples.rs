@@ -1,0 +1,126 @@
+//! What a plot needs of a run, in memory that does not grow with the run.
+
+/// Points kept of the paths, and of the energy.
+const MOST_POINTS: usize = 12_000;
+const MOST_BUCKETS: usize = 1_000;
+
+/// Chosen components of the state at every k-th step; k doubles whenever too many are kept.
+#[derive(Debug)]
+pub(crate) struct Path {
+    components: Vec<usize>,
+    points: Vec<f64>,
+    stride: u64,
+}
+
+impl Path {
+    pub(crate) fn new(components: Vec<usize>) -> Self {
+        Path {
+            components,
+            points: Vec::new(),
+            stride: 1,
+        }
+    }
+
+    /// Takes the state y = (q, p) of step `index`, as a function of the component.
+    pub(crate) fn see(&mut self, index: u64, y: impl Fn(usize) -> f64) {
+        if self.components.is_empty() || !index.is_multiple_of(self.stride) {
+            return;
+        }
+        self.points.extend(self.components.iter().map(|&i| y(i)));
+        if self.points.len() > MOST_POINTS * 2 {
+            let width = self.components.len();
+            let kept = self
+                .points
+                .chunks_exact(width)
+                .step_by(2)
+                .flatten()
+                .copied();
+            self.points = kept.collect();
+            self.stride *= 2;
+        }
+    }
+
+    /// Every how many steps a point was kept.
+    pub(crate) fn stride(&self) -> u64 {
+        self.stride
+    }
+
+    /// The points of path number `i`: components 2i and 2i + 1 of those chosen.
+    pub(crate) fn pairs(&self, i: usize) -> impl Iterator<Item = (f64, f64)> + Clone {
+        let width = self.components.len().max(1);
+        self.points
+            .chunks_exact(width)
+            .map(move |row| (row[2 * i], row[2 * i + 1]))
+    }
+}
+
+/// The largest |value| over consecutive buckets of steps; buckets are joined in pairs when there are too many.
+#[derive(Debug, Default)]
+pub(crate) struct Envelope {
+    points: Vec<(f64, f64)>,
+    width: u64,
+    filled: u64,
+}
+
+impl Envelope {
+    pub(crate) fn see(&mut self, time: f64, value: f64) {
+        let value = value.abs();
+        match self.points.last_mut() {
+            Some(last) if self.filled < self.width => {
+                last.1 = last.1.max(value);
+                self.filled += 1;
+            }
+            _ => {
+                self.points.push((time, value));
+                self.filled = 1;
+            }
+        }
+        if self.points.len() > MOST_BUCKETS {
+            let joined = self.points.chunks(2).map(|pair| {
+                (
+                    pair[0].0,
+                    pair.iter().fold(0.0, |most: f64, point| most.max(point.1)),
+                )
+            });
+            self.points = joined.collect();
+            self.width = self.width.max(1) * 2;
+            // The last bucket was alone: it has room for as many steps again.
+            self.filled = self.width / 2;
+        }
+    }
+
+    /// Start time and largest |value| of each bucket.
+    pub(crate) fn points(&self) -> &[(f64, f64)] {
+        &self.points
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Envelope, MOST_BUCKETS, MOST_POINTS, Path};
+
+    #[test]
+    fn long_runs_keep_their_shape_and_their_peak() {
+        let (mut path, mut energy) = (Path::new(vec![0, 1]), Envelope::default());
+        for index in 0..1_000_000_u64 {
+            path.see(index, |i| index as f64 + i as f64);
+            energy.see(index as f64, if index == 765_432 { -9.0 } else { 1.0 });
+        }
+        assert!(path.pairs(0).count() <= MOST_POINTS && energy.points().len() <= MOST_BUCKETS);
+        let step = path.stride() as f64;
+        assert!(
+            path.pairs(0)
+                .enumerate()
+                .all(|(k, (x, y))| x == k as f64 * step && y == x + 1.0)
+        );
+        assert_eq!(
+            energy
+                .points()
+                .iter()
+                .filter(|point| point.1 == 9.0)
+                .count(),
+            1
+        );
+        assert!(energy.points().is_sorted_by(|a, b| a.0 < b.0));
+    }
+}

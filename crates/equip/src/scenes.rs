@@ -1,0 +1,90 @@
+//! `equip scenes`: the catalogue, and one page of it.
+
+use crate::args::ScenesArgs;
+use crate::fault::Fault;
+use equip_autodiff::System;
+use equip_scenes::{Parameter, Scene};
+use std::io::{Write, stdout};
+
+pub(crate) fn scenes(args: &ScenesArgs) -> Result<(), Fault> {
+    match &args.name {
+        Some(name) => describe(equip_scenes::find(name)?, &mut stdout().lock()),
+        None => list(&mut stdout().lock()),
+    }
+}
+
+fn list(out: &mut impl Write) -> Result<(), Fault> {
+    let width = |text: fn(&Scene) -> &'static str| {
+        equip_scenes::all()
+            .iter()
+            .map(|s| text(s).chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let (names, titles) = (width(|s| s.name), width(|s| s.title));
+    writeln!(
+        out,
+        "{:<names$}  {:<titles$}  {:>3}  parameters",
+        "scene", "title", "m"
+    )?;
+    for scene in equip_scenes::all() {
+        let m = scene.instance(&[])?.hamiltonian().degrees_of_freedom();
+        let parameters = scene
+            .parameters
+            .iter()
+            .map(|p| format!("{}={}", p.name, p.default));
+        let parameters = parameters.collect::<Vec<_>>().join(" ");
+        writeln!(
+            out,
+            "{:<names$}  {:<titles$}  {m:>3}  {parameters}",
+            scene.name, scene.title
+        )?;
+    }
+    writeln!(
+        out,
+        "\nm: degrees of freedom with these parameters\n\
+         `equip scenes NAME` describes a scene, `equip run NAME` integrates it"
+    )?;
+    Ok(())
+}
+
+fn describe(scene: &'static Scene, out: &mut impl Write) -> Result<(), Fault> {
+    let instance = scene.instance(&[])?;
+    let mut line = |label: &str, text: &str| writeln!(out, "{label:<15}{text}");
+    line(scene.name, scene.title)?;
+    line("", scene.formula)?;
+    line(
+        "freedom",
+        &format!(
+            "m = {} degrees",
+            instance.hamiltonian().degrees_of_freedom()
+        ),
+    )?;
+    line("source", scene.source)?;
+    line("kept besides H", scene.invariants)?;
+    line("solution", scene.solution)?;
+    line("hard", scene.hard)?;
+    line("period", &format!("{:.6}", instance.period::<f64>()))?;
+    let (step, end) = (instance.suggested_step(), instance.suggested_end());
+    line(
+        "suggested",
+        &format!("step {step:.4} (order 8), until t = {end:.4}"),
+    )?;
+    let mut label = "parameters";
+    for Parameter {
+        name,
+        meaning,
+        default,
+        range,
+        integer,
+    } in scene.parameters
+    {
+        let whole = if *integer { "whole number " } else { "" };
+        line(
+            label,
+            &format!("--{name} {default}  {meaning}, {whole}in {range}"),
+        )?;
+        label = "";
+    }
+    Ok(())
+}

@@ -1,0 +1,322 @@
+//! The program as its user meets it: what it prints, what it writes, and how it ends.
+#![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
+
+use equip::prelude::*;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+fn equip(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_equip"))
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Standard output of a command that must succeed.
+fn stdout(arguments: &[&str]) -> String {
+    let output = equip(arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {error}");
+    assert!(error.is_empty(), "{arguments:?}: {error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Standard error of a command that must end with `code`.
+fn failure(code: i32, arguments: &[&str]) -> String {
+    let output = equip(arguments);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}");
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// A file of this test alone.
+fn file(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+/// The cells of a table, row by row, its header first.
+fn table(path: &PathBuf) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(path).unwrap();
+    let cells = |row: &str| row.split(',').map(str::to_owned).collect();
+    text.lines().map(cells).collect()
+}
+
+#[test]
+fn help_teaches() {
+    for arguments in [&["--help"][..], &["run", "--help"], &["scenes", "--help"]] {
+        assert!(stdout(arguments).contains("Examples:"), "{arguments:?}");
+    }
+    let help = stdout(&["run", "kepler", "--help"]);
+    assert!(help.contains("--e <VALUE>") && help.contains("eccentricity"));
+    assert!(!help.contains("--omega"));
+    assert!(stdout(&["--version"]).starts_with("equip "));
+}
+
+#[test]
+fn scenes_are_listed_and_described() {
+    let list = stdout(&["scenes"]);
+    for scene in equip::scenes::all() {
+        assert!(
+            list.lines().any(|line| line.starts_with(scene.name)),
+            "{}",
+            scene.name
+        );
+        let page = stdout(&["scenes", scene.name]);
+        assert!(page.contains(scene.formula) && page.contains(scene.source));
+        assert!(
+            scene
+                .parameters
+                .iter()
+                .all(|p| page.contains(&format!("--{} ", p.name)))
+        );
+    }
+}
+
+#[test]
+fn every_scene_makes_a_few_steps_and_a_picture() {
+    for scene in equip::scenes::all() {
+        let step = scene.instance(&[]).unwrap().suggested_step();
+        let (until, plot) = (
+            format!("{}", 4.0 * step),
+            file(&format!("{}.svg", scene.name)),
+        );
+        let plot = plot.to_str().unwrap();
+        let printed = stdout(&["run", scene.name, "--until", &until, "--plot", plot]);
+        assert!(printed.contains("energy defect"), "{}", scene.name);
+        well_formed(&std::fs::read_to_string(plot).unwrap());
+    }
+}
+
+#[test]
+fn table_of_a_run_reads_back() {
+    let out = file("kepler.csv");
+    stdout(&[
+        "run",
+        "kepler",
+        "--e",
+        "0.3",
+        "--stages",
+        "6",
+        "--steps-per-period",
+        "100",
+        "--until",
+        "20",
+        "--out",
+        out.to_str().unwrap(),
+        "--every",
+        "10",
+        "--quiet",
+    ]);
+    let rows = table(&out);
+    assert_eq!(rows[0].join(","), "t,q1,q2,p1,p2,energy_defect,outcome");
+    // 318.3 steps: the initial state, every tenth step, and the last one.
+    assert_eq!(rows.len(), 1 + 1 + 31 + 1);
+    let kepler = equip::scenes::find("kepler").unwrap();
+    let kepler = kepler.instance(&[("e", "0.3")]).unwrap();
+    for row in &rows[1..] {
+        let numbers: Vec<f64> = row[..6].iter().map(|cell| cell.parse().unwrap()).collect();
+        let (q, p) = kepler.exact(numbers[0]).unwrap();
+        let exact = [q, p].concat();
+        // Measured 6.6e-15 at the end, after three periods; headroom of 10.
+        let error = numbers[1..5].iter().zip(&exact).map(|(a, b)| (a - b).abs());
+        assert!(error.fold(0.0, f64::max) < 6.6e-14, "{row:?}");
+        // Measured 4.4e-16; headroom of 4.
+        assert!(numbers[5].abs() < 1.8e-15, "{row:?}");
+    }
+    assert_eq!(rows.last().unwrap()[0], "2e1");
+}
+
+#[test]
+fn quiet_is_quiet_and_json_is_json() {
+    assert_eq!(stdout(&["run", "pendulum", "--quiet"]), "");
+    let text = stdout(&[
+        "run", "pendulum", "--json", "--set", "p=1.5", "--until", "10", "--step", "0.1",
+    ]);
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["scene"], "pendulum");
+    assert_eq!(json["parameters"]["p"], "1.5");
+    assert_eq!(
+        (json["steps"].as_u64(), json["order"].as_u64()),
+        (Some(100), Some(8))
+    );
+    let outcomes = json["outcomes"].as_object().unwrap();
+    assert_eq!(
+        outcomes.values().filter_map(|n| n.as_u64()).sum::<u64>(),
+        100
+    );
+    assert!(json["energy"]["max_defect"].as_f64().unwrap() < 1e-14);
+    // Measured 7e-14; headroom of 10.
+    assert!(json["end_state_error"]["q"].as_f64().unwrap() < 7e-13);
+    assert!(json["error"].is_null());
+}
+
+#[test]
+fn double_double_has_the_digits_of_double_double() {
+    let out = file("pendulum.csv");
+    stdout(&[
+        "run",
+        "pendulum",
+        "--p",
+        "1.1",
+        "--precision",
+        "dd",
+        "--stages",
+        "10",
+        "--step",
+        "1/10",
+        "--until",
+        "5",
+        "--out",
+        out.to_str().unwrap(),
+        "--quiet",
+    ]);
+    let rows = table(&out);
+    let last = rows.last().unwrap();
+    let pendulum = equip::scenes::find("pendulum").unwrap();
+    let pendulum = pendulum.instance(&[("p", "1.1")]).unwrap();
+    let (q, p) = pendulum.exact(DoubleDouble::int(5)).unwrap();
+    for (cell, exact) in [(&last[1], q[0]), (&last[2], p[0])] {
+        let found = DoubleDouble::decimal(cell).unwrap();
+        // Measured 1.1e-32, a unit in the last place or so; headroom of 100. Read as a double, 1.1 would leave 1e-16.
+        let error: f64 = (found - exact).to_f64();
+        assert!(error.abs() < 1.1e-30, "{cell}: {error:e}");
+    }
+}
+
+#[test]
+fn methods_are_what_they_are_called() {
+    let printed = |method| stdout(&["run", "kepler", "--until", "5", "--method", method]);
+    assert!(printed("equip").contains("EQUIP, 4 stages, order 8"));
+    assert!(printed("equip-last").contains("EQUIP with the last α only"));
+    assert!(printed("gauss").contains("Gauss, 4 stages, order 8"));
+    assert!(printed("fixed-alpha=1/50").contains("fixed α = 0.02, 4 stages, order 6"));
+    assert!(printed("fixed-alpha=-0.01").contains("fixed α = -0.01"));
+}
+
+#[test]
+fn bad_input_says_what_to_change() {
+    for (arguments, hint) in [
+        (&["run", "keppler"][..], "kepler"),
+        (&["scenes", "keppler"], "kepler"),
+        (&["run", "kepler", "--e", "1.5"], "[0, 1)"),
+        (&["run", "kepler", "--e", "round"], "write a decimal like"),
+        (&["run", "kepler", "--set", "e:0.5"], "NAME=VALUE"),
+        (&["run", "kepler", "--omega", "3"], "it has e, mu"),
+        (&["run", "kepler", "--set", "omega=3"], "it has e, mu"),
+        (&["run", "kepler", "--step", "0"], "positive"),
+        (&["run", "kepler", "--step", "0.1x"], "--step"),
+        (
+            &["run", "kepler", "--step", "0.1", "--steps-per-period", "9"],
+            "cannot be used with",
+        ),
+        (&["run", "kepler", "--steps-per-period", "-4"], "positive"),
+        (&["run", "kepler", "--until", "-1"], "run forward"),
+        (&["run", "kepler", "--stages", "1"], "2 to 32"),
+        (&["run", "kepler", "--stages", "99"], "2 to 32"),
+        (&["run", "kepler", "--method", "euler"], "fixed-alpha"),
+        (
+            &["run", "kepler", "--method", "fixed-alpha=x"],
+            "not a decimal number",
+        ),
+        (&["run", "kepler", "--every", "0"], "--every"),
+        (&["run"], "<SCENE>"),
+    ] {
+        let message = failure(2, arguments);
+        assert!(message.contains(hint), "{arguments:?}: {message}");
+    }
+}
+
+#[test]
+fn bad_input_leaves_files_alone() {
+    let out = file("untouched.csv");
+    std::fs::write(&out, "precious").unwrap();
+    failure(
+        2,
+        &[
+            "run",
+            "kepler",
+            "--step",
+            "-1",
+            "--out",
+            out.to_str().unwrap(),
+        ],
+    );
+    assert_eq!(std::fs::read_to_string(&out).unwrap(), "precious");
+}
+
+#[test]
+fn a_path_that_cannot_be_written_is_named() {
+    let path = file("no such directory").join("a.csv");
+    let message = failure(1, &["run", "kepler", "--out", path.to_str().unwrap()]);
+    assert!(message.contains("no such directory") && message.contains("make its directory"));
+}
+
+#[test]
+fn a_run_that_fails_keeps_what_it_made() {
+    // One α at hω = 500: the run meets a step without a solution.
+    let (out, plot) = (file("refused.csv"), file("refused.svg"));
+    let scene =
+        "run fpu --omega 500 --method equip-last --stages 2 --step 1 --until 200 --refuse --json";
+    let mut arguments: Vec<_> = scene.split(' ').collect();
+    arguments.extend([
+        "--out",
+        out.to_str().unwrap(),
+        "--plot",
+        plot.to_str().unwrap(),
+    ]);
+    let output = equip(&arguments);
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        message.contains("no admissible α")
+            && message.contains("its steps up to there are written")
+    );
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let steps = json["steps"].as_u64().unwrap();
+    assert_eq!(table(&out).len() as u64, 1 + 1 + steps);
+    assert!(json["error"].as_str().unwrap().contains("no admissible α"));
+    well_formed(&std::fs::read_to_string(&plot).unwrap());
+}
+
+#[test]
+fn the_plot_shows_gauss_beside_it_unless_told_not_to() {
+    let plot = file("compare.svg");
+    let path = plot.to_str().unwrap();
+    let drawn = |more: &[&str]| {
+        stdout(
+            &[
+                &["run", "henon-heiles", "--until", "20", "--plot", path][..],
+                more,
+            ]
+            .concat(),
+        );
+        std::fs::read_to_string(&plot).unwrap()
+    };
+    assert!(drawn(&[]).contains("Gauss, same steps"));
+    assert!(!drawn(&["--no-compare"]).contains("Gauss"));
+    assert!(!drawn(&["--method", "gauss"]).contains("same steps"));
+}
+
+/// Every element of the SVG is closed in its order, and no number in it is NaN or infinite.
+fn well_formed(text: &str) {
+    let mut open = Vec::new();
+    assert!(text.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\""));
+    for element in text.split('<').skip(1) {
+        let (tag, content) = element.split_once('>').unwrap();
+        assert!(
+            !content.contains('>') && tag.matches('"').count() % 2 == 0,
+            "{tag}"
+        );
+        assert!(!tag.contains("NaN") && !tag.contains("inf"), "{tag}");
+        let name = tag
+            .trim_start_matches('/')
+            .split([' ', '/'])
+            .next()
+            .unwrap();
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else if !tag.ends_with('/') {
+            open.push(name);
+        }
+    }
+    assert!(open.is_empty() && text.ends_with("</svg>\n"));
+}
