@@ -3,8 +3,28 @@
 //! States are slices y = (q, p) of length n = 2m for m degrees of freedom: positions first, then momenta.
 #![forbid(unsafe_code)]
 
+mod colouring;
+mod degree;
+mod error;
+mod graph;
+mod hamiltonian;
+mod hessian;
+mod op;
+mod recorded;
+mod recorder;
+mod replay;
+mod reverse;
+mod separable;
+mod sparsity;
 mod structure;
 mod system;
+mod tangent;
+mod tape;
+mod trace;
 
+pub use error::BuildError;
+pub use hamiltonian::Hamiltonian;
+pub use recorded::{Recorded, RecordedEvaluator};
 pub use structure::{Pattern, Structure};
 pub use system::{Evaluate, System};
+pub use trace::{Trace, Var};

@@ -4,6 +4,8 @@
 //! |---|---|
 //! | [`Scalar`] | arithmetic and elementary functions, **no ordering**: what an energy H may use |
 //! | [`Float`] | a [`Scalar`] with ordering, ε, exact ratios, parsed decimals: what the integrator computes in |
+//! | [`Piecewise`] | a [`Scalar`] whose piecewise functions can be differentiated: sign, selection |
+//! | [`Recording`] | the one [`Scalar`] without a value; its comparisons are noted and refused |
 //! | [`Num`] | the wrapper a user's generic energy sees: `0.5 * q[0]`, `q[0].sin()`, never `q[0] < 1.0` |
 //! | [`Constant`] | a constant in H that is as exact as the float type that later reads it |
 //! | [`DoubleDouble`] | about 31 digits, as an unevaluated sum of two `f64` |
@@ -20,6 +22,8 @@ mod float;
 mod forward;
 mod glue;
 mod num;
+mod piecewise;
+mod recording;
 mod scalar;
 
 pub use constant::{Constant, decimal, ratio};
@@ -27,4 +31,6 @@ pub use double_double::DoubleDouble;
 pub use float::{Float, ParseFloatError};
 pub use forward::{FirstOrder, Forward, Forward2, SecondOrder};
 pub use num::Num;
+pub use piecewise::Piecewise;
+pub use recording::{Attempt, Recording};
 pub use scalar::Scalar;

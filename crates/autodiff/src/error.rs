@@ -1,0 +1,60 @@
+//! [`BuildError`]: why an energy was not accepted.
+
+use std::panic::Location;
+
+/// Why a Hamiltonian could not be built, or a supplied gradient was found wrong.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// No degree of freedom.
+    #[error("the number of degrees of freedom is 0; give the number of positions, at least 1")]
+    NoDegreesOfFreedom,
+
+    /// The energy compared the state with something.
+    #[error(
+        "the energy compares the state at {location}, but it is recorded once and replayed at every state; \
+         write the piecewise part with .min(), .max() or .abs(), or choose between two Hamiltonians outside"
+    )]
+    Branch {
+        /// Where the comparison stands.
+        location: &'static Location<'static>,
+    },
+
+    /// The energy asked the state for its value.
+    #[error(
+        "the energy reads a number out of the state at {location}, but it is recorded before any state is \
+         known; compute with the variable itself (it has .sqrt(), .sin(), .powf(), ...)"
+    )]
+    ReadOut {
+        /// Where the read-out stands.
+        location: &'static Location<'static>,
+    },
+
+    /// A variable of another recording was used.
+    #[error(
+        "the energy uses a variable that was not made inside it; capture plain numbers \
+         (f64, ratio, decimal, DoubleDouble) and make variables from q, p and these only"
+    )]
+    ForeignVariable,
+
+    /// A constant of the energy is not a number.
+    #[error(
+        "a constant of the energy is NaN; check the parameters captured by it, and products, quotients and \
+         roots of constants such as 0/0"
+    )]
+    ConstantNotANumber,
+
+    /// The supplied gradient is not the gradient of the energy.
+    #[error(
+        "component {component} of the supplied gradient is {given:e}, but the energy has {expected:e} there \
+         (components 0..m are the derivatives by q, m..2m those by p); correct it, or leave it out"
+    )]
+    WrongGradient {
+        /// Component of (∂H/∂q, ∂H/∂p), counted from 0.
+        component: usize,
+        /// What the supplied gradient says.
+        given: f64,
+        /// What automatic differentiation of the energy says.
+        expected: f64,
+    },
+}

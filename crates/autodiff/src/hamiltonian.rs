@@ -1,0 +1,91 @@
+//! [`Hamiltonian`]: an energy with everything derived from it.
+
+use crate::{BuildError, Recorded, Structure, System, Var};
+use equip_scalar::Float;
+
+/// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any float type.
+///
+/// The parameter says how H was given: [`Recorded`] from a closure, [`Static`](crate::Static) from a type with one
+/// generic method. An invariant is a scalar function of (q, p) as well, and is given the same way.
+///
+/// ```
+/// use equip_autodiff::{Evaluate, Hamiltonian, System};
+///
+/// let mu = 1.0;
+/// let kepler = Hamiltonian::new(2, |q, p| {
+///     0.5 * (p[0] * p[0] + p[1] * p[1]) - mu / (q[0] * q[0] + q[1] * q[1]).sqrt()
+/// })?;
+/// assert!(kepler.structure().separable);
+///
+/// let mut evaluator = kepler.evaluator::<f64>();
+/// let mut gradient = [0.0; 4];
+/// assert_eq!(evaluator.gradient(&[2.0, 0.0, 0.0, 0.5], &mut gradient), -0.375);
+/// assert_eq!(gradient, [0.25, 0.0, 0.0, 0.5]);
+/// # Ok::<(), equip_autodiff::BuildError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Hamiltonian<R = Recorded> {
+    pub(crate) route: R,
+}
+
+impl Hamiltonian<Recorded> {
+    /// Records the energy of a system with m degrees of freedom. The closure is called once, here; what it
+    /// captures is recorded as constants, which each float type reads in its own precision.
+    ///
+    /// # Errors
+    /// [`BuildError`] if m = 0, if the closure compares the state or reads a number out of it, if it uses
+    /// variables of another recording, or if a constant is NaN.
+    ///
+    /// # Panics
+    /// If the closure panics, and if it waits in an endless loop for a comparison of the state to come true.
+    ///
+    /// ```
+    /// use equip_autodiff::{BuildError, Hamiltonian};
+    /// let branching = Hamiltonian::new(1, |q, p| if q[0] < 0.0 { -q[0] } else { p[0] });
+    /// assert!(matches!(branching, Err(BuildError::Branch { location }) if location.line() > 0));
+    /// ```
+    pub fn new(m: usize, energy: impl FnOnce(&[Var], &[Var]) -> Var) -> Result<Self, BuildError> {
+        Ok(Hamiltonian {
+            route: Recorded::new(m, energy)?,
+        })
+    }
+
+    /// Number of directions the Hessian is computed with: columns of the pattern that share no row share one.
+    ///
+    /// ```
+    /// use equip_autodiff::{Hamiltonian, Var};
+    /// let chain = Hamiltonian::new(100, |q, _| {
+    ///     q.windows(2).map(|q| (q[1] - q[0]).powi(4)).sum::<Var>()
+    /// })?;
+    /// assert_eq!(chain.colours(), 3);
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn colours(&self) -> usize {
+        self.route.colours()
+    }
+
+    /// Arithmetic operations and function calls of one evaluation of H as it is replayed: repeated
+    /// subexpressions counted once, those of constants and those that do not reach H not at all.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// let h = Hamiltonian::new(1, |q, p| (q[0] * p[0]).sin() + (p[0] * q[0]).cos())?;
+    /// assert_eq!(h.operations(), 4);
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn operations(&self) -> usize {
+        self.route.operations()
+    }
+}
+
+impl<R: System> System for Hamiltonian<R> {
+    type Evaluator<T: Float> = R::Evaluator<T>;
+
+    fn structure(&self) -> &Structure {
+        self.route.structure()
+    }
+
+    fn evaluator<T: Float>(&self) -> Self::Evaluator<T> {
+        self.route.evaluator()
+    }
+}

@@ -1,0 +1,106 @@
+//! [`Op`]: the operations a recording consists of.
+
+/// One operation. Payloads are part of the operation, so that a run of equal operations shares them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) enum Op {
+    /// Entry of the table of constants.
+    Constant(u32),
+    /// Component of y = (q, p).
+    Input(u32),
+    /// Entry of the table of sums.
+    Sum(u32),
+    Add,
+    Sub,
+    Mul,
+    Square,
+    Div,
+    Neg,
+    Recip,
+    Sqrt,
+    Abs,
+    /// Integer power.
+    Powi(i32),
+    /// Power with a constant exponent, an entry of the table of constants.
+    Powf(u32),
+    Pow,
+    Exp,
+    Ln,
+    ExpM1,
+    Ln1p,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Atan2,
+    Sinh,
+    Cosh,
+    Tanh,
+    Hypot,
+    Min,
+    Max,
+}
+
+/// Where an operation has second derivatives of its own, in its operands a and b.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Curvature {
+    /// Nowhere; |x|, min and max are linear piece by piece.
+    None,
+    /// In (a, b).
+    Product,
+    /// In (a, b) and (b, b).
+    Quotient,
+    /// In every pair.
+    Full,
+}
+
+impl Op {
+    /// Number of operands; a sum keeps its own elsewhere.
+    pub(crate) fn arity(self) -> usize {
+        match self {
+            Op::Constant(_) | Op::Input(_) | Op::Sum(_) => 0,
+            Op::Add
+            | Op::Sub
+            | Op::Mul
+            | Op::Div
+            | Op::Pow
+            | Op::Atan2
+            | Op::Hypot
+            | Op::Min
+            | Op::Max => 2,
+            _ => 1,
+        }
+    }
+
+    /// Whether exchanging the operands leaves every bit of the result.
+    pub(crate) fn is_commutative(self) -> bool {
+        matches!(self, Op::Add | Op::Mul)
+    }
+
+    /// Second derivatives by the operands.
+    pub(crate) fn curvature(self) -> Curvature {
+        match self {
+            Op::Constant(_)
+            | Op::Input(_)
+            | Op::Sum(_)
+            | Op::Add
+            | Op::Sub
+            | Op::Neg
+            | Op::Abs
+            | Op::Min
+            | Op::Max => Curvature::None,
+            Op::Mul => Curvature::Product,
+            Op::Div => Curvature::Quotient,
+            _ => Curvature::Full,
+        }
+    }
+}
+
+/// An operation with its operands, which stand earlier. A unary operation has its operand twice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Node {
+    pub(crate) op: Op,
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+}

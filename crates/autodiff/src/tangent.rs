@@ -1,0 +1,214 @@
+//! [`Tangent`]: a number with its rates of change in C directions.
+//!
+//! The reverse sweep run on tangents gives ∇²H·v for C vectors v at once. The value is computed by the very
+//! functions of the float below, so it has every bit of the plain replay. Derivatives at kinks are those of the
+//! reverse sweep; the rates of selections (sign, the smaller of two) are zero.
+
+use equip_scalar::{Constant, Float, Piecewise, Scalar};
+use std::array::from_fn;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// value + ε·rates.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tangent<T, const C: usize> {
+    pub(crate) value: T,
+    pub(crate) rates: [T; C],
+}
+
+impl<T: Float, const C: usize> Tangent<T, C> {
+    #[inline(always)]
+    pub(crate) fn fixed(value: T) -> Self {
+        Tangent {
+            value,
+            rates: [T::int(0); C],
+        }
+    }
+
+    /// f(x), given f and f′ at the value.
+    #[inline(always)]
+    fn chain(self, f: T, slope: T) -> Self {
+        Tangent {
+            value: f,
+            rates: from_fn(|k| slope * self.rates[k]),
+        }
+    }
+
+    /// f(x, y), given f and its partial derivatives at the values.
+    #[inline(always)]
+    fn chain2(self, other: Self, f: T, by_x: T, by_y: T) -> Self {
+        Tangent {
+            value: f,
+            rates: from_fn(|k| by_x * self.rates[k] + by_y * other.rates[k]),
+        }
+    }
+}
+
+macro_rules! linear {
+    ($op:ident, $f:ident) => {
+        impl<T: Float, const C: usize> $op for Tangent<T, C> {
+            type Output = Self;
+            #[inline(always)]
+            fn $f(self, other: Self) -> Self {
+                Tangent {
+                    value: self.value.$f(other.value),
+                    rates: from_fn(|k| self.rates[k].$f(other.rates[k])),
+                }
+            }
+        }
+    };
+}
+linear!(Add, add);
+linear!(Sub, sub);
+
+impl<T: Float, const C: usize> Mul for Tangent<T, C> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.chain2(other, self.value * other.value, other.value, self.value)
+    }
+}
+
+impl<T: Float, const C: usize> Div for Tangent<T, C> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let f = self.value / other.value;
+        let slope = T::int(1) / other.value;
+        Tangent {
+            value: f,
+            rates: from_fn(|k| (self.rates[k] - f * other.rates[k]) * slope),
+        }
+    }
+}
+
+impl<T: Float, const C: usize> Neg for Tangent<T, C> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Tangent {
+            value: -self.value,
+            rates: from_fn(|k| -self.rates[k]),
+        }
+    }
+}
+
+macro_rules! functions {
+    ($($name:ident: |$x:ident, $f:ident| $slope:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(x: Self) -> Self {
+            let $x = x.value;
+            let $f = <T as Scalar>::$name($x);
+            x.chain($f, $slope)
+        }
+    )*};
+}
+
+impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
+    #[inline(always)]
+    fn constant(c: Constant) -> Self {
+        Tangent::fixed(c.to())
+    }
+
+    #[inline(always)]
+    fn powi(x: Self, n: i32) -> Self {
+        let slope = match n {
+            0 => T::int(0),
+            1 => T::int(1),
+            2 => x.value + x.value,
+            _ => T::int(i64::from(n)) * <T as Scalar>::powi(x.value, n.saturating_sub(1)),
+        };
+        x.chain(<T as Scalar>::powi(x.value, n), slope)
+    }
+
+    #[inline(always)]
+    fn powf(x: Self, c: Constant) -> Self {
+        let exponent: T = c.to();
+        let less_one = Constant::Extended((exponent - T::int(1)).expansion());
+        let slope = exponent * <T as Scalar>::powf(x.value, less_one);
+        x.chain(
+            <T as Scalar>::powf(x.value, c),
+            Piecewise::where_nonzero(slope, exponent),
+        )
+    }
+
+    #[inline(always)]
+    fn pow(x: Self, y: Self) -> Self {
+        let f = <T as Scalar>::pow(x.value, y.value);
+        let by_x = y.value * <T as Scalar>::pow(x.value, y.value - T::int(1));
+        let by_y = f * <T as Scalar>::ln(x.value);
+        let by_x = Piecewise::where_nonzero(by_x, y.value);
+        x.chain2(y, f, by_x, Piecewise::where_nonzero(by_y, f))
+    }
+
+    #[inline(always)]
+    fn atan2(y: Self, x: Self) -> Self {
+        let r = <T as Scalar>::hypot(x.value, y.value);
+        let f = <T as Scalar>::atan2(y.value, x.value);
+        y.chain2(x, f, x.value / r / r, -(y.value / r / r))
+    }
+
+    #[inline(always)]
+    fn hypot(x: Self, y: Self) -> Self {
+        let f = <T as Scalar>::hypot(x.value, y.value);
+        let [by_x, by_y] = [x.value, y.value].map(|z| Piecewise::where_nonzero(z / f, f));
+        x.chain2(y, f, by_x, by_y)
+    }
+
+    #[inline(always)]
+    fn min(x: Self, y: Self) -> Self {
+        let taken = if x.value <= y.value { x } else { y };
+        Tangent {
+            value: <T as Scalar>::min(x.value, y.value),
+            rates: taken.rates,
+        }
+    }
+
+    #[inline(always)]
+    fn max(x: Self, y: Self) -> Self {
+        let taken = if x.value >= y.value { x } else { y };
+        Tangent {
+            value: <T as Scalar>::max(x.value, y.value),
+            rates: taken.rates,
+        }
+    }
+
+    functions! {
+        recip: |_x, f| -(f * f);
+        sqrt: |_x, f| T::int(1) / (f + f);
+        exp: |_x, f| f;
+        ln: |x, _f| T::int(1) / x;
+        exp_m1: |x, _f| <T as Scalar>::exp(x);
+        ln_1p: |x, _f| T::int(1) / (T::int(1) + x);
+        sin: |x, _f| <T as Scalar>::cos(x);
+        cos: |x, _f| -<T as Scalar>::sin(x);
+        tan: |_x, f| T::int(1) + f * f;
+        asin: |x, _f| <T as Scalar>::recip(<T as Scalar>::sqrt((T::int(1) - x) * (T::int(1) + x)));
+        acos: |x, _f| -<T as Scalar>::recip(<T as Scalar>::sqrt((T::int(1) - x) * (T::int(1) + x)));
+        atan: |x, _f| T::int(1) / (T::int(1) + x * x);
+        sinh: |x, _f| <T as Scalar>::cosh(x);
+        cosh: |x, _f| <T as Scalar>::sinh(x);
+        tanh: |x, _f| { let c = <T as Scalar>::recip(<T as Scalar>::cosh(x)); c * c };
+        abs: |x, _f| Piecewise::sign(x);
+    }
+}
+
+impl<T: Float, const C: usize> Piecewise for Tangent<T, C> {
+    #[inline(always)]
+    fn sign(x: Self) -> Self {
+        Tangent::fixed(Piecewise::sign(x.value))
+    }
+
+    #[inline(always)]
+    fn at_most(x: Self, y: Self) -> Self {
+        Tangent::fixed(Piecewise::at_most(x.value, y.value))
+    }
+
+    #[inline(always)]
+    fn where_nonzero(x: Self, test: Self) -> Self {
+        if test.value == T::int(0) {
+            Tangent::fixed(T::int(0))
+        } else {
+            x
+        }
+    }
+}

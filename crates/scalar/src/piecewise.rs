@@ -1,0 +1,46 @@
+//! [`Piecewise`]: what the derivatives of |x|, min, max, hypot and xʸ need beyond arithmetic.
+
+use crate::{Float, Scalar};
+
+/// A [`Scalar`] with the three selections that derivatives of piecewise functions are made of.
+///
+/// Selections, not comparisons: a lane or dual number answers with a number, and its derivative is zero.
+/// Every [`Float`] has them.
+///
+/// ```
+/// use equip_scalar::Piecewise;
+/// assert_eq!([-3.0, 0.0, 3.0].map(Piecewise::sign), [-1.0, 0.0, 1.0]);
+/// assert_eq!(Piecewise::at_most(1.0, 1.0), 1.0);
+/// assert_eq!(Piecewise::where_nonzero(0.0 / 0.0, 0.0), 0.0);
+/// ```
+pub trait Piecewise: Scalar {
+    /// −1, 0 or 1 by the sign of x; x itself where it is ±0 or NaN.
+    fn sign(x: Self) -> Self;
+    /// 1 where x ≤ y, 0 elsewhere.
+    fn at_most(x: Self, y: Self) -> Self;
+    /// x where `test` is not zero, 0 where it is, whatever x is there.
+    fn where_nonzero(x: Self, test: Self) -> Self;
+}
+
+impl<T: Float> Piecewise for T {
+    #[inline(always)]
+    fn sign(x: T) -> T {
+        if x > T::int(0) {
+            T::int(1)
+        } else if x < T::int(0) {
+            T::int(-1)
+        } else {
+            x
+        }
+    }
+
+    #[inline(always)]
+    fn at_most(x: T, y: T) -> T {
+        if x <= y { T::int(1) } else { T::int(0) }
+    }
+
+    #[inline(always)]
+    fn where_nonzero(x: T, test: T) -> T {
+        if test == T::int(0) { T::int(0) } else { x }
+    }
+}
