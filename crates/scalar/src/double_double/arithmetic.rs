@@ -1,0 +1,182 @@
+//! + − × ÷ and the remainder.
+//!
+//! Each operator runs the published algorithm and then looks at one number, the lower part of the result: it is
+//! NaN exactly when an infinity, a NaN or an overflow (also the one inside Dekker's splitting, above 2⁹⁹⁶) took
+//! part. A cold path sorts these out. The algorithms lose the sign of a zero; it is put back from the leading
+//! operation.
+
+use super::natural::Natural;
+use super::transforms::{exponent, fast_two_sum, two_prod, two_sum};
+use super::{DoubleDouble, dd};
+use std::ops::{Add, Div, Mul, Neg, Rem, Sub};
+
+/// Below this a quotient or a root is computed after scaling, because the product in it would be inexact.
+pub(super) const SAFE_MIN: f64 = super::transforms::power_of_two(-900);
+
+/// Operations without a look at special values, for use inside this module tree.
+impl DoubleDouble {
+    /// JMP algorithm 6, error below 3u² + 13u³ (u = 2⁻⁵³).
+    #[inline(always)]
+    pub(super) fn plus(self, other: Self) -> Self {
+        let (sh, sl) = two_sum(self.hi, other.hi);
+        let (th, tl) = two_sum(self.lo, other.lo);
+        let (vh, vl) = fast_two_sum(sh, sl + th);
+        let (hi, lo) = fast_two_sum(vh, tl + vl);
+        dd(if hi == 0.0 { sh } else { hi }, lo)
+    }
+
+    /// JMP algorithm 4, error below 2u².
+    #[inline(always)]
+    pub(super) fn plus_double(self, other: f64) -> Self {
+        let (sh, sl) = two_sum(self.hi, other);
+        Self::ordered(sh, self.lo + sl)
+    }
+
+    /// JMP algorithm 10, error below 5u² (Muller–Rideau 2022).
+    #[inline(always)]
+    pub(super) fn times(self, other: Self) -> Self {
+        let (p, e) = two_prod(self.hi, other.hi);
+        let (hi, lo) = fast_two_sum(p, e + (self.hi * other.lo + self.lo * other.hi));
+        dd(if hi == 0.0 { p } else { hi }, lo)
+    }
+
+    /// JMP algorithm 7, error below 2u².
+    #[inline(always)]
+    pub(super) fn times_double(self, other: f64) -> Self {
+        let (ch, cl) = two_prod(self.hi, other);
+        let (th, tl) = fast_two_sum(ch, self.lo * other);
+        Self::ordered(th, tl + cl)
+    }
+
+    /// JMP algorithm 17, error below 15u² + 56u³.
+    #[inline(always)]
+    pub(super) fn over(self, other: Self) -> Self {
+        let q = self.hi / other.hi;
+        let r = other.times_double(q);
+        let rest = (self.hi - r.hi) + (self.lo - r.lo);
+        Self::ordered(q, rest / other.hi)
+    }
+
+    /// Half and double are exact but for subnormal numbers and overflow.
+    #[inline(always)]
+    pub(super) fn half(self) -> Self {
+        dd(0.5 * self.hi, 0.5 * self.lo)
+    }
+
+    /// 1/x.
+    #[inline]
+    pub fn recip(self) -> Self {
+        Self::ONE / self
+    }
+}
+
+#[cold]
+fn add_special(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
+    let sum = a.hi + b.hi;
+    if !sum.is_finite() {
+        return sum.into();
+    }
+    dd(0.25 * a.hi, 0.25 * a.lo)
+        .plus(dd(0.25 * b.hi, 0.25 * b.lo))
+        .scale(2)
+}
+
+#[cold]
+fn mul_special(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
+    let product = a.hi * b.hi;
+    if !product.is_finite() {
+        return product.into();
+    }
+    let (large, small) = if a.hi.abs() > b.hi.abs() {
+        (a, b)
+    } else {
+        (b, a)
+    };
+    large.scale(-128).times(small).scale(128)
+}
+
+#[cold]
+fn div_special(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
+    let quotient = a.hi / b.hi;
+    let ordinary = |x: f64| x.is_finite() && x != 0.0;
+    if quotient.is_nan() || !ordinary(a.hi) || !ordinary(b.hi) {
+        return quotient.into();
+    }
+    let (i, k) = (exponent(a.hi), exponent(b.hi));
+    a.scale(-i).over(b.scale(-k)).scale(i - k)
+}
+
+impl Add for DoubleDouble {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let sum = self.plus(other);
+        if sum.lo.is_nan() {
+            add_special(self, other)
+        } else {
+            sum
+        }
+    }
+}
+
+impl Sub for DoubleDouble {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self + (-other)
+    }
+}
+
+impl Neg for DoubleDouble {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        dd(-self.hi, -self.lo)
+    }
+}
+
+impl Mul for DoubleDouble {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let product = self.times(other);
+        if product.lo.is_nan() {
+            mul_special(self, other)
+        } else {
+            product
+        }
+    }
+}
+
+impl Div for DoubleDouble {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let quotient = self.over(other);
+        if quotient.lo.is_nan() || self.hi.abs() < SAFE_MIN {
+            div_special(self, other)
+        } else {
+            quotient
+        }
+    }
+}
+
+impl Rem for DoubleDouble {
+    type Output = Self;
+    /// The remainder of truncated division, with the sign of the dividend: exact wherever it fits two doubles, by
+    /// long division of integers (slow, up to 0.1 ms when the quotient has 2000 bits).
+    fn rem(self, other: Self) -> Self {
+        let special = self.hi % other.hi;
+        if self.hi == 0.0 || special.is_nan() || other.is_infinite() {
+            return if special.is_nan() {
+                special.into()
+            } else {
+                self
+            };
+        }
+        let unit = self.unit().min(other.unit());
+        let mut rest = Natural::of_magnitude(self, unit);
+        rest.reduce(&Natural::of_magnitude(other, unit));
+        rest.to_double_double(unit).copysign(self)
+    }
+}

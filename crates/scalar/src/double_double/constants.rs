@@ -1,0 +1,69 @@
+//! Mathematical constants and limits.
+//!
+//! Each pair is the nearest one: hi = RN(c), lo = RN(c − hi). `tests/double_double_tables.rs` recomputes all of
+//! them at 400 bits.
+#![allow(clippy::approx_constant)] // They are not approximations of the constants of std, they extend them.
+
+use super::{DoubleDouble, dd};
+
+impl DoubleDouble {
+    /// 0.
+    pub const ZERO: Self = dd(0.0, 0.0);
+    /// 1.
+    pub const ONE: Self = dd(1.0, 0.0);
+    /// 1/3.
+    pub const THIRD: Self = dd(0.3333333333333333, 1.850371707708594e-17);
+    /// 2⁻¹⁰⁴, the unit in which errors of double-double arithmetic are counted: sums are within 0.75, products
+    /// within 1.25 of it. Two numbers may lie closer (1 and 1 + 2⁻¹⁰⁷⁴ are different), but no arithmetic resolves that.
+    pub const EPSILON: Self = dd(4.930380657631324e-32, 0.0);
+    /// Largest finite number: the largest double and the largest lower part that does not round it up.
+    pub const MAX: Self = dd(f64::MAX, 9.979201547673598e+291);
+    /// −[`MAX`](Self::MAX).
+    pub const MIN: Self = dd(-f64::MAX, -9.979201547673598e+291);
+    /// 2⁻⁹⁶⁹, the smallest positive number of which all 106 bits are kept.
+    pub const MIN_POSITIVE: Self = dd(2.004168360008973e-292, 0.0);
+    /// Positive infinity.
+    pub const INFINITY: Self = dd(f64::INFINITY, 0.0);
+    /// Negative infinity.
+    pub const NEG_INFINITY: Self = dd(f64::NEG_INFINITY, 0.0);
+    /// Not a number.
+    pub const NAN: Self = dd(f64::NAN, 0.0);
+    /// π.
+    pub const PI: Self = dd(3.141592653589793, 1.2246467991473532e-16);
+    /// 2π.
+    pub const TAU: Self = dd(6.283185307179586, 2.4492935982947064e-16);
+    /// π/2.
+    pub const FRAC_PI_2: Self = dd(1.5707963267948966, 6.123233995736766e-17);
+    /// π/3.
+    pub const FRAC_PI_3: Self = dd(1.0471975511965979, -1.072081766451091e-16);
+    /// π/4.
+    pub const FRAC_PI_4: Self = dd(0.7853981633974483, 3.061616997868383e-17);
+    /// π/6.
+    pub const FRAC_PI_6: Self = dd(0.5235987755982989, -5.360408832255455e-17);
+    /// π/8.
+    pub const FRAC_PI_8: Self = dd(0.39269908169872414, 1.5308084989341915e-17);
+    /// 1/π.
+    pub const FRAC_1_PI: Self = dd(0.3183098861837907, -1.9678676675182486e-17);
+    /// 2/π.
+    pub const FRAC_2_PI: Self = dd(0.6366197723675814, -3.935735335036497e-17);
+    /// 2/√π.
+    pub const FRAC_2_SQRT_PI: Self = dd(1.1283791670955126, 1.533545961316588e-17);
+    /// 1/√2.
+    pub const FRAC_1_SQRT_2: Self = dd(0.7071067811865476, -4.833646656726457e-17);
+    /// √2.
+    pub const SQRT_2: Self = dd(1.4142135623730951, -9.667293313452913e-17);
+    /// Euler's number e.
+    pub const E: Self = dd(2.718281828459045, 1.4456468917292502e-16);
+    /// ln 2.
+    pub const LN_2: Self = dd(0.6931471805599453, 2.3190468138462996e-17);
+    /// ln 10.
+    pub const LN_10: Self = dd(2.302585092994046, -2.1707562233822494e-16);
+    /// log₂ e.
+    pub const LOG2_E: Self = dd(1.4426950408889634, 2.0355273740931033e-17);
+    /// log₁₀ e.
+    pub const LOG10_E: Self = dd(0.4342944819032518, 1.098319650216765e-17);
+    /// log₁₀ 2.
+    pub const LOG10_2: Self = dd(0.3010299956639812, -2.8037281277851704e-18);
+    /// log₂ 10.
+    pub const LOG2_10: Self = dd(3.321928094887362, 1.661617516973592e-16);
+}

@@ -1,0 +1,120 @@
+//! [`DoubleDouble`] as [`Scalar`] and [`Float`].
+
+use super::transforms::two_sum;
+use super::{DoubleDouble, dd};
+use crate::{Constant, Float, Forward, Forward2, ParseFloatError, Scalar};
+
+macro_rules! functions {
+    ($($f:ident),*) => {$(
+        #[inline(always)]
+        fn $f(x: DoubleDouble) -> DoubleDouble {
+            DoubleDouble::$f(x)
+        }
+    )*};
+}
+
+impl Scalar for DoubleDouble {
+    #[inline(always)]
+    fn constant(c: Constant) -> Self {
+        c.to()
+    }
+    #[inline(always)]
+    fn powi(x: Self, n: i32) -> Self {
+        DoubleDouble::powi(x, n)
+    }
+    #[inline(always)]
+    fn powf(x: Self, c: Constant) -> Self {
+        DoubleDouble::powf(x, c.to())
+    }
+    #[inline(always)]
+    fn pow(x: Self, y: Self) -> Self {
+        DoubleDouble::powf(x, y)
+    }
+    #[inline(always)]
+    fn atan2(y: Self, x: Self) -> Self {
+        DoubleDouble::atan2(y, x)
+    }
+    #[inline(always)]
+    fn hypot(x: Self, y: Self) -> Self {
+        DoubleDouble::hypot(x, y)
+    }
+    #[inline(always)]
+    fn min(x: Self, y: Self) -> Self {
+        DoubleDouble::min(x, y)
+    }
+    #[inline(always)]
+    fn max(x: Self, y: Self) -> Self {
+        DoubleDouble::max(x, y)
+    }
+    functions!(
+        recip, sqrt, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, abs
+    );
+}
+
+impl Float for DoubleDouble {
+    const NAME: &'static str = "dd";
+    const MANTISSA_BITS: u32 = 106;
+    const ROUND_TRIP_DIGITS: usize = 34;
+    const EPSILON: Self = DoubleDouble::EPSILON;
+    const MAX: Self = DoubleDouble::MAX;
+    const MIN_POSITIVE: Self = DoubleDouble::MIN_POSITIVE;
+    const INFINITY: Self = DoubleDouble::INFINITY;
+    const NAN: Self = DoubleDouble::NAN;
+
+    type Forward<const N: usize> = Forward<DoubleDouble, N>;
+    type Forward2<const N: usize> = Forward2<DoubleDouble, N>;
+
+    #[inline(always)]
+    fn exact(x: f64) -> Self {
+        x.into()
+    }
+    #[inline(always)]
+    fn int(n: i64) -> Self {
+        DoubleDouble::from_i64(n)
+    }
+    fn decimal(text: &str) -> Result<Self, ParseFloatError> {
+        text.trim().parse()
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self.hi
+    }
+    #[inline(always)]
+    fn expansion(self) -> [f64; 4] {
+        DoubleDouble::expansion(self)
+    }
+    fn from_expansion(parts: [f64; 4]) -> Self {
+        let [a, b, c, d] = parts;
+        if c == 0.0 && d == 0.0 {
+            Self::new(a, b)
+        } else {
+            Self::new(a, b) + Self::new(c, d)
+        }
+    }
+    #[inline(always)]
+    fn is_nan(self) -> bool {
+        DoubleDouble::is_nan(self)
+    }
+
+    /// (s, e) with s + e = a + b exactly and |e| below 2⁻¹⁰⁴ |s|: the four parts are distilled by two-sums, the
+    /// first two are s. (Knuth's formula in double-double arithmetic would not be exact.)
+    #[inline]
+    fn two_sum(a: Self, b: Self) -> (Self, Self) {
+        let (s, sl) = two_sum(a.hi, b.hi);
+        let (t, tl) = two_sum(a.lo, b.lo);
+        let (m, ml) = two_sum(sl, t);
+        let (p, q) = two_sum(ml, tl);
+        // a + b = s + m + p + q
+        let (s, m) = two_sum(s, m);
+        let (m, p) = two_sum(m, p);
+        let (s, m) = two_sum(s, m);
+        let (p, q) = two_sum(p, q);
+        let (m, p) = two_sum(m, p);
+        let (p, q) = two_sum(p, q);
+        let (s, m) = two_sum(s, m);
+        if m.is_nan() || q.is_nan() {
+            return (a + b, Self::ZERO);
+        }
+        (dd(s, m), dd(p, q))
+    }
+}

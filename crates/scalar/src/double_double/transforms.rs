@@ -1,0 +1,58 @@
+//! Error-free transforms of two `f64`, and exact powers of two.
+
+/// a + b = s + e exactly, s = RN(a + b). [Møller 1965; Knuth, TAOCP 2, 4.2.2]
+#[inline(always)]
+pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let s = a + b;
+    let b_part = s - a;
+    (s, (a - (s - b_part)) + (b - b_part))
+}
+
+/// The same for |a| ≥ |b| or a = 0. [Dekker 1971]
+#[inline(always)]
+pub(super) fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
+    let s = a + b;
+    (s, b - (s - a))
+}
+
+/// a = high + low with at most 26 bits each. [Dekker 1971; Veltkamp] Overflows to NaN above 2⁹⁹⁶.
+#[inline(always)]
+fn split(a: f64) -> (f64, f64) {
+    let t = 134_217_729.0 * a; // 2²⁷ + 1
+    let high = t - (t - a);
+    (high, a - high)
+}
+
+/// a·b = p + e exactly, p = RN(ab), unless ab < 2⁻⁹⁶⁹ or a factor is above 2⁹⁹⁶ (then e is NaN). [Dekker 1971]
+#[inline(always)]
+pub(super) fn two_prod(a: f64, b: f64) -> (f64, f64) {
+    let p = a * b;
+    let (ah, al) = split(a);
+    let (bh, bl) = split(b);
+    (p, ((ah * bh - p) + ah * bl + al * bh) + al * bl)
+}
+
+/// 2ᵏ for −1022 ≤ k ≤ 1023.
+#[inline(always)]
+pub(super) const fn power_of_two(k: i32) -> f64 {
+    debug_assert!(-1022 <= k && k <= 1023);
+    f64::from_bits(((k + 1023) as u64) << 52)
+}
+
+/// ⌊log₂|x|⌋ for finite x ≠ 0, subnormal numbers included.
+#[inline]
+pub(super) fn exponent(x: f64) -> i32 {
+    let biased = (x.to_bits() >> 52) as i32 & 0x7ff;
+    if biased != 0 {
+        return biased - 1023;
+    }
+    let fraction = x.to_bits() & ((1 << 52) - 1);
+    63 - fraction.leading_zeros() as i32 - 1074
+}
+
+/// The integer nearest to x, for |x| < 2⁵¹: additions only, because `f64::round` is a call on plain x86-64.
+#[inline(always)]
+pub(super) fn nearest(x: f64) -> f64 {
+    const SHIFT: f64 = 6_755_399_441_055_744.0; // 1.5 · 2⁵²
+    (x + SHIFT) - SHIFT
+}
