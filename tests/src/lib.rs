@@ -24,6 +24,8 @@ mod measure;
 mod problems;
 mod seeded;
 
-pub use measure::{Trend, decimal_digits, distance, largest_ratio, observed_order, relative_distance, trend};
+pub use measure::{
+    Trend, decimal_digits, distance, largest_ratio, observed_order, relative_distance, trend,
+};
 pub use problems::{Start, double_pendulum, harmonic, henon_heiles, kepler, pendulum};
 pub use seeded::Seeded;

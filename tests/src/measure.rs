@@ -5,7 +5,10 @@ use equip_scalar::Float;
 /// max_i |a_i − b_i|; NaN if any difference is.
 pub fn distance<T: Float>(a: &[T], b: &[T]) -> T {
     assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(&x, &y)| (x - y).abs()).fold(T::int(0), nan_max)
+    a.iter()
+        .zip(b)
+        .map(|(&x, &y)| (x - y).abs())
+        .fold(T::int(0), nan_max)
 }
 
 /// max_i |a_i − b_i| / max_i |b_i|.
@@ -57,5 +60,8 @@ pub fn trend(series: &[f64]) -> Trend {
     let variance = n * (n * n - 1.0) / 12.0;
     let step = |pair: &[f64]| (pair[1] - pair[0]).powi(2);
     let steps = series.windows(2).map(step).sum::<f64>() / (n - 1.0);
-    Trend { slope: covariance / variance, random_walk: (1.2 * steps / n).sqrt() }
+    Trend {
+        slope: covariance / variance,
+        random_walk: (1.2 * steps / n).sqrt(),
+    }
 }

@@ -15,7 +15,10 @@ pub struct Start<T> {
 impl<T: Float> Start<T> {
     fn decimals(q: &[&str], p: &[&str]) -> Self {
         let read = |texts: &[&str]| texts.iter().map(|x| T::decimal(x).unwrap()).collect();
-        Start { q: read(q), p: read(p) }
+        Start {
+            q: read(q),
+            p: read(p),
+        }
     }
 
     /// (q, p) in one vector.
@@ -55,7 +58,10 @@ pub fn henon_heiles<T: Float>(energy: T, q2: &str, p2: &str) -> (Hamiltonian, St
     let two = T::int(2);
     let potential = q2 * q2 / two - q2 * q2 * q2 / T::int(3);
     let p1 = (two * (energy - potential) - p2 * p2).sqrt();
-    let start = Start { q: vec![T::int(0), q2], p: vec![p1, p2] };
+    let start = Start {
+        q: vec![T::int(0), q2],
+        p: vec![p1, p2],
+    };
     (h.unwrap(), start)
 }
 
@@ -69,15 +75,23 @@ pub fn double_pendulum<T: Float>() -> (Hamiltonian, Start<T>) {
         let kinetic = -2.0 * p[1] * p[1] - d * d - 2.0 * p[1] * d * q[1].cos();
         kinetic / ((2.0 * q[1]).cos() - 3.0) - c6 * q[0].cos() - c7 * (q[0] + q[1]).cos()
     });
-    (h.unwrap(), Start::decimals(&["1.1", "-1.1"], &["2.7746", "2.7746"]))
+    (
+        h.unwrap(),
+        Start::decimals(&["1.1", "-1.1"], &["2.7746", "2.7746"]),
+    )
 }
 
 /// H = Σ (p_i² + ω_i² q_i²)/2 with the given ω_i, from q = (1, …), p = (1/2, …): quadratic.
 pub fn harmonic<T: Float>(frequencies: &[Constant]) -> (Hamiltonian, Start<T>) {
     let m = frequencies.len();
     let h = Hamiltonian::new(m, |q, p| {
-        (0..m).map(|i| 0.5 * (p[i] * p[i] + (frequencies[i] * q[i]).powi(2))).sum::<Var>()
+        (0..m)
+            .map(|i| 0.5 * (p[i] * p[i] + (frequencies[i] * q[i]).powi(2)))
+            .sum::<Var>()
     });
-    let start = Start { q: vec![T::int(1); m], p: vec![T::ratio(1, 2); m] };
+    let start = Start {
+        q: vec![T::int(1); m],
+        p: vec![T::ratio(1, 2); m],
+    };
     (h.unwrap(), start)
 }

@@ -44,7 +44,10 @@ static ALLOCATOR: Counting = Counting;
 /// Allocations of `steps` steps after the first.
 fn allocations<T: Float>(method: Method, h: T, steps: usize) -> u64 {
     let (energy, start) = kepler::<T>(6);
-    let mut run = method.step(h).start(&energy, &start.q, &start.p, T::int(0)).unwrap();
+    let mut run = method
+        .step(h)
+        .start(&energy, &start.q, &start.p, T::int(0))
+        .unwrap();
     run.advance().unwrap();
     let before = ALLOCATIONS.get();
     for _ in 0..steps {
@@ -70,7 +73,11 @@ fn steps_allocate_nothing() {
             Method::fixed_alpha(s, 0.01),
         ] {
             assert_eq!(allocations(method, 0.05, 200), 0, "{method}");
-            assert_eq!(allocations(method, DoubleDouble::ratio(1, 20), 20), 0, "{method}");
+            assert_eq!(
+                allocations(method, DoubleDouble::ratio(1, 20), 20),
+                0,
+                "{method}"
+            );
         }
     }
 }
@@ -86,5 +93,9 @@ fn halved_and_carried_steps_allocate_nothing() {
         run.advance().unwrap();
     }
     assert_eq!(ALLOCATIONS.get() - before, 0);
-    assert!(run.counts().halvings > 0, "the run was meant to be hard: {:?}", run.counts());
+    assert!(
+        run.counts().halvings > 0,
+        "the run was meant to be hard: {:?}",
+        run.counts()
+    );
 }

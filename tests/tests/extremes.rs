@@ -35,7 +35,10 @@ impl<T: Float + Into<Constant>> Units<T> {
     fn trajectory(&self, method: Method) -> (Vec<T>, Counts) {
         let (h, start, momentum) = self.kepler();
         let step = self.time / T::int(16);
-        let mut run = method.step(step).start(&h, &start.q, &start.p, T::int(0)).unwrap();
+        let mut run = method
+            .step(step)
+            .start(&h, &start.q, &start.p, T::int(0))
+            .unwrap();
         let mut all = Vec::new();
         for _ in 0..100 {
             let view = run.advance().unwrap();
@@ -46,8 +49,13 @@ impl<T: Float + Into<Constant>> Units<T> {
     }
 }
 
-const METHODS: fn() -> [Method; 3] =
-    || [Gauss::stages(3), Equip::stages(3), Equip::stages(4).alphas(Alphas::Last)];
+const METHODS: fn() -> [Method; 3] = || {
+    [
+        Gauss::stages(3),
+        Equip::stages(3),
+        Equip::stages(4).alphas(Alphas::Last),
+    ]
+};
 
 fn units_do_not_matter<T: Float + Into<Constant>>(power: i64, tolerance: f64) {
     let scale = |k: i64| -> T {
@@ -55,7 +63,11 @@ fn units_do_not_matter<T: Float + Into<Constant>>(power: i64, tolerance: f64) {
         if k < 0 { T::int(1) / ten } else { ten }
     };
     for method in METHODS() {
-        let one = Units { length: T::int(1), mass: T::int(1), time: T::int(1) };
+        let one = Units {
+            length: T::int(1),
+            mass: T::int(1),
+            time: T::int(1),
+        };
         let (reference, counts) = one.trajectory(method);
         for (l, m, t) in [
             (power, 0, 0),
@@ -67,7 +79,11 @@ fn units_do_not_matter<T: Float + Into<Constant>>(power: i64, tolerance: f64) {
             (power, -power, power),
             (-power, power, -power),
         ] {
-            let units = Units { length: scale(l), mass: scale(m), time: scale(t) };
+            let units = Units {
+                length: scale(l),
+                mass: scale(m),
+                time: scale(t),
+            };
             let (scaled, scaled_counts) = units.trajectory(method);
             let off = distance(&scaled, &reference).to_f64();
             println!("{method}, {}, 1e{l}, 1e{m}, 1e{t}: {off:.1e}", T::NAME);
@@ -92,9 +108,19 @@ fn units_of_ten_to_the_sixty_in_double_double() {
 #[test]
 fn units_that_are_powers_of_two_change_no_bit() {
     for method in METHODS() {
-        let one = Units { length: 1.0, mass: 1.0, time: 1.0 };
+        let one = Units {
+            length: 1.0,
+            mass: 1.0,
+            time: 1.0,
+        };
         let (reference, counts) = one.trajectory(method);
-        for (l, m, t) in [(200, 0, 0), (0, -300, 0), (0, 0, 250), (-150, 99, -53), (77, -200, 121)] {
+        for (l, m, t) in [
+            (200, 0, 0),
+            (0, -300, 0),
+            (0, 0, 250),
+            (-150, 99, -53),
+            (77, -200, 121),
+        ] {
             let units = Units {
                 length: 2.0_f64.powi(l),
                 mass: 2.0_f64.powi(m),
@@ -116,7 +142,10 @@ fn shifted_energy<T: Float>(n: i64, s: usize) {
     .unwrap();
     let step = T::two_pi() / T::int(n);
     let end = |h: &Hamiltonian, method: Method| {
-        let mut run = method.step(step).start(h, &start.q, &start.p, T::int(0)).unwrap();
+        let mut run = method
+            .step(step)
+            .start(h, &start.q, &start.p, T::int(0))
+            .unwrap();
         for _ in 0..3 * n {
             run.advance().unwrap();
         }
@@ -131,13 +160,22 @@ fn shifted_energy<T: Float>(n: i64, s: usize) {
         let energy = certificate.energy.as_ref().unwrap().max;
         println!(
             "{}, s = {s}, n = {n}, {alphas:?}: error {:.2e} (Gauss {:.2e}, unshifted {:.2e}), defect {energy:.1e}, alphas {:?}",
-            T::NAME, error(&state), error(&gauss), error(&plain), certificate.alpha_range
+            T::NAME,
+            error(&state),
+            error(&gauss),
+            error(&plain),
+            certificate.alpha_range
         );
         assert!(certificate.energy_kept_on_every_step());
         assert!(energy <= T::int(8) * T::int(10_000_000_000) * T::EPSILON);
         // Never judge by the energy: the trajectory is no worse than that of Gauss.
         assert!(error(&state) <= 1.05 * error(&gauss));
-        assert!(certificate.alpha_range.iter().all(|(a, b)| a.abs().max(b.abs()) <= T::ratio(1, 5)));
+        assert!(
+            certificate
+                .alpha_range
+                .iter()
+                .all(|(a, b)| a.abs().max(b.abs()) <= T::ratio(1, 5))
+        );
     }
 }
 
@@ -153,7 +191,10 @@ fn an_energy_with_a_large_constant_added() {
 fn every_number_of_stages<T: Float>(stages: &[usize], floor: f64) {
     let end = |method: Method| {
         let (h, Start { q, p }) = henon_heiles::<T>(T::ratio(1, 12), "0.3", "0.2");
-        let mut run = method.step(T::ratio(1, 2)).start(&h, &q, &p, T::int(0)).unwrap();
+        let mut run = method
+            .step(T::ratio(1, 2))
+            .start(&h, &q, &p, T::int(0))
+            .unwrap();
         for _ in 0..20 {
             run.advance().unwrap();
         }
@@ -163,13 +204,26 @@ fn every_number_of_stages<T: Float>(stages: &[usize], floor: f64) {
     let (exact, _) = end(Gauss::stages(24));
     let mut last = [f64::INFINITY; 2];
     for &s in stages {
-        let methods = [Gauss::stages(s), if s < 2 { Gauss::stages(s) } else { Equip::stages(s) }];
+        let methods = [
+            Gauss::stages(s),
+            if s < 2 {
+                Gauss::stages(s)
+            } else {
+                Equip::stages(s)
+            },
+        ];
         for (method, last) in methods.into_iter().zip(&mut last) {
             let (state, certificate) = end(method);
             let error = relative_distance(&state, &exact).to_f64();
             let energy = certificate.energy.as_ref().unwrap().max.to_f64();
-            println!("{method}, {}: error {error:.2e}, energy {energy:.1e}", T::NAME);
-            assert!(error < (*last / 3.0).max(floor), "{method}: {error:e} after {last:e}");
+            println!(
+                "{method}, {}: error {error:.2e}, energy {energy:.1e}",
+                T::NAME
+            );
+            assert!(
+                error < (*last / 3.0).max(floor),
+                "{method}: {error:e} after {last:e}"
+            );
             if s >= 3 && certificate.energy_in_floors.is_some() {
                 assert!(certificate.energy_kept_on_every_step(), "{certificate}");
                 assert!(decimal_digits(T::exact(energy)) > -floor.log10());

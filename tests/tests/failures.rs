@@ -17,8 +17,9 @@ fn kepler_failure<T: Float>(options: &FixedStep<T>) -> (IntegrateError<T>, Strin
 fn kepler_failure_until<T: Float>(options: &FixedStep<T>, end: T) -> (IntegrateError<T>, String) {
     let (h, start) = kepler::<T>(6);
     let interval = T::int(0)..=end;
-    let RunFailure { error, .. } =
-        options.integrate(&h, &start.q, &start.p, interval).unwrap_err();
+    let RunFailure { error, .. } = options
+        .integrate(&h, &start.q, &start.p, interval)
+        .unwrap_err();
     let text = error.to_string();
     (error, text)
 }
@@ -46,18 +47,43 @@ fn stages_out_of_range() {
         let (error, text) = kepler_failure(&method.step(0.1));
         let stages = method.stage_count();
         let max = MAX_STAGES;
-        assert_eq!(error, IntegrateError::StagesOutOfRange { stages, min: fewest, max });
-        says(&text, &["takes", &format!("{fewest} to {max}"), "change the argument of `stages`"]);
+        assert_eq!(
+            error,
+            IntegrateError::StagesOutOfRange {
+                stages,
+                min: fewest,
+                max
+            }
+        );
+        says(
+            &text,
+            &[
+                "takes",
+                &format!("{fewest} to {max}"),
+                "change the argument of `stages`",
+            ],
+        );
     }
 }
 
 fn steps_that_are_none<T: Float>() {
     for step in [T::int(0), T::int(-1), T::INFINITY, -T::INFINITY, T::NAN] {
         let (error, text) = kepler_failure(&Equip::stages(3).step(step));
-        assert!(matches!(error, IntegrateError::StepNotPositive { .. }), "{error:?}");
-        says(&text, &["must be positive and finite", "flip the sign of the momenta"]);
+        assert!(
+            matches!(error, IntegrateError::StepNotPositive { .. }),
+            "{error:?}"
+        );
+        says(
+            &text,
+            &[
+                "must be positive and finite",
+                "flip the sign of the momenta",
+            ],
+        );
         let (h, start) = kepler::<T>(6);
-        let error = Equip::stages(3).step(step).start(&h, &start.q, &start.p, T::int(0));
+        let error = Equip::stages(3)
+            .step(step)
+            .start(&h, &start.q, &start.p, T::int(0));
         assert!(matches!(error, Err(IntegrateError::StepNotPositive { .. })));
     }
 }
@@ -77,13 +103,24 @@ fn steps_lost_in_time<T: Float>() {
         .integrate(&h, &start.q, &start.p, late..=late * T::int(2))
         .unwrap_err();
     assert!(
-        matches!(failure.error, IntegrateError::StepBelowTimeResolution { .. }),
+        matches!(
+            failure.error,
+            IntegrateError::StepBelowTimeResolution { .. }
+        ),
         "{:?}",
         failure.error
     );
-    says(&failure.to_string(), &["take a larger step or let time start at 0"]);
-    let refused = Equip::stages(3).step(step).start(&h, &start.q, &start.p, late * T::int(2));
-    assert!(matches!(refused, Err(IntegrateError::StepBelowTimeResolution { .. })));
+    says(
+        &failure.to_string(),
+        &["take a larger step or let time start at 0"],
+    );
+    let refused = Equip::stages(3)
+        .step(step)
+        .start(&h, &start.q, &start.p, late * T::int(2));
+    assert!(matches!(
+        refused,
+        Err(IntegrateError::StepBelowTimeResolution { .. })
+    ));
 }
 
 #[test]
@@ -95,18 +132,34 @@ fn a_step_that_time_cannot_resolve() {
 #[test]
 fn more_steps_than_can_be_counted() {
     let (error, text) = kepler_failure_until(&Equip::stages(3).step(1e-300), 1e10);
-    assert_eq!(error, IntegrateError::TooManySteps { steps: f64::INFINITY });
+    assert_eq!(
+        error,
+        IntegrateError::TooManySteps {
+            steps: f64::INFINITY
+        }
+    );
     says(&text, &["take a larger step or a shorter interval"]);
     let (error, _) = kepler_failure_until(&Equip::stages(3).step(1e-8), 1e9);
-    assert!(matches!(error, IntegrateError::TooManySteps { steps } if (steps / 1e17 - 1.0).abs() < 1e-9));
+    assert!(
+        matches!(error, IntegrateError::TooManySteps { steps } if (steps / 1e17 - 1.0).abs() < 1e-9)
+    );
 }
 
 fn intervals_that_are_none<T: Float>() {
     for end in [T::int(-1), T::INFINITY, T::NAN] {
         let options = Equip::stages(3).step(T::ratio(1, 10));
         let (error, text) = kepler_failure_until(&options, end);
-        assert!(matches!(error, IntegrateError::Interval { .. }), "{error:?}");
-        says(&text, &["must be finite and run forward", "flip the sign of the momenta"]);
+        assert!(
+            matches!(error, IntegrateError::Interval { .. }),
+            "{error:?}"
+        );
+        says(
+            &text,
+            &[
+                "must be finite and run forward",
+                "flip the sign of the momenta",
+            ],
+        );
     }
 }
 
@@ -119,7 +172,10 @@ fn an_interval_that_does_not_run_forward() {
 #[test]
 fn an_empty_interval_is_a_run_of_no_steps() {
     let (h, start) = kepler::<f64>(6);
-    let run = Equip::stages(3).step(0.1).integrate(&h, &start.q, &start.p, 3.0..=3.0).unwrap();
+    let run = Equip::stages(3)
+        .step(0.1)
+        .integrate(&h, &start.q, &start.p, 3.0..=3.0)
+        .unwrap();
     assert_eq!((run.len(), run.times()), (1, &[3.0][..]));
     assert_eq!(run.certificate().counts.steps, 0);
 }
@@ -134,13 +190,32 @@ fn vectors_of_the_wrong_length() {
         (&[1.0, 0.0], &[], "p0", 0),
     ] {
         let error = options.start(&h, q, p, 0.0).unwrap_err();
-        assert_eq!(error, IntegrateError::WrongLength { what, expected: 2, found });
-        says(&error.to_string(), &[what, &format!("length {found}"), "needs 2"]);
+        assert_eq!(
+            error,
+            IntegrateError::WrongLength {
+                what,
+                expected: 2,
+                found
+            }
+        );
+        says(
+            &error.to_string(),
+            &[what, &format!("length {found}"), "needs 2"],
+        );
     }
     let (other, _) = harmonic::<f64>(&[1.0.into()]);
     let options = options.invariant(Invariant::new("of another scene", other));
-    let error = options.start(&h, &[1.0, 0.0], &[0.0, 1.0], 0.0).unwrap_err();
-    assert_eq!(error, IntegrateError::WrongLength { what: "an invariant", expected: 2, found: 1 });
+    let error = options
+        .start(&h, &[1.0, 0.0], &[0.0, 1.0], 0.0)
+        .unwrap_err();
+    assert_eq!(
+        error,
+        IntegrateError::WrongLength {
+            what: "an invariant",
+            expected: 2,
+            found: 1
+        }
+    );
 }
 
 #[test]
@@ -148,23 +223,52 @@ fn an_initial_value_that_is_not_finite() {
     let (h, _) = kepler::<f64>(6);
     let options = Equip::stages(3).step(0.1);
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        let error = options.start(&h, &[1.0, bad], &[0.0, 1.0], 0.0).unwrap_err();
-        assert!(matches!(error, IntegrateError::InitialNotFinite { what: "q0", index: 1, .. }));
+        let error = options
+            .start(&h, &[1.0, bad], &[0.0, 1.0], 0.0)
+            .unwrap_err();
+        assert!(matches!(
+            error,
+            IntegrateError::InitialNotFinite {
+                what: "q0",
+                index: 1,
+                ..
+            }
+        ));
         says(&error.to_string(), &["q0[1]", "must be finite"]);
-        let error = options.start(&h, &[1.0, 0.0], &[bad, 1.0], 0.0).unwrap_err();
-        assert!(matches!(error, IntegrateError::InitialNotFinite { what: "p0", index: 0, .. }));
+        let error = options
+            .start(&h, &[1.0, 0.0], &[bad, 1.0], 0.0)
+            .unwrap_err();
+        assert!(matches!(
+            error,
+            IntegrateError::InitialNotFinite {
+                what: "p0",
+                index: 0,
+                ..
+            }
+        ));
     }
 }
 
 #[test]
 fn an_energy_that_is_not_finite_at_the_start() {
     let (h, _) = kepler::<f64>(6);
-    let error = Equip::stages(3).step(0.1).start(&h, &[0.0, 0.0], &[0.0, 1.0], 0.0).unwrap_err();
-    assert_eq!(error, IntegrateError::EnergyNotFinite { energy: f64::NEG_INFINITY });
+    let error = Equip::stages(3)
+        .step(0.1)
+        .start(&h, &[0.0, 0.0], &[0.0, 1.0], 0.0)
+        .unwrap_err();
+    assert_eq!(
+        error,
+        IntegrateError::EnergyNotFinite {
+            energy: f64::NEG_INFINITY
+        }
+    );
     says(&error.to_string(), &["start elsewhere or check H"]);
     // H is finite there and its gradient is not.
     let root = Hamiltonian::new(1, |q, p| p[0] * p[0] + q[0].sqrt()).unwrap();
-    let error = Gauss::stages(2).step(0.1).start(&root, &[0.0], &[1.0], 0.0).unwrap_err();
+    let error = Gauss::stages(2)
+        .step(0.1)
+        .start(&root, &[0.0], &[1.0], 0.0)
+        .unwrap_err();
     assert_eq!(error, IntegrateError::EnergyNotFinite { energy: 1.0 });
 }
 
@@ -172,16 +276,40 @@ fn an_energy_that_is_not_finite_at_the_start() {
 fn options_outside_their_range() {
     let base = || Equip::stages(3).step(0.1);
     let cases = [
-        (base().alpha_bound(0.0), "alpha_bound", "positive and finite"),
-        (base().alpha_bound(-1.0), "alpha_bound", "positive and finite"),
-        (base().alpha_bound(f64::INFINITY), "alpha_bound", "positive and finite"),
-        (base().alpha_bound(f64::NAN), "alpha_bound", "positive and finite"),
+        (
+            base().alpha_bound(0.0),
+            "alpha_bound",
+            "positive and finite",
+        ),
+        (
+            base().alpha_bound(-1.0),
+            "alpha_bound",
+            "positive and finite",
+        ),
+        (
+            base().alpha_bound(f64::INFINITY),
+            "alpha_bound",
+            "positive and finite",
+        ),
+        (
+            base().alpha_bound(f64::NAN),
+            "alpha_bound",
+            "positive and finite",
+        ),
         (base().max_iterations(0), "max_iterations", "2 or more"),
         (base().max_iterations(1), "max_iterations", "2 or more"),
         (base().max_halvings(21), "max_halvings", "at most 20"),
         (base().record(Record::Every(0)), "record", "1 or more"),
-        (Method::fixed_alpha(3, f64::NAN).step(0.1), "fixed_alpha", "finite"),
-        (Method::fixed_alpha(3, f64::INFINITY).step(0.1), "fixed_alpha", "finite"),
+        (
+            Method::fixed_alpha(3, f64::NAN).step(0.1),
+            "fixed_alpha",
+            "finite",
+        ),
+        (
+            Method::fixed_alpha(3, f64::INFINITY).step(0.1),
+            "fixed_alpha",
+            "finite",
+        ),
     ];
     for (options, name, remedy) in cases {
         let (error, text) = kepler_failure(&options);
@@ -218,11 +346,21 @@ fn edge() -> Hamiltonian {
 fn leaves_the_domain<T: Float>() {
     let options = Equip::stages(3).step(T::ratio(1, 20));
     let (q, p) = ([T::int(0)], [T::int(1)]);
-    let failure = options.integrate(&edge(), &q, &p, T::int(0)..=T::int(5)).unwrap_err();
-    let IntegrateError::NotFinite { time, step, halvings } = failure.error else {
+    let failure = options
+        .integrate(&edge(), &q, &p, T::int(0)..=T::int(5))
+        .unwrap_err();
+    let IntegrateError::NotFinite {
+        time,
+        step,
+        halvings,
+    } = failure.error
+    else {
         panic!("{:?}", failure.error);
     };
-    says(&failure.to_string(), &["leaves the domain of H", "or the step is too large"]);
+    says(
+        &failure.to_string(),
+        &["leaves the domain of H", "or the step is too large"],
+    );
     assert!(halvings == 3 && step <= T::ratio(1, 20));
 
     // What was made is there, and is what a run that ends before the edge makes.
@@ -241,10 +379,19 @@ fn leaves_the_domain<T: Float>() {
         }
     };
     let state = |view: equip_solver::StepView<'_, T>| {
-        (view.index, view.time, view.q.to_vec(), view.p.to_vec(), view.energy_defect)
+        (
+            view.index,
+            view.time,
+            view.q.to_vec(),
+            view.p.to_vec(),
+            view.energy_defect,
+        )
     };
     let stopped = state(run.view());
-    assert_eq!((stopped.1, &stopped.2[..], &stopped.3[..]), (t, q_last, p_last));
+    assert_eq!(
+        (stopped.1, &stopped.2[..], &stopped.3[..]),
+        (t, q_last, p_last)
+    );
     for _ in 0..3 {
         assert_eq!(run.advance().unwrap_err(), first);
         assert_eq!(state(run.view()), stopped);
@@ -264,7 +411,14 @@ fn stages_that_do_not_converge() {
     let options = Equip::stages(3).step(0.5).max_iterations(2).max_halvings(0);
     let (error, text) = kepler_failure(&options);
     assert!(
-        matches!(error, IntegrateError::NoConvergence { iterations: 2, halvings: 0, .. }),
+        matches!(
+            error,
+            IntegrateError::NoConvergence {
+                iterations: 2,
+                halvings: 0,
+                ..
+            }
+        ),
         "{error:?}"
     );
     says(&text, &["did not converge", "take a smaller step"]);
@@ -275,14 +429,25 @@ fn no_pivot<T: Float>() {
     let h = Hamiltonian::new(1, |q, p| q[0] * p[0]).unwrap();
     let options = Gauss::stages(1).step(T::int(2)).max_halvings(0);
     let one = [T::int(1)];
-    let failure = options.integrate(&h, &one, &one, T::int(0)..=T::int(4)).unwrap_err();
-    let expected =
-        IntegrateError::Singular { time: T::int(0), step: T::int(2), halvings: 0 };
+    let failure = options
+        .integrate(&h, &one, &one, T::int(0)..=T::int(4))
+        .unwrap_err();
+    let expected = IntegrateError::Singular {
+        time: T::int(0),
+        step: T::int(2),
+        halvings: 0,
+    };
     assert_eq!(failure.error, expected);
-    says(&failure.to_string(), &["singular", "take a slightly different step"]);
+    says(
+        &failure.to_string(),
+        &["singular", "take a slightly different step"],
+    );
     assert_eq!(failure.partial.unwrap().len(), 1);
     // Halved, it is not singular.
-    let run = options.max_halvings(1).integrate(&h, &one, &one, T::int(0)..=T::int(4)).unwrap();
+    let run = options
+        .max_halvings(1)
+        .integrate(&h, &one, &one, T::int(0)..=T::int(4))
+        .unwrap();
     assert_eq!(run.certificate().counts.halvings, 2);
 }
 
@@ -302,11 +467,20 @@ fn refuses<T: Float>() {
         .on_no_alpha(OnNoAlpha::Refuse);
     let interval = T::int(0)..=T::int(500);
     let failure = options.integrate(&h, &q, &p, interval).unwrap_err();
-    let IntegrateError::NoAdmissibleAlpha { time, defect, floor, .. } = failure.error else {
+    let IntegrateError::NoAdmissibleAlpha {
+        time,
+        defect,
+        floor,
+        ..
+    } = failure.error
+    else {
         panic!("{:?}", failure.error);
     };
     assert!(defect.abs() > floor && floor > T::int(0));
-    says(&failure.to_string(), &["smaller step", "more stages", "all α's", "carried"]);
+    says(
+        &failure.to_string(),
+        &["smaller step", "more stages", "all α's", "carried"],
+    );
     let partial = failure.partial.unwrap();
     assert_eq!(partial.last().0, time);
     assert!(partial.certificate().energy_kept_on_every_step());

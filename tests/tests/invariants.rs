@@ -25,7 +25,10 @@ struct Orbit {
 fn orbit<T: Float>(method: Method, periods: i64) -> Orbit {
     let (h, start) = kepler::<T>(6);
     let step = T::two_pi() / T::int(160);
-    let mut run = method.step(step).start(&h, &start.q, &start.p, T::int(0)).unwrap();
+    let mut run = method
+        .step(step)
+        .start(&h, &start.q, &start.p, T::int(0))
+        .unwrap();
     let kinetic = |p: &[T]| (p[0] * p[0] + p[1] * p[1]) / T::int(2);
     let energy = |q: &[T], p: &[T]| kinetic(p) - T::int(1) / (q[0] * q[0] + q[1] * q[1]).sqrt();
     let moment = |q: &[T], p: &[T]| q[0] * p[1] - q[1] * p[0];
@@ -42,7 +45,9 @@ fn orbit<T: Float>(method: Method, periods: i64) -> Orbit {
         let mut defect = T::int(0);
         for _ in 0..160 {
             let view: StepView<'_, T> = run.advance().unwrap();
-            seen.energy = seen.energy.max((energy(view.q, view.p) - e0).abs().to_f64());
+            seen.energy = seen
+                .energy
+                .max((energy(view.q, view.p) - e0).abs().to_f64());
             defect = moment(view.q, view.p) - l0;
             seen.momentum_max = seen.momentum_max.max(defect.abs().to_f64());
             seen.solved += u64::from(matches!(view.outcome, Outcome::Solved | Outcome::AtFloor));
@@ -55,7 +60,13 @@ fn orbit<T: Float>(method: Method, periods: i64) -> Orbit {
     let Trend { slope, random_walk } = trend(&seen.momentum);
     println!(
         "{method}, {}, {periods} periods: energy {:.2e}, momentum max {:.2e} end {:.2e}, slope {slope:.1e} (random walk {random_walk:.1e}), error {:.3e}, kept {}/{}",
-        T::NAME, seen.energy, seen.momentum_max, defect_end(&seen), seen.error, seen.solved, seen.steps
+        T::NAME,
+        seen.energy,
+        seen.momentum_max,
+        defect_end(&seen),
+        seen.error,
+        seen.solved,
+        seen.steps
     );
     seen
 }
@@ -67,7 +78,10 @@ fn defect_end(orbit: &Orbit) -> f64 {
 /// The slope of the angular momentum is no more than rounding makes: 4 standard deviations.
 fn no_trend(orbit: &Orbit) {
     let Trend { slope, random_walk } = trend(&orbit.momentum);
-    assert!(slope.abs() <= 4.0 * random_walk, "slope {slope:e}, random walk {random_walk:e}");
+    assert!(
+        slope.abs() <= 4.0 * random_walk,
+        "slope {slope:e}, random walk {random_walk:e}"
+    );
 }
 
 fn keeps_energy_and_momentum_for_1000_periods(alphas: Alphas) {
@@ -141,5 +155,10 @@ fn chaotic<T: Float>(alphas: Alphas, steps: u64) -> (u64, u64, f64, f64) {
         worst = worst.max(run.advance().unwrap().energy_defect.unwrap().abs().to_f64());
     }
     let counts = run.counts();
-    (counts.outcome(Outcome::Carried), counts.outcome(Outcome::Halved), worst, 0.0)
+    (
+        counts.outcome(Outcome::Carried),
+        counts.outcome(Outcome::Halved),
+        worst,
+        0.0,
+    )
 }

@@ -16,7 +16,10 @@ fn states<T: Float>(
     energy: &Hamiltonian,
     start: &Start<T>,
 ) -> (Vec<T>, Counts) {
-    let mut run = method.step(h).start(energy, &start.q, &start.p, T::int(0)).unwrap();
+    let mut run = method
+        .step(h)
+        .start(energy, &start.q, &start.p, T::int(0))
+        .unwrap();
     let mut all = Vec::new();
     for _ in 0..steps {
         let view = run.advance().unwrap();
@@ -52,15 +55,22 @@ fn quadratic_costs_what_gauss_costs<T: Float>(digits: f64) {
             assert_eq!(work(&counts), work(&gauss_counts));
             assert_eq!(equip, gauss);
             let certificate = {
-                let mut run =
-                    method.step(h).start(&energy, &start.q, &start.p, T::int(0)).unwrap();
+                let mut run = method
+                    .step(h)
+                    .start(&energy, &start.q, &start.p, T::int(0))
+                    .unwrap();
                 for _ in 0..steps {
                     run.advance().unwrap();
                 }
                 run.certificate()
             };
             let defect = certificate.energy.unwrap();
-            println!("{method}, {}: |H - H0| {:.1e} of {:.1}", T::NAME, defect.max, defect.start);
+            println!(
+                "{method}, {}: |H - H0| {:.1e} of {:.1}",
+                T::NAME,
+                defect.max,
+                defect.start
+            );
             assert!(decimal_digits(defect.max / defect.start) > digits);
             assert!(certificate.alpha_range.is_empty());
         }
@@ -78,7 +88,10 @@ fn stays_at_rest<T: Float>() {
     let (energy, _) = pendulum::<T>();
     let zero = T::int(0);
     // The stable equilibrium, to the last bit.
-    let rest = Start { q: vec![zero], p: vec![zero] };
+    let rest = Start {
+        q: vec![zero],
+        p: vec![zero],
+    };
     for alphas in BOTH {
         let method = Equip::stages(3).alphas(alphas);
         let (all, counts) = states(method, T::ratio(1, 10), 100, &energy, &rest);
@@ -87,10 +100,19 @@ fn stays_at_rest<T: Float>() {
         assert_eq!(counts.alpha_solves, 0);
     }
     // The unstable one, as near as the float type gets: sin(π rounded) grows like eᵗ from there.
-    let top = Start { q: vec![T::pi()], p: vec![zero] };
+    let top = Start {
+        q: vec![T::pi()],
+        p: vec![zero],
+    };
     let (all, counts) = states(Equip::stages(3), T::ratio(1, 10), 100, &energy, &top);
-    let away = all.chunks_exact(2).map(|y| (y[0] - T::pi()).abs()).fold(zero, |a, x| a.max(x));
-    println!("{}: after 10 time units {away:.1e} off the upper equilibrium", T::NAME);
+    let away = all
+        .chunks_exact(2)
+        .map(|y| (y[0] - T::pi()).abs())
+        .fold(zero, |a, x| a.max(x));
+    println!(
+        "{}: after 10 time units {away:.1e} off the upper equilibrium",
+        T::NAME
+    );
     // e^10/2 = 11013 times |sin π rounded| ≤ ε, plus as much for the rounding of q.
     assert!(away <= T::int(100_000) * T::EPSILON);
     assert_eq!(counts.outcome(Outcome::AtFloor), 100);
@@ -105,11 +127,17 @@ fn a_start_at_an_equilibrium_stays() {
 fn turning_point<T: Float>(digits: f64) {
     // Released at rest from q = 1: ∇H has no component along the velocity, which is zero.
     let (energy, _) = pendulum::<T>();
-    let start = Start { q: vec![T::int(1)], p: vec![T::int(0)] };
+    let start = Start {
+        q: vec![T::int(1)],
+        p: vec![T::int(0)],
+    };
     for alphas in BOTH {
         let method = Equip::stages(4).alphas(alphas);
         let h = T::ratio(1, 10);
-        let mut run = method.step(h).start(&energy, &start.q, &start.p, T::int(0)).unwrap();
+        let mut run = method
+            .step(h)
+            .start(&energy, &start.q, &start.p, T::int(0))
+            .unwrap();
         for _ in 0..200 {
             let view = run.advance().unwrap();
             assert!(view.outcome.energy_kept(), "{:?}", view.outcome);
@@ -123,7 +151,10 @@ fn turning_point<T: Float>(digits: f64) {
             let (fine, _) = states(Gauss::stages(8), T::ratio(1, 20), 400, &energy, &start);
             fine[fine.len() - 2..].to_vec()
         });
-        println!("{method}, {}: error at t = 20 {error:.2e}, Gauss {gauss_error:.2e}", T::NAME);
+        println!(
+            "{method}, {}: error at t = 20 {error:.2e}, Gauss {gauss_error:.2e}",
+            T::NAME
+        );
         assert!(error < gauss_error);
     }
 }
@@ -140,14 +171,27 @@ fn below_the_floor<T: Float>(h: T, s: usize) {
     for alphas in BOTH {
         let method = Equip::stages(s).alphas(alphas);
         let (equip, counts) = states(method, h, 200, &energy, &start);
-        assert_eq!(counts.outcome(Outcome::AtFloor), 200, "{method}: {counts:?}");
+        assert_eq!(
+            counts.outcome(Outcome::AtFloor),
+            200,
+            "{method}: {counts:?}"
+        );
         assert_eq!(counts.alpha_solves, 0);
         assert_eq!(counts.newton_iterations, gauss_counts.newton_iterations);
         assert_eq!(counts.factorisations, gauss_counts.factorisations);
         assert_eq!(equip, gauss);
-        let mut run = method.step(h).start(&energy, &start.q, &start.p, T::int(0)).unwrap();
+        let mut run = method
+            .step(h)
+            .start(&energy, &start.q, &start.p, T::int(0))
+            .unwrap();
         for _ in 0..200 {
-            assert!(run.advance().unwrap().alphas.iter().all(|a| *a == T::int(0)));
+            assert!(
+                run.advance()
+                    .unwrap()
+                    .alphas
+                    .iter()
+                    .all(|a| *a == T::int(0))
+            );
         }
     }
 }
@@ -163,7 +207,9 @@ fn a_step_so_small_that_the_defect_is_rounding_is_a_gauss_step() {
 fn an_energy_not_measured_is_not_evaluated() {
     let (energy, start) = kepler::<f64>(6);
     let options = Gauss::stages(3).step(0.05).measure_energy(false);
-    let run = options.integrate(&energy, &start.q, &start.p, 0.0..=1.0).unwrap();
+    let run = options
+        .integrate(&energy, &start.q, &start.p, 0.0..=1.0)
+        .unwrap();
     assert_eq!(run.certificate().counts.energies, 0);
     assert!(run.certificate().energy.is_none() && run.energy_defects().is_empty());
 }

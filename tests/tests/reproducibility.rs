@@ -18,7 +18,9 @@ fn methods() -> [Method; 4] {
 
 /// Times, states and outcomes of a run.
 fn bits<T: Float>(run: &Run<T>) -> (Vec<T>, Vec<Vec<T>>, Counts) {
-    let states = (0..run.len()).map(|i| [run.q(i), run.p(i)].concat()).collect();
+    let states = (0..run.len())
+        .map(|i| [run.q(i), run.p(i)].concat())
+        .collect();
     (run.times().to_vec(), states, run.certificate().counts)
 }
 
@@ -37,31 +39,35 @@ fn watched_runs_are_the_same<T: Float>() {
         assert_eq!(bits(&again), (times.clone(), states.clone(), counts));
 
         let outputs: Vec<T> = (0..=20).map(|k| T::ratio(7 * k, 20)).collect();
-        let watched = plain
-            .clone()
-            .output_at(&outputs)
-            .invariant(Invariant::new(
-                "angular momentum",
-                Hamiltonian::new(2, |q, p| q[0] * p[1] - q[1] * p[0]).unwrap(),
-            ));
+        let watched = plain.clone().output_at(&outputs).invariant(Invariant::new(
+            "angular momentum",
+            Hamiltonian::new(2, |q, p| q[0] * p[1] - q[1] * p[0]).unwrap(),
+        ));
         let mut seen = 0;
         let mut observer = |view: &StepView<'_, T>| {
             seen += 1;
             assert_eq!(view.index, seen);
             ControlFlow::Continue(())
         };
-        let watched =
-            watched.integrate_observed(&h, &start.q, &start.p, interval(), &mut observer).unwrap();
+        let watched = watched
+            .integrate_observed(&h, &start.q, &start.p, interval(), &mut observer)
+            .unwrap();
         assert_eq!(seen as usize, n);
         assert_eq!(bits(&watched), (times.clone(), states.clone(), counts));
-        assert_eq!(watched.outputs().map(|(t, _, _)| t).collect::<Vec<_>>(), outputs);
+        assert_eq!(
+            watched.outputs().map(|(t, _, _)| t).collect::<Vec<_>>(),
+            outputs
+        );
         let (_, q, p) = watched.outputs().last().unwrap();
         assert_eq!([q, p].concat(), states[n]);
 
         let every = plain.clone().record(Record::Every(10));
         let every = every.integrate(&h, &start.q, &start.p, interval()).unwrap();
         let kept: Vec<usize> = (0..n).step_by(10).chain([n]).collect();
-        assert_eq!(bits(&every).1, kept.iter().map(|&i| states[i].clone()).collect::<Vec<_>>());
+        assert_eq!(
+            bits(&every).1,
+            kept.iter().map(|&i| states[i].clone()).collect::<Vec<_>>()
+        );
         let ends = plain.clone().record(Record::Ends);
         let ends = ends.integrate(&h, &start.q, &start.p, interval()).unwrap();
         assert_eq!(bits(&ends).1, [states[0].clone(), states[n].clone()]);
@@ -89,12 +95,20 @@ fn an_observer_ends_a_run_at_the_state_it_saw() {
     let (h, start) = kepler::<f64>(6);
     let options = Equip::stages(3).step(0.05).record(Record::Ends);
     let mut far = |view: &StepView<'_, f64>| {
-        if view.q[0] < -1.0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if view.q[0] < -1.0 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     };
-    let run = options.integrate_observed(&h, &start.q, &start.p, 0.0..=10.0, &mut far).unwrap();
+    let run = options
+        .integrate_observed(&h, &start.q, &start.p, 0.0..=10.0, &mut far)
+        .unwrap();
     assert!(run.stopped() && run.last().0 < 10.0 && run.last().1[0] < -1.0);
     assert_eq!(run.certificate().end, run.last().0);
-    let whole = options.integrate(&h, &start.q, &start.p, 0.0..=run.last().0).unwrap();
+    let whole = options
+        .integrate(&h, &start.q, &start.p, 0.0..=run.last().0)
+        .unwrap();
     assert!(!whole.stopped());
     assert_eq!(whole.last(), run.last());
 }
@@ -108,7 +122,11 @@ fn output_times_get_states_of_full_order() {
         .output_at(&outputs)
         .integrate(&h, &start.q, &start.p, 0.0..=3.0)
         .unwrap();
-    assert_eq!(run.certificate().output_steps, 3, "one of the times is on the grid");
+    assert_eq!(
+        run.certificate().output_steps,
+        3,
+        "one of the times is on the grid"
+    );
     for (t, q, p) in run.outputs() {
         let fine = Equip::stages(6)
             .step(t / 200.0)
@@ -125,7 +143,10 @@ fn output_times_get_states_of_full_order() {
 #[test]
 fn time_is_the_grid_not_a_sum() {
     let (h, start) = kepler::<f64>(6);
-    let run = Gauss::stages(2).step(0.1).integrate(&h, &start.q, &start.p, 0.0..=100.0).unwrap();
+    let run = Gauss::stages(2)
+        .step(0.1)
+        .integrate(&h, &start.q, &start.p, 0.0..=100.0)
+        .unwrap();
     assert_eq!(run.len(), 1001);
     for (n, &t) in run.times().iter().enumerate() {
         assert_eq!(t, n as f64 * 0.1);
@@ -146,7 +167,10 @@ fn there_and_back<T: Float>(
             run.advance().unwrap();
         }
         let view = run.view();
-        (view.q.to_vec(), view.p.iter().map(|&p| -p).collect::<Vec<T>>())
+        (
+            view.q.to_vec(),
+            view.p.iter().map(|&p| -p).collect::<Vec<T>>(),
+        )
     };
     let (q, p) = go(&start.q, &start.p);
     let moved = distance(&[&q[..], &p].concat(), &start.state());

@@ -49,7 +49,10 @@ fn a_loop_over_particles() {
     let p: Vec<f64> = (0..n).map(|_| random.between(-1.0, 1.0)).collect();
     let rotors = ring_of_rotors(n);
     let end = |stages, h: f64| {
-        let run = Equip::stages(stages).step(h).integrate(&rotors, &q, &p, 0.0..=10.0).unwrap();
+        let run = Equip::stages(stages)
+            .step(h)
+            .integrate(&rotors, &q, &p, 0.0..=10.0)
+            .unwrap();
         assert!(run.certificate().energy_kept_on_every_step());
         let (_, q, p) = run.last();
         [q, p].concat()
@@ -74,10 +77,18 @@ fn corrugated_end<T: Float>(stages: usize, n: i64) -> (Vec<T>, T) {
     let run = Equip::stages(stages)
         .step(T::ratio(10, n))
         .record(Record::Ends)
-        .integrate(&corrugated(), &[T::int(0)], &[T::int(1)], T::int(0)..=T::int(10))
+        .integrate(
+            &corrugated(),
+            &[T::int(0)],
+            &[T::int(1)],
+            T::int(0)..=T::int(10),
+        )
         .unwrap();
     let (_, q, p) = run.last();
-    ([q, p].concat(), run.certificate().energy.as_ref().unwrap().max)
+    (
+        [q, p].concat(),
+        run.certificate().energy.as_ref().unwrap().max,
+    )
 }
 
 #[test]
@@ -109,7 +120,10 @@ fn a_branch_on_the_state_is_refused_with_its_line() {
             assert!(location.file().ends_with("stories.rs"), "{location}");
             assert_eq!(location.line(), line);
             let text = error.to_string();
-            assert!(text.contains(&location.to_string()) && text.contains(".max()"), "{text}");
+            assert!(
+                text.contains(&location.to_string()) && text.contains(".max()"),
+                "{text}"
+            );
         }
         other => panic!("{other:?}"),
     }
@@ -118,16 +132,26 @@ fn a_branch_on_the_state_is_refused_with_its_line() {
         0.5 * (p[0] * p[0] + q[0] * q[0] + q[0].max(0.0).powi(2))
     })
     .unwrap();
-    let run = Equip::stages(3).step(0.05).integrate(&piecewise, &[1.0], &[0.0], 0.0..=1.0).unwrap();
+    let run = Equip::stages(3)
+        .step(0.05)
+        .integrate(&piecewise, &[1.0], &[0.0], 0.0..=1.0)
+        .unwrap();
     let (_, q, _) = run.last();
     // On the positive side H = (p^2 + 2 q^2)/2, q = cos(sqrt(2) t); order 6 at h = 0.05. Measured 6e-13; headroom 5.
-    assert!((q[0] - 2.0_f64.sqrt().cos()).abs() < 3e-12, "{}", q[0] - 2.0_f64.sqrt().cos());
+    assert!(
+        (q[0] - 2.0_f64.sqrt().cos()).abs() < 3e-12,
+        "{}",
+        q[0] - 2.0_f64.sqrt().cos()
+    );
 }
 
 #[test]
 fn a_constant_energy_moves_nothing() {
     let constant = Hamiltonian::new(2, |_, _| Var::from(42.0)).unwrap();
-    let run = Equip::stages(3).step(0.5).integrate(&constant, &[1.0, 2.0], &[3.0, 4.0], 0.0..=5.0).unwrap();
+    let run = Equip::stages(3)
+        .step(0.5)
+        .integrate(&constant, &[1.0, 2.0], &[3.0, 4.0], 0.0..=5.0)
+        .unwrap();
     for i in 0..run.len() {
         assert_eq!((run.q(i), run.p(i)), (&[1.0, 2.0][..], &[3.0, 4.0][..]));
     }
@@ -139,7 +163,10 @@ fn a_constant_energy_moves_nothing() {
 #[test]
 fn one_closure_runs_in_both_float_types() {
     let h = corrugated();
-    let coarse = Equip::stages(4).step(0.1).integrate(&h, &[0.5], &[0.0], 0.0..=1.0).unwrap();
+    let coarse = Equip::stages(4)
+        .step(0.1)
+        .integrate(&h, &[0.5], &[0.0], 0.0..=1.0)
+        .unwrap();
     let (t0, t1) = (DoubleDouble::int(0), DoubleDouble::int(1));
     let fine = Equip::stages(8)
         .step(DoubleDouble::ratio(1, 20))
@@ -153,8 +180,21 @@ fn one_closure_runs_in_both_float_types() {
 #[test]
 fn wrong_lengths_say_which_and_how_many() {
     let rotors = ring_of_rotors(3);
-    let failure = Equip::stages(3).step(0.1).integrate(&rotors, &[0.0; 3], &[0.0; 2], 0.0..=1.0).unwrap_err();
-    assert_eq!(failure.error, IntegrateError::WrongLength { what: "p0", expected: 3, found: 2 });
+    let failure = Equip::stages(3)
+        .step(0.1)
+        .integrate(&rotors, &[0.0; 3], &[0.0; 2], 0.0..=1.0)
+        .unwrap_err();
+    assert_eq!(
+        failure.error,
+        IntegrateError::WrongLength {
+            what: "p0",
+            expected: 3,
+            found: 2
+        }
+    );
     assert!(failure.partial.is_none());
-    assert_eq!(failure.to_string(), "p0 has length 2, but this Hamiltonian needs 3");
+    assert_eq!(
+        failure.to_string(),
+        "p0 has length 2, but this Hamiltonian needs 3"
+    );
 }
