@@ -103,9 +103,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if level < self.settings.max_halvings {
             return self.halve(level, y, t, h, next);
         }
-        match failure {
-            Failure::NoAlpha => self.without_alpha(y, t, h, next),
-            other => Err(self.error(other, t, h)),
+        // Near ∂g/∂α = 0 the iteration on the α's may wander off in any way: the step with α = 0 can still exist.
+        if self.target.is_some() {
+            self.without_alpha(y, t, h, next)
+        } else {
+            Err(self.error(failure, t, h))
         }
     }
 
