@@ -1,12 +1,44 @@
-//! Runge–Kutta tableaux of the Gauss and EQUIP families in any [`Float`](equip_scalar::Float) type.
+//! Runge–Kutta tableaux of the Gauss, EQUIP and HBVM families in any [`Float`](equip_scalar::Float) type, and the
+//! conditions they satisfy, as functions.
+//!
+//! | item | what it is |
+//! |---|---|
+//! | [`Gauss`] | nodes, weights, Legendre vectors p_k, and the EQUIP matrix K(α) in skew form |
+//! | [`legendre_at`], [`legendre_integrals_at`], [`legendre_derivatives_at`] | the polynomials P_k anywhere |
+//! | [`Tableau`] | A, b, c of any Runge–Kutta method; [`Gauss::tableau`] and [`hbvm()`] make them |
+//! | [`conditions`] | defects of B(p), C(η), D(ζ), symplecticity, symmetry |
+//! | [`trees`], [`order()`] | rooted trees, order conditions, the order of a tableau |
+//!
+//! Nothing is pasted in as decimals: every coefficient is computed in the float type it is used in.
+//!
+//! The formulas are those of L. Brugnano, F. Iavernaro, D. Trigiante, "Energy and quadratic invariants preserving
+//! integrators of Gaussian type", AIP Conf. Proc. 1281 (2010) ("the paper") and its long version arXiv:1005.1930.
+//! The paper counts polynomials from 1, this crate from 0: P_0 = 1.
+//!
+//! ```
+//! use equip_tableau::{Gauss, conditions};
+//!
+//! let gauss = Gauss::<f64>::new(3)?;
+//! let perturbed = gauss.tableau(&[0.0, 0.05]);
+//! assert!(conditions::symplecticity_defect(&perturbed) < 1e-15);
+//! # Ok::<(), equip_tableau::TableauError>(())
+//! ```
 #![forbid(unsafe_code)]
 
+pub mod conditions;
 mod error;
 mod gauss;
+mod hbvm;
 mod legendre;
+mod order;
 mod rule;
 mod skew;
+mod tableau;
+pub mod trees;
 
 pub use error::TableauError;
 pub use gauss::{Gauss, MAX_STAGES};
+pub use hbvm::hbvm;
 pub use legendre::{legendre_at, legendre_derivatives_at, legendre_integrals_at};
+pub use order::order;
+pub use tableau::Tableau;

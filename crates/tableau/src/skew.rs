@@ -62,6 +62,14 @@ impl<T: Float> Gauss<T> {
     ///
     /// # Panics
     /// When `alphas` does not have s − 1 entries, or `k` not s².
+    ///
+    /// ```
+    /// let gauss = equip_tableau::Gauss::<f64>::new(2)?;
+    /// let mut k = [0.0; 4];
+    /// gauss.skew_into(&[0.3], &mut k);
+    /// assert_eq!((k[0], k[1] + k[2], k[3]), (0.5, 1.0, 0.5));
+    /// # Ok::<(), equip_tableau::TableauError>(())
+    /// ```
     pub fn skew_into(&self, alphas: &[T], k: &mut [T]) {
         self.antisymmetric_into(alphas, k);
         let (s, half, one) = (self.stages, T::ratio(1, 2), T::int(1));

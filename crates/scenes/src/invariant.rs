@@ -1,0 +1,89 @@
+//! Quantities besides H that a scene keeps.
+
+use equip_autodiff::{BuildError, Hamiltonian, Var};
+use equip_scalar::{Num, Scalar};
+
+/// How an invariant depends on the state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InvariantKind {
+    /// Linear in (q, p): kept by every Runge–Kutta method.
+    Linear,
+    /// Quadratic in (q, p): kept by the Gauss and EQUIP methods.
+    Quadratic,
+    /// Anything else: not kept by construction, so its drift is worth a look.
+    Other,
+}
+
+/// A function I(q, p) with {I, H} = 0.
+#[derive(Debug)]
+pub struct Invariant {
+    /// Name, for people and for columns of tables.
+    pub name: &'static str,
+    /// Linear, quadratic or neither.
+    pub kind: InvariantKind,
+    /// I(q, p), recorded like an energy.
+    pub quantity: Hamiltonian,
+}
+
+impl Invariant {
+    pub(crate) fn record(
+        name: &'static str,
+        kind: InvariantKind,
+        degrees_of_freedom: usize,
+        quantity: impl FnOnce(&[Var], &[Var]) -> Var,
+    ) -> Result<Self, BuildError> {
+        Ok(Invariant {
+            name,
+            kind,
+            quantity: Hamiltonian::new(degrees_of_freedom, quantity)?,
+        })
+    }
+
+    /// Whether methods that keep quadratic invariants keep this one.
+    pub fn is_at_most_quadratic(&self) -> bool {
+        self.kind != InvariantKind::Other
+    }
+}
+
+/// The i-th component of the total momentum of bodies in d dimensions: Σ_b p_{db+i}.
+pub(crate) fn linear_momenta(bodies: usize, d: usize) -> Result<Vec<Invariant>, BuildError> {
+    const NAMES: [&str; 3] = ["momentum x", "momentum y", "momentum z"];
+    (0..d.min(3))
+        .map(|i| {
+            Invariant::record(NAMES[i], InvariantKind::Linear, bodies * d, |_, p| {
+                p.iter().skip(i).step_by(d).copied().sum()
+            })
+        })
+        .collect()
+}
+
+/// The components of the total angular momentum of bodies in d = 2 or 3 dimensions.
+pub(crate) fn angular_momenta(bodies: usize, d: usize) -> Result<Vec<Invariant>, BuildError> {
+    const PLANES: [(&str, usize, usize); 3] = [
+        ("angular momentum", 0, 1),
+        ("angular momentum x", 1, 2),
+        ("angular momentum y", 2, 0),
+    ];
+    let named = |k: usize| {
+        if k == 0 && d == 3 {
+            "angular momentum z"
+        } else {
+            PLANES[k].0
+        }
+    };
+    (0..if d == 3 { 3 } else { 1 })
+        .map(|k| {
+            let (_, a, b) = PLANES[k];
+            Invariant::record(named(k), InvariantKind::Quadratic, bodies * d, |q, p| {
+                (0..bodies)
+                    .map(|j| moment(q, p, d * j + a, d * j + b))
+                    .sum()
+            })
+        })
+        .collect()
+}
+
+/// q_a p_b − q_b p_a.
+pub(crate) fn moment<S: Scalar>(q: &[Num<S>], p: &[Num<S>], a: usize, b: usize) -> Num<S> {
+    q[a] * p[b] - q[b] * p[a]
+}

@@ -1,0 +1,60 @@
+//! A polynomial on which symmetric methods drift in energy and symplectic ones do not.
+//!
+//! H = p³/3 − p/2 + q⁶/30 + q⁴/4 − q³/3 + 1/6, [Faou, Hairer, Pham, Energy conservation with non-symplectic methods: examples and
+//! counter-examples, BIT 44, 2004], from (q, p) = (0, 1), where H = 0. The solution is not symmetric in time.
+
+use crate::model::{Model, State};
+use crate::{Scene, View};
+use equip_autodiff::Energy;
+use equip_scalar::{Float, Num, Scalar, ratio};
+
+/// p³/3 − p/2 + q⁶/30 + q⁴/4 − q³/3 + 1/6.
+#[derive(Debug, Clone, Copy)]
+pub struct FaouHairerPham;
+
+pub(crate) const SCENE: Scene = Scene {
+    name: "faou-hairer-pham",
+    title: "Faou, Hairer and Pham's polynomial",
+    formula: "H = p^3/3 - p/2 + q^6/30 + q^4/4 - q^3/3 + 1/6",
+    source: "Faou, Hairer, Pham, Energy conservation with non-symplectic methods: examples and counter-examples, BIT 44 (2004)",
+    parameters: &[],
+    invariants: "none besides H",
+    solution: "none stored",
+    hard: "H(start) = 0 and the kinetic part is not quadratic: relative energy errors mean nothing, sweeps in halves do not apply",
+    build: |_| Ok(FaouHairerPham.into()),
+};
+
+impl Energy for FaouHairerPham {
+    fn degrees_of_freedom(&self) -> usize {
+        1
+    }
+
+    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+        let (q, p) = (q[0], p[0]);
+        let kinetic = ratio(1, 3) * p.powi(3) - 0.5 * p;
+        kinetic + ratio(1, 30) * q.powi(6) + 0.25 * q.powi(4) - ratio(1, 3) * q.powi(3) + ratio(1, 6)
+    }
+}
+
+impl Model for FaouHairerPham {
+    fn initial<T: Float>(&self) -> State<T> {
+        (vec![T::int(0)], vec![T::int(1)])
+    }
+
+    /// The unit of time.
+    fn period<T: Float>(&self, _: &State<T>) -> T {
+        T::int(1)
+    }
+
+    fn step(&self) -> f64 {
+        0.1
+    }
+
+    fn end(&self) -> f64 {
+        100.0
+    }
+
+    fn view(&self) -> View {
+        View::PhasePlane
+    }
+}

@@ -1,0 +1,105 @@
+//! The β-chain of Fermi, Pasta, Ulam and Tsingou.
+//!
+//! H = Σ_{i=1}^{n} ½p_i² + Σ_{i=0}^{n} [½d_i² + ¼β d_i⁴], d_i = q_{i+1} − q_i, q_0 = q_{n+1} = 0, [Fermi, Pasta, Ulam, Tsingou, Los Alamos
+//! LA-1940, 1955]. Start in the first mode, q_i = A sin(πi/(n + 1)), at rest. With β = 0 that mode swings with
+//! ω₁ = 2 sin(π/(2n + 2)) forever.
+
+use crate::model::{Model, State};
+use crate::{Parameter, Range, Scene, View};
+use equip_autodiff::Energy;
+use equip_scalar::{Constant, Float, Num, Scalar};
+
+/// n masses between fixed ends, springs d + βd³.
+#[derive(Debug, Clone, Copy)]
+pub struct FputBeta {
+    /// Masses.
+    pub n: usize,
+    /// Strength of the cubic force.
+    pub beta: Constant,
+    /// Amplitude of the first mode.
+    pub amplitude: Constant,
+}
+
+pub(crate) const SCENE: Scene = Scene {
+    name: "fput-beta",
+    title: "Fermi–Pasta–Ulam–Tsingou beta chain",
+    formula: "H = sum p_i^2/2 + sum [d_i^2/2 + beta d_i^4/4], d_i = q_{i+1} - q_i, fixed ends",
+    source: "Fermi, Pasta, Ulam, Tsingou, Studies of nonlinear problems, Los Alamos LA-1940 (1955)",
+    parameters: &[
+        Parameter::count("n", "number of masses", "32", 1, 4096),
+        Parameter::real("beta", "strength of the cubic force", "0.3", Range::closed(0.0, 1e3)),
+        Parameter::real("amplitude", "amplitude of the first mode", "10", Range::closed(-1e3, 1e3)),
+    ],
+    invariants: "none besides H",
+    solution: "closed form when beta = 0",
+    hard: "size: sparse H, cost must grow like n; beta A^2/n^2 above 1 is strongly chaotic",
+    build: |v| {
+        Ok(FputBeta { n: v[0].count(), beta: v[1].exact, amplitude: v[2].exact }.into())
+    },
+};
+
+impl FputBeta {
+    fn is_linear(&self) -> bool {
+        self.beta.to::<f64>() == 0.0
+    }
+
+    fn lowest_frequency<T: Float>(&self) -> T {
+        let n = T::int(self.n as i64 + 1);
+        T::int(2) * (T::frac_pi_2() / n).sin()
+    }
+}
+
+impl Energy for FputBeta {
+    fn degrees_of_freedom(&self) -> usize {
+        self.n
+    }
+
+    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+        let kinetic: Num<S> = p.iter().map(|&p| p * p).sum();
+        let inner = q.windows(2).map(|pair| pair[1] - pair[0]);
+        let stretches: Vec<_> = inner.chain([q[0], q[self.n - 1]]).collect();
+        let linear: Num<S> = stretches.iter().map(|&d| d * d).sum();
+        let quadratic = 0.5 * kinetic + 0.5 * linear;
+        if self.is_linear() {
+            return quadratic;
+        }
+        let quartic: Num<S> = stretches.iter().map(|&d| d.powi(4)).sum();
+        quadratic + 0.25 * (self.beta * quartic)
+    }
+}
+
+impl Model for FputBeta {
+    fn initial<T: Float>(&self) -> State<T> {
+        let angle = T::pi() / T::int(self.n as i64 + 1);
+        let amplitude = self.amplitude.to::<T>();
+        let q = (1..=self.n).map(|i| amplitude * (angle * T::int(i as i64)).sin()).collect();
+        (q, vec![T::int(0); self.n])
+    }
+
+    /// That of the first mode of the linear chain.
+    fn period<T: Float>(&self, _: &State<T>) -> T {
+        T::two_pi() / self.lowest_frequency::<T>()
+    }
+
+    fn step(&self) -> f64 {
+        0.2
+    }
+
+    fn end(&self) -> f64 {
+        10.0 * self.period(&self.initial::<f64>())
+    }
+
+    fn view(&self) -> View {
+        if self.n == 1 { View::PhasePlane } else { View::Profile }
+    }
+
+    fn exact<T: Float>(&self, t: T) -> Option<State<T>> {
+        let (q, _) = self.initial::<T>();
+        let omega = self.lowest_frequency::<T>();
+        let (sin, cos) = (omega * t).sin_cos();
+        let speed = -omega * sin;
+        self.is_linear().then(|| {
+            (q.iter().map(|&q| q * cos).collect(), q.iter().map(|&q| q * speed).collect())
+        })
+    }
+}

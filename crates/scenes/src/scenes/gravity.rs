@@ -1,0 +1,30 @@
+//! Bodies that attract each other: H = Σ |p_i|²/(2m_i) − G Σ_{i<j} m_i m_j/|q_i − q_j|, in d dimensions, body after body.
+
+use equip_scalar::{Num, Scalar};
+
+/// The energy of bodies with masses m in d dimensions.
+pub(crate) fn energy<S: Scalar>(
+    d: usize,
+    gravity: Num<S>,
+    masses: &[Num<S>],
+    q: &[Num<S>],
+    p: &[Num<S>],
+) -> Num<S> {
+    let kinetic: Num<S> = masses
+        .iter()
+        .zip(p.chunks_exact(d))
+        .map(|(&m, p)| p.iter().map(|&p| p * p).sum::<Num<S>>() / (2.0 * m))
+        .sum();
+    let mut attraction = Vec::with_capacity(masses.len() * masses.len() / 2);
+    for (i, a) in q.chunks_exact(d).enumerate() {
+        for (j, b) in q.chunks_exact(d).enumerate().take(i) {
+            attraction.push(masses[i] * masses[j] / distance(a, b));
+        }
+    }
+    kinetic - gravity * attraction.into_iter().sum::<Num<S>>()
+}
+
+fn distance<S: Scalar>(a: &[Num<S>], b: &[Num<S>]) -> Num<S> {
+    let square: Num<S> = a.iter().zip(b).map(|(&a, &b)| (a - b) * (a - b)).sum();
+    square.sqrt()
+}

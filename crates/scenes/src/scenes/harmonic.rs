@@ -1,0 +1,107 @@
+//! Uncoupled harmonic oscillators.
+//!
+//! H = ½ Σ (p_j² + ω_j² q_j²), ω_j = ω ρ^{j−1}. H is quadratic: every Gauss method keeps it and no α is needed.
+
+use crate::invariant::moment;
+use crate::model::{Model, State};
+use crate::{Invariant, InvariantKind, Parameter, Range, Scene, View};
+use equip_autodiff::{BuildError, Energy};
+use equip_scalar::{Constant, Float, Num, Scalar};
+
+/// ½ Σ (p_j² + ω_j² q_j²) with frequencies in geometric progression.
+#[derive(Debug, Clone, Copy)]
+pub struct Harmonic {
+    /// Oscillators.
+    pub m: usize,
+    /// Lowest frequency ω.
+    pub omega: Constant,
+    /// Quotient ρ of consecutive frequencies.
+    pub ratio: Constant,
+}
+
+pub(crate) const SCENE: Scene = Scene {
+    name: "harmonic",
+    title: "Harmonic oscillators",
+    formula: "H = sum_j (p_j^2 + w_j^2 q_j^2)/2, w_j = omega ratio^(j-1)",
+    source: "textbook",
+    parameters: &[
+        Parameter::count("m", "number of oscillators", "2", 1, 64),
+        Parameter::real("omega", "first frequency", "1", Range::above(0.0, 1e6)),
+        Parameter::real("ratio", "quotient of consecutive frequencies", "2", Range::closed(0.5, 10.0)),
+    ],
+    invariants: "energy of the first and of the last oscillator (quadratic); angular momentum of the first two when ratio = 1",
+    solution: "closed form",
+    hard: "h omega >> 1: h = 1 with omega = 10^6 must stay bounded; ratio = 10 with m = 7 spans six decades",
+    build: |v| Ok(Harmonic { m: v[0].count(), omega: v[1].exact, ratio: v[2].exact }.into()),
+};
+
+impl Harmonic {
+    fn frequencies<T: Float>(&self) -> Vec<T> {
+        let ratio = self.ratio.to::<T>();
+        std::iter::successors(Some(self.omega.to::<T>()), |&w| Some(w * ratio)).take(self.m).collect()
+    }
+}
+
+impl Energy for Harmonic {
+    fn degrees_of_freedom(&self) -> usize {
+        self.m
+    }
+
+    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+        let mut omega = Num::from(self.omega);
+        let mut twice = p[0] * p[0] + omega * omega * (q[0] * q[0]);
+        for j in 1..self.m {
+            omega *= self.ratio;
+            twice += p[j] * p[j] + omega * omega * (q[j] * q[j]);
+        }
+        0.5 * twice
+    }
+}
+
+impl Model for Harmonic {
+    /// Even oscillators start displaced by 1, odd ones with speed 1.
+    fn initial<T: Float>(&self) -> State<T> {
+        let parity = |j: usize, r: usize| T::int(i64::from(j % 2 == r));
+        ((0..self.m).map(|j| parity(j, 0)).collect(), (0..self.m).map(|j| parity(j, 1)).collect())
+    }
+
+    fn period<T: Float>(&self, _: &State<T>) -> T {
+        T::two_pi() / self.omega.to::<T>()
+    }
+
+    fn step(&self) -> f64 {
+        let fastest = self.frequencies::<f64>().into_iter().fold(0.0, f64::max);
+        0.25 / fastest
+    }
+
+    fn end(&self) -> f64 {
+        10.0 * self.period(&self.initial::<f64>())
+    }
+
+    fn view(&self) -> View {
+        if self.m == 1 { View::PhasePlane } else { View::Paths(vec![(0, 1)]) }
+    }
+
+    fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
+        let mut all = Vec::new();
+        for (name, j) in [("energy of the first", 0), ("energy of the last", self.m - 1)] {
+            all.push(Invariant::record(name, InvariantKind::Quadratic, self.m, |q, p| {
+                let omega = (0..j).fold(Num::from(self.omega), |w, _| w * self.ratio);
+                0.5 * (p[j] * p[j] + omega * omega * (q[j] * q[j]))
+            })?);
+        }
+        if self.m > 1 && self.ratio.to::<f64>() == 1.0 {
+            let angular = |q: &[_], p: &[_]| moment(q, p, 0, 1);
+            all.push(Invariant::record("angular momentum", InvariantKind::Quadratic, self.m, angular)?);
+        }
+        Ok(all)
+    }
+
+    fn flow<T: Float>(&self, (q, p): &State<T>, t: T) -> Option<State<T>> {
+        let turned = self.frequencies::<T>().into_iter().enumerate().map(|(j, omega)| {
+            let (sin, cos) = (omega * t).sin_cos();
+            (cos * q[j] + sin * p[j] / omega, cos * p[j] - omega * sin * q[j])
+        });
+        Some(turned.unzip())
+    }
+}

@@ -1,0 +1,88 @@
+//! The sine-Gordon equation on a ring of grid points.
+//!
+//! u_tt = u_xx − sin u on [−L/2, L/2] with n points Δ apart, H divided by Δ:
+//!
+//! H = Σ [½p_j² + (q_{j+1} − q_j)²/(2Δ²) + 1 − cos q_j].
+//!
+//! Start: the breather of the continuous equation at its greatest height, [Drazin, Johnson, Solitons, 1989],
+//! q_j = 4 atan(√(1 − ω²)/(ω cosh(√(1 − ω²) x_j))), at rest.
+
+use crate::model::{Model, State};
+use crate::{Parameter, Range, Scene, View};
+use equip_autodiff::Energy;
+use equip_scalar::{Constant, Float, Num, Scalar};
+
+/// Σ [½p² + (Δq)²/(2Δ²) + 1 − cos q] on a ring.
+#[derive(Debug, Clone, Copy)]
+pub struct SineGordon {
+    /// Grid points.
+    pub n: usize,
+    /// Length L of the ring.
+    pub length: Constant,
+    /// Frequency ω of the breather.
+    pub omega: Constant,
+}
+
+pub(crate) const SCENE: Scene = Scene {
+    name: "sine-gordon",
+    title: "Sine-Gordon breather on a grid",
+    formula: "H = sum [p_j^2/2 + (q_{j+1} - q_j)^2/(2 D^2) + 1 - cos q_j], D = length/n, ring",
+    source: "Drazin, Johnson, Solitons: an introduction, Cambridge (1989); second differences in space",
+    parameters: &[
+        Parameter::count("n", "number of grid points", "64", 2, 4096),
+        Parameter::real("length", "length of the ring", "40", Range::closed(1.0, 1e3)),
+        Parameter::real("omega", "frequency of the breather", "0.6", Range { low: 0.0, low_included: false, high: 1.0, high_included: false }),
+    ],
+    invariants: "none besides H (the grid breaks the momentum)",
+    solution: "none stored; the continuous breather has period 2 pi/omega",
+    hard: "fine grids: fastest frequency 2 n/length, so n = 4096 on length 10 has 819; omega -> 0 is nearly a pair of kinks",
+    build: |v| {
+        Ok(SineGordon { n: v[0].count(), length: v[1].exact, omega: v[2].exact }.into())
+    },
+};
+
+impl Energy for SineGordon {
+    fn degrees_of_freedom(&self) -> usize {
+        self.n
+    }
+
+    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+        let density = Num::<S>::from(self.n as f64) / self.length;
+        let kinetic: Num<S> = p.iter().map(|&p| p * p).sum();
+        let neighbours = q.iter().cycle().skip(1).zip(q);
+        let stretch: Num<S> = neighbours.map(|(&next, &q)| (next - q) * (next - q)).sum();
+        let local: Num<S> = q.iter().map(|&q| 1.0 - q.cos()).sum();
+        0.5 * kinetic + 0.5 * (density * density * stretch) + local
+    }
+}
+
+impl Model for SineGordon {
+    fn initial<T: Float>(&self) -> State<T> {
+        let omega = self.omega.to::<T>();
+        let root = ((T::int(1) - omega) * (T::int(1) + omega)).sqrt();
+        let half = T::ratio(1, 2);
+        let n = T::int(self.n as i64);
+        let breather = |j: usize| {
+            let x = (T::int(j as i64) / n - half) * self.length.to::<T>();
+            T::int(4) * (root / (omega * (root * x).cosh())).atan()
+        };
+        ((0..self.n).map(breather).collect(), vec![T::int(0); self.n])
+    }
+
+    /// That of the continuous breather.
+    fn period<T: Float>(&self, _: &State<T>) -> T {
+        T::two_pi() / self.omega.to::<T>()
+    }
+
+    fn step(&self) -> f64 {
+        self.length.to::<f64>() / (4.0 * self.n as f64)
+    }
+
+    fn end(&self) -> f64 {
+        10.0 * self.period(&self.initial::<f64>())
+    }
+
+    fn view(&self) -> View {
+        View::Profile
+    }
+}

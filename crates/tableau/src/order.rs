@@ -1,0 +1,65 @@
+//! The order of a method, from its tableau alone.
+
+use crate::conditions::{b_defect, bilinear_defect, c_defect, d_defect, symmetry_defect};
+use crate::tableau::Tableau;
+use crate::trees::{MAX_TREE_ORDER, Tree, Trees, Walk};
+use equip_scalar::Float;
+
+/// The classical order of a method, a condition counting as satisfied when its defect is at most `tolerance`.
+///
+/// Three theorems leave little to the trees: B(p), C(η), D(ζ) with p ≤ η + ζ + 1 and p ≤ 2η + 2 give order p (Butcher 1964);
+/// a symmetric method has even order; the bilinear conditions and p ≤ 2s bound it from above. Where the bounds differ,
+/// the order conditions decide. For the Gauss, EQUIP and HBVM families the answer is exact for every s. For others,
+/// when all conditions up to [`MAX_TREE_ORDER`] hold and the bounds still differ, it is the lower bound.
+///
+/// A sensible tolerance is 1000 ε: defects of satisfied conditions are rounding errors, of a perturbed Gauss method
+/// about α_k, but of other violated conditions as small as 1/γ(t).
+///
+/// ```
+/// use equip_tableau::{Tableau, order};
+/// assert_eq!(order(&Tableau::<f64>::radau_iia(), 1e-12), 3);
+/// ```
+pub fn order<T: Float>(tableau: &Tableau<T>, tolerance: T) -> usize {
+    let holds = |defect: T| defect <= tolerance;
+    let (mut lower, mut upper) = (0, 2 * tableau.stages());
+    // Without C(1) the nodes are not those the equation sees, and the assumptions below say nothing.
+    if holds(c_defect(tableau, 1)) {
+        let last = |condition: fn(&Tableau<T>, usize) -> T| {
+            (1..=upper)
+                .take_while(|&n| holds(condition(tableau, n)))
+                .count()
+        };
+        let (p, eta, zeta) = (last(b_defect), last(c_defect), last(d_defect));
+        lower = p.min(eta + zeta + 1).min(2 * eta + 2);
+        upper = p.min(last(bilinear_defect)).max(lower);
+    }
+    let symmetric = holds(symmetry_defect(tableau));
+    if symmetric {
+        lower += lower % 2;
+        upper -= upper % 2;
+    }
+    if lower >= upper {
+        return lower;
+    }
+    lower.max(order_by_trees(
+        tableau,
+        tolerance,
+        upper.min(MAX_TREE_ORDER),
+    ))
+}
+
+/// The largest p ≤ `limit` for which all conditions up to p hold.
+fn order_by_trees<T: Float>(tableau: &Tableau<T>, tolerance: T, limit: usize) -> usize {
+    let trees = Trees::up_to(limit);
+    let mut walk = Walk::new(tableau);
+    // The first tree that fails has one vertex more than the order.
+    let violated = |tree: &&Tree| {
+        let defect = walk.defect(tree).abs();
+        defect.is_nan() || defect > tolerance
+    };
+    trees
+        .all()
+        .iter()
+        .find(violated)
+        .map_or(limit, |tree| tree.order() - 1)
+}
