@@ -1,6 +1,22 @@
 //! Gradient, Hessian and structure of a scalar energy H(q, p), from H alone.
 //!
 //! States are slices y = (q, p) of length n = 2m for m degrees of freedom: positions first, then momenta.
+//!
+//! | route | written as | derivatives |
+//! |---|---|---|
+//! | closure, [`Hamiltonian::new`] | `\|q, p\| ...` over [`Var`] | a tape: reverse sweep, coloured Hessian; any n |
+//! | type, [`Hamiltonian::from_energy`] | [`Energy`], or the macro [`hamiltonian!`] | dual numbers for n ≤ 8, else the tape |
+//! | either with a gradient | [`Energy::gradient`], [`Hamiltonian::with_gradient`] | the given gradient; Hessian by the tape |
+//!
+//! All are a [`System`], which makes an [`Evaluate`] for each float type. The value is the same on each route to the
+//! last bit, and the same as that of the generic energy called with floats.
+//!
+//! Cost, in evaluations of H: a gradient two to three; ∇²H·v about six; ∇²H about four for every colour, with colours
+//! as many as the fullest row of ∇²H has entries, or a few more. A variable coupled with all others fills its row:
+//! then there are n colours.
+//!
+//! Not supported: energies that branch on the state or read it out (refused when built), loops that wait for
+//! convergence (use a fixed number of iterations), and functions beyond those of [`Num`](equip_scalar::Num).
 #![forbid(unsafe_code)]
 
 mod check;
@@ -39,3 +55,8 @@ pub use trace::{Trace, Var};
 
 #[doc(hidden)]
 pub use equip_scalar as scalar;
+
+/// Compiles the snippets of the page on constants.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/constants.md")]
+struct ConstantsPage;

@@ -80,8 +80,12 @@ pub(crate) fn reverse<S: Piecewise>(tape: &Tape, exponents: &[Exponent], values:
             ),
             Op::Sinh => step.curved(|x, _, w| w * S::cosh(x)),
             Op::Cosh => step.curved(|x, _, w| w * S::sinh(x)),
-            // 1 − tanh² has no correct digit left from x = 19 on; 1/cosh² has all of them.
-            Op::Tanh => step.curved(|x, _, w| { let c = S::recip(S::cosh(x)); w * (c * c) }),
+            // 1/cosh² from e^{−|x|}: 1 − tanh² has no correct digit left from x = 19 on, and cosh overflows.
+            Op::Tanh => step.curved(|x, _, w| {
+                let u = S::exp(-S::abs(x));
+                let sech = (u + u) / (one + u * u);
+                w * (sech * sech)
+            }),
             Op::Hypot => step.listed(
                 |x, _, f, w| w * S::where_nonzero(x / f, f),
                 |_, y, f, w| w * S::where_nonzero(y / f, f),

@@ -137,7 +137,13 @@ impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
         let by_x = y.value * <T as Scalar>::pow(x.value, y.value - T::int(1));
         let by_y = f * <T as Scalar>::ln(x.value);
         let by_x = Piecewise::where_nonzero(by_x, y.value);
-        x.chain2(y, f, by_x, Piecewise::where_nonzero(by_y, f))
+        let by_y = Piecewise::where_nonzero(by_y, f);
+        // At x = 0 ln x is infinite; an exponent that does not move must not make NaN of it.
+        let part = |dy: T| Piecewise::where_nonzero(by_y * dy, dy);
+        Tangent {
+            value: f,
+            rates: from_fn(|k| by_x * x.rates[k] + part(y.rates[k])),
+        }
     }
 
     #[inline(always)]
@@ -187,7 +193,11 @@ impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
         atan: |x, _f| T::int(1) / (T::int(1) + x * x);
         sinh: |x, _f| <T as Scalar>::cosh(x);
         cosh: |x, _f| <T as Scalar>::sinh(x);
-        tanh: |x, _f| { let c = <T as Scalar>::recip(<T as Scalar>::cosh(x)); c * c };
+        tanh: |x, _f| {
+            let u = <T as Scalar>::exp(-<T as Scalar>::abs(x));
+            let sech = (u + u) / (T::int(1) + u * u);
+            sech * sech
+        };
         abs: |x, _f| Piecewise::sign(x);
     }
 }

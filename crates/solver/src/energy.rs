@@ -15,10 +15,16 @@ pub(crate) struct Target<T> {
 pub(crate) struct Residual<T> {
     /// g = H(y1) − H_ref.
     pub(crate) defect: T,
-    /// Below this, g is round-off: ε (|H_ref| + |H(y1)| + Σ_i |∂_iH(y1) y1_i|).
+    /// Below this, g is round-off: ε (|H_ref| + |H(y1)| + Σ_i |∂_iH(y1) y1_i|), and once the stages have converged
+    /// what their last, round-off sized correction would do to H.
     pub(crate) floor: T,
     /// ∇H(y1).
     pub(crate) gradient: Vec<T>,
+    /// ∇H(y0), when a direction of the α's was taken.
+    pub(crate) start_gradient: Vec<T>,
+    /// g with α = 0, as predicted when the α's began to move.
+    pub(crate) defect_without_alpha: T,
+    energy_scale: T,
 }
 
 impl<T: Float> Residual<T> {
@@ -28,6 +34,9 @@ impl<T: Float> Residual<T> {
             defect: zero,
             floor: zero,
             gradient: vec![zero; n],
+            start_gradient: vec![zero; n],
+            defect_without_alpha: zero,
+            energy_scale: zero,
         }
     }
 
@@ -45,12 +54,29 @@ impl<T: Float> Residual<T> {
             .iter()
             .zip(&y1.hi)
             .fold(T::int(0), |sum, (g, y)| sum + (*g * *y).abs());
-        self.floor = T::EPSILON * (target.h_ref.abs() + value.abs() + moved);
+        self.energy_scale = target.h_ref.abs() + value.abs() + moved;
+        self.floor = T::EPSILON * self.energy_scale;
         value.is_finite() && self.floor.is_finite()
+    }
+
+    /// Evaluates ∇H at the start of the step.
+    pub(crate) fn evaluate_start<E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>) {
+        energy.gradient(&y.hi, &mut self.start_gradient);
+    }
+
+    /// Raises the floor by Σ_i |∂_iH(y1) δ_i|, δ being what the last correction of the stages, itself round-off, does
+    /// to the end point. In stiff systems rounding the arguments Y_i is worth more than rounding y1.
+    pub(crate) fn add_stage_noise(&mut self, delta: &[T]) {
+        let noise = self
+            .gradient
+            .iter()
+            .zip(delta)
+            .fold(T::int(0), |sum, (g, d)| sum + (*g * *d).abs());
+        self.floor += noise;
     }
 
     /// The energy that a relative change of the state by 1 is worth.
     pub(crate) fn energy_scale(&self) -> T {
-        self.floor / T::EPSILON
+        self.energy_scale
     }
 }

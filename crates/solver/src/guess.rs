@@ -6,8 +6,6 @@
 //! $$ Z_i = h_{old} \int_1^{1 + r c_i} u'(\tau) d\tau, \qquad r = h / h_{old} . $$
 
 use crate::stages::Stages;
-use crate::state::State;
-use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_tableau::{Gauss, legendre_integrals_at};
 
@@ -50,25 +48,11 @@ impl<T: Float> Guess<T> {
         self.h = T::int(0);
     }
 
-    /// Fills `stages.z`; the α's and the other fields are not touched except as workspace.
-    pub(crate) fn make<E: Evaluate<T>>(
-        &mut self,
-        stages: &mut Stages<T>,
-        energy: &mut E,
-        y: &State<T>,
-        h: T,
-    ) {
+    /// Fills `stages.z`; with nothing to prolong it is zero, from where full Newton is at its safest.
+    pub(crate) fn make(&mut self, stages: &mut Stages<T>, h: T) {
         let n = stages.n;
         if self.h == T::int(0) {
-            // First step: the straight line along f(y0), by one gradient that the counts of stages leave out.
-            let (gradient, m) = (&mut stages.points[..n], n / 2);
-            energy.gradient(&y.hi, gradient);
-            for (i, &c) in stages.gauss.nodes().iter().enumerate() {
-                for j in 0..m {
-                    stages.z[i * n + j] = h * c * gradient[m + j];
-                    stages.z[i * n + m + j] = -(h * c * gradient[j]);
-                }
-            }
+            stages.z.fill(T::int(0));
             return;
         }
         let ratio = h / self.h;

@@ -1,14 +1,14 @@
 //! Dense LU factorisation in place, without allocation after the first, by nalgebra's elimination steps.
 
 use equip_scalar::Float;
-use nalgebra::DMatrix;
 use nalgebra::linalg::{gauss_step, gauss_step_swap};
+use nalgebra::{DMatrix, DVector};
 
 /// The matrix has no usable pivot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Singular;
 
-/// P A = L U with partial pivoting; cost 2/3 N³ operations, each solve 2 N² per right-hand side.
+/// P A = L U with partial pivoting; cost 2/3 N³ operations, each solve 2 N².
 #[derive(Debug)]
 pub(crate) struct DenseLu<T: Float> {
     matrix: DMatrix<T>,
@@ -47,16 +47,55 @@ impl<T: Float> DenseLu<T> {
         Ok(())
     }
 
-    /// Overwrites the first `count` columns of `rhs` with the solutions.
-    pub(crate) fn solve(&self, rhs: &mut DMatrix<T>, count: usize) {
-        let mut columns = rhs.columns_mut(0, count);
+    /// x ← A⁻¹ x.
+    pub(crate) fn solve(&self, x: &mut DVector<T>) {
         for (i, &pivot) in self.pivots.iter().enumerate() {
-            if pivot != i {
-                columns.swap_rows(i, pivot);
-            }
+            x.swap_rows(i, pivot);
         }
         self.matrix
-            .solve_lower_triangular_with_diag_mut(&mut columns, T::int(1));
-        self.matrix.solve_upper_triangular_mut(&mut columns);
+            .solve_lower_triangular_with_diag_mut(x, T::int(1));
+        self.matrix.solve_upper_triangular_mut(x);
+    }
+
+    /// x ← A⁻ᵀ x = Pᵀ L⁻ᵀ U⁻ᵀ x.
+    pub(crate) fn solve_transposed(&self, x: &mut DVector<T>) {
+        self.matrix.tr_solve_upper_triangular_mut(x);
+        for j in (0..x.len()).rev() {
+            let below = self
+                .matrix
+                .view_range(j + 1.., j)
+                .dot(&x.rows_range(j + 1..));
+            x[j] -= below;
+        }
+        for (i, &pivot) in self.pivots.iter().enumerate().rev() {
+            x.swap_rows(i, pivot);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solves_a_system_and_its_transpose() {
+        let a = DMatrix::from_row_slice(3, 3, &[0.0, 2.0, 1.0, 4.0, -1.0, 0.5, 1.0, 3.0, -2.0]);
+        let mut lu = DenseLu::new(3);
+        lu.matrix_mut().copy_from(&a);
+        lu.factor().unwrap();
+        let x = DVector::from_vec(vec![1.0, -2.0, 3.0]);
+        let mut b = &a * &x;
+        lu.solve(&mut b);
+        assert!((b - &x).amax() < 1e-14);
+        let mut b = a.transpose() * &x;
+        lu.solve_transposed(&mut b);
+        assert!((b - &x).amax() < 1e-14);
+    }
+
+    #[test]
+    fn names_a_singular_matrix() {
+        let mut lu = DenseLu::<f64>::new(2);
+        lu.matrix_mut().fill(1.0);
+        assert_eq!(lu.factor(), Err(Singular));
     }
 }

@@ -3,33 +3,36 @@
 //! Linearising  Z − K(α) L(Z) = 0,  H(y0 + Σ L_i) − H_ref = 0  gives the bordered system
 //!
 //! $$ M\,\delta Z - \sum_k (T_k L)\,\delta\alpha_k = -R, \qquad
-//!    \nabla H(y_1)^T \sum_i B_i\,\delta Z_i = -g, $$
+//!    \nabla H(y_1)^T \sum_i B_i\,\delta Z_i = -g. $$
 //!
-//! with B_i = h b_i J∇²H(Y_i) and M = I − K(α)∘(B_1 … B_s). One factorisation of M serves the solves for −R and for
-//! every T_k L; the α's follow from one scalar equation ([`crate::alpha`]).
+//! With δα = t d along the direction of least displacement ([`crate::alpha`]) the border is one column: solve for −R and for
+//! Σ d_k T_k L with one factorisation of M ([`crate::linearisation`]), then t from the last row.
 //!
-//! At Z = 0 all T_k L vanish and the border is singular, and while the stages are far from their solution g says
-//! nothing yet: an α moves only when the predicted |g| stands out of the error that the stages still have.
+//! *Start.* At Z = 0 all T_k L vanish and the border is singular, so the stages are solved with α = 0 first, with damping
+//! while they are far. An α moves only when the predicted |g| stands out of the error that the stages still have.
+//! *End.* Both residuals are driven to round-off: until corrections are at 4 ε or stop shrinking, and |g| is at its floor or
+//! stops shrinking near it.
 //!
-//! Cost per iteration: s Hessians, 2/3 (s n)³ operations for the factorisation, 2 (s n)² for each of up to s solves.
-//! Once a correction is below ε^(1/3) the factorisation is kept: the next correction is at round-off with either.
+//! Cost per iteration: a factorisation while corrections exceed ε^(1/3), then solves with the last one.
 
-use crate::alpha::{AlphaMove, Moved};
+use crate::alpha::{Direction, Moved, Norm, dot};
 use crate::energy::{Residual, Target};
-use crate::linear::DenseLu;
+use crate::linearisation::Linearisation;
 use crate::outcome::Counts;
 use crate::stages::Stages;
 use crate::state::State;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::Float;
-use nalgebra::DMatrix;
+use nalgebra::DVector;
 
 /// Corrections this many ε are as small as rounding lets them become.
 const CONVERGED: i64 = 4;
-/// Corrections that stagnate below this many ε are accepted as round-off.
+/// Corrections that stop shrinking below this many ε are accepted as round-off.
 const STAGNATED: i64 = 4096;
-/// Energy defects that stagnate below this many floors are accepted as round-off.
-const ENERGY_STAGNATED: i64 = 4;
+/// Energy defects that stop shrinking below this many floors are accepted as round-off.
+pub(crate) const ENERGY_STAGNATED: i64 = 8;
+/// Dampings of one correction, each to half the step.
+const MAX_DAMPINGS: u32 = 6;
 /// α's shortened by their bound this often in one step: no admissible α.
 const MAX_SHORTENED: u32 = 3;
 
@@ -51,9 +54,10 @@ pub(crate) struct StepTask<'a, T> {
     pub(crate) target: Option<Target<T>>,
     /// Free are α_first … α_{s−1}.
     pub(crate) first: usize,
+    pub(crate) norm: Norm,
     pub(crate) alpha_bound: T,
     pub(crate) max_iterations: u32,
-    /// Factor anew in every iteration, whatever the size of the correction.
+    /// Factor anew in every iteration, and let the α's join as early as they can. For studies.
     pub(crate) pure: bool,
 }
 
@@ -62,21 +66,18 @@ pub(crate) struct StepTask<'a, T> {
 pub struct NewtonRecord<T> {
     /// Correction of the stages that −R asks for, relative to the state: the error of the stages.
     pub correction: T,
-    /// g = H(y1) − H_ref; zero when the energy is not asked for.
+    /// g = H(y1) − H_ref; zero while the stages are far, or when the energy is not asked for.
     pub energy_defect: T,
 }
 
 #[derive(Debug)]
 pub(crate) struct Newton<T: Float> {
-    lu: DenseLu<T>,
-    pattern: Pattern,
-    /// h b_i ∇²H(Y_i), entries in the order of the pattern, stage by stage.
-    hessians: Vec<T>,
-    /// Column 0: −R, then δZ at fixed α. Column k ≥ 1: T_k L, then ∂Z/∂α_k. Rows in units of `Stages::scale`.
-    columns: DMatrix<T>,
-    alpha_move: AlphaMove<T>,
+    linearisation: Linearisation<T>,
+    direction: Direction<T>,
+    /// The correction δZ, in units of `Stages::scale`, and a second column.
+    correction: DVector<T>,
+    column: DVector<T>,
     moved_end: Vec<T>,
-    increments: Vec<T>,
     /// Iterations of the step solved last.
     pub(crate) history: Vec<NewtonRecord<T>>,
 }
@@ -85,14 +86,12 @@ impl<T: Float> Newton<T> {
     pub(crate) fn new(s: usize, pattern: Pattern, max_iterations: u32) -> Self {
         let n = pattern.dimension();
         Newton {
-            lu: DenseLu::new(s * n),
-            hessians: vec![T::int(0); s * pattern.len()],
-            columns: DMatrix::zeros(s * n, s),
-            alpha_move: AlphaMove::new(s - 1),
+            linearisation: Linearisation::new(s, pattern),
+            direction: Direction::new(s, n),
+            correction: DVector::zeros(s * n),
+            column: DVector::zeros(s * n),
             moved_end: vec![T::int(0); n],
-            increments: vec![T::int(0); s * n],
             history: Vec::with_capacity(max_iterations as usize),
-            pattern,
         }
     }
 
@@ -107,73 +106,92 @@ impl<T: Float> Newton<T> {
         task: &StepTask<'_, T>,
         counts: &mut Counts,
     ) -> Result<(), Failure<T>> {
+        self.history.clear();
+        self.direction.forget();
+        let mut solution = Solution {
+            stages,
+            residual,
+            next,
+            energy,
+            counts,
+        };
+        let solved = self.iterate(&mut solution, task);
+        // The stages alone were within reach when the α's began to move: what failed since, failed for them.
+        let moved = self.direction.is_known();
+        solved.map_err(|failure| if moved { Failure::NoAlpha } else { failure })
+    }
+
+    fn iterate<E: Evaluate<T>>(
+        &mut self,
+        at: &mut Solution<'_, T, E>,
+        task: &StepTask<'_, T>,
+    ) -> Result<(), Failure<T>> {
         let eps = T::EPSILON;
-        let reuse = eps.cbrt();
+        let (near, reuse) = (T::ratio(1, 100), eps.cbrt());
         let (mut last, mut last_defect) = (T::INFINITY, T::INFINITY);
         let mut shortened = 0;
-        self.history.clear();
-        finite(stages.evaluate(energy, task.y, task.h, counts))?;
+        finite(at.evaluate(task))?;
         for _ in 0..task.max_iterations {
-            counts.newton_iterations += 1;
-            task.y.advance(&stages.l, next);
-            let mut free = 0;
+            at.counts.newton_iterations += 1;
+            if last > reuse || task.pure {
+                at.stages.measure(task.y, last > near);
+                self.linearisation
+                    .refresh(at.stages, at.energy, task.h, at.counts)
+                    .map_err(|_| Failure::Singular)?;
+            }
+            at.stages.residual(self.correction.as_mut_slice());
+            self.linearisation.solve(&mut self.correction);
+            let size = self.correction.amax();
+            finite(size.is_finite())?;
+            if size > near && !self.direction.is_known() {
+                self.history.push(NewtonRecord {
+                    correction: size,
+                    energy_defect: T::int(0),
+                });
+                self.damped_update(at, task, size)?;
+                last = size;
+                continue;
+            }
+
+            let round_off = size <= T::int(CONVERGED) * eps
+                || (size > last / T::int(4) && size <= T::int(STAGNATED) * eps);
+            at.stages.end_point(task.y, at.next);
+            let mut defect = T::int(0);
             if let Some(target) = task.target {
-                counts.gradients += 1;
-                finite(residual.evaluate(energy, next, target))?;
-                if residual.defect.abs() > residual.floor {
-                    free = stages.count() - task.first;
+                at.counts.gradients += 1;
+                finite(at.residual.evaluate(at.energy, at.next, target))?;
+                defect = at.residual.defect;
+                self.end_correction(at.stages);
+                if round_off {
+                    at.residual.add_stage_noise(&self.moved_end);
                 }
             }
-            if last > reuse || task.pure {
-                stages.measure(task.y);
-                self.linearise(stages, energy, task.h, counts)?;
-            }
-            self.solve_columns(stages, free, task.first, counts);
-            let correction = self.columns.column(0).amax();
-            finite(correction.is_finite())?;
-            let defect = if task.target.is_some() {
-                residual.defect
-            } else {
-                T::int(0)
-            };
             self.history.push(NewtonRecord {
-                correction,
+                correction: size,
                 energy_defect: defect,
             });
-
-            let stagnates = correction > last / T::int(4) && correction <= T::int(STAGNATED) * eps;
-            if correction <= T::int(CONVERGED) * eps || stagnates {
-                if free == 0 {
-                    return Ok(());
-                }
-                let small = defect.abs() <= T::int(ENERGY_STAGNATED) * residual.floor;
-                if small && defect.abs() > last_defect / T::int(2) {
+            let out = defect.abs() > at.residual.floor && task.target.is_some();
+            if round_off {
+                let stalls = defect.abs() <= T::int(ENERGY_STAGNATED) * at.residual.floor
+                    && defect.abs() > last_defect / T::int(2);
+                if !out || stalls {
                     return Ok(());
                 }
                 last_defect = defect.abs();
             }
-
-            if free > 0 {
-                match self.move_alphas(stages, residual, task, correction) {
-                    Some(Moved::ToBound) => {
-                        shortened += 1;
-                        if shortened == MAX_SHORTENED {
-                            return Err(Failure::NoAlpha);
-                        }
-                    }
-                    Some(Moved::NotAtAll) if correction <= reuse => return Err(Failure::NoAlpha),
-                    _ => {}
+            if out {
+                match self.move_alphas(at, task, size) {
+                    Moved::NotAtAll => return Err(Failure::NoAlpha),
+                    Moved::ToBound => shortened += 1,
+                    Moved::Fully | Moved::NotYet => {}
+                }
+                if shortened == MAX_SHORTENED {
+                    return Err(Failure::NoAlpha);
                 }
             }
-            last = self.columns.column(0).amax();
-            let n = stages.n;
-            for (k, z) in stages.z.iter_mut().enumerate() {
-                *z += self.columns[k] * stages.scale[k % n];
-            }
-            finite(stages.evaluate(energy, task.y, task.h, counts))?;
-        }
-        if task.target.is_some() && last <= reuse {
-            return Err(Failure::NoAlpha);
+            last = self.correction.amax();
+            at.stages.add(T::int(1), self.correction.as_slice());
+            finite(at.evaluate(task))?;
         }
         Err(Failure::NoConvergence {
             iterations: task.max_iterations,
@@ -181,135 +199,105 @@ impl<T: Float> Newton<T> {
         })
     }
 
-    /// M at the current stages, in units of the state, factorised.
-    fn linearise<E: Evaluate<T>>(
+    /// Far from the solution: the longest of the steps 1, 1/2, 1/4, … that makes the next correction with the same
+    /// factorisation smaller (natural monotonicity test, Deuflhard 1974).
+    fn damped_update<E: Evaluate<T>>(
         &mut self,
-        stages: &Stages<T>,
-        energy: &mut E,
-        h: T,
-        counts: &mut Counts,
-    ) -> Result<(), Failure<T>> {
-        let (s, n, m) = (stages.count(), stages.n, stages.n / 2);
-        let half = T::ratio(1, 2);
-        let points = stages.points.chunks_exact(n);
-        let blocks = self.hessians.chunks_exact_mut(self.pattern.len().max(1));
-        for ((y, entries), &b) in points.zip(blocks).zip(stages.gauss.weights()) {
-            energy.hessian(y, entries);
-            entries.iter_mut().for_each(|x| *x *= h * b);
-        }
-        counts.hessians += s as u64;
-        counts.factorisations += 1;
-        let matrix = self.lu.matrix_mut();
-        matrix.fill_with_identity();
-        for (j, entries) in self
-            .hessians
-            .chunks_exact(self.pattern.len().max(1))
-            .enumerate()
-        {
-            for row in 0..n {
-                // Row `row` of ∇²H lands in row r of J∇²H, with a sign.
-                let (r, sign) = if row < m {
-                    (row + m, -T::int(1))
-                } else {
-                    (row - m, T::int(1))
-                };
-                for (position, column) in self.pattern.row(row) {
-                    let x = sign * entries[position] * (stages.scale[column] / stages.scale[r]);
-                    for i in 0..s {
-                        let k = half + stages.u[i * s + j];
-                        matrix[(i * n + r, j * n + column)] -= k * x;
-                    }
-                }
-            }
-        }
-        self.lu.factor().map_err(|_| Failure::Singular)
-    }
-
-    /// Solves for −R and, with `free` > 0, for the T_k L of the free α's.
-    fn solve_columns(
-        &mut self,
-        stages: &Stages<T>,
-        free: usize,
-        first: usize,
-        counts: &mut Counts,
-    ) {
-        let n = stages.n;
-        stages.increments(&mut self.increments);
-        for (k, (&kl, &z)) in self.increments.iter().zip(&stages.z).enumerate() {
-            self.columns[(k, 0)] = (kl - z) / stages.scale[k % n];
-        }
-        for column in 1..=free {
-            stages.alpha_derivative(first + column - 1, &mut self.increments);
-            for (k, &x) in self.increments.iter().enumerate() {
-                self.columns[(k, column)] = x / stages.scale[k % n];
-            }
-        }
-        counts.alpha_solves += free as u64;
-        self.lu.solve(&mut self.columns, 1 + free);
-    }
-
-    /// Moves the free α's if the predicted defect stands out of the error of the stages, and adds their part to
-    /// the correction in column 0.
-    fn move_alphas(
-        &mut self,
-        stages: &mut Stages<T>,
-        residual: &Residual<T>,
+        at: &mut Solution<'_, T, E>,
         task: &StepTask<'_, T>,
-        correction: T,
-    ) -> Option<Moved> {
-        self.end_displacement(stages, 0);
-        let g = residual.defect + dot(&residual.gradient, &self.moved_end);
-        let uncertain = T::int(4) * residual.energy_scale() * correction * correction;
-        if !(g.abs() > residual.floor.max(uncertain)) {
-            return None;
-        }
-        let free = stages.count() - task.first;
-        for column in 1..=free {
-            self.end_displacement(stages, column);
-            let alpha = task.first + column - 2;
-            self.alpha_move.slopes[alpha] = dot(&residual.gradient, &self.moved_end);
-            self.alpha_move.displacements[alpha] = stages.relative_size(&self.moved_end);
-        }
-        let moved =
-            self.alpha_move
-                .least_displacement(g, &stages.alphas, task.first, task.alpha_bound);
-        for column in 1..=free {
-            let delta = self.alpha_move.delta[task.first + column - 2];
-            if delta != T::int(0) {
-                for k in 0..self.columns.nrows() {
-                    let x = self.columns[(k, column)];
-                    self.columns[(k, 0)] += delta * x;
+        size: T,
+    ) -> Result<(), Failure<T>> {
+        let mut step = T::int(1);
+        at.stages.add(step, self.correction.as_slice());
+        for _ in 0..MAX_DAMPINGS {
+            if at.evaluate(task) {
+                at.stages.residual(self.column.as_mut_slice());
+                self.linearisation.solve(&mut self.column);
+                if self.column.amax() <= (T::int(1) - step / T::int(4)) * size {
+                    return Ok(());
                 }
             }
+            // Take back half of what was added.
+            step /= T::int(2);
+            at.stages.add(-step, self.correction.as_slice());
         }
-        stages.move_alphas(&self.alpha_move.delta);
-        Some(moved)
+        Err(Failure::NoConvergence {
+            iterations: self.history.len() as u32,
+            correction: size,
+        })
     }
 
-    /// Σ_i B_i δZ_i for the δZ in the given column: how the end point moves with it.
-    fn end_displacement(&mut self, stages: &Stages<T>, column: usize) {
-        let (n, m) = (stages.n, stages.n / 2);
-        let nnz = self.pattern.len().max(1);
-        self.moved_end.fill(T::int(0));
-        for (i, entries) in self.hessians.chunks_exact(nnz).enumerate() {
-            for row in 0..n {
-                let product = self.pattern.row(row).fold(T::int(0), |sum, (position, j)| {
-                    sum + entries[position] * self.columns[(i * n + j, column)] * stages.scale[j]
-                });
-                if row < m {
-                    self.moved_end[row + m] -= product;
-                } else {
-                    self.moved_end[row - m] += product;
-                }
-            }
+    /// Moves the free α's along their direction if the predicted defect stands out of the error of the stages, and
+    /// adds their part to the correction.
+    fn move_alphas<E: Evaluate<T>>(
+        &mut self,
+        at: &mut Solution<'_, T, E>,
+        task: &StepTask<'_, T>,
+        size: T,
+    ) -> Moved {
+        let g = at.residual.defect + dot(&at.residual.gradient, &self.moved_end);
+        let energy_scale = at.residual.energy_scale();
+        let uncertain = T::int(4) * energy_scale * size * size;
+        // The direction must not depend on how far the stages have come: wait until they are there.
+        let early = size > T::EPSILON.sqrt() && !self.direction.is_known() && !task.pure;
+        if early || !(g.abs() > at.residual.floor.max(uncertain)) {
+            return Moved::NotYet;
         }
+        let s = at.stages.count();
+        if !self.direction.is_known() {
+            at.counts.gradients += 1;
+            at.counts.alpha_solves += 2 * (s - task.first) as u64;
+            at.residual.evaluate_start(at.energy, task.y);
+            at.residual.defect_without_alpha = g;
+            let ends = (
+                &*at.residual.start_gradient,
+                &*at.residual.gradient,
+                energy_scale,
+            );
+            let free = task.first..s;
+            self.direction
+                .take(at.stages, &mut self.linearisation, free, ends, task.norm);
+        }
+        at.counts.alpha_solves += 1;
+        at.stages
+            .alpha_derivative_along(&self.direction.d, self.column.as_mut_slice());
+        at.stages.to_units(self.column.as_mut_slice());
+        self.linearisation.solve(&mut self.column);
+        self.linearisation
+            .end_displacement(at.stages, &self.column, &mut self.moved_end);
+        let slope = dot(&at.residual.gradient, &self.moved_end);
+        let (t, moved) = self
+            .direction
+            .within(-g / slope, &at.stages.alphas, task.alpha_bound);
+        self.correction.axpy(t, &self.column, T::int(1));
+        at.stages.move_alphas(t, &self.direction.d);
+        moved
+    }
+
+    /// How the end point moves with the correction of the stages.
+    fn end_correction(&mut self, stages: &Stages<T>) {
+        self.linearisation
+            .end_displacement(stages, &self.correction, &mut self.moved_end);
+        stages.end_displacement_by_stages(self.correction.as_slice(), &mut self.moved_end);
+    }
+}
+
+/// What a step is solved for and with, lent out for the duration of the solve.
+struct Solution<'a, T: Float, E> {
+    stages: &'a mut Stages<T>,
+    residual: &'a mut Residual<T>,
+    next: &'a mut State<T>,
+    energy: &'a mut E,
+    counts: &'a mut Counts,
+}
+
+impl<T: Float, E: Evaluate<T>> Solution<'_, T, E> {
+    fn evaluate(&mut self, task: &StepTask<'_, T>) -> bool {
+        self.stages
+            .evaluate(self.energy, task.y, task.h, self.counts)
     }
 }
 
 fn finite<T>(ok: bool) -> Result<(), Failure<T>> {
     if ok { Ok(()) } else { Err(Failure::NotFinite) }
-}
-
-fn dot<T: Float>(a: &[T], b: &[T]) -> T {
-    a.iter().zip(b).fold(T::int(0), |sum, (&x, &y)| sum + x * y)
 }

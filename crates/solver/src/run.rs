@@ -88,10 +88,10 @@ impl<T: Float> FixedStep<T> {
         };
         let mut run = Run::new(q0.len(), &stepper);
         for index in 1..=grid.steps() {
-            if let Some(outputs) = &mut outputs {
-                if let Err(error) = outputs.up_to(&stepper, grid.time(index), &mut run) {
-                    return Err(run.fail(error, &stepper));
-                }
+            if let Some(outputs) = &mut outputs
+                && let Err(error) = outputs.up_to(&stepper, grid.time(index), &mut run)
+            {
+                return Err(run.fail(error, &stepper));
             }
             let view = match stepper.advance_to(grid.time(index), grid.size(index)) {
                 Ok(view) => view,
@@ -111,10 +111,10 @@ impl<T: Float> FixedStep<T> {
                 break;
             }
         }
-        if let (Some(outputs), false) = (&mut outputs, run.stopped) {
-            if let Err(error) = outputs.up_to(&stepper, T::INFINITY, &mut run) {
-                return Err(run.fail(error, &stepper));
-            }
+        if let (Some(outputs), false) = (&mut outputs, run.stopped)
+            && let Err(error) = outputs.up_to(&stepper, T::INFINITY, &mut run)
+        {
+            return Err(run.fail(error, &stepper));
         }
         run.finish(&stepper);
         Ok(run)

@@ -7,6 +7,7 @@
 //!
 //! Blocks of length n = 2m stand one after the other, stage by stage.
 
+use crate::endpoint::EndPoint;
 use crate::outcome::Counts;
 use crate::state::State;
 use equip_autodiff::Evaluate;
@@ -33,6 +34,7 @@ pub(crate) struct Stages<T: Float> {
     pub(crate) u: Vec<T>,
     /// Size of each component of the state over the step: the unit in which corrections are measured.
     pub(crate) scale: Vec<T>,
+    pub(crate) end: EndPoint<T>,
 }
 
 impl<T: Float> Stages<T> {
@@ -48,6 +50,7 @@ impl<T: Float> Stages<T> {
             alphas: zeros(s - 1),
             u: zeros(s * s),
             scale: zeros(n),
+            end: EndPoint::new(s, n),
             gauss,
         };
         stages.update_skew();
@@ -66,16 +69,17 @@ impl<T: Float> Stages<T> {
         }
     }
 
-    /// Adds `step` times `delta` to the α's.
-    pub(crate) fn move_alphas(&mut self, delta: &[T]) {
-        for (alpha, &d) in self.alphas.iter_mut().zip(delta) {
-            *alpha += d;
+    /// Adds `step` times `direction` to the α's.
+    pub(crate) fn move_alphas(&mut self, step: T, direction: &[T]) {
+        for (alpha, &d) in self.alphas.iter_mut().zip(direction) {
+            *alpha += step * d;
         }
         self.update_skew();
     }
 
     fn update_skew(&mut self) {
         self.gauss.antisymmetric_into(&self.alphas, &mut self.u);
+        self.end.forget_weights();
     }
 
     /// Y_i, ∇H(Y_i) and L_i at the current Z. Returns whether all of them are finite.
@@ -107,12 +111,15 @@ impl<T: Float> Stages<T> {
         finite
     }
 
-    /// K(α) L into `out` (length s·n): the right-hand side of the stage equations.
-    pub(crate) fn increments(&self, out: &mut [T]) {
+    /// −R = K(α) L − Z into `out` (length s·n), in units of the state.
+    pub(crate) fn residual(&self, out: &mut [T]) {
         let (s, n) = (self.count(), self.n);
         let half = T::ratio(1, 2);
-        for i in 0..s {
-            let row = &mut out[i * n..][..n];
+        for (i, (row, z)) in out
+            .chunks_exact_mut(n)
+            .zip(self.z.chunks_exact(n))
+            .enumerate()
+        {
             row.fill(T::int(0));
             for l in self.l.chunks_exact(n) {
                 row.iter_mut().zip(l).for_each(|(sum, &x)| *sum += x);
@@ -122,7 +129,43 @@ impl<T: Float> Stages<T> {
                 let u = self.u[i * s + j];
                 row.iter_mut().zip(l).for_each(|(sum, &x)| *sum += u * x);
             }
+            row.iter_mut().zip(z).for_each(|(sum, &z)| *sum -= z);
         }
+        self.to_units(out);
+    }
+
+    /// Divides each component by its size.
+    pub(crate) fn to_units(&self, x: &mut [T]) {
+        for block in x.chunks_exact_mut(self.n) {
+            block
+                .iter_mut()
+                .zip(&self.scale)
+                .for_each(|(x, &scale)| *x /= scale);
+        }
+    }
+
+    /// Z += `step` times `correction`, which is in units of the state.
+    pub(crate) fn add(&mut self, step: T, correction: &[T]) {
+        for (z, block) in self
+            .z
+            .chunks_exact_mut(self.n)
+            .zip(correction.chunks_exact(self.n))
+        {
+            for j in 0..self.n {
+                z[j] += step * block[j] * self.scale[j];
+            }
+        }
+    }
+
+    /// y1 from the current Z and L.
+    pub(crate) fn end_point(&mut self, y: &State<T>, next: &mut State<T>) {
+        self.end
+            .make(y, (&self.z, &self.l), &self.u, &self.scale, next);
+    }
+
+    /// Overwrites in `u` those components of the end point's displacement that are made from the stages.
+    pub(crate) fn end_displacement_by_stages(&self, correction: &[T], u: &mut [T]) {
+        self.end.displacement(correction, &self.scale, u);
     }
 
     /// T_k L into `out` (length s·n): the derivative of K(α) L by α_k, k = 1 … s − 1.
@@ -139,17 +182,35 @@ impl<T: Float> Stages<T> {
         }
     }
 
+    /// Σ_k d_k T_k L into `out` (length s·n).
+    pub(crate) fn alpha_derivative_along(&self, d: &[T], out: &mut [T]) {
+        let (s, n) = (self.count(), self.n);
+        out.fill(T::int(0));
+        for (k, &d) in d.iter().enumerate().filter(|(_, d)| **d != T::int(0)) {
+            let t = self.gauss.skew_basis(k + 1);
+            for (i, row) in out.chunks_exact_mut(n).enumerate() {
+                for (j, l) in self.l.chunks_exact(n).enumerate() {
+                    let t = d * t[i * s + j];
+                    row.iter_mut().zip(l).for_each(|(sum, &x)| *sum += t * x);
+                }
+            }
+        }
+    }
+
     /// Measures the components: max(|y_j|, max_i |Z_ij|), no less than ε² of the largest position or momentum.
     ///
     /// A component that is zero throughout gets the size of its group, so that a correction of it by round-off
-    /// is seen as the round-off it is.
-    pub(crate) fn measure(&mut self, y: &State<T>) {
+    /// is seen as the round-off it is. While the stages are `far` from their solution max_i |L_ij| counts too: Z may
+    /// still be zero where it is about to move.
+    pub(crate) fn measure(&mut self, y: &State<T>, far: bool) {
         let (n, m) = (self.n, self.n / 2);
         for j in 0..n {
-            self.scale[j] = self.z[j..]
-                .iter()
-                .step_by(n)
-                .fold(y.hi[j].abs(), |a, z| a.max(z.abs()));
+            let size = largest_of(&self.z, j, n).max(y.hi[j].abs());
+            self.scale[j] = if far {
+                size.max(largest_of(&self.l, j, n))
+            } else {
+                size
+            };
         }
         for group in [0..m, m..n] {
             let scale = &mut self.scale[group];
@@ -165,20 +226,18 @@ impl<T: Float> Stages<T> {
         }
     }
 
-    /// max_ij |x_ij| / scale_j: the size of a correction of the stages relative to the state.
-    pub(crate) fn relative_size(&self, x: &[T]) -> T {
-        x.chunks_exact(self.n).fold(T::int(0), |largest, block| {
-            block
-                .iter()
-                .zip(&self.scale)
-                .fold(largest, |a, (x, &scale)| {
-                    let ratio = x.abs() / scale;
-                    if ratio > a || Float::is_nan(ratio) {
-                        ratio
-                    } else {
-                        a
-                    }
-                })
-        })
+    /// max_i |Y_ij|: sizes of the components that are the same for the step made backwards.
+    pub(crate) fn sizes(&self, sizes: &mut [T]) {
+        for (j, size) in sizes.iter_mut().enumerate() {
+            *size = largest_of(&self.points, j, self.n);
+        }
     }
+}
+
+/// max_i |x_ij| over the blocks i of length n.
+fn largest_of<T: Float>(x: &[T], j: usize, n: usize) -> T {
+    x[j..]
+        .iter()
+        .step_by(n)
+        .fold(T::int(0), |a, x| a.max(x.abs()))
 }

@@ -24,16 +24,16 @@ impl<T: Float> State<T> {
         }
     }
 
-    /// y1 = y0 + Σ_i L_i, the last sum of the step, compensated: what the rounding of `hi` loses goes to `lo`
+    /// y1 = y0 + Σ_i x_i, the last sum of the step, compensated: what the rounding of `hi` loses goes to `lo`
     /// and enters the next step (Kahan 1965; the sum of increments first, then one two-sum per component).
     ///
-    /// `l` holds the L_i one after the other. Cost: 6s + 7 additions per component.
-    pub(crate) fn advance(&self, l: &[T], next: &mut Self) {
+    /// `increments` holds the x_i one after the other. Cost: 6s + 7 additions per component.
+    pub(crate) fn advance(&self, increments: &[T], next: &mut Self) {
         let n = self.hi.len();
         for j in 0..n {
             let (mut sum, mut lost) = (T::int(0), self.lo[j]);
-            for l_i in l.chunks_exact(n) {
-                let (s, e) = T::two_sum(sum, l_i[j]);
+            for x in increments.chunks_exact(n) {
+                let (s, e) = T::two_sum(sum, x[j]);
                 sum = s;
                 lost += e;
             }

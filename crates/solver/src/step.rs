@@ -1,9 +1,10 @@
 //! One step, as the paper reads: initial guess → stages and α → accept, or halve and try again → update.
 
+use crate::alpha::Norm;
 use crate::energy::{Residual, Target};
 use crate::error::IntegrateError;
 use crate::guess::Guess;
-use crate::newton::{Failure, Newton, StepTask};
+use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask};
 use crate::options::{OnNoAlpha, Settings};
 use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
@@ -96,10 +97,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         h: T,
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
-        let failure = match self.attempt(y, h, self.target, next) {
+        let failure = match self.attempt(y, h, next) {
             Ok(outcome) => return Ok(outcome),
             Err(failure) => failure,
         };
+        // A defect of a few floors that no α removes is round-off.
+        let nearly = T::int(ENERGY_STAGNATED) * self.residual.floor;
+        if failure == Failure::NoAlpha && self.residual.defect_without_alpha.abs() <= nearly {
+            return self.without_alpha(y, t, h, next);
+        }
         if level < self.settings.max_halvings {
             return self.halve(level, y, t, h, next);
         }
@@ -139,11 +145,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         h: T,
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
-        self.attempt(y, h, None, next)
+        self.solve(y, h, None, Norm::Plain, next)
             .map_err(|failure| self.error(failure, t, h))?;
+        self.guess.remember(&self.stages.l, h);
         if let Some(target) = self.target {
             self.counts.gradients += 1;
             self.residual.evaluate(&mut self.energy, next, target);
+        }
+        if self.residual.defect.abs() <= T::int(ENERGY_STAGNATED) * self.residual.floor {
+            return Ok(Outcome::AtFloor);
         }
         match self.settings.on_no_alpha {
             OnNoAlpha::Carry => Ok(Outcome::Carried),
@@ -156,58 +166,63 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// Initial guess and solution of system (7); from the state alone if the prolonged guess leads nowhere.
-    fn attempt(
-        &mut self,
-        y: &State<T>,
-        h: T,
-        target: Option<Target<T>>,
-        next: &mut State<T>,
-    ) -> Result<Outcome, Failure<T>> {
-        let solved = self.solve(y, h, target, next);
-        let solved = match solved {
-            Err(Failure::NoAlpha) | Ok(()) => solved,
-            Err(_) if self.guess.is_from_last_step() => {
-                self.guess.forget();
-                self.solve(y, h, target, next)
-            }
-            Err(_) => solved,
-        };
+    /// One try at the full size: the α's by the norm that spares the slow motion, else by the plain one.
+    fn attempt(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> Result<Outcome, Failure<T>> {
+        let mut solved = self.solve(y, h, self.target, Norm::Resolved, next);
+        if solved == Err(Failure::NoAlpha) && self.free_alphas() > 1 {
+            solved = self.solve(y, h, self.target, Norm::Plain, next);
+        }
         solved?;
         self.guess.remember(&self.stages.l, h);
-        Ok(match target {
+        Ok(match self.target {
             None => self.without_target,
             Some(_) if self.stages.alphas.iter().all(|a| *a == T::int(0)) => Outcome::AtFloor,
             Some(_) => Outcome::Solved,
         })
     }
 
+    fn free_alphas(&self) -> usize {
+        self.settings
+            .first_alpha
+            .map_or(0, |first| self.stages.count() - first)
+    }
+
+    /// Initial guess and solution of system (7); from the state alone if the prolonged guess leads nowhere.
     fn solve(
         &mut self,
         y: &State<T>,
         h: T,
         target: Option<Target<T>>,
+        norm: Norm,
         next: &mut State<T>,
     ) -> Result<(), Failure<T>> {
-        self.stages.set_alphas(&self.start_alphas);
-        self.guess.make(&mut self.stages, &mut self.energy, y, h);
         let task = StepTask {
             y,
             h,
             target,
             first: self.settings.first_alpha.unwrap_or(1),
+            norm,
             alpha_bound: self.settings.alpha_bound,
             max_iterations: self.settings.max_iterations,
             pure: self.settings.pure_newton,
         };
-        self.newton.solve(
-            &mut self.stages,
-            &mut self.residual,
-            next,
-            &mut self.energy,
-            &task,
-            &mut self.counts,
-        )
+        loop {
+            self.stages.set_alphas(&self.start_alphas);
+            self.guess.make(&mut self.stages, h);
+            let solved = self.newton.solve(
+                &mut self.stages,
+                &mut self.residual,
+                next,
+                &mut self.energy,
+                &task,
+                &mut self.counts,
+            );
+            match solved {
+                Ok(()) | Err(Failure::NoAlpha) => return solved,
+                Err(_) if !self.guess.is_from_last_step() => return solved,
+                Err(_) => self.guess.forget(),
+            }
+        }
     }
 
     fn error(&self, failure: Failure<T>, time: T, step: T) -> IntegrateError<T> {

@@ -211,10 +211,11 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             if let Some(energy) = &mut self.energy {
                 energy.see(residual.defect);
             }
-            if let (Some(most), true) = (&mut self.in_floors, outcome.energy_kept()) {
-                if residual.floor > T::int(0) {
-                    *most = most.max(residual.defect.abs() / residual.floor);
-                }
+            if let Some(most) = &mut self.in_floors
+                && outcome.energy_kept()
+                && residual.floor > T::int(0)
+            {
+                *most = most.max(residual.defect.abs() / residual.floor);
             }
             for (range, &alpha) in self.alpha_range.iter_mut().zip(&self.core.stages.alphas) {
                 *range = (range.0.min(alpha), range.1.max(alpha));

@@ -1,0 +1,83 @@
+//! Evaluations allocate nothing. Its own file: the allocator is one per program.
+
+use equip_autodiff::{Evaluate, Hamiltonian, System, Var, hamiltonian};
+use equip_scalar::{DoubleDouble, Float};
+use std::alloc::{GlobalAlloc, Layout, System as Platform};
+use std::cell::Cell;
+
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is passed on to the platform's allocator as it is.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's obligations are those of this function.
+        unsafe { Platform.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { Platform.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn count<H: System, T: Float>(h: &H) -> usize {
+    let n = 2 * h.degrees_of_freedom();
+    let y: Vec<T> = (0..n).map(|i| T::ratio(i as i64 + 1, 7)).collect();
+    let (mut gradient, v) = (y.clone(), y.clone());
+    let states = [y.clone(), y.clone()].concat();
+    let mut gradients = states.clone();
+    let mut entries = vec![T::int(0); h.structure().hessian.len()];
+    let mut evaluator = h.evaluator::<T>();
+    let before = ALLOCATIONS.with(Cell::get);
+    evaluator.value(&y);
+    evaluator.gradient(&y, &mut gradient);
+    evaluator.gradients(&states, &mut gradients, n);
+    evaluator.hessian_vector(&y, &v, &mut gradient);
+    evaluator.hessian(&y, &mut entries);
+    ALLOCATIONS.with(Cell::get) - before
+}
+
+#[test]
+fn evaluations_allocate_nothing() {
+    let chain = Hamiltonian::new(40, |q, p| {
+        let springs = q
+            .windows(2)
+            .map(|q| (q[1] - q[0]).powf(2.5) + (q[0] * q[1]).sin());
+        springs.sum::<Var>() + p.iter().map(|p| p.powi(2)).sum::<Var>()
+    })
+    .unwrap();
+    let supplied = chain.clone().with_gradient(|_, _, dq, dp| {
+        dq.fill(1.0);
+        dp.fill(2.0);
+    });
+    let kepler = hamiltonian!(2, |q, p| p[0].powi(2) + p[1].powi(2)
+        - 1.0 / q[0].hypot(q[1]));
+    let kepler = kepler.unwrap();
+    let long = hamiltonian!(9, |q, p| p[0].powi(2) + (q[0] * q[8]).exp()).unwrap();
+    assert_eq!(
+        [count::<_, f64>(&chain), count::<_, DoubleDouble>(&chain)],
+        [0, 0]
+    );
+    assert_eq!(
+        [
+            count::<_, f64>(&supplied),
+            count::<_, DoubleDouble>(&supplied)
+        ],
+        [0, 0]
+    );
+    assert_eq!(
+        [count::<_, f64>(&kepler), count::<_, DoubleDouble>(&kepler)],
+        [0, 0]
+    );
+    assert_eq!(
+        [count::<_, f64>(&long), count::<_, DoubleDouble>(&long)],
+        [0, 0]
+    );
+}

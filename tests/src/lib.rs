@@ -1,0 +1,31 @@
+//! What the tests in `tests/tests` share: problems written like a user writes them, measurements, seeded numbers.
+//!
+//! | file | question |
+//! |---|---|
+//! | `order.rs` | are the errors those of the printed tables, and the orders 2s (2s − 2 at a fixed α)? |
+//! | `invariants.rs` | are energy and quadratic invariants kept at every step, and is the trajectory the better for it? |
+//! | `agreement.rs` | do end states agree with references from other methods, to all digits there are? |
+//! | `newton.rs` | does Newton on system (7) converge quadratically? |
+//! | `pay_as_you_go.rs` | does a scene that needs less pay less? |
+//! | `failures.rs` | is every failure typed, with a remedy, and the state intact? |
+//! | `extremes.rs` | wild units, shifted energies, every number of stages |
+//! | `stories.rs` | energies as users write them |
+//! | `reproducibility.rs` | is a run the same to the last bit, whatever is watched, and does it run backwards? |
+//! | `work.rs` | is the work of standard runs what it was? |
+//! | `allocations.rs` | does a step allocate? |
+//!
+//! Every tolerance is a measured figure times a stated headroom; the figure stands beside it. Where both float types
+//! run the same function, double-double asserts digits that `f64` cannot reach.
+#![forbid(unsafe_code)]
+// Test code fails by panicking.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod measure;
+mod problems;
+mod seeded;
+
+pub use measure::{
+    Trend, decimal_digits, distance, largest_ratio, observed_order, relative_distance, trend,
+};
+pub use problems::{Start, double_pendulum, harmonic, henon_heiles, kepler, pendulum};
+pub use seeded::Seeded;

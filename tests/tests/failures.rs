@@ -1,0 +1,479 @@
+//! Failures: every kind typed, with a sentence that says what to change, and the state intact.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
+
+use equip_autodiff::Hamiltonian;
+use equip_scalar::{DoubleDouble, Float, ratio};
+use equip_solver::{
+    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, MAX_STAGES, Method, OnNoAlpha,
+    Record, RunFailure,
+};
+use equip_tests::{Start, harmonic, henon_heiles, kepler};
+
+/// The failure of a Kepler run over 0..=1, with its text.
+fn kepler_failure<T: Float>(options: &FixedStep<T>) -> (IntegrateError<T>, String) {
+    kepler_failure_until(options, T::int(1))
+}
+
+fn kepler_failure_until<T: Float>(options: &FixedStep<T>, end: T) -> (IntegrateError<T>, String) {
+    let (h, start) = kepler::<T>(6);
+    let interval = T::int(0)..=end;
+    let RunFailure { error, .. } = options
+        .integrate(&h, &start.q, &start.p, interval)
+        .unwrap_err();
+    let text = error.to_string();
+    (error, text)
+}
+
+#[track_caller]
+fn says(text: &str, words: &[&str]) {
+    for word in words {
+        assert!(text.contains(word), "`{word}` is not in: {text}");
+    }
+}
+
+#[test]
+fn stages_out_of_range() {
+    let methods = [
+        (Equip::stages(0), 2),
+        (Equip::stages(1), 2),
+        (Equip::stages(1).alphas(Alphas::Last), 2),
+        (Equip::stages(MAX_STAGES + 1), 2),
+        (Method::fixed_alpha(1, 0.1), 2),
+        (Gauss::stages(0), 1),
+        (Gauss::stages(MAX_STAGES + 1), 1),
+        (Gauss::stages(usize::MAX), 1),
+    ];
+    for (method, fewest) in methods {
+        let (error, text) = kepler_failure(&method.step(0.1));
+        let stages = method.stage_count();
+        let max = MAX_STAGES;
+        assert_eq!(
+            error,
+            IntegrateError::StagesOutOfRange {
+                stages,
+                min: fewest,
+                max
+            }
+        );
+        says(
+            &text,
+            &[
+                "takes",
+                &format!("{fewest} to {max}"),
+                "change the argument of `stages`",
+            ],
+        );
+    }
+}
+
+fn steps_that_are_none<T: Float>() {
+    for step in [T::int(0), T::int(-1), T::INFINITY, -T::INFINITY, T::NAN] {
+        let (error, text) = kepler_failure(&Equip::stages(3).step(step));
+        assert!(
+            matches!(error, IntegrateError::StepNotPositive { .. }),
+            "{error:?}"
+        );
+        says(
+            &text,
+            &[
+                "must be positive and finite",
+                "flip the sign of the momenta",
+            ],
+        );
+        let (h, start) = kepler::<T>(6);
+        let error = Equip::stages(3)
+            .step(step)
+            .start(&h, &start.q, &start.p, T::int(0));
+        assert!(matches!(error, Err(IntegrateError::StepNotPositive { .. })));
+    }
+}
+
+#[test]
+fn a_step_that_is_not_positive() {
+    steps_that_are_none::<f64>();
+    steps_that_are_none::<DoubleDouble>();
+}
+
+#[test]
+fn a_step_that_time_cannot_resolve() {
+    // In f64 only: the second part of a double-double holds a step of any smaller size.
+    let (h, start) = kepler::<f64>(6);
+    let late = 2.0_f64.powi(53);
+    let options = Equip::stages(3).step(0.125);
+    let failure = options.integrate(&h, &start.q, &start.p, late..=late + 16.0).unwrap_err();
+    let expected = IntegrateError::StepBelowTimeResolution { step: 0.125, time: late + 16.0 };
+    assert_eq!(failure.error, expected);
+    says(&failure.to_string(), &["take a larger step or let time start at 0"]);
+    let refused = options.start(&h, &start.q, &start.p, late).unwrap_err();
+    assert_eq!(refused, IntegrateError::StepBelowTimeResolution { step: 0.125, time: late });
+}
+
+#[test]
+fn more_steps_than_can_be_counted() {
+    let (error, text) = kepler_failure_until(&Equip::stages(3).step(1e-300), 1e10);
+    assert_eq!(
+        error,
+        IntegrateError::TooManySteps {
+            steps: f64::INFINITY
+        }
+    );
+    says(&text, &["take a larger step or a shorter interval"]);
+    let (error, _) = kepler_failure_until(&Equip::stages(3).step(1e-8), 1e9);
+    assert!(
+        matches!(error, IntegrateError::TooManySteps { steps } if (steps / 1e17 - 1.0).abs() < 1e-9)
+    );
+}
+
+fn intervals_that_are_none<T: Float>() {
+    for end in [T::int(-1), T::INFINITY, T::NAN] {
+        let options = Equip::stages(3).step(T::ratio(1, 10));
+        let (error, text) = kepler_failure_until(&options, end);
+        assert!(
+            matches!(error, IntegrateError::Interval { .. }),
+            "{error:?}"
+        );
+        says(
+            &text,
+            &[
+                "must be finite and run forward",
+                "flip the sign of the momenta",
+            ],
+        );
+    }
+}
+
+#[test]
+fn an_interval_that_does_not_run_forward() {
+    intervals_that_are_none::<f64>();
+    intervals_that_are_none::<DoubleDouble>();
+}
+
+#[test]
+fn an_empty_interval_is_a_run_of_no_steps() {
+    let (h, start) = kepler::<f64>(6);
+    let run = Equip::stages(3)
+        .step(0.1)
+        .integrate(&h, &start.q, &start.p, 3.0..=3.0)
+        .unwrap();
+    assert_eq!((run.len(), run.times()), (1, &[3.0][..]));
+    assert_eq!(run.certificate().counts.steps, 0);
+}
+
+#[test]
+fn vectors_of_the_wrong_length() {
+    let (h, _) = kepler::<f64>(6);
+    let options = Equip::stages(3).step(0.1);
+    for (q, p, what, found) in [
+        (&[1.0][..], &[0.0, 1.0][..], "q0", 1),
+        (&[1.0, 0.0, 0.0], &[0.0, 1.0], "q0", 3),
+        (&[1.0, 0.0], &[], "p0", 0),
+    ] {
+        let error = options.start(&h, q, p, 0.0).unwrap_err();
+        assert_eq!(
+            error,
+            IntegrateError::WrongLength {
+                what,
+                expected: 2,
+                found
+            }
+        );
+        says(
+            &error.to_string(),
+            &[what, &format!("length {found}"), "needs 2"],
+        );
+    }
+    let (other, _) = harmonic::<f64>(&[1.0.into()]);
+    let options = options.invariant(Invariant::new("of another scene", other));
+    let error = options
+        .start(&h, &[1.0, 0.0], &[0.0, 1.0], 0.0)
+        .unwrap_err();
+    assert_eq!(
+        error,
+        IntegrateError::WrongLength {
+            what: "an invariant",
+            expected: 2,
+            found: 1
+        }
+    );
+}
+
+#[test]
+fn an_initial_value_that_is_not_finite() {
+    let (h, _) = kepler::<f64>(6);
+    let options = Equip::stages(3).step(0.1);
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let error = options
+            .start(&h, &[1.0, bad], &[0.0, 1.0], 0.0)
+            .unwrap_err();
+        assert!(matches!(
+            error,
+            IntegrateError::InitialNotFinite {
+                what: "q0",
+                index: 1,
+                ..
+            }
+        ));
+        says(&error.to_string(), &["q0[1]", "must be finite"]);
+        let error = options
+            .start(&h, &[1.0, 0.0], &[bad, 1.0], 0.0)
+            .unwrap_err();
+        assert!(matches!(
+            error,
+            IntegrateError::InitialNotFinite {
+                what: "p0",
+                index: 0,
+                ..
+            }
+        ));
+    }
+}
+
+#[test]
+fn an_energy_that_is_not_finite_at_the_start() {
+    let (h, _) = kepler::<f64>(6);
+    let error = Equip::stages(3)
+        .step(0.1)
+        .start(&h, &[0.0, 0.0], &[0.0, 1.0], 0.0)
+        .unwrap_err();
+    assert_eq!(
+        error,
+        IntegrateError::EnergyNotFinite {
+            energy: f64::NEG_INFINITY
+        }
+    );
+    says(&error.to_string(), &["start elsewhere or check H"]);
+    // H is finite there and its gradient is not.
+    let root = Hamiltonian::new(1, |q, p| p[0] * p[0] + q[0].sqrt()).unwrap();
+    let error = Gauss::stages(2)
+        .step(0.1)
+        .start(&root, &[0.0], &[1.0], 0.0)
+        .unwrap_err();
+    assert_eq!(error, IntegrateError::EnergyNotFinite { energy: 1.0 });
+}
+
+#[test]
+fn options_outside_their_range() {
+    let base = || Equip::stages(3).step(0.1);
+    let cases = [
+        (
+            base().alpha_bound(0.0),
+            "alpha_bound",
+            "positive and finite",
+        ),
+        (
+            base().alpha_bound(-1.0),
+            "alpha_bound",
+            "positive and finite",
+        ),
+        (
+            base().alpha_bound(f64::INFINITY),
+            "alpha_bound",
+            "positive and finite",
+        ),
+        (
+            base().alpha_bound(f64::NAN),
+            "alpha_bound",
+            "positive and finite",
+        ),
+        (base().max_iterations(0), "max_iterations", "2 or more"),
+        (base().max_iterations(1), "max_iterations", "2 or more"),
+        (base().max_halvings(21), "max_halvings", "at most 20"),
+        (base().record(Record::Every(0)), "record", "1 or more"),
+        (
+            Method::fixed_alpha(3, f64::NAN).step(0.1),
+            "fixed_alpha",
+            "finite",
+        ),
+        (
+            Method::fixed_alpha(3, f64::INFINITY).step(0.1),
+            "fixed_alpha",
+            "finite",
+        ),
+    ];
+    for (options, name, remedy) in cases {
+        let (error, text) = kepler_failure(&options);
+        assert!(
+            matches!(error, IntegrateError::Option { option, .. } if option == name),
+            "{error:?}"
+        );
+        says(&text, &[&format!("option `{name}`"), "it must be", remedy]);
+    }
+}
+
+#[test]
+fn output_times_outside_the_interval_or_in_disorder() {
+    for (times, bad) in [
+        (&[0.5, 0.25][..], 1),
+        (&[-0.1], 0),
+        (&[0.0, 1.0, 1.5], 2),
+        (&[f64::NAN], 0),
+    ] {
+        let (error, text) = kepler_failure(&Equip::stages(3).step(0.1).output_at(times));
+        assert!(
+            matches!(error, IntegrateError::OutputTime { index, .. } if index == bad),
+            "{error:?}"
+        );
+        says(&text, &["must lie in 0 to 1", "not before the one ahead"]);
+    }
+}
+
+/// H = p²/2 + √(1 − q): a particle thrown at the edge q = 1 of the domain.
+fn edge() -> Hamiltonian {
+    Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + (1.0 - q[0]).sqrt()).unwrap()
+}
+
+fn leaves_the_domain<T: Float>() {
+    let options = Equip::stages(3).step(T::ratio(1, 20));
+    let (q, p) = ([T::int(0)], [T::int(1)]);
+    let failure = options
+        .integrate(&edge(), &q, &p, T::int(0)..=T::int(5))
+        .unwrap_err();
+    let IntegrateError::NotFinite {
+        time,
+        step,
+        halvings,
+    } = failure.error
+    else {
+        panic!("{:?}", failure.error);
+    };
+    says(
+        &failure.to_string(),
+        &["leaves the domain of H", "or the step is too large"],
+    );
+    assert!(halvings == 3 && step <= T::ratio(1, 20));
+
+    // What was made is there, and is what a run that ends before the edge makes.
+    let partial = failure.partial.unwrap();
+    let (t, q_last, p_last) = partial.last();
+    assert!(t <= time && partial.len() > 2 && q_last[0] < T::int(1));
+    assert_eq!(partial.certificate().end, t);
+    let good = options.integrate(&edge(), &q, &p, T::int(0)..=t).unwrap();
+    assert_eq!(good.last(), (t, q_last, p_last));
+
+    // A stepper that failed stands where it stood, and fails again in the same way.
+    let mut run = options.start(&edge(), &q, &p, T::int(0)).unwrap();
+    let first = loop {
+        if let Err(error) = run.advance() {
+            break error;
+        }
+    };
+    let state = |view: equip_solver::StepView<'_, T>| {
+        (
+            view.index,
+            view.time,
+            view.q.to_vec(),
+            view.p.to_vec(),
+            view.energy_defect,
+        )
+    };
+    let stopped = state(run.view());
+    assert_eq!(
+        (stopped.1, &stopped.2[..], &stopped.3[..]),
+        (t, q_last, p_last)
+    );
+    for _ in 0..3 {
+        assert_eq!(run.advance().unwrap_err(), first);
+        assert_eq!(state(run.view()), stopped);
+        assert_eq!(run.counts().steps, stopped.0);
+    }
+    assert_eq!(run.next().unwrap().unwrap_err(), first);
+}
+
+#[test]
+fn an_energy_that_ends_somewhere() {
+    leaves_the_domain::<f64>();
+    leaves_the_domain::<DoubleDouble>();
+}
+
+#[test]
+fn stages_that_do_not_converge() {
+    let options = Equip::stages(3).step(0.5).max_iterations(2).max_halvings(0);
+    let (error, text) = kepler_failure(&options);
+    assert!(
+        matches!(
+            error,
+            IntegrateError::NoConvergence {
+                iterations: 2,
+                halvings: 0,
+                ..
+            }
+        ),
+        "{error:?}"
+    );
+    says(&text, &["did not converge", "take a smaller step"]);
+}
+
+/// H = q p grows like e^t; the implicit midpoint rule with h = 2 has the matrix 1 − h/2 = 0.
+fn no_pivot<T: Float>() {
+    let h = Hamiltonian::new(1, |q, p| q[0] * p[0]).unwrap();
+    let options = Gauss::stages(1).step(T::int(2)).max_halvings(0);
+    let one = [T::int(1)];
+    let failure = options
+        .integrate(&h, &one, &one, T::int(0)..=T::int(4))
+        .unwrap_err();
+    let expected = IntegrateError::Singular {
+        time: T::int(0),
+        step: T::int(2),
+        halvings: 0,
+    };
+    assert_eq!(failure.error, expected);
+    says(
+        &failure.to_string(),
+        &["singular", "take a slightly different step"],
+    );
+    assert_eq!(failure.partial.unwrap().len(), 1);
+    // Halved, it is not singular.
+    let run = options
+        .max_halvings(1)
+        .integrate(&h, &one, &one, T::int(0)..=T::int(4))
+        .unwrap();
+    assert_eq!(run.certificate().counts.halvings, 2);
+}
+
+#[test]
+fn a_singular_newton_matrix() {
+    no_pivot::<f64>();
+    no_pivot::<DoubleDouble>();
+}
+
+/// Chaotic Hénon–Heiles with a large step and the single α of the paper.
+fn refuses<T: Float>() {
+    let (h, Start { q, p }) = henon_heiles::<T>(T::ratio(1, 6), "-0.2", "0.1");
+    let options = Equip::stages(2)
+        .alphas(Alphas::Last)
+        .step(T::ratio(1, 2))
+        .max_halvings(0)
+        .on_no_alpha(OnNoAlpha::Refuse);
+    let interval = T::int(0)..=T::int(500);
+    let failure = options.integrate(&h, &q, &p, interval).unwrap_err();
+    let IntegrateError::NoAdmissibleAlpha {
+        time,
+        defect,
+        floor,
+        ..
+    } = failure.error
+    else {
+        panic!("{:?}", failure.error);
+    };
+    assert!(defect.abs() > floor && floor > T::int(0));
+    says(
+        &failure.to_string(),
+        &["smaller step", "more stages", "all α's", "carried"],
+    );
+    let partial = failure.partial.unwrap();
+    assert_eq!(partial.last().0, time);
+    assert!(partial.certificate().energy_kept_on_every_step());
+}
+
+#[test]
+fn no_admissible_alpha_when_the_user_refuses_to_carry() {
+    refuses::<f64>();
+    refuses::<DoubleDouble>();
+}
+
+#[test]
+fn constants_of_fixed_alpha_are_read_in_the_float_type() {
+    let method = Method::fixed_alpha(3, ratio(1, 50));
+    assert_eq!((method.order(), method.stage_count()), (4, 3));
+    assert_eq!(Method::fixed_alpha(3, 0.0).order(), 6);
+}

@@ -1,0 +1,201 @@
+//! A run is the same to the last bit, whatever is watched or kept of it, and it runs backwards.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
+
+use equip_autodiff::Hamiltonian;
+use equip_scalar::{DoubleDouble, Float};
+use equip_solver::{Alphas, Counts, Equip, Gauss, Invariant, Method, Record, Run, StepView};
+use equip_tests::{Start, distance, double_pendulum, kepler};
+use std::ops::ControlFlow;
+
+fn methods() -> [Method; 4] {
+    [
+        Gauss::stages(3),
+        Equip::stages(3),
+        Equip::stages(4).alphas(Alphas::Last),
+        Method::fixed_alpha(3, 0.01),
+    ]
+}
+
+/// Times, states and outcomes of a run.
+fn bits<T: Float>(run: &Run<T>) -> (Vec<T>, Vec<Vec<T>>, Counts) {
+    let states = (0..run.len())
+        .map(|i| [run.q(i), run.p(i)].concat())
+        .collect();
+    (run.times().to_vec(), states, run.certificate().counts)
+}
+
+fn watched_runs_are_the_same<T: Float>() {
+    let (h, start) = kepler::<T>(6);
+    let interval = || T::int(0)..=T::int(7);
+    for method in methods() {
+        // A step that does not divide the interval.
+        let plain = method.step(T::ratio(3, 40));
+        let reference = plain.integrate(&h, &start.q, &start.p, interval()).unwrap();
+        let (times, states, counts) = bits(&reference);
+        assert_eq!(times.last(), Some(&T::int(7)));
+        let n = states.len() - 1;
+
+        let again = plain.integrate(&h, &start.q, &start.p, interval()).unwrap();
+        assert_eq!(bits(&again), (times.clone(), states.clone(), counts));
+
+        let outputs: Vec<T> = (0..=20).map(|k| T::ratio(7 * k, 20)).collect();
+        let watched = plain.clone().output_at(&outputs).invariant(Invariant::new(
+            "angular momentum",
+            Hamiltonian::new(2, |q, p| q[0] * p[1] - q[1] * p[0]).unwrap(),
+        ));
+        let mut seen = 0;
+        let mut observer = |view: &StepView<'_, T>| {
+            seen += 1;
+            assert_eq!(view.index, seen);
+            ControlFlow::Continue(())
+        };
+        let watched = watched
+            .integrate_observed(&h, &start.q, &start.p, interval(), &mut observer)
+            .unwrap();
+        assert_eq!(seen as usize, n);
+        assert_eq!(bits(&watched), (times.clone(), states.clone(), counts));
+        assert_eq!(
+            watched.outputs().map(|(t, _, _)| t).collect::<Vec<_>>(),
+            outputs
+        );
+        let (_, q, p) = watched.outputs().last().unwrap();
+        assert_eq!([q, p].concat(), states[n]);
+
+        let every = plain.clone().record(Record::Every(10));
+        let every = every.integrate(&h, &start.q, &start.p, interval()).unwrap();
+        let kept: Vec<usize> = (0..n).step_by(10).chain([n]).collect();
+        assert_eq!(
+            bits(&every).1,
+            kept.iter().map(|&i| states[i].clone()).collect::<Vec<_>>()
+        );
+        let ends = plain.clone().record(Record::Ends);
+        let ends = ends.integrate(&h, &start.q, &start.p, interval()).unwrap();
+        assert_eq!(bits(&ends).1, [states[0].clone(), states[n].clone()]);
+        assert_eq!(bits(&ends).2, counts);
+
+        // Step by step, up to the last whole step of the grid.
+        let stepper = plain.start(&h, &start.q, &start.p, T::int(0)).unwrap();
+        for (i, step) in stepper.take(n - 1).enumerate() {
+            let step = step.unwrap();
+            assert_eq!(step.index as usize, i + 1);
+            assert_eq!(step.time, times[i + 1]);
+            assert_eq!([step.q, step.p].concat(), states[i + 1]);
+        }
+    }
+}
+
+#[test]
+fn what_is_watched_changes_no_bit() {
+    watched_runs_are_the_same::<f64>();
+    watched_runs_are_the_same::<DoubleDouble>();
+}
+
+#[test]
+fn an_observer_ends_a_run_at_the_state_it_saw() {
+    let (h, start) = kepler::<f64>(6);
+    let options = Equip::stages(3).step(0.05).record(Record::Ends);
+    let mut far = |view: &StepView<'_, f64>| {
+        if view.q[0] < -1.0 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
+    let run = options
+        .integrate_observed(&h, &start.q, &start.p, 0.0..=10.0, &mut far)
+        .unwrap();
+    assert!(run.stopped() && run.last().0 < 10.0 && run.last().1[0] < -1.0);
+    assert_eq!(run.certificate().end, run.last().0);
+    let whole = options
+        .integrate(&h, &start.q, &start.p, 0.0..=run.last().0)
+        .unwrap();
+    assert!(!whole.stopped());
+    assert_eq!(whole.last(), run.last());
+}
+
+#[test]
+fn output_times_get_states_of_full_order() {
+    let (h, start) = kepler::<f64>(6);
+    let outputs = [0.01, 0.999, 1.0, 2.345];
+    let run = Equip::stages(6)
+        .step(0.05)
+        .output_at(&outputs)
+        .integrate(&h, &start.q, &start.p, 0.0..=3.0)
+        .unwrap();
+    assert_eq!(
+        run.certificate().output_steps,
+        3,
+        "one of the times is on the grid"
+    );
+    for (t, q, p) in run.outputs() {
+        let fine = Equip::stages(6)
+            .step(t / 200.0)
+            .record(Record::Ends)
+            .integrate(&h, &start.q, &start.p, 0.0..=t)
+            .unwrap();
+        let (_, q_fine, p_fine) = fine.last();
+        let error = distance(&[q, p].concat(), &[q_fine, p_fine].concat());
+        println!("t = {t}: {error:.1e}");
+        assert!(error < 1e-12);
+    }
+}
+
+#[test]
+fn time_is_the_grid_not_a_sum() {
+    let (h, start) = kepler::<f64>(6);
+    let run = Gauss::stages(2)
+        .step(0.1)
+        .integrate(&h, &start.q, &start.p, 0.0..=100.0)
+        .unwrap();
+    assert_eq!(run.len(), 1001);
+    for (n, &t) in run.times().iter().enumerate() {
+        assert_eq!(t, n as f64 * 0.1);
+    }
+}
+
+/// n steps forward, momenta reversed, n steps back: the distance to the start.
+fn there_and_back<T: Float>(
+    method: Method,
+    h: T,
+    steps: usize,
+    energy: &Hamiltonian,
+    start: &Start<T>,
+) -> T {
+    let go = |q: &[T], p: &[T]| {
+        let mut run = method.step(h).start(energy, q, p, T::int(0)).unwrap();
+        for _ in 0..steps {
+            run.advance().unwrap();
+        }
+        let view = run.view();
+        (
+            view.q.to_vec(),
+            view.p.iter().map(|&p| -p).collect::<Vec<T>>(),
+        )
+    };
+    let (q, p) = go(&start.q, &start.p);
+    let moved = distance(&[&q[..], &p].concat(), &start.state());
+    assert!(moved > T::ratio(1, 100), "it went somewhere");
+    let (q, p) = go(&q, &p);
+    distance(&[q, p].concat(), &start.state())
+}
+
+fn reversible<T: Float>(tolerance: f64) {
+    let (h, start) = kepler::<T>(6);
+    for method in methods() {
+        let back = there_and_back(method, T::two_pi() / T::int(100), 250, &h, &start);
+        println!("Kepler, {method}, {}: {back:.1e}", T::NAME);
+        assert!(back.to_f64() < tolerance, "{method}: {back:e}");
+    }
+    let (h, start) = double_pendulum::<T>();
+    for method in methods() {
+        let back = there_and_back(method, T::ratio(1, 50), 50, &h, &start);
+        println!("double pendulum, {method}, {}: {back:.1e}", T::NAME);
+        assert!(back.to_f64() < tolerance, "{method}: {back:e}");
+    }
+}
+
+#[test]
+fn a_run_with_reversed_momenta_returns() {
+    reversible::<f64>(1e-11);
+    reversible::<DoubleDouble>(1e-27);
+}
