@@ -234,7 +234,7 @@ impl<T: Float> Newton<T> {
     ) -> Result<T, Failure<T>> {
         for c in at.constraints.iter_mut() {
             at.counts.gradients += 1;
-            finite(c.evaluate(at.energy, at.next))?;
+            finite(c.evaluate(at.energy, at.next, &at.stages.scale))?;
             c.predicted = c.defect + dot(&c.gradient, &self.moved_end);
             if round_off {
                 c.add_stage_noise(&self.moved_end);

@@ -149,7 +149,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.guess.remember(&self.stages.l, h);
         for constraint in &mut self.constraints {
             self.counts.gradients += 1;
-            constraint.evaluate(&mut self.energy, next);
+            constraint.evaluate(&mut self.energy, next, &self.stages.scale);
         }
         if worst(&self.constraints, Constraint::in_floors) <= T::int(ENERGY_STAGNATED) {
             return Ok(Outcome::AtFloor);
