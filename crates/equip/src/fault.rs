@@ -61,3 +61,18 @@ impl Fault {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Fault;
+    use std::process::ExitCode;
+
+    #[test]
+    fn a_failed_row_fails_the_program() {
+        let fault = Fault::Check { failed: 1, rows: 3 };
+        // Exit codes can only be compared as they print.
+        let code = |code: ExitCode| format!("{code:?}");
+        assert_eq!(code(fault.exit_code()), code(ExitCode::from(1)));
+        assert!(fault.to_string().starts_with("1 of 3 rows failed"));
+    }
+}

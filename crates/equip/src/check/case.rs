@@ -112,8 +112,6 @@ pub(crate) enum Reference {
     Stored,
     /// Gauss with `stages` stages and each step divided by `divide`.
     Fine { stages: usize, divide: u64 },
-    /// The same, in double-double.
-    Wide { stages: usize, divide: u64 },
     /// Gauss with steps `grid / divide`, kept at the multiples of `grid` up to `end`, and shared by the rows with this `key`.
     Shared {
         key: String,
@@ -134,8 +132,8 @@ pub(crate) type Builder = Box<dyn Fn() -> Result<Problem, BuildFault> + Send + S
 pub(crate) enum End {
     /// At the end of the interval.
     Complete,
-    /// With one of these errors: it is the right answer.
-    Error(&'static [Kind], &'static str),
+    /// With one of these errors, not before the given time: it is the right answer.
+    Error(&'static [Kind], f64, &'static str),
     /// At the end of the interval or with one of these errors.
     Either(&'static [Kind], &'static str),
 }

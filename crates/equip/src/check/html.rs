@@ -21,8 +21,19 @@ small { color: GrayText; }
 ";
 
 const COLUMNS: [&str; 13] = [
-    "case", "setting", "steps", "outcomes", "floors", "energy", "energy, Gauss", "invariants", "error",
-    "error, Gauss", "ratio", "seconds", "verdict",
+    "case",
+    "setting",
+    "steps",
+    "outcomes",
+    "floors",
+    "energy",
+    "energy, Gauss",
+    "invariants",
+    "error",
+    "error, Gauss",
+    "ratio",
+    "seconds",
+    "verdict",
 ];
 
 pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
@@ -31,15 +42,25 @@ pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
     for row in rows {
         if row.theme != theme {
             theme = row.theme;
-            push(&mut body, format_args!(
-                "<tr class=\"theme\"><th colspan=\"{}\">{theme}</th></tr>",
-                COLUMNS.len()
-            ));
+            push(
+                &mut body,
+                format_args!(
+                    "<tr class=\"theme\"><th colspan=\"{}\">{theme}</th></tr>",
+                    COLUMNS.len()
+                ),
+            );
         }
         push(&mut body, format_args!("{}", line(row)));
     }
     let heads: String = COLUMNS.iter().map(|c| format!("<th>{c}</th>")).collect();
-    let Summary { rows, passed, expected_errors, known_deficits, failed, seconds } = summary;
+    let Summary {
+        rows,
+        passed,
+        expected_errors,
+        known_deficits,
+        failed,
+        seconds,
+    } = summary;
     let legend = escape(LEGEND).replace('\n', "<br>");
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>equip check</title>\n<style>{STYLE}</style>\n\
@@ -85,7 +106,10 @@ fn line(row: &Row) -> String {
             escape(&row.verdict.notes.join("; "))
         ),
     ];
-    let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
+    let cells: String = cells
+        .iter()
+        .map(|cell| format!("<td>{cell}</td>"))
+        .collect();
     format!("<tr class=\"{class}\">{cells}</tr>")
 }
 

@@ -13,7 +13,11 @@ pub(crate) fn cases() -> Vec<Case> {
         let name = format!("FPUT chain, m={m}");
         let row = Case::new(THEME, name, scene("fput-beta", &[("n", &n)]));
         let row = row.stages(if m > 10 { 3 } else { 4 }).steps(50, 0.2);
-        all.push(if m > 20 { row.complete_only() } else { row.against(fine()) });
+        all.push(if m > 20 {
+            row.complete_only()
+        } else {
+            row.against(fine())
+        });
     }
     for m in [8, 16, AFFORDABLE] {
         let n = m.to_string();
@@ -33,7 +37,9 @@ pub(crate) fn cases() -> Vec<Case> {
         }
         let name = format!("sine-Gordon, m={m}");
         let row = Case::new(THEME, name, scene("sine-gordon", &[("n", &n)]));
-        let row = row.stages(if m > 8 { 3 } else { 4 }).steps(50, 10.0 / m as f64);
+        let row = row
+            .stages(if m > 8 { 3 } else { 4 })
+            .steps(50, 10.0 / m as f64);
         all.push(if m <= 16 {
             row.against(fine())
         } else {
@@ -42,7 +48,8 @@ pub(crate) fn cases() -> Vec<Case> {
     }
     for row in &mut all {
         if matches!(row.reference, Reference::None) {
-            row.expect.trajectory = Trajectory::Open("too large for a reference: energy and outcomes");
+            row.expect.trajectory =
+                Trajectory::Open("too large for a reference: energy and outcomes");
         }
     }
     all

@@ -33,6 +33,32 @@ impl<T: Float> Samples<T> {
         self.states.extend_from_slice(p);
     }
 
+    /// The first `count` of them.
+    pub(crate) fn first(mut self, count: usize) -> Self {
+        self.states.truncate(count * self.n);
+        self
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.iter().len()
+    }
+
+    /// Positions and momenta in units of the largest of each.
+    pub(crate) fn in_own_units(mut self) -> Self {
+        let m = self.n / 2;
+        let mut scale = [T::int(0); 2];
+        for y in self.iter() {
+            for (i, &x) in y.iter().enumerate() {
+                scale[i / m] = scale[i / m].max(x.abs());
+            }
+        }
+        let n = self.n;
+        for (i, x) in self.states.iter_mut().enumerate() {
+            *x /= scale[i % n / m];
+        }
+        self
+    }
+
     pub(crate) fn iter(&self) -> std::slice::ChunksExact<'_, T> {
         self.states.chunks_exact(self.n.max(1))
     }
@@ -133,7 +159,7 @@ impl<T: Float> Watched<T> {
 struct Independent {
     evaluator: <Hamiltonian as System>::Evaluator<DoubleDouble>,
     y: Vec<DoubleDouble>,
-    start: DoubleDouble,
+    h_ref: DoubleDouble,
 }
 
 pub(crate) fn widen<T: Float>(x: T) -> DoubleDouble {
@@ -141,14 +167,11 @@ pub(crate) fn widen<T: Float>(x: T) -> DoubleDouble {
 }
 
 impl Independent {
-    fn new<T: Float>(h: &Hamiltonian, y: &[T]) -> Self {
-        let mut evaluator = h.evaluator::<DoubleDouble>();
-        let y: Vec<_> = y.iter().map(|&x| widen(x)).collect();
-        let start = evaluator.value(&y);
+    fn new<T: Float>(h: &Hamiltonian, n: usize, h_ref: T) -> Self {
         Independent {
-            evaluator,
-            y,
-            start,
+            evaluator: h.evaluator::<DoubleDouble>(),
+            y: vec![DoubleDouble::int(0); n],
+            h_ref: widen(h_ref),
         }
     }
 
@@ -157,7 +180,7 @@ impl Independent {
         for (wide, &x) in self.y.iter_mut().zip(state) {
             *wide = widen(x);
         }
-        (self.evaluator.value(&self.y) - self.start).to_f64()
+        (self.evaluator.value(&self.y) - self.h_ref).to_f64()
     }
 }
 
@@ -178,9 +201,7 @@ impl<T: Float> Watch<T> {
         samples.push(q, p);
         Watch {
             watched: watched.collect(),
-            // Nothing is wider than double-double.
-            independent: (T::MANTISSA_BITS < DoubleDouble::MANTISSA_BITS)
-                .then(|| Independent::new(problem.hamiltonian(), &y)),
+            independent: None,
             leg: Leg {
                 counts: Counts::default(),
                 energy: 0.0,
@@ -247,9 +268,7 @@ pub(crate) fn run<T: Float>(
     let (q, p) = start;
     let mut watch = Watch::new(problem, start);
     let stride = stride(steps);
-    let begin = method
-        .step(h)
-        .start(problem.hamiltonian(), q, p, T::int(0));
+    let begin = method.step(h).start(problem.hamiltonian(), q, p, T::int(0));
     let mut stepper = match begin {
         Ok(stepper) => stepper,
         Err(error) => {
@@ -257,6 +276,11 @@ pub(crate) fn run<T: Float>(
             return watch.leg;
         }
     };
+    let h_ref = stepper.certificate().energy.map(|energy| energy.start);
+    // Nothing is wider than double-double.
+    watch.independent = h_ref
+        .filter(|_| T::MANTISSA_BITS < DoubleDouble::MANTISSA_BITS)
+        .map(|h_ref| Independent::new(problem.hamiltonian(), q.len() + p.len(), h_ref));
     for index in 1..=steps {
         let time = stepper.time();
         match stepper.advance() {

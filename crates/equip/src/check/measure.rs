@@ -1,6 +1,6 @@
 //! [`Row`]: a case as it was measured.
 
-use super::case::{BuildFault, Case, Numbers, State, Trajectory};
+use super::case::{BuildFault, Case, Numbers, Reference, State, Trajectory};
 use super::leg::{Ended, Kept, Leg, outcomes, run};
 use super::reference::{Cache, Truth, distance, truth};
 use super::verdict::{Verdict, judge};
@@ -110,11 +110,22 @@ fn measure<T: Float>(case: &Case, cache: &Cache) -> Result<Measured, BuildFault>
     let method = Gauss::stages(case.stages);
     let gauss = run(method, &problem, &start, h, case.steps);
     let truth = truth(case, &problem, &start, cache)?;
-    let compare = |leg: &Leg<T>, truth: &Option<Truth<T>>| {
-        let truth = truth.as_ref()?;
-        Some(distance(case.judged, &leg.samples, truth))
+    let scaled = matches!(case.reference, Reference::Scaled { .. });
+    // Errors are compared over the time both were there.
+    let both = equip.samples.len().min(gauss.samples.len());
+    let compare = |leg: &Leg<T>| {
+        let mut samples = leg.samples.clone();
+        if scaled {
+            samples = samples.in_own_units();
+        } else {
+            samples = samples.first(both);
+        }
+        Some(distance(case.judged, &samples, truth.as_ref()?))
     };
-    let judged_by_ratio = !matches!(case.expect.trajectory, Trajectory::Open(_));
+    let judged_by_ratio = matches!(
+        case.expect.trajectory,
+        Trajectory::Resolved | Trajectory::Slow | Trajectory::Deficit(..)
+    );
     let noise = (truth.is_some() && judged_by_ratio).then(|| {
         let nudged = run(method, &problem, &nudge(&start), h, case.steps);
         let from = 0;
@@ -130,9 +141,9 @@ fn measure<T: Float>(case: &Case, cache: &Cache) -> Result<Measured, BuildFault>
         energy: equip.energy,
         floors: equip.floors,
         independent_floors: equip.independent_floors,
-        error: compare(&equip, &truth),
+        error: compare(&equip),
         noise,
-        gauss_error: compare(&gauss, &truth),
+        gauss_error: compare(&gauss).filter(|_| !scaled),
         gauss_energy: gauss.energy,
         gauss_ended: gauss.ended,
         invariants: equip.invariants,

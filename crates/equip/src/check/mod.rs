@@ -145,7 +145,10 @@ fn run_all(cases: &[Case]) -> Result<Vec<Row>, Fault> {
             scope.spawn(move || {
                 while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
                     // Nobody listens if printing failed: then there is nothing left to do.
-                    if send.send((index, measure::row(&cases[index], cache))).is_err() {
+                    if send
+                        .send((index, measure::row(&cases[index], cache)))
+                        .is_err()
+                    {
                         break;
                     }
                 }
@@ -180,8 +183,7 @@ fn progress(rows: usize) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let style = ProgressStyle::with_template("{bar:40} {pos} of {len} rows, {elapsed}");
-    ProgressBar::new(rows as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    ProgressBar::new(rows as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 #[cfg(test)]

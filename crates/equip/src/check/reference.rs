@@ -41,11 +41,6 @@ pub(crate) fn truth<T: Float>(
         Reference::Closed => closed(case, problem, start, stride),
         Reference::Stored => return Ok(stored(case, problem)),
         Reference::Fine { stages, divide } => fine(case, problem, start, *stages, *divide),
-        Reference::Wide { stages, divide } => {
-            let widened = |all: &[T]| all.iter().map(|&x| widen(x)).collect();
-            let start = (widened(&start.0), widened(&start.1));
-            narrow(&fine::<DoubleDouble>(case, problem, &start, *stages, *divide))
-        }
         Reference::Shared {
             key,
             grid,
@@ -71,18 +66,15 @@ pub(crate) fn truth<T: Float>(
             let problem = problem()?;
             let method = Equip::stages(case.stages);
             let start = problem.initial();
-            run(method, &problem, &start, T::exact(*h), case.steps).samples
+            run(method, &problem, &start, T::exact(*h), case.steps)
+                .samples
+                .in_own_units()
         }
     };
     Ok(Some(Truth { from: 0, samples }))
 }
 
-fn closed<T: Float>(
-    case: &Case,
-    problem: &Problem,
-    start: &State<T>,
-    stride: u64,
-) -> Samples<T> {
+fn closed<T: Float>(case: &Case, problem: &Problem, start: &State<T>, stride: u64) -> Samples<T> {
     let widened = |all: &[T]| all.iter().map(|&x| widen(x)).collect::<Vec<_>>();
     let start = (widened(&start.0), widened(&start.1));
     let mut wide = Samples::none();
@@ -134,10 +126,11 @@ fn every<T: Float>(
 ) -> Samples<T> {
     let mut samples = Samples::none();
     samples.push(q, p);
-    let started = method
-        .step(h)
-        .measure_energy(false)
-        .start(problem.hamiltonian(), q, p, T::int(0));
+    let started =
+        method
+            .step(h)
+            .measure_energy(false)
+            .start(problem.hamiltonian(), q, p, T::int(0));
     let Ok(mut stepper) = started else {
         return samples;
     };
@@ -185,7 +178,11 @@ pub(crate) fn distance<T: Float>(judged: Judged, run: &Samples<T>, truth: &Truth
             }),
             _ => differences.by_ref().fold(off_q, larger),
         };
-        off_p = p.into_iter().zip(p1).map(|(a, b)| a - b).fold(off_p, larger);
+        off_p = p
+            .into_iter()
+            .zip(p1)
+            .map(|(a, b)| a - b)
+            .fold(off_p, larger);
     }
     if judged == Judged::Polar {
         scale_q = T::int(1);

@@ -5,6 +5,8 @@
 use super::case::{Case, Judged, Reference, Trajectory, scene};
 
 const THEME: &str = "stiff";
+const CARTESIAN: &str = "in Cartesian coordinates the spring's direction turns within the step, so that the fast \
+    motion's energy error is paid by the slow one";
 /// Largest hω at which an oscillation counts as resolved.
 const RESOLVED: f64 = 3.0;
 
@@ -49,7 +51,11 @@ fn fpu(all: &mut Vec<Case>) {
         }
         for h in [0.002, 0.005, 0.01, 0.02, 0.1, 0.25, 1.0] {
             let row = case("500", s, h, 10.0).against(shared("500", 0.001, 1, 10.0));
-            all.push(if s == 4 && h > 0.01 { row } else { row.complete_only() });
+            all.push(if s == 4 && h > 0.01 {
+                row
+            } else {
+                row.complete_only()
+            });
         }
         for h in [0.001, 0.01, 0.02, 0.1] {
             let row = case("5000", s, h, 2.0).against(shared("5000", 0.001, 5, 2.0));
@@ -95,7 +101,18 @@ fn spring_pendulum(all: &mut Vec<Case>) {
                         end,
                     });
                 let case = judged(case, Judged::Polar);
-                all.push(if k == "1e8" && s != 4 { case.complete_only() } else { case });
+                let known = [(4, 4.94), (6, 3.71)].into_iter().find(|&(t, _)| t == s);
+                let case = match known {
+                    Some((_, ratio)) if k == "1e4" && h == 0.5 => {
+                        case.trajectory(Trajectory::Deficit(ratio, CARTESIAN))
+                    }
+                    _ => case,
+                };
+                all.push(if k == "1e8" && s != 4 {
+                    case.complete_only()
+                } else {
+                    case
+                });
             }
         }
     }

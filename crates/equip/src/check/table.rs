@@ -82,7 +82,9 @@ fn letter(label: &str) -> &'static str {
 /// Steps by outcome: `S 97 H 3`.
 pub(crate) fn outcomes(row: &Row) -> String {
     let parts = row.measured.outcomes.iter();
-    let parts: Vec<_> = parts.map(|(label, n)| format!("{} {n}", letter(label))).collect();
+    let parts: Vec<_> = parts
+        .map(|(label, n)| format!("{} {n}", letter(label)))
+        .collect();
     parts.join(" ")
 }
 
@@ -104,10 +106,16 @@ fn compact(x: f64) -> String {
 
 pub(crate) fn end(out: &mut impl Write, rows: &[Row], summary: &Summary) -> io::Result<()> {
     writeln!(out, "\n{LEGEND}\n")?;
-    let slowest = rows.iter().max_by(|a, b| a.all_seconds.total_cmp(&b.all_seconds));
+    let slowest = rows
+        .iter()
+        .max_by(|a, b| a.all_seconds.total_cmp(&b.all_seconds));
     if let Some(row) = slowest {
         let (name, setting) = (&row.name, &row.setting);
-        writeln!(out, "slowest row: {name} {setting}, {:.1} s", row.all_seconds)?;
+        writeln!(
+            out,
+            "slowest row: {name} {setting}, {:.1} s",
+            row.all_seconds
+        )?;
     }
     for row in rows.iter().filter(|r| r.verdict.word == Word::Fail) {
         writeln!(out, "FAIL {} {}", row.name, row.setting)?;
