@@ -42,7 +42,9 @@ fn kepler(all: &mut Vec<Case>) {
             } else {
                 coarse
             });
-            let row = case(s, enough, 2);
+            // One period is 100 000 steps at e = 0.999.
+            let periods = if enough > 10_000 { 1 } else { 2 };
+            let row = case(s, enough, periods);
             all.push(if enough > 10_000 {
                 row.complete_only()
             } else {
