@@ -107,13 +107,13 @@ fn kepler_1000_periods() {
 }
 
 #[test]
-#[ignore = "12 MINUTES of dense Newton matrices; run with --release -- --ignored"]
+#[ignore = "many minutes of dense Newton matrices; run with --release -- --ignored"]
 fn fpu_in_double_double() {
     assert!(digits("fpu_hlw", Equip::stages(13), dd(1, 25)) > 22.0);
 }
 
 #[test]
-#[ignore = "X of dense Newton matrices; run with --release -- --ignored"]
+#[ignore = "many minutes of dense Newton matrices; run with --release -- --ignored"]
 fn outer_solar_system_in_double_double() {
     assert!(digits("outer_ss", Equip::stages(9), dd(250, 1)) > 22.0);
 }
@@ -138,5 +138,5 @@ fn kepler_with_eccentricity_nine_tenths() {
 
 #[test]
 fn pythagorean_until_10() {
-    assert!(digits("pythagorean", Equip::stages(8), 1e-3) > 6.0);
+    assert!(digits("pythagorean", Equip::stages(6), 1e-3) > 6.0);
 }
