@@ -70,6 +70,14 @@ fn escape_to_infinity_is_reported_with_the_steps_before_it() {
     }
 }
 
+/// Near underflow the round-off of H is no longer relative to H: a floor that is would ask for digits H does not have.
+#[test]
+fn an_energy_among_the_subnormal_numbers_keeps_the_trajectory() {
+    let output = check(&["--only", "2^-1062"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{text}");
+}
+
 #[test]
 fn nothing_selected_is_bad_usage() {
     let output = check(&["--only", "no such row"]);
