@@ -78,10 +78,12 @@ fn pythagorean(all: &mut Vec<Case>) {
     for (s, h) in [(4, 1e-5), (6, 1e-5), (6, 4e-5)] {
         let name = "Pythagorean, t = 15.8 … 15.86";
         let case = Case::new(THEME, name, close_pass).stages(s);
-        let case = case.steps((0.06 / h) as u64, h).against(Reference::Fine {
-            stages: 8,
-            divide: (h / 5e-6) as u64,
-        });
+        let case = case
+            .steps((0.06 / h).round() as u64, h)
+            .against(Reference::Fine {
+                stages: 8,
+                divide: (h / 5e-6).round() as u64,
+            });
         all.push(case.complete_only());
     }
 }
