@@ -100,12 +100,26 @@ fn a_step_that_time_cannot_resolve() {
     let (h, start) = kepler::<f64>(6);
     let late = 2.0_f64.powi(53);
     let options = Equip::stages(3).step(0.125);
-    let failure = options.integrate(&h, &start.q, &start.p, late..=late + 16.0).unwrap_err();
-    let expected = IntegrateError::StepBelowTimeResolution { step: 0.125, time: late + 16.0 };
+    let failure = options
+        .integrate(&h, &start.q, &start.p, late..=late + 16.0)
+        .unwrap_err();
+    let expected = IntegrateError::StepBelowTimeResolution {
+        step: 0.125,
+        time: late + 16.0,
+    };
     assert_eq!(failure.error, expected);
-    says(&failure.to_string(), &["take a larger step or let time start at 0"]);
+    says(
+        &failure.to_string(),
+        &["take a larger step or let time start at 0"],
+    );
     let refused = options.start(&h, &start.q, &start.p, late).unwrap_err();
-    assert_eq!(refused, IntegrateError::StepBelowTimeResolution { step: 0.125, time: late });
+    assert_eq!(
+        refused,
+        IntegrateError::StepBelowTimeResolution {
+            step: 0.125,
+            time: late
+        }
+    );
 }
 
 #[test]

@@ -145,7 +145,10 @@ fn the_error_grows_linearly_and_less_than_without_the_energy() {
 /// Chaotic Hénon–Heiles at a step so large that ∂g/∂α changes sign every few steps, without halving.
 fn chaotic<T: Float>(alphas: Alphas, steps: u64) -> (u64, f64) {
     let (h, Start { q, p }) = henon_heiles::<T>(T::ratio(1, 6) - T::ratio(1, 1000), "-0.2", "0.1");
-    let options = Equip::stages(3).alphas(alphas).step(T::ratio(1, 2)).max_halvings(0);
+    let options = Equip::stages(3)
+        .alphas(alphas)
+        .step(T::ratio(1, 2))
+        .max_halvings(0);
     let mut run = options.start(&h, &q, &p, T::int(0)).unwrap();
     let mut worst = 0.0_f64;
     for _ in 0..steps {
@@ -156,7 +159,10 @@ fn chaotic<T: Float>(alphas: Alphas, steps: u64) -> (u64, f64) {
     let carried = counts.outcome(Outcome::Carried);
     let solved = counts.outcome(Outcome::Solved) + counts.outcome(Outcome::AtFloor);
     assert_eq!(solved + carried, steps);
-    println!("{alphas:?}, {}: {carried} of {steps} carried, energy {worst:.1e}", T::NAME);
+    println!(
+        "{alphas:?}, {}: {carried} of {steps} carried, energy {worst:.1e}",
+        T::NAME
+    );
     (carried, worst)
 }
 

@@ -117,11 +117,23 @@ impl<T: Float> fmt::Display for Certificate<T> {
             "Newton iterations",
             format_args!("{}", counts.newton_iterations),
         )?;
-        line(
-            f,
-            "factorisations",
-            format_args!("{}", counts.factorisations),
-        )?;
+        if counts.factorisations > 0 || counts.refreshes == 0 {
+            line(
+                f,
+                "factorisations",
+                format_args!("{}", counts.factorisations),
+            )?;
+        }
+        if counts.refreshes > 0 {
+            line(
+                f,
+                "simplified Newton",
+                format_args!(
+                    "{} Hessians, {} small factorisations",
+                    counts.refreshes, counts.simplified_factorisations
+                ),
+            )?;
+        }
         line(
             f,
             "evaluations",
