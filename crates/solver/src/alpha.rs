@@ -16,12 +16,18 @@
 //! *The norm.* Motion that the step resolves counts in full, motion with hω ≫ 1 with 1/(1 + (hω)²): the energy defect of an
 //! unresolved oscillation must not be paid for by the slow variables. Measured in `docs/adr/0004-which-displacement.md`.
 
-use crate::constraint::Constraint;
+use crate::constraint::{Constraint, worst};
 use crate::linear::DenseLu;
 use crate::linearised::Linearised;
 use crate::stages::Stages;
 use equip_scalar::Float;
 use nalgebra::DVector;
+
+/// Columns solved for at stages that have moved by more than 1/1000 since are solved for anew.
+const FAR: i64 = 1000;
+
+/// Columns that bring a defect down by less than this are solved for anew.
+const SLOW: i64 = 32;
 
 /// Which displacements count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,6 +67,8 @@ pub(crate) struct Directions<T: Float> {
     ends: Vec<Vec<T>>,
     /// Whether the columns of this step's directions are known and kept.
     columns_known: bool,
+    /// Worst predicted defect, relative, at the last move.
+    last_defect: T,
     /// dg/dt, and the moves t.
     slopes: DenseLu<T>,
     t: DVector<T>,
@@ -81,6 +89,7 @@ impl<T: Float> Directions<T> {
             columns: vec![DVector::zeros(s * n); constraints.max(1)],
             ends: vec![zeros(n); constraints],
             columns_known: false,
+            last_defect: T::INFINITY,
             slopes: DenseLu::new(constraints),
             t: DVector::zeros(constraints),
             delta: zeros(s - 1),
@@ -92,8 +101,24 @@ impl<T: Float> Directions<T> {
         self.known
     }
 
+    /// Before a move: whether the last one did what its columns promised.
+    pub(crate) fn judge_columns(&mut self, constraints: &[Constraint<T>]) {
+        let defect = worst(constraints, |c| c.predicted.abs() / c.scale);
+        if !(defect < self.last_defect / T::int(SLOW)) {
+            self.columns_known = false;
+        }
+        self.last_defect = defect;
+    }
+
+    /// Whether the next move has to solve for its columns.
+    pub(crate) fn columns_are_due(&self) -> bool {
+        !self.columns_known
+    }
+
     pub(crate) fn forget(&mut self) {
         self.known = false;
+        self.columns_known = false;
+        self.last_defect = T::INFINITY;
     }
 
     /// Takes the directions at the current stages. `free` holds the numbers k of the free α's; the constraints hold
@@ -164,7 +189,6 @@ impl<T: Float> Directions<T> {
         if !self.columns_known && !self.solve_columns(stages, linearised) {
             return Moved::NotAtAll;
         }
-        self.columns_known = linearised.keeps_columns();
         for (a, end) in self.ends.iter().enumerate() {
             for (b, c) in constraints.iter().enumerate() {
                 self.slopes.matrix_mut()[(b, a)] = dot(&c.gradient, end) / c.scale;
@@ -192,6 +216,8 @@ impl<T: Float> Directions<T> {
             correction.axpy(share * t, column, T::int(1));
         }
         stages.move_alphas(share, &self.delta);
+        let far = correction.amax() > T::ratio(1, FAR);
+        self.columns_known = linearised.keeps_columns() && !far;
         if share < T::int(1) {
             Moved::ToBound
         } else {

@@ -21,8 +21,10 @@ use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
 use nalgebra::DVector;
 
-/// Up to this size s·n of the stage equations full Newton is as fast.
+/// Up to this size s·n of the stage equations full Newton is as fast, …
 const FULL_IS_FAST: usize = 32;
+/// … and up to this where the α's have to be solved for, whose columns take M itself.
+const FULL_IS_FAST_FOR_ALPHAS: usize = 128;
 /// Up to this size full Newton may take over: 8 MB in f64.
 const FULL_IS_POSSIBLE: usize = 1024;
 /// Steps for which it does.
@@ -81,11 +83,21 @@ pub(crate) struct Linearised<T: Float> {
 }
 
 impl<T: Float> Linearised<T> {
-    pub(crate) fn new(s: usize, structure: &Structure, choice: StageSolver) -> Self {
+    pub(crate) fn new(
+        s: usize,
+        structure: &Structure,
+        choice: StageSolver,
+        constrained: bool,
+    ) -> Self {
         let n = structure.hessian.dimension();
+        let fast = if constrained {
+            FULL_IS_FAST_FOR_ALPHAS
+        } else {
+            FULL_IS_FAST
+        };
         let simplified = match choice {
             StageSolver::FullNewton => None,
-            StageSolver::Automatic if s * n <= FULL_IS_FAST => None,
+            StageSolver::Automatic if s * n <= fast => None,
             StageSolver::Automatic | StageSolver::SimplifiedNewton => Simplified::new(s, structure),
         };
         let length = if simplified.is_some() { s * n } else { 0 };
@@ -159,15 +171,15 @@ impl<T: Float> Linearised<T> {
     ) -> Result<(), Singular> {
         match (self.active, &mut self.simplified) {
             (Active::Simplified, Some(simplified)) => {
-                if self.made_for.is_none() || pure {
+                if !simplified.rescale(stages) || self.made_for.is_none() || pure {
                     self.made_for = None;
                     simplified.refresh(stages, energy, h, counts)?;
                     self.made_for = Some(h);
                     self.fresh = last <= T::ratio(1, 100);
                     self.untried = true;
                     self.theta_when_made = T::int(0);
+                    simplified.rescale(stages);
                 }
-                simplified.rescale(stages);
             }
             _ if last > T::EPSILON.cbrt() || pure || self.full_due => {
                 self.full_due = false;
@@ -250,7 +262,7 @@ impl<T: Float> Linearised<T> {
     /// What a correction of this size leaves of the error.
     pub(crate) fn rest_of(&self, size: T) -> T {
         if self.is_simplified() {
-            size * self.theta.max(size)
+            size * self.theta.max(self.theta_when_made).max(size)
         } else {
             size * size
         }

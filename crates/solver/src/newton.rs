@@ -95,7 +95,7 @@ impl<T: Float> Newton<T> {
         max_iterations: u32,
     ) -> Self {
         let n = structure.hessian.dimension();
-        let linearised = Linearised::new(s, structure, solver);
+        let linearised = Linearised::new(s, structure, solver, constraints > 0);
         let limit = linearised.iteration_limit(max_iterations);
         Newton {
             linearised,
@@ -306,6 +306,11 @@ impl<T: Float> Newton<T> {
         if early || !at.constraints.iter().any(stands_out) {
             return Moved::NotYet;
         }
+        self.directions.judge_columns(at.constraints);
+        if self.directions.columns_are_due() {
+            self.linearised
+                .prepare_columns(at.stages, at.energy, task.h, at.counts);
+        }
         if !self.directions.are_known() {
             let free = task.first..at.stages.count();
             for c in at.constraints.iter_mut() {
@@ -316,12 +321,13 @@ impl<T: Float> Newton<T> {
             at.counts.alpha_solves += 2 * free.len() as u64;
             let constraints = &*at.constraints;
             let linearised = &mut self.linearised;
-            linearised.prepare_columns(at.stages, at.energy, task.h, at.counts);
             if !(self.directions).take(at.stages, linearised, free, constraints, task.norm) {
                 return Moved::NotAtAll;
             }
         }
-        at.counts.alpha_solves += at.constraints.len() as u64;
+        if self.directions.columns_are_due() {
+            at.counts.alpha_solves += at.constraints.len() as u64;
+        }
         self.directions.step(
             at.stages,
             &mut self.linearised,

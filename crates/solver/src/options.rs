@@ -32,8 +32,8 @@ pub enum Record {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]
 pub enum StageSolver {
-    /// Full Newton for up to 32 unknowns s·2m, simplified Newton beyond. Where that converges badly, full Newton for some
-    /// steps, if there are at most 1024 unknowns.
+    /// Full Newton for up to 128 unknowns s·2m (32 where no α is solved for), simplified Newton beyond. Where that
+    /// converges badly, full Newton for some steps, if there are at most 1024 unknowns.
     #[default]
     Automatic,
     /// Newton with the Hessians at all stages: factorises matrices of size s·2m, dense. Quadratic convergence.

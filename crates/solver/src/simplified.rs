@@ -19,6 +19,9 @@ use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
 use nalgebra::{Complex, DMatrix, DVector};
 
+/// A component that has grown or shrunk by this makes for badly scaled factors.
+const MOST_RESCALED: f64 = 1e6;
+
 #[derive(Debug)]
 pub(crate) struct Simplified<T: Float> {
     splitting: Splitting,
@@ -84,12 +87,15 @@ impl<T: Float> Simplified<T> {
         self.systems.factor(&self.splitting.blocks)
     }
 
-    /// To be called when `Stages::scale` may have changed.
-    pub(crate) fn rescale(&mut self, stages: &Stages<T>) {
+    /// To be called when `Stages::scale` may have changed. Returns whether M̃ in its old units still serves.
+    pub(crate) fn rescale(&mut self, stages: &Stages<T>) -> bool {
         let units = stages.scale.iter().zip(&self.unit);
         for (ratio, (&now, &then)) in self.ratio.iter_mut().zip(units) {
             *ratio = (now / then).to_f64();
         }
+        self.ratio
+            .iter()
+            .all(|r| (1.0 / MOST_RESCALED..MOST_RESCALED).contains(r))
     }
 
     /// x ← M̃⁻¹ x.
