@@ -71,13 +71,13 @@ impl<T: Float> StageHessians<T> {
     /// out = B_iᵀ x, both in units of `Stages::scale`.
     pub(crate) fn turn_transposed(&self, stages: &Stages<T>, i: usize, x: &[T], out: &mut [T]) {
         let (n, entries) = (stages.n, self.of_stage(i));
-        for row in 0..n {
+        for (row, out) in out.iter_mut().enumerate() {
             // Column `row` of J∇²H is row `row` of ∇²H Jᵀ, with the other sign of J.
             let product = self.pattern.row(row).fold(T::int(0), |sum, (position, j)| {
                 let (r, sign) = turned::<T>(j, n);
                 sum + entries[position] * (sign * x[r] / stages.scale[r])
             });
-            out[row] = product * stages.scale[row];
+            *out = product * stages.scale[row];
         }
     }
 

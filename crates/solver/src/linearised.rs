@@ -171,7 +171,8 @@ impl<T: Float> Linearised<T> {
     ) -> Result<(), Singular> {
         match (self.active, &mut self.simplified) {
             (Active::Simplified, Some(simplified)) => {
-                if !simplified.rescale(stages) || self.made_for.is_none() || pure {
+                let serves = simplified.rescale(stages) && self.made_for.is_some();
+                if !serves || pure {
                     self.made_for = None;
                     simplified.refresh(stages, energy, h, counts)?;
                     self.made_for = Some(h);
