@@ -36,18 +36,15 @@ fn shown(numbers: &[f64]) -> String {
     numbers.iter().map(|x| format!("{x:.1e} ")).collect()
 }
 
-/// 40 steps: how many show three and more iterations in a row, the last of them at 1e-20 and below.
+/// 40 steps: how many solve for the energy with three and more such iterations in a row, the last below 1e-20.
 fn quadratic_steps(
     name: &str,
     energy: &Hamiltonian,
     start: &Start<DoubleDouble>,
-    h: (i64, i64),
+    h: DoubleDouble,
     alphas: Alphas,
 ) -> usize {
-    let options = Equip::stages(3)
-        .alphas(alphas)
-        .step(DoubleDouble::ratio(h.0, h.1))
-        .pure_newton(true);
+    let options = Equip::stages(3).alphas(alphas).step(h).pure_newton(true);
     let mut run = options
         .start(energy, &start.q, &start.p, DoubleDouble::int(0))
         .unwrap();
@@ -66,35 +63,46 @@ fn quadratic_steps(
             good += 1;
             if good <= 2 {
                 let orders: Vec<f64> = errors.windows(2).map(|e| e[1].ln() / e[0].ln()).collect();
+                println!("{name}, {alphas:?}, step {index}: {}", shown(&errors));
                 println!(
-                    "{name}, {alphas:?}, step {index}: errors {}",
-                    shown(&errors)
-                );
-                println!(
-                    "  log e_(k+1)/log e_k {orders:.2?}, e_(k+1)/e_k^2 at the end {}",
+                    "  log e_(k+1)/log e_k {orders:.2?}, e_(k+1)/e_k^2 {}",
                     shown(&tail)
                 );
             }
         }
     }
-    println!(
-        "{name}, {alphas:?}: {good} of 40 steps, {} factorisations, {} iterations",
-        run.counts().factorisations,
-        run.counts().newton_iterations
+    let counts = run.counts();
+    assert_eq!(
+        counts.factorisations, counts.newton_iterations,
+        "every iteration is a Newton step"
     );
-    assert_eq!(run.counts().factorisations, run.counts().newton_iterations);
+    println!("{name}, {alphas:?}: {good} of 40 steps");
     good
 }
 
 #[test]
-fn explore() {
-    for h in [(1, 12), (1, 8), (1, 6), (1, 5), (1, 4), (3, 10)] {
-        for alphas in [Alphas::Last, Alphas::All] {
-            println!("h = {h:?}");
-            let (energy, start) = kepler(6);
-            quadratic_steps("Kepler", &energy, &start, h, alphas);
-            let (energy, start) = double_pendulum();
-            quadratic_steps("double pendulum", &energy, &start, h, alphas);
-        }
+fn on_kepler() {
+    let (energy, start) = kepler(6);
+    for alphas in [Alphas::Last, Alphas::All] {
+        let steps = quadratic_steps(
+            "Kepler",
+            &energy,
+            &start,
+            DoubleDouble::ratio(3, 10),
+            alphas,
+        );
+        // Measured 8 and 7; the steps that start nearer to their solution have no three iterations to show.
+        assert!(steps >= 4);
+    }
+}
+
+#[test]
+fn on_the_double_pendulum() {
+    let (energy, start) = double_pendulum();
+    for alphas in [Alphas::Last, Alphas::All] {
+        let h = DoubleDouble::ratio(1, 5);
+        let steps = quadratic_steps("double pendulum", &energy, &start, h, alphas);
+        // Measured 25 and 23; one sequence: 1.2e-1 2.2e-3 3.1e-7 1.4e-14 1.9e-29.
+        assert!(steps >= 12);
     }
 }

@@ -17,7 +17,8 @@ pub(crate) struct Constraint<T: Float> {
     reference: T,
     /// g.
     pub(crate) defect: T,
-    /// Below this, g is round-off: ε (|I_ref| + |I(y1)| + Σ_i |∂_iI(y1) y1_i|), and once the stages have converged what
+    /// Below this, g is round-off: ε (|I_ref| + |I(y1)| + Σ_i |∂_iI(y1)| σ_i) with the sizes
+    /// σ_i = max(|y0_i|, |y1_i|, |Z_i|) of the components, and once the stages have converged what
     /// their last, round-off sized correction would do to I.
     pub(crate) floor: T,
     /// What a relative change of the state by 1 is worth.
@@ -58,14 +59,24 @@ impl<T: Float> Constraint<T> {
         constraint
     }
 
-    /// Evaluates I and ∇I at `y1`. Returns whether they are finite.
-    pub(crate) fn evaluate<E: Evaluate<T>>(&mut self, energy: &mut E, y1: &State<T>) -> bool {
+    /// Evaluates I and ∇I at `y1`; `sizes` are those of the components over the step. Returns whether they are finite.
+    pub(crate) fn evaluate<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y1: &State<T>,
+        sizes: &[T],
+    ) -> bool {
         let value = match &mut self.evaluator {
             None => energy.gradient(&y1.hi, &mut self.gradient),
             Some(evaluator) => evaluator.gradient(&y1.hi, &mut self.gradient),
         };
         self.defect = value - self.reference;
-        let moved = products(&self.gradient, &y1.hi);
+        let largest = y1.hi.iter().zip(sizes).map(|(y, &size)| size.max(y.abs()));
+        let moved = self
+            .gradient
+            .iter()
+            .zip(largest)
+            .fold(T::int(0), |sum, (&g, y)| sum + (g * y).abs());
         self.scale = self.reference.abs() + value.abs() + moved;
         self.floor = T::EPSILON * self.scale;
         value.is_finite() && self.floor.is_finite()

@@ -203,7 +203,9 @@ impl<T: Float> Newton<T> {
                     Moved::ToBound => shortened += 1,
                     Moved::Fully | Moved::NotYet => {}
                 }
-                if shortened == MAX_SHORTENED {
+                // Round-off that only a large α would remove is not worth a second try.
+                let round_off = shortened > 0 && nearly_met(at.constraints);
+                if round_off || shortened == MAX_SHORTENED {
                     return Err(Failure::NoAlpha);
                 }
             }
@@ -282,7 +284,7 @@ impl<T: Float> Newton<T> {
     ) -> Result<T, Failure<T>> {
         for c in at.constraints.iter_mut() {
             at.counts.gradients += 1;
-            finite(c.evaluate(at.energy, at.next))?;
+            finite(c.evaluate(at.energy, at.next, &at.stages.scale))?;
             c.predicted = c.defect + dot(&c.gradient, &self.moved_end);
             if round_off {
                 c.add_stage_noise(&self.moved_end);
@@ -359,6 +361,11 @@ impl<T: Float, E: Evaluate<T>> Solution<'_, T, E> {
         self.stages
             .evaluate(self.energy, task.y, task.h, self.counts)
     }
+}
+
+/// Whether a step with α = 0 leaves no more than a few floors of defect.
+pub(crate) fn nearly_met<T: Float>(constraints: &[Constraint<T>]) -> bool {
+    worst(constraints, Constraint::without_alpha_in_floors) <= T::int(ENERGY_STAGNATED)
 }
 
 fn finite<T>(ok: bool) -> Result<(), Failure<T>> {

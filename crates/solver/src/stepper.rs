@@ -157,8 +157,9 @@ impl<T: Float> FixedStep<T> {
             energy: measured.then(|| Defect::new("energy", h_ref)),
             in_floors: has_target.then(|| T::int(0)),
             watched: self
-                .invariants
+                .kept
                 .iter()
+                .chain(&self.invariants)
                 .map(|i| Watched::new(i, &y.hi))
                 .collect(),
             alpha_range: vec![(T::int(0), T::int(0)); alphas],
