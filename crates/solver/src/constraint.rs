@@ -18,7 +18,7 @@ pub(crate) struct Constraint<T: Float> {
     /// g.
     pub(crate) defect: T,
     /// Below this, g is round-off: ε (|I_ref| + |I(y1)| + Σ_i |∂_iI(y1)| σ_i) with the sizes
-    /// σ_i = max(|y0_i|, |Z_i|) of the components, and once the stages have converged what
+    /// σ_i = max(|y0_i|, |y1_i|, |Z_i|) of the components, and once the stages have converged what
     /// their last, round-off sized correction would do to I.
     pub(crate) floor: T,
     /// What a relative change of the state by 1 is worth.
@@ -71,7 +71,12 @@ impl<T: Float> Constraint<T> {
             Some(evaluator) => evaluator.gradient(&y1.hi, &mut self.gradient),
         };
         self.defect = value - self.reference;
-        let moved = products(&self.gradient, sizes);
+        let largest = y1.hi.iter().zip(sizes).map(|(y, &size)| size.max(y.abs()));
+        let moved = self
+            .gradient
+            .iter()
+            .zip(largest)
+            .fold(T::int(0), |sum, (&g, y)| sum + (g * y).abs());
         self.scale = self.reference.abs() + value.abs() + moved;
         self.floor = T::EPSILON * self.scale;
         value.is_finite() && self.floor.is_finite()

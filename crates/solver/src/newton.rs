@@ -184,7 +184,9 @@ impl<T: Float> Newton<T> {
                     Moved::ToBound => shortened += 1,
                     Moved::Fully | Moved::NotYet => {}
                 }
-                if shortened == MAX_SHORTENED {
+                // Round-off that only a large α would remove is not worth a second try.
+                let round_off = shortened > 0 && nearly_met(at.constraints);
+                if round_off || shortened == MAX_SHORTENED {
                     return Err(Failure::NoAlpha);
                 }
             }
@@ -307,6 +309,11 @@ impl<T: Float, E: Evaluate<T>> Solution<'_, T, E> {
         self.stages
             .evaluate(self.energy, task.y, task.h, self.counts)
     }
+}
+
+/// Whether a step with α = 0 leaves no more than a few floors of defect.
+pub(crate) fn nearly_met<T: Float>(constraints: &[Constraint<T>]) -> bool {
+    worst(constraints, Constraint::without_alpha_in_floors) <= T::int(ENERGY_STAGNATED)
 }
 
 fn finite<T>(ok: bool) -> Result<(), Failure<T>> {

@@ -4,7 +4,7 @@ use crate::alpha::Norm;
 use crate::constraint::{Constraint, worst};
 use crate::error::IntegrateError;
 use crate::guess::Guess;
-use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask};
+use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
 use crate::options::{OnNoAlpha, Settings};
 use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
@@ -101,8 +101,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             Err(failure) => failure,
         };
         // A defect of a few floors that no α removes is round-off.
-        let without_alpha = worst(&self.constraints, Constraint::without_alpha_in_floors);
-        if failure == Failure::NoAlpha && without_alpha <= T::int(ENERGY_STAGNATED) {
+        if failure == Failure::NoAlpha && nearly_met(&self.constraints) {
             return self.without_alpha(y, t, h, next);
         }
         if level < self.settings.max_halvings {
@@ -164,7 +163,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     fn attempt(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> Result<Outcome, Failure<T>> {
         let constrained = !self.constraints.is_empty();
         let mut solved = self.solve(y, h, constrained, Norm::Resolved, next);
-        if solved == Err(Failure::NoAlpha) && self.free_alphas() > 1 {
+        let again = self.free_alphas() > 1 && !nearly_met(&self.constraints);
+        if solved == Err(Failure::NoAlpha) && again {
             solved = self.solve(y, h, constrained, Norm::Plain, next);
         }
         solved?;
