@@ -61,7 +61,8 @@ impl RandomSystem {
             let separable = rng.once_in(2);
             // Few degrees of freedom more often than many: the work grows like m³.
             let m = 1 + rng.below(6).min(rng.below(6));
-            let hamiltonian = Hamiltonian::new(m, |q, p| energy(rng, kind, separable, q, p)).unwrap();
+            let hamiltonian =
+                Hamiltonian::new(m, |q, p| energy(rng, kind, separable, q, p)).unwrap();
             let mut evaluator = hamiltonian.evaluator::<f64>();
             let mut gradient = vec![0.0; 2 * m];
             for _ in 0..STARTS {
@@ -83,7 +84,11 @@ impl RandomSystem {
 
 /// Components of the size of 1, sometimes of another size, sometimes with zeros.
 fn start(rng: &mut Seeded, n: usize) -> Vec<f64> {
-    let size = if rng.once_in(5) { rng.power_of_ten(-3.0, 1.0) } else { 1.0 };
+    let size = if rng.once_in(5) {
+        rng.power_of_ten(-3.0, 1.0)
+    } else {
+        1.0
+    };
     let zeros = rng.once_in(5);
     (0..n)
         .map(|_| {
@@ -97,7 +102,10 @@ fn energy(rng: &mut Seeded, kind: TermKind, separable: bool, q: &[Var], p: &[Var
     let all: Vec<Var> = q.iter().chain(p).copied().collect();
     let mut h: Var = p.iter().map(|&p| rng.power_of_ten(-1.0, 1.0) * p * p).sum();
     if !rng.once_in(4) {
-        h += q.iter().map(|&q| rng.power_of_ten(-1.0, 1.0) * q * q).sum::<Var>();
+        h += q
+            .iter()
+            .map(|&q| rng.power_of_ten(-1.0, 1.0) * q * q)
+            .sum::<Var>();
     }
     for _ in 0..1 + rng.below(4) {
         h += match (separable, rng.once_in(3)) {
@@ -106,7 +114,11 @@ fn energy(rng: &mut Seeded, kind: TermKind, separable: bool, q: &[Var], p: &[Var
             (true, true) => term(rng, kind, p),
         };
     }
-    if rng.once_in(6) { rng.power_of_ten(-8.0, 8.0) * h } else { h }
+    if rng.once_in(6) {
+        rng.power_of_ten(-8.0, 8.0) * h
+    } else {
+        h
+    }
 }
 
 fn any(rng: &mut Seeded, x: &[Var]) -> Var {
@@ -192,14 +204,20 @@ pub fn rate(hamiltonian: &Hamiltonian, y: &[f64]) -> f64 {
     };
     let mut a = vec![0.0; n * n];
     for row in 0..n {
-        let (turned, sign) = if row < m { (row + m, -1.0) } else { (row - m, 1.0) };
+        let (turned, sign) = if row < m {
+            (row + m, -1.0)
+        } else {
+            (row - m, 1.0)
+        };
         for (position, column) in pattern.row(row) {
             a[turned * n + column] = sign * entries[position];
         }
     }
     let mut log_norm = 0.0;
     for squarings in 0..=6 {
-        let size = (0..n).map(|i| a[i * n..][..n].iter().map(|x| x.abs()).sum()).fold(0.0, f64::max);
+        let size = (0..n)
+            .map(|i| a[i * n..][..n].iter().map(|x| x.abs()).sum())
+            .fold(0.0, f64::max);
         if !(size > 0.0 && size.is_finite()) {
             return slow;
         }

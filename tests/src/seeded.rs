@@ -26,7 +26,7 @@ impl Seeded {
 
     /// Uniform in 0 … n − 1; n well below 2³².
     pub fn below(&mut self, n: usize) -> usize {
-        ((self.bits() >> 32) * n as u64 >> 32) as usize
+        (((self.bits() >> 32) * n as u64) >> 32) as usize
     }
 
     /// True once in `n` times.

@@ -56,7 +56,9 @@ fn orbit<T: Float>(method: Method, periods: i64) -> Orbit {
     }
     let view = run.view();
     seen.error = distance(&[view.q, view.p].concat(), &start.state()).to_f64();
-    let Trend { slope, random_walk } = trend(&seen.momentum);
+    let Trend {
+        slope, random_walk, ..
+    } = trend(&seen.momentum);
     println!(
         "{method}, {}, {periods} periods: energy {:.2e}, momentum max {:.2e} end {:.2e}, slope {slope:.1e} (random walk {random_walk:.1e}), error {:.3e}, kept {}/{}",
         T::NAME,
@@ -76,7 +78,9 @@ fn defect_end(orbit: &Orbit) -> f64 {
 
 /// The slope of the angular momentum is no more than rounding makes: 4 standard deviations.
 fn no_trend(orbit: &Orbit) {
-    let Trend { slope, random_walk } = trend(&orbit.momentum);
+    let Trend {
+        slope, random_walk, ..
+    } = trend(&orbit.momentum);
     assert!(
         slope.abs() <= 4.0 * random_walk,
         "slope {slope:e}, random walk {random_walk:e}"
@@ -145,7 +149,10 @@ fn the_error_grows_linearly_and_less_than_without_the_energy() {
 /// Chaotic Hénon–Heiles at a step so large that ∂g/∂α changes sign every few steps, without halving.
 fn chaotic<T: Float>(alphas: Alphas, steps: u64) -> (u64, f64) {
     let (h, Start { q, p }) = henon_heiles::<T>(T::ratio(1, 6) - T::ratio(1, 1000), "-0.2", "0.1");
-    let options = Equip::stages(3).alphas(alphas).step(T::ratio(1, 2)).max_halvings(0);
+    let options = Equip::stages(3)
+        .alphas(alphas)
+        .step(T::ratio(1, 2))
+        .max_halvings(0);
     let mut run = options.start(&h, &q, &p, T::int(0)).unwrap();
     let mut worst = 0.0_f64;
     for _ in 0..steps {
@@ -156,7 +163,10 @@ fn chaotic<T: Float>(alphas: Alphas, steps: u64) -> (u64, f64) {
     let carried = counts.outcome(Outcome::Carried);
     let solved = counts.outcome(Outcome::Solved) + counts.outcome(Outcome::AtFloor);
     assert_eq!(solved + carried, steps);
-    println!("{alphas:?}, {}: {carried} of {steps} carried, energy {worst:.1e}", T::NAME);
+    println!(
+        "{alphas:?}, {}: {carried} of {steps} carried, energy {worst:.1e}",
+        T::NAME
+    );
     (carried, worst)
 }
 
