@@ -100,12 +100,26 @@ fn a_step_that_time_cannot_resolve() {
     let (h, start) = kepler::<f64>(6);
     let late = 2.0_f64.powi(53);
     let options = Equip::stages(3).step(0.125);
-    let failure = options.integrate(&h, &start.q, &start.p, late..=late + 16.0).unwrap_err();
-    let expected = IntegrateError::StepBelowTimeResolution { step: 0.125, time: late + 16.0 };
+    let failure = options
+        .integrate(&h, &start.q, &start.p, late..=late + 16.0)
+        .unwrap_err();
+    let expected = IntegrateError::StepBelowTimeResolution {
+        step: 0.125,
+        time: late + 16.0,
+    };
     assert_eq!(failure.error, expected);
-    says(&failure.to_string(), &["take a larger step or let time start at 0"]);
+    says(
+        &failure.to_string(),
+        &["take a larger step or let time start at 0"],
+    );
     let refused = options.start(&h, &start.q, &start.p, late).unwrap_err();
-    assert_eq!(refused, IntegrateError::StepBelowTimeResolution { step: 0.125, time: late });
+    assert_eq!(
+        refused,
+        IntegrateError::StepBelowTimeResolution {
+            step: 0.125,
+            time: late
+        }
+    );
 }
 
 #[test]
@@ -317,9 +331,9 @@ fn output_times_outside_the_interval_or_in_disorder() {
     }
 }
 
-/// H = p²/2 + √(1 − q): a particle thrown at the edge q = 1 of the domain.
+/// H = p²/2 + (1 − q)^(3/2): a particle thrown over the edge q = 1 of the domain, where the force still is finite.
 fn edge() -> Hamiltonian {
-    Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + (1.0 - q[0]).sqrt()).unwrap()
+    Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + (1.0 - q[0]).powf(1.5)).unwrap()
 }
 
 fn leaves_the_domain<T: Float>() {
@@ -383,6 +397,25 @@ fn leaves_the_domain<T: Float>() {
 fn an_energy_that_ends_somewhere() {
     leaves_the_domain::<f64>();
     leaves_the_domain::<DoubleDouble>();
+}
+
+#[test]
+fn an_edge_with_an_infinite_force() {
+    // √(1 − q): the stages diverge before they leave the domain, or leave it; either is typed.
+    let h = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + (1.0 - q[0]).sqrt()).unwrap();
+    let options = Equip::stages(3).step(0.05);
+    let failure = options
+        .integrate(&h, &[0.0], &[1.0], 0.0..=5.0)
+        .unwrap_err();
+    assert!(
+        matches!(
+            failure.error,
+            IntegrateError::NotFinite { .. } | IntegrateError::NoConvergence { .. }
+        ),
+        "{:?}",
+        failure.error
+    );
+    assert!(failure.partial.unwrap().last().1[0] < 1.0);
 }
 
 #[test]
@@ -469,6 +502,35 @@ fn refuses<T: Float>() {
 fn no_admissible_alpha_when_the_user_refuses_to_carry() {
     refuses::<f64>();
     refuses::<DoubleDouble>();
+}
+
+#[test]
+fn more_to_keep_than_alphas_to_keep_it_with() {
+    let (h, start) = kepler::<f64>(6);
+    let runge_lenz = Hamiltonian::new(2, |q, p| {
+        p[1] * (q[0] * p[1] - q[1] * p[0]) - q[0] / q[0].hypot(q[1])
+    });
+    let runge_lenz = Invariant::new("Laplace-Runge-Lenz x", runge_lenz.unwrap());
+    let options = |method: Method| method.step(0.05).keep(runge_lenz.clone());
+    for (method, alphas) in [
+        (Equip::stages(2), 1),
+        (Equip::stages(6).alphas(Alphas::Last), 1),
+        (Gauss::stages(4), 0),
+    ] {
+        let error = options(method)
+            .start(&h, &start.q, &start.p, 0.0)
+            .unwrap_err();
+        assert!(
+            matches!(error, IntegrateError::TooFewAlphas { alphas: found, .. } if found == alphas),
+            "{error:?}"
+        );
+        says(&error.to_string(), &["take at least", "or keep fewer"]);
+    }
+    assert!(
+        options(Equip::stages(3))
+            .start(&h, &start.q, &start.p, 0.0)
+            .is_ok()
+    );
 }
 
 #[test]

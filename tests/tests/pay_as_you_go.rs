@@ -176,7 +176,10 @@ fn below_the_floor<T: Float>(h: T, s: usize) {
             "{method}: {counts:?}"
         );
         // Only while the stages of the first step are still far off, its guess being a straight line.
-        assert!(counts.alpha_solves <= 2 * (s as u64 - 1), "{method}: {counts:?}");
+        assert!(
+            counts.alpha_solves <= 2 * (s as u64 - 1),
+            "{method}: {counts:?}"
+        );
         assert_eq!(counts.newton_iterations, gauss_counts.newton_iterations);
         assert_eq!(counts.factorisations, gauss_counts.factorisations);
         assert_eq!(equip, gauss);

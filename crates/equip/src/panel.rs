@@ -41,12 +41,12 @@ impl Axis {
         }
     }
 
-    /// Whole decades around `low` to `high`, both positive, with room above `high`.
+    /// Whole decades around `low` to `high`, both positive, with room above `high`, and at least three.
     pub(crate) fn decades(low: f64, high: f64, label: &str) -> Self {
         let (low, high) = (low.log10().floor(), (high.log10() + 0.1).ceil());
         Axis {
             low,
-            high: high.max(low + 1.0),
+            high: high.max(low + 3.0),
             logarithmic: true,
             label: label.into(),
         }

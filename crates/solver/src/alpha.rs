@@ -1,12 +1,13 @@
 //! The α part: which way the free α's move to bring g to zero with the least displacement.
 //!
-//! One equation for up to s − 1 unknowns. With slopes v_k = dg/dα_k and displacements ‖u_k‖ the α's move along
+//! One equation (or a few, with further invariants to keep) for up to s − 1 unknowns. With slopes v_k = dg/dα_k and
+//! displacements ‖u_k‖ the α's move along
 //!
 //! $$ \delta\alpha_k = t\, d_k, \qquad d_k = \frac{v_k}{\lVert u_k \rVert^2}, $$
 //!
 //! the smallest (δα_k ‖u_k‖)_k that changes g as wanted (project note, section 3); t is solved for together with the
-//! stages. The direction does not change when an α is rescaled, and a vanishing slope costs nothing while another
-//! does not vanish.
+//! stages. With r equations there are r directions, the columns of W Vᵀ, W = diag(‖u_k‖⁻²), and r unknowns t.
+//! A direction does not change when an α is rescaled, and a vanishing slope costs nothing while another does not vanish.
 //!
 //! *Symmetry in time.* v_k and ‖u_k‖² are means over the two ends of the step: u_k moves the end with the start held,
 //! u'_k = −Ψ⁻¹u_k the start with the end held. The direction is taken once, when the stages with α = 0 have converged,
@@ -15,6 +16,8 @@
 //! *The norm.* Motion that the step resolves counts in full, motion with hω ≫ 1 with 1/(1 + (hω)²): the energy defect of an
 //! unresolved oscillation must not be paid for by the slow variables. Measured in `docs/adr/0004-which-displacement.md`.
 
+use crate::constraint::Constraint;
+use crate::linear::DenseLu;
 use crate::linearisation::Linearisation;
 use crate::stages::Stages;
 use equip_scalar::Float;
@@ -42,35 +45,44 @@ pub(crate) enum Moved {
     NotAtAll,
 }
 
-/// Direction of the free α's and workspace for it.
+/// Directions of the free α's and workspace for them.
 #[derive(Debug)]
-pub(crate) struct Direction<T: Float> {
-    /// d_1 … d_{s−1}; zero where the α is not free.
-    pub(crate) d: Vec<T>,
+pub(crate) struct Directions<T: Float> {
+    /// d of each constraint: d_1 … d_{s−1}, zero where the α is not free.
+    d: Vec<Vec<T>>,
     known: bool,
     weights: Vec<T>,
     sizes: Vec<T>,
     u: Vec<T>,
     back: Vec<T>,
-    column: DVector<T>,
+    /// ∂Z/∂t of each constraint's direction, in units of the state.
+    columns: Vec<DVector<T>>,
+    /// dg/dt, and the moves t.
+    slopes: DenseLu<T>,
+    t: DVector<T>,
+    /// δα of the last move.
+    delta: Vec<T>,
 }
 
-impl<T: Float> Direction<T> {
-    pub(crate) fn new(s: usize, n: usize) -> Self {
+impl<T: Float> Directions<T> {
+    pub(crate) fn new(s: usize, n: usize, constraints: usize) -> Self {
         let zeros = |len: usize| vec![T::int(0); len];
-        Direction {
-            d: zeros(s - 1),
+        Directions {
+            d: vec![zeros(s - 1); constraints],
             known: false,
             weights: zeros(n),
             sizes: zeros(n),
             u: zeros(n),
             back: zeros(n),
-            column: DVector::zeros(s * n),
+            columns: vec![DVector::zeros(s * n); constraints.max(1)],
+            slopes: DenseLu::new(constraints),
+            t: DVector::zeros(constraints),
+            delta: zeros(s - 1),
         }
     }
 
-    /// Whether it has been taken in this step.
-    pub(crate) fn is_known(&self) -> bool {
+    /// Whether they have been taken in this step.
+    pub(crate) fn are_known(&self) -> bool {
         self.known
     }
 
@@ -78,8 +90,8 @@ impl<T: Float> Direction<T> {
         self.known = false;
     }
 
-    /// Takes the direction at the current stages. `free` holds the numbers k of the free α's; `start` and `end` are
-    /// ∇H at y0 and y1, `energy_scale` the energy that makes them dimensionless.
+    /// Takes the directions at the current stages. `free` holds the numbers k of the free α's; the constraints hold
+    /// their gradients at both ends of the step.
     ///
     /// Cost: two solves per free α.
     pub(crate) fn take(
@@ -87,13 +99,13 @@ impl<T: Float> Direction<T> {
         stages: &Stages<T>,
         linearisation: &mut Linearisation<T>,
         free: std::ops::Range<usize>,
-        (start, end, energy_scale): (&[T], &[T], T),
+        constraints: &[Constraint<T>],
         norm: Norm,
     ) {
-        self.d.fill(T::int(0));
+        self.d.iter_mut().for_each(|d| d.fill(T::int(0)));
         self.known = true;
         if free.len() == 1 {
-            self.d[free.start - 1] = T::int(1);
+            self.d[0][free.start - 1] = T::int(1);
             return;
         }
         match norm {
@@ -102,23 +114,98 @@ impl<T: Float> Direction<T> {
         }
         stages.sizes(&mut self.sizes);
         let two = T::int(2);
-        let mut largest = T::int(0);
         for k in free {
-            stages.alpha_derivative(k, self.column.as_mut_slice());
-            stages.to_units(self.column.as_mut_slice());
-            linearisation.solve(&mut self.column);
-            linearisation.end_displacement(stages, &self.column, &mut self.u);
+            let column = &mut self.columns[0];
+            stages.alpha_derivative(k, column.as_mut_slice());
+            stages.to_units(column.as_mut_slice());
+            linearisation.solve(column);
+            linearisation.end_displacement(stages, column, &mut self.u);
             linearisation.start_displacement(stages, &self.u, &mut self.back);
-            let slope = (dot(end, &self.u) - dot(start, &self.back)) / energy_scale / two;
             let square = (self.norm_squared(&self.u) + self.norm_squared(&self.back)) / two;
-            let d = slope / square;
-            self.d[k - 1] = if d.is_finite() { d } else { T::int(0) };
-            largest = largest.max(self.d[k - 1].abs());
+            for (d, c) in self.d.iter_mut().zip(constraints) {
+                let change = dot(&c.gradient, &self.u) - dot(&c.start_gradient, &self.back);
+                let x = change / c.scale / two / square;
+                d[k - 1] = if x.is_finite() { x } else { T::int(0) };
+            }
         }
         // Only the ratios matter: t scales with the rest.
-        if largest > T::int(0) {
-            self.d.iter_mut().for_each(|d| *d /= largest);
+        for d in &mut self.d {
+            let largest = d.iter().fold(T::int(0), |a, x| a.max(x.abs()));
+            if largest > T::int(0) {
+                d.iter_mut().for_each(|x| *x /= largest);
+            }
         }
+    }
+
+    /// Solves for the moves t that bring the predicted defects to zero, shortened so that every |α_k| stays at most
+    /// `bound`; adds their part to the `correction` of the stages and moves the α's.
+    ///
+    /// Cost: one solve per constraint.
+    pub(crate) fn step(
+        &mut self,
+        stages: &mut Stages<T>,
+        linearisation: &Linearisation<T>,
+        constraints: &[Constraint<T>],
+        bound: T,
+        correction: &mut DVector<T>,
+    ) -> Moved {
+        for (a, (d, column)) in self.d.iter().zip(&mut self.columns).enumerate() {
+            stages.alpha_derivative_along(d, column.as_mut_slice());
+            stages.to_units(column.as_mut_slice());
+            linearisation.solve(column);
+            linearisation.end_displacement(stages, column, &mut self.u);
+            for (b, c) in constraints.iter().enumerate() {
+                self.slopes.matrix_mut()[(b, a)] = dot(&c.gradient, &self.u) / c.scale;
+            }
+        }
+        for (t, c) in self.t.iter_mut().zip(constraints) {
+            *t = -c.predicted / c.scale;
+        }
+        if self.slopes.factor().is_err() {
+            return Moved::NotAtAll;
+        }
+        self.slopes.solve(&mut self.t);
+        self.delta.fill(T::int(0));
+        for (d, &t) in self.d.iter().zip(self.t.iter()) {
+            self.delta
+                .iter_mut()
+                .zip(d)
+                .for_each(|(delta, &d)| *delta += t * d);
+        }
+        let share = self.share_within(&stages.alphas, bound);
+        if !share.is_finite() {
+            return Moved::NotAtAll;
+        }
+        for (column, &t) in self.columns.iter().zip(self.t.iter()) {
+            correction.axpy(share * t, column, T::int(1));
+        }
+        stages.move_alphas(share, &self.delta);
+        if share < T::int(1) {
+            Moved::ToBound
+        } else {
+            Moved::Fully
+        }
+    }
+
+    /// The largest share of the move that keeps every |α_k| within `bound`; NaN if the move is not finite.
+    fn share_within(&self, alphas: &[T], bound: T) -> T {
+        self.delta
+            .iter()
+            .zip(alphas)
+            .fold(T::int(1), |share, (&delta, &alpha)| {
+                let room = if delta > T::int(0) {
+                    bound - alpha
+                } else {
+                    bound + alpha
+                };
+                if !delta.is_finite() {
+                    T::NAN
+                } else if delta.abs() > room {
+                    share.min(room / delta.abs())
+                } else {
+                    share
+                }
+            })
     }
 
     fn norm_squared(&self, u: &[T]) -> T {
@@ -127,31 +214,6 @@ impl<T: Float> Direction<T> {
             let x = weight * x / size;
             if x.is_finite() { sum + x * x } else { sum }
         })
-    }
-
-    /// Shortens the move `t` along the direction so that |α_k| stays at most `bound`.
-    pub(crate) fn within(&self, t: T, alphas: &[T], bound: T) -> (T, Moved) {
-        if !t.is_finite() {
-            return (T::int(0), Moved::NotAtAll);
-        }
-        let mut share = T::int(1);
-        for (&d, &alpha) in self.d.iter().zip(alphas) {
-            let move_by = t * d;
-            let room = if move_by > T::int(0) {
-                bound - alpha
-            } else {
-                bound + alpha
-            };
-            if move_by.abs() > room {
-                share = share.min(room / move_by.abs());
-            }
-        }
-        let moved = if share < T::int(1) {
-            Moved::ToBound
-        } else {
-            Moved::Fully
-        };
-        (t * share, moved)
     }
 }
 

@@ -92,6 +92,14 @@ pub enum IntegrateError<T: Float> {
         /// What is accepted.
         expected: &'static str,
     },
+    /// More quantities to keep than α's to keep them with.
+    #[error("{kept} quantities are to be kept with {alphas} free α's; take at least {} stages with all α's free, or keep fewer", kept + 1)]
+    TooFewAlphas {
+        /// Equations: the energy unless H is quadratic, and the invariants to be kept.
+        kept: usize,
+        /// Free α's of the method.
+        alphas: usize,
+    },
     /// An output time lies outside the interval or before the one ahead of it.
     #[error(
         "output time {time} (number {index}) must lie in {start} to {end} and not before the one ahead of it"

@@ -1,6 +1,6 @@
 //! Energy and quadratic invariants preserving (EQUIP) integrators for Hamiltonian systems y' = J∇H(y).
 //!
-//! One step reads: initial guess (`guess`) → stages and α (`stages`, `energy`, `linearisation`, `alpha`, `newton`) → accept or halve (`step`)
+//! One step reads: initial guess (`guess`) → stages and α (`stages`, `constraint`, `linearisation`, `alpha`, `newton`) → accept or halve (`step`)
 //! → update (`state`) → observe (`stepper`, `run`).
 //!
 //! Paper: L. Brugnano, F. Iavernaro, D. Trigiante, *Energy and quadratic invariants preserving integrators of Gaussian
@@ -9,8 +9,8 @@
 
 mod alpha;
 mod certificate;
+mod constraint;
 mod endpoint;
-mod energy;
 mod error;
 mod guess;
 mod invariant;

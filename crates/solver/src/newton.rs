@@ -6,17 +6,18 @@
 //!    \nabla H(y_1)^T \sum_i B_i\,\delta Z_i = -g. $$
 //!
 //! With δα = t d along the direction of least displacement ([`crate::alpha`]) the border is one column: solve for −R and for
-//! Σ d_k T_k L with one factorisation of M ([`crate::linearisation`]), then t from the last row.
+//! Σ d_k T_k L with one factorisation of M ([`crate::linearisation`]), then t from the last row. Every further invariant to be
+//! kept adds a row, a direction and a column ([`crate::constraint`]).
 //!
 //! *Start.* At Z = 0 all T_k L vanish and the border is singular, so the stages are solved with α = 0 first, with damping
-//! while they are far. An α moves only when the predicted |g| stands out of the error that the stages still have.
+//! while they are far. The α's move only when the predicted |g| stands out of the error that the stages still have.
 //! *End.* Both residuals are driven to round-off: until corrections are at 4 ε or stop shrinking, and |g| is at its floor or
 //! stops shrinking near it.
 //!
 //! Cost per iteration: a factorisation while corrections exceed ε^(1/3), then solves with the last one.
 
-use crate::alpha::{Direction, Moved, Norm, dot};
-use crate::energy::{Residual, Target};
+use crate::alpha::{Directions, Moved, Norm, dot};
+use crate::constraint::{Constraint, worst};
 use crate::linearisation::Linearisation;
 use crate::outcome::Counts;
 use crate::stages::Stages;
@@ -50,8 +51,8 @@ pub(crate) enum Failure<T> {
 pub(crate) struct StepTask<'a, T> {
     pub(crate) y: &'a State<T>,
     pub(crate) h: T,
-    /// The energy to reach; `None` holds the α's where they are.
-    pub(crate) target: Option<Target<T>>,
+    /// Whether the constraints are to be met; if not, the α's stay where they are.
+    pub(crate) constrained: bool,
     /// Free are α_first … α_{s−1}.
     pub(crate) first: usize,
     pub(crate) norm: Norm,
@@ -73,7 +74,7 @@ pub struct NewtonRecord<T> {
 #[derive(Debug)]
 pub(crate) struct Newton<T: Float> {
     linearisation: Linearisation<T>,
-    direction: Direction<T>,
+    directions: Directions<T>,
     /// The correction δZ, in units of `Stages::scale`, and a second column.
     correction: DVector<T>,
     column: DVector<T>,
@@ -83,11 +84,11 @@ pub(crate) struct Newton<T: Float> {
 }
 
 impl<T: Float> Newton<T> {
-    pub(crate) fn new(s: usize, pattern: Pattern, max_iterations: u32) -> Self {
+    pub(crate) fn new(s: usize, pattern: Pattern, constraints: usize, max_iterations: u32) -> Self {
         let n = pattern.dimension();
         Newton {
             linearisation: Linearisation::new(s, pattern),
-            direction: Direction::new(s, n),
+            directions: Directions::new(s, n, constraints),
             correction: DVector::zeros(s * n),
             column: DVector::zeros(s * n),
             moved_end: vec![T::int(0); n],
@@ -95,29 +96,29 @@ impl<T: Float> Newton<T> {
         }
     }
 
-    /// Solves for Z (and the α's, if there is a target) from the guess in `stages`; on success `stages` holds the
-    /// solution with its L, `next` the end point and `residual` its energy.
+    /// Solves for Z (and the α's, if there are constraints) from the guess in `stages`; on success `stages` holds
+    /// the solution with its L, `next` the end point and the constraints their defects there.
     pub(crate) fn solve<E: Evaluate<T>>(
         &mut self,
         stages: &mut Stages<T>,
-        residual: &mut Residual<T>,
+        constraints: &mut [Constraint<T>],
         next: &mut State<T>,
         energy: &mut E,
         task: &StepTask<'_, T>,
         counts: &mut Counts,
     ) -> Result<(), Failure<T>> {
         self.history.clear();
-        self.direction.forget();
+        self.directions.forget();
         let mut solution = Solution {
             stages,
-            residual,
+            constraints,
             next,
             energy,
             counts,
         };
         let solved = self.iterate(&mut solution, task);
         // The stages alone were within reach when the α's began to move: what failed since, failed for them.
-        let moved = self.direction.is_known();
+        let moved = self.directions.are_known();
         solved.map_err(|failure| if moved { Failure::NoAlpha } else { failure })
     }
 
@@ -128,7 +129,7 @@ impl<T: Float> Newton<T> {
     ) -> Result<(), Failure<T>> {
         let eps = T::EPSILON;
         let (near, reuse) = (T::ratio(1, 100), eps.cbrt());
-        let (mut last, mut last_defect) = (T::INFINITY, T::INFINITY);
+        let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
         let mut shortened = 0;
         finite(at.evaluate(task))?;
         for _ in 0..task.max_iterations {
@@ -143,7 +144,7 @@ impl<T: Float> Newton<T> {
             self.linearisation.solve(&mut self.correction);
             let size = self.correction.amax();
             finite(size.is_finite())?;
-            if size > near && !self.direction.is_known() {
+            if size > near && !self.directions.are_known() {
                 self.history.push(NewtonRecord {
                     correction: size,
                     energy_defect: T::int(0),
@@ -156,36 +157,36 @@ impl<T: Float> Newton<T> {
             let round_off = size <= T::int(CONVERGED) * eps
                 || (size > last / T::int(4) && size <= T::int(STAGNATED) * eps);
             at.stages.end_point(task.y, at.next);
-            let mut defect = T::int(0);
-            if let Some(target) = task.target {
-                at.counts.gradients += 1;
-                finite(at.residual.evaluate(at.energy, at.next, target))?;
-                defect = at.residual.defect;
+            let mut out = T::int(0);
+            if task.constrained {
                 self.end_correction(at.stages);
-                if round_off {
-                    at.residual.add_stage_noise(&self.moved_end);
-                }
+                out = self.meet_constraints(at, round_off)?;
             }
+            let defect = at
+                .constraints
+                .first()
+                .filter(|_| task.constrained)
+                .map(|c| c.defect);
             self.history.push(NewtonRecord {
                 correction: size,
-                energy_defect: defect,
+                energy_defect: defect.unwrap_or(T::int(0)),
             });
-            let out = defect.abs() > at.residual.floor && task.target.is_some();
             if round_off {
-                let stalls = defect.abs() <= T::int(ENERGY_STAGNATED) * at.residual.floor
-                    && defect.abs() > last_defect / T::int(2);
-                if !out || stalls {
+                let stalls = out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2);
+                if out <= T::int(1) || stalls {
                     return Ok(());
                 }
-                last_defect = defect.abs();
+                last_out = out;
             }
-            if out {
+            if out > T::int(1) {
                 match self.move_alphas(at, task, size) {
                     Moved::NotAtAll => return Err(Failure::NoAlpha),
                     Moved::ToBound => shortened += 1,
                     Moved::Fully | Moved::NotYet => {}
                 }
-                if shortened == MAX_SHORTENED {
+                // Round-off that only a large α would remove is not worth a second try.
+                let round_off = shortened > 0 && nearly_met(at.constraints);
+                if round_off || shortened == MAX_SHORTENED {
                     return Err(Failure::NoAlpha);
                 }
             }
@@ -227,7 +228,24 @@ impl<T: Float> Newton<T> {
         })
     }
 
-    /// Moves the free α's along their direction if the predicted defect stands out of the error of the stages, and
+    /// Evaluates the constraints at the end point; returns the worst defect in floors.
+    fn meet_constraints<E: Evaluate<T>>(
+        &self,
+        at: &mut Solution<'_, T, E>,
+        round_off: bool,
+    ) -> Result<T, Failure<T>> {
+        for c in at.constraints.iter_mut() {
+            at.counts.gradients += 1;
+            finite(c.evaluate(at.energy, at.next, &at.stages.scale))?;
+            c.predicted = c.defect + dot(&c.gradient, &self.moved_end);
+            if round_off {
+                c.add_stage_noise(&self.moved_end);
+            }
+        }
+        Ok(worst(at.constraints, Constraint::in_floors))
+    }
+
+    /// Moves the free α's along their directions if a predicted defect stands out of the error of the stages, and
     /// adds their part to the correction.
     fn move_alphas<E: Evaluate<T>>(
         &mut self,
@@ -235,43 +253,38 @@ impl<T: Float> Newton<T> {
         task: &StepTask<'_, T>,
         size: T,
     ) -> Moved {
-        let g = at.residual.defect + dot(&at.residual.gradient, &self.moved_end);
-        let energy_scale = at.residual.energy_scale();
-        let uncertain = T::int(4) * energy_scale * size * size;
-        // The direction must not depend on how far the stages have come: wait until they are there.
-        let early = size > T::EPSILON.sqrt() && !self.direction.is_known() && !task.pure;
-        if early || !(g.abs() > at.residual.floor.max(uncertain)) {
+        let uncertain = T::int(4) * size * size;
+        let stands_out = |c: &Constraint<T>| c.predicted.abs() > c.floor.max(uncertain * c.scale);
+        // The directions must not depend on how far the stages have come: wait until they are there.
+        let early = size > T::EPSILON.sqrt() && !self.directions.are_known() && !task.pure;
+        if early || !at.constraints.iter().any(stands_out) {
             return Moved::NotYet;
         }
-        let s = at.stages.count();
-        if !self.direction.is_known() {
-            at.counts.gradients += 1;
-            at.counts.alpha_solves += 2 * (s - task.first) as u64;
-            at.residual.evaluate_start(at.energy, task.y);
-            at.residual.defect_without_alpha = g;
-            let ends = (
-                &*at.residual.start_gradient,
-                &*at.residual.gradient,
-                energy_scale,
+        if !self.directions.are_known() {
+            let free = task.first..at.stages.count();
+            for c in at.constraints.iter_mut() {
+                at.counts.gradients += 1;
+                c.evaluate_start(at.energy, task.y);
+                c.without_alpha = c.predicted;
+            }
+            at.counts.alpha_solves += 2 * free.len() as u64;
+            let constraints = &*at.constraints;
+            self.directions.take(
+                at.stages,
+                &mut self.linearisation,
+                free,
+                constraints,
+                task.norm,
             );
-            let free = task.first..s;
-            self.direction
-                .take(at.stages, &mut self.linearisation, free, ends, task.norm);
         }
-        at.counts.alpha_solves += 1;
-        at.stages
-            .alpha_derivative_along(&self.direction.d, self.column.as_mut_slice());
-        at.stages.to_units(self.column.as_mut_slice());
-        self.linearisation.solve(&mut self.column);
-        self.linearisation
-            .end_displacement(at.stages, &self.column, &mut self.moved_end);
-        let slope = dot(&at.residual.gradient, &self.moved_end);
-        let (t, moved) = self
-            .direction
-            .within(-g / slope, &at.stages.alphas, task.alpha_bound);
-        self.correction.axpy(t, &self.column, T::int(1));
-        at.stages.move_alphas(t, &self.direction.d);
-        moved
+        at.counts.alpha_solves += at.constraints.len() as u64;
+        self.directions.step(
+            at.stages,
+            &self.linearisation,
+            at.constraints,
+            task.alpha_bound,
+            &mut self.correction,
+        )
     }
 
     /// How the end point moves with the correction of the stages.
@@ -285,7 +298,7 @@ impl<T: Float> Newton<T> {
 /// What a step is solved for and with, lent out for the duration of the solve.
 struct Solution<'a, T: Float, E> {
     stages: &'a mut Stages<T>,
-    residual: &'a mut Residual<T>,
+    constraints: &'a mut [Constraint<T>],
     next: &'a mut State<T>,
     energy: &'a mut E,
     counts: &'a mut Counts,
@@ -296,6 +309,11 @@ impl<T: Float, E: Evaluate<T>> Solution<'_, T, E> {
         self.stages
             .evaluate(self.energy, task.y, task.h, self.counts)
     }
+}
+
+/// Whether a step with α = 0 leaves no more than a few floors of defect.
+pub(crate) fn nearly_met<T: Float>(constraints: &[Constraint<T>]) -> bool {
+    worst(constraints, Constraint::without_alpha_in_floors) <= T::int(ENERGY_STAGNATED)
 }
 
 fn finite<T>(ok: bool) -> Result<(), Failure<T>> {

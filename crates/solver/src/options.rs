@@ -40,6 +40,7 @@ pub struct FixedStep<T: Float> {
     pub(crate) pure_newton: bool,
     pub(crate) measure_energy: bool,
     pub(crate) invariants: Vec<Invariant>,
+    pub(crate) kept: Vec<Invariant>,
     pub(crate) record: Record,
     pub(crate) output_times: Vec<T>,
 }
@@ -70,6 +71,7 @@ impl<T: Float> FixedStep<T> {
             pure_newton: false,
             measure_energy: true,
             invariants: Vec::new(),
+            kept: Vec::new(),
             record: Record::default(),
             output_times: Vec::new(),
         }
@@ -122,6 +124,15 @@ impl<T: Float> FixedStep<T> {
     #[must_use]
     pub fn invariant(mut self, invariant: Invariant) -> Self {
         self.invariants.push(invariant);
+        self
+    }
+
+    /// A further invariant to be *kept* like the energy, by the same α's: one more equation for them. For invariants that
+    /// are not quadratic; the quadratic ones are kept anyway. Needs a method that solves for the α's, with at least as
+    /// many of them as equations: s − 1 ≥ 1 + the invariants kept.
+    #[must_use]
+    pub fn keep(mut self, invariant: Invariant) -> Self {
+        self.kept.push(invariant);
         self
     }
 

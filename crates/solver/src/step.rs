@@ -1,10 +1,10 @@
 //! One step, as the paper reads: initial guess → stages and α → accept, or halve and try again → update.
 
 use crate::alpha::Norm;
-use crate::energy::{Residual, Target};
+use crate::constraint::{Constraint, worst};
 use crate::error::IntegrateError;
 use crate::guess::Guess;
-use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask};
+use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
 use crate::options::{OnNoAlpha, Settings};
 use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
@@ -19,27 +19,27 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) energy: E,
     pub(crate) stages: Stages<T>,
     pub(crate) newton: Newton<T>,
-    pub(crate) residual: Residual<T>,
+    /// What the α's are solved for: the energy first, then further invariants; empty if there is nothing.
+    pub(crate) constraints: Vec<Constraint<T>>,
     pub(crate) counts: Counts,
     pub(crate) settings: Settings<T>,
     guess: Guess<T>,
     /// α's a step starts from: zero, or the fixed ones.
     start_alphas: Vec<T>,
-    target: Option<Target<T>>,
-    /// Outcome of a step that has no target.
-    without_target: Outcome,
+    /// Outcome of a step without constraints.
+    unconstrained: Outcome,
     /// Mid points of halved steps, one per level.
     middles: Vec<State<T>>,
 }
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
-    /// `h_ref` is H at the start of the run.
+    /// `constraints` holds what the α's are to be solved for.
     pub(crate) fn new<H: System<Evaluator<T> = E>>(
         system: &H,
         energy: E,
         settings: Settings<T>,
         gauss: Gauss<T>,
-        h_ref: T,
+        constraints: Vec<Constraint<T>>,
     ) -> Self {
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let structure = system.structure();
@@ -51,13 +51,17 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let zero = State::new(&vec![T::int(0); n], &[]);
         Core {
             energy,
-            newton: Newton::new(s, structure.hessian.clone(), settings.max_iterations),
-            residual: Residual::new(n),
+            newton: Newton::new(
+                s,
+                structure.hessian.clone(),
+                constraints.len(),
+                settings.max_iterations,
+            ),
+            constraints,
             counts: Counts::default(),
             guess: Guess::new(s, n),
             start_alphas,
-            target: (asked && !structure.is_quadratic()).then_some(Target { h_ref }),
-            without_target: if asked {
+            unconstrained: if asked {
                 Outcome::Quadratic
             } else {
                 Outcome::NotAsked
@@ -66,11 +70,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             stages: Stages::new(gauss, n),
             settings,
         }
-    }
-
-    /// Whether the steps have an energy to reach.
-    pub(crate) fn has_target(&self) -> bool {
-        self.target.is_some()
     }
 
     /// Forgets the last step, so that the next depends on the state alone.
@@ -102,8 +101,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             Err(failure) => failure,
         };
         // A defect of a few floors that no α removes is round-off.
-        let nearly = T::int(ENERGY_STAGNATED) * self.residual.floor;
-        if failure == Failure::NoAlpha && self.residual.defect_without_alpha.abs() <= nearly {
+        if failure == Failure::NoAlpha && nearly_met(&self.constraints) {
             return self.without_alpha(y, t, h, next);
         }
         if level < self.settings.max_halvings {
@@ -145,39 +143,39 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         h: T,
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
-        self.solve(y, h, None, Norm::Plain, next)
+        self.solve(y, h, false, Norm::Plain, next)
             .map_err(|failure| self.error(failure, t, h))?;
         self.guess.remember(&self.stages.l, h);
-        if let Some(target) = self.target {
+        for constraint in &mut self.constraints {
             self.counts.gradients += 1;
-            self.residual.evaluate(&mut self.energy, next, target);
+            constraint.evaluate(&mut self.energy, next, &self.stages.scale);
         }
-        if self.residual.defect.abs() <= T::int(ENERGY_STAGNATED) * self.residual.floor {
+        if worst(&self.constraints, Constraint::in_floors) <= T::int(ENERGY_STAGNATED) {
             return Ok(Outcome::AtFloor);
         }
         match self.settings.on_no_alpha {
             OnNoAlpha::Carry => Ok(Outcome::Carried),
-            OnNoAlpha::Refuse => Err(IntegrateError::NoAdmissibleAlpha {
-                time: t,
-                step: h,
-                defect: self.residual.defect,
-                floor: self.residual.floor,
-            }),
+            OnNoAlpha::Refuse => Err(self.error(Failure::NoAlpha, t, h)),
         }
     }
 
     /// One try at the full size: the α's by the norm that spares the slow motion, else by the plain one.
     fn attempt(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> Result<Outcome, Failure<T>> {
-        let mut solved = self.solve(y, h, self.target, Norm::Resolved, next);
-        if solved == Err(Failure::NoAlpha) && self.free_alphas() > 1 {
-            solved = self.solve(y, h, self.target, Norm::Plain, next);
+        let constrained = !self.constraints.is_empty();
+        let mut solved = self.solve(y, h, constrained, Norm::Resolved, next);
+        let again = self.free_alphas() > 1 && !nearly_met(&self.constraints);
+        if solved == Err(Failure::NoAlpha) && again {
+            solved = self.solve(y, h, constrained, Norm::Plain, next);
         }
         solved?;
         self.guess.remember(&self.stages.l, h);
-        Ok(match self.target {
-            None => self.without_target,
-            Some(_) if self.stages.alphas.iter().all(|a| *a == T::int(0)) => Outcome::AtFloor,
-            Some(_) => Outcome::Solved,
+        let zero = |alpha: &T| *alpha == T::int(0);
+        Ok(if !constrained {
+            self.unconstrained
+        } else if self.stages.alphas.iter().all(zero) {
+            Outcome::AtFloor
+        } else {
+            Outcome::Solved
         })
     }
 
@@ -192,14 +190,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         &mut self,
         y: &State<T>,
         h: T,
-        target: Option<Target<T>>,
+        constrained: bool,
         norm: Norm,
         next: &mut State<T>,
     ) -> Result<(), Failure<T>> {
         let task = StepTask {
             y,
             h,
-            target,
+            constrained,
             first: self.settings.first_alpha.unwrap_or(1),
             norm,
             alpha_bound: self.settings.alpha_bound,
@@ -211,7 +209,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.guess.make(&mut self.stages, h);
             let solved = self.newton.solve(
                 &mut self.stages,
-                &mut self.residual,
+                &mut self.constraints,
                 next,
                 &mut self.energy,
                 &task,
@@ -248,12 +246,20 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 iterations,
                 correction,
             },
-            Failure::NoAlpha => IntegrateError::NoAdmissibleAlpha {
-                time,
-                step,
-                defect: self.residual.defect,
-                floor: self.residual.floor,
-            },
+            Failure::NoAlpha => {
+                let mut worst = (T::int(0), T::int(0));
+                for c in &self.constraints {
+                    if c.in_floors() > T::int(1) {
+                        worst = (c.defect, c.floor);
+                    }
+                }
+                IntegrateError::NoAdmissibleAlpha {
+                    time,
+                    step,
+                    defect: worst.0,
+                    floor: worst.1,
+                }
+            }
         }
     }
 }

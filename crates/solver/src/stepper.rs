@@ -1,6 +1,7 @@
 //! [`Stepper`]: the run one step at a time.
 
 use crate::certificate::Certificate;
+use crate::constraint::Constraint;
 use crate::error::IntegrateError;
 use crate::invariant::{Defect, Watched};
 use crate::method::Method;
@@ -61,6 +62,7 @@ pub struct Step<T> {
 pub struct Stepper<T: Float, E> {
     pub(crate) core: Core<T, E>,
     method: Method,
+    has_target: bool,
     t0: T,
     h: T,
     h_ref: T,
@@ -111,7 +113,7 @@ impl<T: Float> FixedStep<T> {
         if !h_ref.is_finite() || gradient.iter().any(|g| !g.is_finite()) {
             return Err(IntegrateError::EnergyNotFinite { energy: h_ref });
         }
-        for invariant in &self.invariants {
+        for invariant in self.invariants.iter().chain(&self.kept) {
             let (expected, found) = (
                 system.degrees_of_freedom(),
                 invariant.function().degrees_of_freedom(),
@@ -124,11 +126,27 @@ impl<T: Float> FixedStep<T> {
                 });
             }
         }
-        let core = Core::new(system, evaluator, settings, gauss, h_ref);
-        let alphas = if core.has_target() { stages - 1 } else { 0 };
-        let measured = core.has_target() || self.measure_energy;
+        let has_target = settings.first_alpha.is_some() && !system.structure().is_quadratic();
+        let mut constraints = Vec::new();
+        if has_target {
+            constraints.push(Constraint::energy(h_ref, y.hi.len()));
+        }
+        constraints.extend(self.kept.iter().map(|i| Constraint::invariant(i, &y.hi)));
+        let free = settings.first_alpha.map_or(0, |first| stages - first);
+        if constraints.len() > free {
+            let (kept, alphas) = (constraints.len(), free);
+            return Err(IntegrateError::TooFewAlphas { kept, alphas });
+        }
+        let alphas = if constraints.is_empty() {
+            0
+        } else {
+            stages - 1
+        };
+        let core = Core::new(system, evaluator, settings, gauss, constraints);
+        let measured = has_target || self.measure_energy;
         Ok(Stepper {
             method: self.method,
+            has_target,
             t0,
             h: self.h,
             h_ref,
@@ -137,10 +155,11 @@ impl<T: Float> FixedStep<T> {
             next: y.clone(),
             measure_energy: self.measure_energy,
             energy: measured.then(|| Defect::new("energy", h_ref)),
-            in_floors: core.has_target().then(|| T::int(0)),
+            in_floors: has_target.then(|| T::int(0)),
             watched: self
-                .invariants
+                .kept
                 .iter()
+                .chain(&self.invariants)
                 .map(|i| Watched::new(i, &y.hi))
                 .collect(),
             alpha_range: vec![(T::int(0), T::int(0)); alphas],
@@ -205,20 +224,19 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// Energy, invariants and α's of the step just made.
     fn measure(&mut self, outcome: Outcome) {
         self.floor = None;
-        if self.core.has_target() {
-            let residual = &self.core.residual;
+        for (range, &alpha) in self.alpha_range.iter_mut().zip(&self.core.stages.alphas) {
+            *range = (range.0.min(alpha), range.1.max(alpha));
+        }
+        if self.has_target {
+            let residual = &self.core.constraints[0];
             self.floor = Some(residual.floor);
             if let Some(energy) = &mut self.energy {
                 energy.see(residual.defect);
             }
             if let Some(most) = &mut self.in_floors
                 && outcome.energy_kept()
-                && residual.floor > T::int(0)
             {
-                *most = most.max(residual.defect.abs() / residual.floor);
-            }
-            for (range, &alpha) in self.alpha_range.iter_mut().zip(&self.core.stages.alphas) {
-                *range = (range.0.min(alpha), range.1.max(alpha));
+                *most = most.max(residual.in_floors());
             }
         } else if self.measure_energy {
             self.core.counts.energies += 1;

@@ -1,0 +1,137 @@
+//! The second half of system (7): g = H(y1) − H_ref = 0, and how small g can be made at all.
+//!
+//! Further invariants that the user wants kept are equations of the same form with the same α's.
+
+use crate::invariant::Invariant;
+use crate::state::State;
+use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_scalar::Float;
+
+/// One equation g = I(y1) − I_ref = 0, with what is needed to judge and to reduce g.
+///
+/// I_ref is taken at the start of the *run*: an error left by one step is repaired by the next.
+#[derive(Debug)]
+pub(crate) struct Constraint<T: Float> {
+    /// `None` for the energy, which has the run's evaluator.
+    evaluator: Option<<Hamiltonian as System>::Evaluator<T>>,
+    reference: T,
+    /// g.
+    pub(crate) defect: T,
+    /// Below this, g is round-off: ε (|I_ref| + |I(y1)| + Σ_i |∂_iI(y1)| σ_i) with the sizes
+    /// σ_i = max(|y0_i|, |y1_i|, |Z_i|) of the components, and once the stages have converged what
+    /// their last, round-off sized correction would do to I.
+    pub(crate) floor: T,
+    /// What a relative change of the state by 1 is worth.
+    pub(crate) scale: T,
+    /// ∇I(y1).
+    pub(crate) gradient: Vec<T>,
+    /// ∇I(y0), when the directions of the α's were taken.
+    pub(crate) start_gradient: Vec<T>,
+    /// g as predicted for converged stages.
+    pub(crate) predicted: T,
+    /// The same when the α's began to move: g of the step with α = 0.
+    pub(crate) without_alpha: T,
+}
+
+impl<T: Float> Constraint<T> {
+    /// The energy, H_ref at the start of the run.
+    pub(crate) fn energy(h_ref: T, n: usize) -> Self {
+        let zero = T::int(0);
+        Constraint {
+            evaluator: None,
+            reference: h_ref,
+            defect: zero,
+            floor: zero,
+            scale: zero,
+            gradient: vec![zero; n],
+            start_gradient: vec![zero; n],
+            predicted: zero,
+            without_alpha: zero,
+        }
+    }
+
+    /// A further invariant, which starts at `y0`.
+    pub(crate) fn invariant(invariant: &Invariant, y0: &[T]) -> Self {
+        let mut evaluator = invariant.function().evaluator::<T>();
+        let mut constraint = Self::energy(T::int(0), y0.len());
+        constraint.reference = evaluator.gradient(y0, &mut constraint.gradient);
+        constraint.evaluator = Some(evaluator);
+        constraint
+    }
+
+    /// Evaluates I and ∇I at `y1`; `sizes` are those of the components over the step. Returns whether they are finite.
+    pub(crate) fn evaluate<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y1: &State<T>,
+        sizes: &[T],
+    ) -> bool {
+        let value = match &mut self.evaluator {
+            None => energy.gradient(&y1.hi, &mut self.gradient),
+            Some(evaluator) => evaluator.gradient(&y1.hi, &mut self.gradient),
+        };
+        self.defect = value - self.reference;
+        let largest = y1.hi.iter().zip(sizes).map(|(y, &size)| size.max(y.abs()));
+        let moved = self
+            .gradient
+            .iter()
+            .zip(largest)
+            .fold(T::int(0), |sum, (&g, y)| sum + (g * y).abs());
+        self.scale = self.reference.abs() + value.abs() + moved;
+        self.floor = T::EPSILON * self.scale;
+        value.is_finite() && self.floor.is_finite()
+    }
+
+    /// Evaluates ∇I at the start of the step.
+    pub(crate) fn evaluate_start<E: Evaluate<T>>(&mut self, energy: &mut E, y0: &State<T>) {
+        match &mut self.evaluator {
+            None => energy.gradient(&y0.hi, &mut self.start_gradient),
+            Some(evaluator) => evaluator.gradient(&y0.hi, &mut self.start_gradient),
+        };
+    }
+
+    /// Raises the floor by Σ_i |∂_iI(y1) δ_i|, δ being what the last correction of the stages, itself round-off, does
+    /// to the end point. In stiff systems rounding the arguments Y_i is worth more than rounding y1.
+    pub(crate) fn add_stage_noise(&mut self, delta: &[T]) {
+        self.floor += products(&self.gradient, delta);
+    }
+
+    /// |g| in units of its floor.
+    pub(crate) fn in_floors(&self) -> T {
+        in_floors(self.defect, self.floor)
+    }
+
+    /// |g| of the step with α = 0 in units of the floor.
+    pub(crate) fn without_alpha_in_floors(&self) -> T {
+        in_floors(self.without_alpha, self.floor)
+    }
+}
+
+fn in_floors<T: Float>(defect: T, floor: T) -> T {
+    if defect == T::int(0) {
+        defect
+    } else {
+        defect.abs() / floor
+    }
+}
+
+fn products<T: Float>(a: &[T], b: &[T]) -> T {
+    a.iter()
+        .zip(b)
+        .fold(T::int(0), |sum, (&a, &b)| sum + (a * b).abs())
+}
+
+/// The worst of several constraints, in floors; zero for none.
+pub(crate) fn worst<T: Float>(
+    constraints: &[Constraint<T>],
+    in_floors: impl Fn(&Constraint<T>) -> T,
+) -> T {
+    constraints.iter().fold(T::int(0), |worst, c| {
+        let x = in_floors(c);
+        if x > worst || Float::is_nan(x) {
+            x
+        } else {
+            worst
+        }
+    })
+}
