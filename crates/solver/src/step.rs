@@ -130,10 +130,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             .step_at_level(level + 1, y, t, h, &mut middle)
             .and_then(|_| self.step_at_level(level + 1, &middle, t + h, h, next));
         self.middles[level as usize] = middle;
-        Ok(if end? == Outcome::Carried {
-            Outcome::Carried
-        } else {
-            Outcome::Halved
+        Ok(match end? {
+            // Halving adds nothing to what is known of an energy that is not solved for.
+            outcome @ (Outcome::Carried | Outcome::Quadratic | Outcome::NotAsked) => outcome,
+            _ => Outcome::Halved,
         })
     }
 
