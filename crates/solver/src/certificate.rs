@@ -62,80 +62,86 @@ impl fmt::Display for Method {
 
 impl<T: Float> fmt::Display for Certificate<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lines = self.lines();
+        let width = lines
+            .iter()
+            .map(|(label, _)| label.chars().count())
+            .max()
+            .unwrap_or(0)
+            + 2;
+        for (i, (label, text)) in lines.iter().enumerate() {
+            let end = if i + 1 < lines.len() { "\n" } else { "" };
+            write!(f, "{label:<width$}{text}{end}")?;
+        }
+        Ok(())
+    }
+}
+
+impl<T: Float> Certificate<T> {
+    /// Label and text of every line; lines that the run does not have are left out.
+    fn lines(&self) -> Vec<(String, String)> {
         let counts = &self.counts;
-        let line = |f: &mut fmt::Formatter<'_>, label: &str, text: fmt::Arguments<'_>| {
-            writeln!(f, "{label:<24}{text}")
-        };
-        line(f, "method", format_args!("{} in {}", self.method, T::NAME))?;
-        line(
-            f,
-            "time",
-            format_args!("{:.6} to {:.6}", self.start, self.end),
-        )?;
-        line(
-            f,
-            "steps",
-            format_args!("{} of {:.6}", counts.steps, self.step),
-        )?;
+        let mut lines = Vec::new();
+        let mut line = |label: &str, text: String| lines.push((label.to_owned(), text));
+        line("method", format!("{} in {}", self.method, T::NAME));
+        line("time", format!("{:.6} to {:.6}", self.start, self.end));
+        line("steps", format!("{} of {:.6}", counts.steps, self.step));
         if let Some(energy) = &self.energy {
-            line(f, "energy at start", format_args!("{}", energy.start))?;
+            line("energy at start", format!("{}", energy.start));
             line(
-                f,
                 "energy defect",
-                format_args!("max {:.2e}, end {:.2e}", energy.max, energy.end),
-            )?;
+                format!("max {:.2e}, end {:.2e}", energy.max, energy.end),
+            );
         }
         if let Some(floors) = self.energy_in_floors {
-            line(f, "  in round-off floors", format_args!("max {floors:.2}"))?;
+            line("  in round-off floors", format!("max {floors:.2}"));
         }
         for defect in &self.invariants {
+            let label = format!("{} defect", defect.name);
             line(
-                f,
-                &format!("{} defect", defect.name),
-                format_args!("max {:.2e}, end {:.2e}", defect.max, defect.end),
-            )?;
+                &label,
+                format!("max {:.2e}, end {:.2e}", defect.max, defect.end),
+            );
         }
         for outcome in Outcome::ALL {
             let count = counts.outcome(outcome);
             if count > 0 {
-                line(
-                    f,
-                    "steps by outcome",
-                    format_args!("{count} {}", outcome.label()),
-                )?;
+                line("steps by outcome", format!("{count} {}", outcome.label()));
             }
         }
         for (k, (low, high)) in self.alpha_range.iter().enumerate() {
             line(
-                f,
                 &format!("α_{} range", k + 1),
-                format_args!("{low:.2e} to {high:.2e}"),
-            )?;
+                format!("{low:.2e} to {high:.2e}"),
+            );
+        }
+        line("Newton iterations", counts.newton_iterations.to_string());
+        if counts.factorisations > 0 || counts.refreshes == 0 {
+            line("factorisations", counts.factorisations.to_string());
+        }
+        if counts.refreshes > 0 {
+            line(
+                "simplified Newton",
+                format!(
+                    "{} Hessians, {} small factorisations",
+                    counts.refreshes, counts.simplified_factorisations
+                ),
+            );
         }
         line(
-            f,
-            "Newton iterations",
-            format_args!("{}", counts.newton_iterations),
-        )?;
-        line(
-            f,
-            "factorisations",
-            format_args!("{}", counts.factorisations),
-        )?;
-        line(
-            f,
             "evaluations",
-            format_args!(
+            format!(
                 "{} ∇H, {} ∇²H, {} H",
                 counts.gradients, counts.hessians, counts.energies
             ),
-        )?;
+        );
         if counts.halvings > 0 {
-            line(f, "halvings", format_args!("{}", counts.halvings))?;
+            line("halvings", counts.halvings.to_string());
         }
         if self.output_steps > 0 {
-            line(f, "steps for output", format_args!("{}", self.output_steps))?;
+            line("steps for output", self.output_steps.to_string());
         }
-        write!(f, "{:<24}{:.3} s", "wall-clock time", self.seconds)
+        line("wall-clock time", format!("{:.3} s", self.seconds));
+        lines
     }
 }
