@@ -7,6 +7,8 @@
 //! | `agreement.rs` | do end states agree with references from other methods, to all digits there are? |
 //! | `newton.rs` | does Newton on system (7) converge quadratically? |
 //! | `pay_as_you_go.rs` | does a scene that needs less pay less? |
+//! | `random.rs` | does every random Hamiltonian end well: typed, finite, the energy kept where claimed, no worse than Gauss? |
+//! | `long.rs` | does anything grow in 10⁷ steps? |
 //! | `failures.rs` | is every failure typed, with a remedy, and the state intact? |
 //! | `extremes.rs` | wild units, shifted energies, every number of stages |
 //! | `stories.rs` | energies as users write them |
@@ -22,10 +24,12 @@
 
 mod measure;
 mod problems;
+mod random_system;
 mod seeded;
 
 pub use measure::{
     Trend, decimal_digits, distance, largest_ratio, observed_order, relative_distance, trend,
 };
 pub use problems::{Start, double_pendulum, harmonic, henon_heiles, kepler, pendulum};
+pub use random_system::{RandomSystem, TermKind, rate};
 pub use seeded::Seeded;

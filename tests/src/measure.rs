@@ -45,6 +45,8 @@ pub struct Trend {
     pub slope: f64,
     /// The slope a random walk with the same steps would have, one standard deviation.
     pub random_walk: f64,
+    /// Standard error of the slope if what the line leaves is independent noise.
+    pub standard_error: f64,
 }
 
 /// Fits a line through `series`, samples of an error that starts at 0 at equal distances.
@@ -58,10 +60,14 @@ pub fn trend(series: &[f64]) -> Trend {
     let product = |(i, y): (usize, &f64)| (i as f64 - mean_x) * (y - mean);
     let covariance = series.iter().enumerate().map(product).sum::<f64>();
     let variance = n * (n * n - 1.0) / 12.0;
+    let slope = covariance / variance;
+    let left = |(i, y): (usize, &f64)| (y - mean - slope * (i as f64 - mean_x)).powi(2);
+    let residual = series.iter().enumerate().map(left).sum::<f64>() / (n - 2.0);
     let step = |pair: &[f64]| (pair[1] - pair[0]).powi(2);
     let steps = series.windows(2).map(step).sum::<f64>() / (n - 1.0);
     Trend {
-        slope: covariance / variance,
+        slope,
         random_walk: (1.2 * steps / n).sqrt(),
+        standard_error: (residual / variance).sqrt(),
     }
 }

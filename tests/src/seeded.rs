@@ -23,4 +23,19 @@ impl Seeded {
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
+
+    /// Uniform in 0 … n − 1; n well below 2³².
+    pub fn below(&mut self, n: usize) -> usize {
+        (((self.bits() >> 32) * n as u64) >> 32) as usize
+    }
+
+    /// True once in `n` times.
+    pub fn once_in(&mut self, n: usize) -> bool {
+        self.below(n) == 0
+    }
+
+    /// 10ˣ with x uniform in [low, high).
+    pub fn power_of_ten(&mut self, low: f64, high: f64) -> f64 {
+        10.0_f64.powf(self.between(low, high))
+    }
 }

@@ -56,7 +56,9 @@ fn orbit<T: Float>(method: Method, periods: i64) -> Orbit {
     }
     let view = run.view();
     seen.error = distance(&[view.q, view.p].concat(), &start.state()).to_f64();
-    let Trend { slope, random_walk } = trend(&seen.momentum);
+    let Trend {
+        slope, random_walk, ..
+    } = trend(&seen.momentum);
     println!(
         "{method}, {}, {periods} periods: energy {:.2e}, momentum max {:.2e} end {:.2e}, slope {slope:.1e} (random walk {random_walk:.1e}), error {:.3e}, kept {}/{}",
         T::NAME,
@@ -76,7 +78,9 @@ fn defect_end(orbit: &Orbit) -> f64 {
 
 /// The slope of the angular momentum is no more than rounding makes: 4 standard deviations.
 fn no_trend(orbit: &Orbit) {
-    let Trend { slope, random_walk } = trend(&orbit.momentum);
+    let Trend {
+        slope, random_walk, ..
+    } = trend(&orbit.momentum);
     assert!(
         slope.abs() <= 4.0 * random_walk,
         "slope {slope:e}, random walk {random_walk:e}"

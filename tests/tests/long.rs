@@ -1,0 +1,211 @@
+//! Long runs: nothing grows but what must. Figures of the longest ones stand in `docs/long-runs.md`.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
+
+use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_scalar::{DoubleDouble, Float};
+use equip_scenes::Instance;
+use equip_solver::{Counts, Equip, Gauss, Method, Outcome};
+use equip_tests::{Start, Trend, kepler, trend};
+use std::time::Instant;
+
+/// Samples taken along a run.
+const SAMPLES: u64 = 1000;
+
+/// What a run of n steps leaves behind. Energies and moments of the samples are those of the f64 states, computed in
+/// double-double.
+#[derive(Debug)]
+struct Long {
+    n: u64,
+    counts: Counts,
+    /// Largest |H − H(y0)| of all steps, in f64.
+    energy: f64,
+    /// Its round-off floor at the start, ε (2|H| + Σ|∂_iH y_i|).
+    floor: f64,
+    /// H − H(y0) at the samples.
+    energies: Vec<f64>,
+    /// L − L(y0) at the samples, and L(y0).
+    moments: Vec<f64>,
+    moment: f64,
+}
+
+impl Long {
+    fn run(
+        method: Method,
+        hamiltonian: &Hamiltonian,
+        start: &Start<f64>,
+        h: f64,
+        n: u64,
+        moment: Moment,
+    ) -> Self {
+        let mut evaluator = hamiltonian.evaluator::<DoubleDouble>();
+        let mut exact = |q: &[f64], p: &[f64]| {
+            let y: Vec<DoubleDouble> = q.iter().chain(p).map(|&x| DoubleDouble::exact(x)).collect();
+            let (q, p) = y.split_at(q.len());
+            (evaluator.value(&y), moment(q, p))
+        };
+        let (h0, l0) = exact(&start.q, &start.p);
+        let mut gradient = vec![0.0; 2 * start.q.len()];
+        let value = hamiltonian
+            .evaluator::<f64>()
+            .gradient(&start.state(), &mut gradient);
+        let moved = gradient
+            .iter()
+            .zip(start.state())
+            .map(|(g, y)| (g * y).abs())
+            .sum::<f64>();
+        let mut long = Long {
+            n,
+            counts: Counts::default(),
+            energy: 0.0,
+            floor: f64::EPSILON * (2.0 * value.abs() + moved),
+            energies: vec![0.0],
+            moments: vec![0.0],
+            moment: l0.to_f64(),
+        };
+        // An odd distance between samples meets all phases of an orbit.
+        let every = (n / SAMPLES) | 1;
+        let begun = Instant::now();
+        let mut stepper = method
+            .step(h)
+            .start(hamiltonian, &start.q, &start.p, 0.0)
+            .unwrap();
+        for index in 1..=n {
+            let view = stepper.advance().unwrap();
+            long.energy = long.energy.max(view.energy_defect.unwrap().abs());
+            if index % every == 0 {
+                let (h1, l1) = exact(view.q, view.p);
+                long.energies.push((h1 - h0).to_f64());
+                long.moments.push((l1 - l0).to_f64());
+            }
+        }
+        long.counts = *stepper.counts();
+        long.print(method, begun.elapsed().as_secs_f64());
+        long
+    }
+
+    fn print(&self, method: Method, seconds: f64) {
+        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let show = |name: &str, x: &[f64]| {
+            let Trend {
+                slope,
+                random_walk,
+                standard_error,
+            } = trend(x);
+            let all = x.len() as f64;
+            println!(
+                "  {name}: samples max {:.2e}, trend over the run {:.1e} ± {:.1e} (random walk {:.1e})",
+                largest(x),
+                slope * all,
+                standard_error * all,
+                random_walk * all
+            );
+        };
+        println!(
+            "{method}, {} steps, {seconds:.1} s: energy max {:.2e}, floor {:.2e}, {:?}",
+            self.n, self.energy, self.floor, self.counts
+        );
+        show("energy", &self.energies);
+        show("angular momentum", &self.moments);
+        println!("  2 sqrt(n) eps |L| = {:.2e}", self.moment_law());
+    }
+
+    /// 2 √n ε |L|.
+    fn moment_law(&self) -> f64 {
+        2.0 * (self.n as f64).sqrt() * f64::EPSILON * self.moment.abs()
+    }
+
+    /// The energy error is bounded by round-off and has no trend; the angular momentum walks at random.
+    fn keeps_both(&self) {
+        assert!(
+            self.energy <= 8.0 * self.floor,
+            "{:e} > 8 · {:e}",
+            self.energy,
+            self.floor
+        );
+        let Trend {
+            slope,
+            standard_error,
+            ..
+        } = trend(&self.energies);
+        let drift = slope.abs() * self.energies.len() as f64;
+        let noise = 4.0 * standard_error * self.energies.len() as f64;
+        assert!(drift <= noise.max(self.floor), "energy drifts by {drift:e}");
+        self.walks_at_random();
+    }
+
+    fn walks_at_random(&self) {
+        assert!(self.moments.iter().all(|l| l.abs() <= self.moment_law()));
+    }
+}
+
+/// A quadratic invariant in double-double.
+type Moment = fn(&[DoubleDouble], &[DoubleDouble]) -> DoubleDouble;
+
+fn kepler_run(method: Method, steps_per_period: i32, n: u64) -> Long {
+    let (hamiltonian, start) = kepler::<f64>(6);
+    let h = std::f64::consts::TAU / f64::from(steps_per_period);
+    Long::run(method, &hamiltonian, &start, h, n, |q, p| {
+        q[0] * p[1] - q[1] * p[0]
+    })
+}
+
+fn kepler_keeps_both(s: usize, steps_per_period: i32, n: u64) {
+    let gauss = kepler_run(Gauss::stages(s), steps_per_period, n);
+    gauss.walks_at_random();
+    let equip = kepler_run(Equip::stages(s), steps_per_period, n);
+    equip.keeps_both();
+    assert_eq!(equip.counts.outcome(Outcome::Carried), 0);
+    assert!(gauss.energy > 1e3 * equip.energy);
+}
+
+#[test]
+fn kepler_a_hundred_thousand_steps() {
+    kepler_keeps_both(3, 160, 100_000);
+    kepler_keeps_both(4, 100, 100_000);
+}
+
+#[test]
+#[ignore = "long: run with cargo test -p equip-tests --release --test long -- --ignored"]
+fn kepler_ten_million_steps_with_3_stages() {
+    kepler_keeps_both(3, 160, 10_000_000);
+}
+
+#[test]
+#[ignore = "long: run with cargo test -p equip-tests --release --test long -- --ignored"]
+fn kepler_ten_million_steps_with_4_stages() {
+    kepler_keeps_both(4, 100, 10_000_000);
+}
+
+fn outer_solar_system(method: Method, h: f64, days: f64) -> Long {
+    let instance = Instance::from_reference("outer_ss").unwrap();
+    let (q, p) = instance.initial::<f64>();
+    let n = (days / h).round() as u64;
+    // The third component of the total angular momentum.
+    let moment: Moment = |q, p| {
+        let bodies = q.chunks_exact(3).zip(p.chunks_exact(3));
+        bodies.fold(DoubleDouble::int(0), |sum, (q, p)| {
+            sum + (q[0] * p[1] - q[1] * p[0])
+        })
+    };
+    Long::run(
+        method,
+        instance.hamiltonian(),
+        &Start { q, p },
+        h,
+        n,
+        moment,
+    )
+}
+
+fn outer_solar_system_keeps_both(days: f64) {
+    for (s, h) in [(4, 100.0), (5, 100.0), (6, 100.0)] {
+        outer_solar_system(Gauss::stages(s), h, days).walks_at_random();
+        outer_solar_system(Equip::stages(s), h, days).keeps_both();
+    }
+}
+
+#[test]
+#[ignore = "long: run with cargo test -p equip-tests --release --test long -- --ignored"]
+fn outer_solar_system_a_million_days() {
+    outer_solar_system_keeps_both(1e6);
+}
