@@ -6,7 +6,7 @@ use equip_solver::IntegrateError;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Exit code of a run that began and could not be finished; its output up to there is written.
+/// Exit code of a run that began and could not be finished, its output up to there written, and of a failed check.
 const INTEGRATION_FAILED: u8 = 1;
 /// Exit code of wrong usage and bad input, the same as that of the argument parser.
 const BAD_INPUT: u8 = 2;
@@ -41,6 +41,8 @@ pub(crate) enum Fault {
         reached: f64,
         written: &'static str,
     },
+    #[error("{failed} of {rows} rows failed; their reasons stand in the table")]
+    Check { failed: usize, rows: usize },
 }
 
 impl Fault {
@@ -51,8 +53,26 @@ impl Fault {
 
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Fault::Integration { .. } | Fault::Write { .. } | Fault::Print(_) => INTEGRATION_FAILED,
+            Fault::Integration { .. }
+            | Fault::Check { .. }
+            | Fault::Write { .. }
+            | Fault::Print(_) => INTEGRATION_FAILED,
             _ => BAD_INPUT,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Fault;
+    use std::process::ExitCode;
+
+    #[test]
+    fn a_failed_row_fails_the_program() {
+        let fault = Fault::Check { failed: 1, rows: 3 };
+        // Exit codes can only be compared as they print.
+        let code = |code: ExitCode| format!("{code:?}");
+        assert_eq!(code(fault.exit_code()), code(ExitCode::from(1)));
+        assert!(fault.to_string().starts_with("1 of 3 rows failed"));
     }
 }

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod check;
 mod comparison;
 mod csv;
 mod fault;
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
     let done = match args::parse().command {
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Run(args) => run::run(&args),
+        Command::Check(args) => check::check(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

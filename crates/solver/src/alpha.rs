@@ -16,12 +16,18 @@
 //! *The norm.* Motion that the step resolves counts in full, motion with hω ≫ 1 with 1/(1 + (hω)²): the energy defect of an
 //! unresolved oscillation must not be paid for by the slow variables. Measured in `docs/adr/0004-which-displacement.md`.
 
-use crate::constraint::Constraint;
+use crate::constraint::{Constraint, worst};
 use crate::linear::DenseLu;
-use crate::linearisation::Linearisation;
+use crate::linearised::Linearised;
 use crate::stages::Stages;
 use equip_scalar::Float;
 use nalgebra::DVector;
+
+/// Columns solved for at stages that have moved by more than 1/1000 since are solved for anew.
+const FAR: i64 = 1000;
+
+/// Columns that bring a defect down by less than this are solved for anew.
+const SLOW: i64 = 32;
 
 /// Which displacements count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,6 +63,12 @@ pub(crate) struct Directions<T: Float> {
     back: Vec<T>,
     /// ∂Z/∂t of each constraint's direction, in units of the state.
     columns: Vec<DVector<T>>,
+    /// ∂y1/∂t of each constraint's direction.
+    ends: Vec<Vec<T>>,
+    /// Whether the columns of this step's directions are known and kept.
+    columns_known: bool,
+    /// Worst predicted defect, relative, at the last move.
+    last_defect: T,
     /// dg/dt, and the moves t.
     slopes: DenseLu<T>,
     t: DVector<T>,
@@ -75,6 +87,9 @@ impl<T: Float> Directions<T> {
             u: zeros(n),
             back: zeros(n),
             columns: vec![DVector::zeros(s * n); constraints.max(1)],
+            ends: vec![zeros(n); constraints],
+            columns_known: false,
+            last_defect: T::INFINITY,
             slopes: DenseLu::new(constraints),
             t: DVector::zeros(constraints),
             delta: zeros(s - 1),
@@ -86,30 +101,47 @@ impl<T: Float> Directions<T> {
         self.known
     }
 
+    /// Before a move: whether the last one did what its columns promised.
+    pub(crate) fn judge_columns(&mut self, constraints: &[Constraint<T>]) {
+        let defect = worst(constraints, |c| c.predicted.abs() / c.scale);
+        if !(defect < self.last_defect / T::int(SLOW)) {
+            self.columns_known = false;
+        }
+        self.last_defect = defect;
+    }
+
+    /// Whether the next move has to solve for its columns.
+    pub(crate) fn columns_are_due(&self) -> bool {
+        !self.columns_known
+    }
+
     pub(crate) fn forget(&mut self) {
         self.known = false;
+        self.columns_known = false;
+        self.last_defect = T::INFINITY;
     }
 
     /// Takes the directions at the current stages. `free` holds the numbers k of the free α's; the constraints hold
     /// their gradients at both ends of the step.
     ///
-    /// Cost: two solves per free α.
+    /// Returns whether they were found. Cost: two solves per free α.
     pub(crate) fn take(
         &mut self,
         stages: &Stages<T>,
-        linearisation: &mut Linearisation<T>,
+        linearised: &mut Linearised<T>,
         free: std::ops::Range<usize>,
         constraints: &[Constraint<T>],
         norm: Norm,
-    ) {
+    ) -> bool {
         self.d.iter_mut().for_each(|d| d.fill(T::int(0)));
         self.known = true;
+        self.columns_known = false;
         if free.len() == 1 {
             self.d[0][free.start - 1] = T::int(1);
-            return;
+            return true;
         }
         match norm {
-            Norm::Resolved => linearisation.resolution(stages.n, &mut self.weights),
+            Norm::Resolved => linearised.resolution(stages.n, &mut self.weights),
             Norm::Plain => self.weights.fill(T::int(1)),
         }
         stages.sizes(&mut self.sizes);
@@ -118,9 +150,13 @@ impl<T: Float> Directions<T> {
             let column = &mut self.columns[0];
             stages.alpha_derivative(k, column.as_mut_slice());
             stages.to_units(column.as_mut_slice());
-            linearisation.solve(column);
-            linearisation.end_displacement(stages, column, &mut self.u);
-            linearisation.start_displacement(stages, &self.u, &mut self.back);
+            if !linearised.solve_column(stages, column) {
+                return false;
+            }
+            linearised.column_end(stages, column, &mut self.u);
+            if !linearised.column_start(stages, &self.u, &mut self.back) {
+                return false;
+            }
             let square = (self.norm_squared(&self.u) + self.norm_squared(&self.back)) / two;
             for (d, c) in self.d.iter_mut().zip(constraints) {
                 let change = dot(&c.gradient, &self.u) - dot(&c.start_gradient, &self.back);
@@ -135,27 +171,27 @@ impl<T: Float> Directions<T> {
                 d.iter_mut().for_each(|x| *x /= largest);
             }
         }
+        true
     }
 
     /// Solves for the moves t that bring the predicted defects to zero, shortened so that every |α_k| stays at most
     /// `bound`; adds their part to the `correction` of the stages and moves the α's.
     ///
-    /// Cost: one solve per constraint.
+    /// Cost: one solve per constraint, with simplified Newton only the first time in a step.
     pub(crate) fn step(
         &mut self,
         stages: &mut Stages<T>,
-        linearisation: &Linearisation<T>,
+        linearised: &mut Linearised<T>,
         constraints: &[Constraint<T>],
         bound: T,
         correction: &mut DVector<T>,
     ) -> Moved {
-        for (a, (d, column)) in self.d.iter().zip(&mut self.columns).enumerate() {
-            stages.alpha_derivative_along(d, column.as_mut_slice());
-            stages.to_units(column.as_mut_slice());
-            linearisation.solve(column);
-            linearisation.end_displacement(stages, column, &mut self.u);
+        if !self.columns_known && !self.solve_columns(stages, linearised) {
+            return Moved::NotAtAll;
+        }
+        for (a, end) in self.ends.iter().enumerate() {
             for (b, c) in constraints.iter().enumerate() {
-                self.slopes.matrix_mut()[(b, a)] = dot(&c.gradient, &self.u) / c.scale;
+                self.slopes.matrix_mut()[(b, a)] = dot(&c.gradient, end) / c.scale;
             }
         }
         for (t, c) in self.t.iter_mut().zip(constraints) {
@@ -180,11 +216,25 @@ impl<T: Float> Directions<T> {
             correction.axpy(share * t, column, T::int(1));
         }
         stages.move_alphas(share, &self.delta);
+        let far = correction.amax() > T::ratio(1, FAR);
+        self.columns_known = linearised.keeps_columns() && !far;
         if share < T::int(1) {
             Moved::ToBound
         } else {
             Moved::Fully
         }
+    }
+
+    /// ∂Z/∂t and ∂y1/∂t for each direction. Returns whether they were found.
+    fn solve_columns(&mut self, stages: &Stages<T>, linearised: &mut Linearised<T>) -> bool {
+        let columns = self.columns.iter_mut().zip(&mut self.ends);
+        self.d.iter().zip(columns).all(|(d, (column, end))| {
+            stages.alpha_derivative_along(d, column.as_mut_slice());
+            stages.to_units(column.as_mut_slice());
+            let found = linearised.solve_column(stages, column);
+            linearised.column_end(stages, column, end);
+            found
+        })
     }
 
     /// The largest share of the move that keeps every |α_k| within `bound`; NaN if the move is not finite.

@@ -116,7 +116,18 @@ impl<T: Float> Certificate<T> {
             );
         }
         line("Newton iterations", counts.newton_iterations.to_string());
-        line("factorisations", counts.factorisations.to_string());
+        if counts.factorisations > 0 || counts.refreshes == 0 {
+            line("factorisations", counts.factorisations.to_string());
+        }
+        if counts.refreshes > 0 {
+            line(
+                "simplified Newton",
+                format!(
+                    "{} Hessians, {} small factorisations",
+                    counts.refreshes, counts.simplified_factorisations
+                ),
+            );
+        }
         line(
             "evaluations",
             format!(

@@ -78,7 +78,8 @@ impl<T: Float> Constraint<T> {
             .zip(largest)
             .fold(T::int(0), |sum, (&g, y)| sum + (g * y).abs());
         self.scale = self.reference.abs() + value.abs() + moved;
-        self.floor = T::EPSILON * self.scale;
+        // Below the smallest normal number rounding is absolute.
+        self.floor = T::EPSILON * (self.scale + T::MIN_POSITIVE);
         value.is_finite() && self.floor.is_finite()
     }
 

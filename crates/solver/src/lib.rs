@@ -1,6 +1,6 @@
 //! Energy and quadratic invariants preserving (EQUIP) integrators for Hamiltonian systems y' = J∇H(y).
 //!
-//! One step reads: initial guess (`guess`) → stages and α (`stages`, `constraint`, `linearisation`, `alpha`, `newton`) → accept or halve (`step`)
+//! One step reads: initial guess (`guess`) → stages and α (`stages`, `constraint`, `linearised`, `alpha`, `newton`) → accept or halve (`step`)
 //! → update (`state`) → observe (`stepper`, `run`).
 //!
 //! Paper: L. Brugnano, F. Iavernaro, D. Trigiante, *Energy and quadratic invariants preserving integrators of Gaussian
@@ -13,15 +13,21 @@ mod constraint;
 mod endpoint;
 mod error;
 mod guess;
+mod hessians;
 mod invariant;
 mod linear;
 mod linearisation;
+mod linearised;
 mod method;
 mod newton;
 mod observer;
 mod options;
 mod outcome;
 mod run;
+mod shifted;
+mod simplified;
+mod sparse;
+mod splitting;
 mod stages;
 mod state;
 mod step;
@@ -33,7 +39,7 @@ pub use invariant::{Defect, Invariant};
 pub use method::{Alphas, Equip, Family, Gauss, Method};
 pub use newton::NewtonRecord;
 pub use observer::{NoObserver, Observer};
-pub use options::{FixedStep, OnNoAlpha, Record};
+pub use options::{FixedStep, OnNoAlpha, Record, StageSolver};
 pub use outcome::{Counts, Outcome};
 pub use run::{Run, RunFailure};
 pub use stepper::{Step, StepView, Stepper};

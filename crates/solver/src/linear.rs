@@ -1,8 +1,7 @@
 //! Dense LU factorisation in place, without allocation after the first, by nalgebra's elimination steps.
 
-use equip_scalar::Float;
 use nalgebra::linalg::{gauss_step, gauss_step_swap};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{ComplexField, DMatrix, DVector};
 
 /// The matrix has no usable pivot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -10,12 +9,12 @@ pub(crate) struct Singular;
 
 /// P A = L U with partial pivoting; cost 2/3 N³ operations, each solve 2 N².
 #[derive(Debug)]
-pub(crate) struct DenseLu<T: Float> {
+pub(crate) struct DenseLu<T: ComplexField> {
     matrix: DMatrix<T>,
     pivots: Vec<usize>,
 }
 
-impl<T: Float> DenseLu<T> {
+impl<T: ComplexField + Copy> DenseLu<T> {
     pub(crate) fn new(dimension: usize) -> Self {
         DenseLu {
             matrix: DMatrix::zeros(dimension, dimension),
@@ -33,7 +32,7 @@ impl<T: Float> DenseLu<T> {
         for i in 0..a.nrows() {
             let pivot = i + a.view_range(i.., i).icamax();
             let diagonal = a[(pivot, i)];
-            if diagonal == T::int(0) || !diagonal.is_finite() {
+            if diagonal == T::zero() || !diagonal.is_finite() {
                 return Err(Singular);
             }
             self.pivots[i] = pivot;
@@ -53,7 +52,7 @@ impl<T: Float> DenseLu<T> {
             x.swap_rows(i, pivot);
         }
         self.matrix
-            .solve_lower_triangular_with_diag_mut(x, T::int(1));
+            .solve_lower_triangular_with_diag_mut(x, T::one());
         self.matrix.solve_upper_triangular_mut(x);
     }
 

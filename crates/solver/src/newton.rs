@@ -6,7 +6,7 @@
 //!    \nabla H(y_1)^T \sum_i B_i\,\delta Z_i = -g. $$
 //!
 //! With δα = t d along the direction of least displacement ([`crate::alpha`]) the border is one column: solve for −R and for
-//! Σ d_k T_k L with one factorisation of M ([`crate::linearisation`]), then t from the last row. Every further invariant to be
+//! Σ d_k T_k L with one factorisation of M ([`crate::linearised`]), then t from the last row. Every further invariant to be
 //! kept adds a row, a direction and a column ([`crate::constraint`]).
 //!
 //! *Start.* At Z = 0 all T_k L vanish and the border is singular, so the stages are solved with α = 0 first, with damping
@@ -14,15 +14,18 @@
 //! *End.* Both residuals are driven to round-off: until corrections are at 4 ε or stop shrinking, and |g| is at its floor or
 //! stops shrinking near it.
 //!
-//! Cost per iteration: a factorisation while corrections exceed ε^(1/3), then solves with the last one.
+//! With simplified Newton a cheaper matrix stands in for M and corrections shrink linearly; what is solved is the same.
+//!
+//! Cost per iteration: that of [`crate::linearised`], s gradients, and one more per constraint once the stages are near.
 
 use crate::alpha::{Directions, Moved, Norm, dot};
 use crate::constraint::{Constraint, worst};
-use crate::linearisation::Linearisation;
+use crate::linearised::{Linearised, Verdict};
+use crate::options::StageSolver;
 use crate::outcome::Counts;
 use crate::stages::Stages;
 use crate::state::State;
-use equip_autodiff::{Evaluate, Pattern};
+use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
 use nalgebra::DVector;
 
@@ -73,7 +76,7 @@ pub struct NewtonRecord<T> {
 
 #[derive(Debug)]
 pub(crate) struct Newton<T: Float> {
-    linearisation: Linearisation<T>,
+    linearised: Linearised<T>,
     directions: Directions<T>,
     /// The correction δZ, in units of `Stages::scale`, and a second column.
     correction: DVector<T>,
@@ -84,16 +87,34 @@ pub(crate) struct Newton<T: Float> {
 }
 
 impl<T: Float> Newton<T> {
-    pub(crate) fn new(s: usize, pattern: Pattern, constraints: usize, max_iterations: u32) -> Self {
-        let n = pattern.dimension();
+    pub(crate) fn new(
+        s: usize,
+        structure: &Structure,
+        solver: StageSolver,
+        constraints: usize,
+        max_iterations: u32,
+    ) -> Self {
+        let n = structure.hessian.dimension();
+        let linearised = Linearised::new(s, structure, solver, constraints > 0);
+        let limit = linearised.iteration_limit(max_iterations);
         Newton {
-            linearisation: Linearisation::new(s, pattern),
+            linearised,
             directions: Directions::new(s, n, constraints),
             correction: DVector::zeros(s * n),
             column: DVector::zeros(s * n),
             moved_end: vec![T::int(0); n],
-            history: Vec::with_capacity(max_iterations as usize),
+            history: Vec::with_capacity(limit as usize),
         }
+    }
+
+    /// Forgets what was kept of earlier steps.
+    pub(crate) fn forget(&mut self) {
+        self.linearised.forget();
+    }
+
+    /// After a failure: whether full Newton takes over, so that the step may be tried again.
+    pub(crate) fn take_over(&mut self) -> bool {
+        self.linearised.take_over()
     }
 
     /// Solves for Z (and the α's, if there are constraints) from the guess in `stages`; on success `stages` holds
@@ -109,6 +130,7 @@ impl<T: Float> Newton<T> {
     ) -> Result<(), Failure<T>> {
         self.history.clear();
         self.directions.forget();
+        self.linearised.begin(task.h, task.pure);
         let mut solution = Solution {
             stages,
             constraints,
@@ -117,8 +139,9 @@ impl<T: Float> Newton<T> {
             counts,
         };
         let solved = self.iterate(&mut solution, task);
-        // The stages alone were within reach when the α's began to move: what failed since, failed for them.
-        let moved = self.directions.are_known();
+        // The stages alone were within reach when the α's began to move: what failed since, failed for them, unless
+        // simplified Newton is to blame.
+        let moved = self.directions.are_known() && !self.linearised.may_be_taken_over();
         solved.map_err(|failure| if moved { Failure::NoAlpha } else { failure })
     }
 
@@ -132,18 +155,13 @@ impl<T: Float> Newton<T> {
         let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
         let mut shortened = 0;
         finite(at.evaluate(task))?;
-        for _ in 0..task.max_iterations {
+        let limit = self.linearised.iteration_limit(task.max_iterations);
+        for _ in 0..limit {
             at.counts.newton_iterations += 1;
             if last > reuse || task.pure {
                 at.stages.measure(task.y, last > near);
-                self.linearisation
-                    .refresh(at.stages, at.energy, task.h, at.counts)
-                    .map_err(|_| Failure::Singular)?;
             }
-            at.stages.residual(self.correction.as_mut_slice());
-            self.linearisation.solve(&mut self.correction);
-            let size = self.correction.amax();
-            finite(size.is_finite())?;
+            let size = self.correct(at, task, last)?;
             if size > near && !self.directions.are_known() {
                 self.history.push(NewtonRecord {
                     correction: size,
@@ -154,8 +172,9 @@ impl<T: Float> Newton<T> {
                 continue;
             }
 
-            let round_off = size <= T::int(CONVERGED) * eps
-                || (size > last / T::int(4) && size <= T::int(STAGNATED) * eps);
+            let stagnates =
+                size <= T::int(STAGNATED) * eps && self.linearised.stagnates(size, last);
+            let round_off = size <= T::int(CONVERGED) * eps || stagnates;
             at.stages.end_point(task.y, at.next);
             let mut out = T::int(0);
             if task.constrained {
@@ -195,9 +214,37 @@ impl<T: Float> Newton<T> {
             finite(at.evaluate(task))?;
         }
         Err(Failure::NoConvergence {
-            iterations: task.max_iterations,
+            iterations: limit,
             correction: last,
         })
+    }
+
+    /// The correction of the stages for −R, made with a linearisation that is good enough; its size.
+    fn correct<E: Evaluate<T>>(
+        &mut self,
+        at: &mut Solution<'_, T, E>,
+        task: &StepTask<'_, T>,
+        last: T,
+    ) -> Result<T, Failure<T>> {
+        loop {
+            self.linearised
+                .refresh(at.stages, at.energy, (task.h, last, task.pure), at.counts)
+                .map_err(|_| Failure::Singular)?;
+            at.stages.residual(self.correction.as_mut_slice());
+            self.linearised.solve(&mut self.correction);
+            let size = self.correction.amax();
+            finite(size.is_finite())?;
+            match self.linearised.judge(size, last) {
+                Verdict::Good => return Ok(size),
+                Verdict::Again => {}
+                Verdict::Diverges => {
+                    return Err(Failure::NoConvergence {
+                        iterations: self.history.len() as u32,
+                        correction: size,
+                    });
+                }
+            }
+        }
     }
 
     /// Far from the solution: the longest of the steps 1, 1/2, 1/4, … that makes the next correction with the same
@@ -213,12 +260,13 @@ impl<T: Float> Newton<T> {
         for _ in 0..MAX_DAMPINGS {
             if at.evaluate(task) {
                 at.stages.residual(self.column.as_mut_slice());
-                self.linearisation.solve(&mut self.column);
+                self.linearised.solve(&mut self.column);
                 if self.column.amax() <= (T::int(1) - step / T::int(4)) * size {
                     return Ok(());
                 }
             }
             // Take back half of what was added.
+            self.linearised.distrust();
             step /= T::int(2);
             at.stages.add(-step, self.correction.as_slice());
         }
@@ -253,12 +301,17 @@ impl<T: Float> Newton<T> {
         task: &StepTask<'_, T>,
         size: T,
     ) -> Moved {
-        let uncertain = T::int(4) * size * size;
+        let uncertain = T::int(4) * self.linearised.rest_of(size);
         let stands_out = |c: &Constraint<T>| c.predicted.abs() > c.floor.max(uncertain * c.scale);
         // The directions must not depend on how far the stages have come: wait until they are there.
         let early = size > T::EPSILON.sqrt() && !self.directions.are_known() && !task.pure;
         if early || !at.constraints.iter().any(stands_out) {
             return Moved::NotYet;
+        }
+        self.directions.judge_columns(at.constraints);
+        if self.directions.columns_are_due() {
+            self.linearised
+                .prepare_columns(at.stages, at.energy, task.h, at.counts);
         }
         if !self.directions.are_known() {
             let free = task.first..at.stages.count();
@@ -269,18 +322,17 @@ impl<T: Float> Newton<T> {
             }
             at.counts.alpha_solves += 2 * free.len() as u64;
             let constraints = &*at.constraints;
-            self.directions.take(
-                at.stages,
-                &mut self.linearisation,
-                free,
-                constraints,
-                task.norm,
-            );
+            let linearised = &mut self.linearised;
+            if !(self.directions).take(at.stages, linearised, free, constraints, task.norm) {
+                return Moved::NotAtAll;
+            }
         }
-        at.counts.alpha_solves += at.constraints.len() as u64;
+        if self.directions.columns_are_due() {
+            at.counts.alpha_solves += at.constraints.len() as u64;
+        }
         self.directions.step(
             at.stages,
-            &self.linearisation,
+            &mut self.linearised,
             at.constraints,
             task.alpha_bound,
             &mut self.correction,
@@ -289,7 +341,7 @@ impl<T: Float> Newton<T> {
 
     /// How the end point moves with the correction of the stages.
     fn end_correction(&mut self, stages: &Stages<T>) {
-        self.linearisation
+        self.linearised
             .end_displacement(stages, &self.correction, &mut self.moved_end);
         stages.end_displacement_by_stages(self.correction.as_slice(), &mut self.moved_end);
     }

@@ -28,6 +28,21 @@ pub enum Record {
     Ends,
 }
 
+/// How the stage equations of a step are solved. All solve the same equations to round-off; they differ in the work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+#[non_exhaustive]
+pub enum StageSolver {
+    /// Full Newton for up to 128 unknowns s·2m (32 where no α is solved for), simplified Newton beyond. Where that
+    /// converges badly, full Newton for some steps, if there are at most 1024 unknowns.
+    #[default]
+    Automatic,
+    /// Newton with the Hessians at all stages: factorises matrices of size s·2m, dense. Quadratic convergence.
+    FullNewton,
+    /// Newton with one Hessian for all stages, kept over steps while it serves: ⌈s/2⌉ complex systems of size 2m (m if H is
+    /// separable), sparse where ∇²H is. Linear convergence, so each iteration of `max_iterations` counts for four.
+    SimplifiedNewton,
+}
+
 /// A method with a fixed step: fixed for the whole run, the last step shorter if it does not divide the interval.
 #[derive(Debug, Clone)]
 pub struct FixedStep<T: Float> {
@@ -38,6 +53,7 @@ pub struct FixedStep<T: Float> {
     pub(crate) max_iterations: u32,
     pub(crate) max_halvings: u32,
     pub(crate) pure_newton: bool,
+    pub(crate) stage_solver: StageSolver,
     pub(crate) measure_energy: bool,
     pub(crate) invariants: Vec<Invariant>,
     pub(crate) kept: Vec<Invariant>,
@@ -57,6 +73,7 @@ pub(crate) struct Settings<T> {
     pub(crate) max_iterations: u32,
     pub(crate) max_halvings: u32,
     pub(crate) pure_newton: bool,
+    pub(crate) stage_solver: StageSolver,
 }
 
 impl<T: Float> FixedStep<T> {
@@ -69,6 +86,7 @@ impl<T: Float> FixedStep<T> {
             max_iterations: 30,
             max_halvings: 3,
             pure_newton: false,
+            stage_solver: StageSolver::default(),
             measure_energy: true,
             invariants: Vec::new(),
             kept: Vec::new(),
@@ -110,6 +128,13 @@ impl<T: Float> FixedStep<T> {
     #[must_use]
     pub fn pure_newton(mut self, pure: bool) -> Self {
         self.pure_newton = pure;
+        self
+    }
+
+    /// How the stage equations are solved; [`StageSolver::Automatic`] by default.
+    #[must_use]
+    pub fn stage_solver(mut self, solver: StageSolver) -> Self {
+        self.stage_solver = solver;
         self
     }
 
@@ -224,6 +249,7 @@ impl<T: Float> FixedStep<T> {
             max_iterations: iterations,
             max_halvings: halvings,
             pure_newton: self.pure_newton,
+            stage_solver: self.stage_solver,
         })
     }
 }

@@ -54,8 +54,12 @@ pub struct Counts {
     pub steps: u64,
     /// Newton iterations: stage corrections computed.
     pub newton_iterations: u64,
-    /// Factorisations of the Newton matrix.
+    /// Factorisations of the full Newton matrix, of size s·2m.
     pub factorisations: u64,
+    /// Factorisations of the complex systems of simplified Newton, of size 2m, or m for separable H.
+    pub simplified_factorisations: u64,
+    /// Times the one Hessian of simplified Newton was taken anew; each makes ⌈s/2⌉ of the factorisations above.
+    pub refreshes: u64,
     /// Evaluations of ∇H at one point.
     pub gradients: u64,
     /// Evaluations of H alone, to measure an energy that is not solved for.

@@ -53,7 +53,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             energy,
             newton: Newton::new(
                 s,
-                structure.hessian.clone(),
+                structure,
+                settings.stage_solver,
                 constraints.len(),
                 settings.max_iterations,
             ),
@@ -75,6 +76,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// Forgets the last step, so that the next depends on the state alone.
     pub(crate) fn forget(&mut self) {
         self.guess.forget();
+        self.newton.forget();
     }
 
     /// One step of size `h` from `y` at time `t` into `next`. `y` is not changed, whatever happens.
@@ -217,6 +219,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             );
             match solved {
                 Ok(()) | Err(Failure::NoAlpha) => return solved,
+                Err(_) if self.newton.take_over() => {}
                 Err(_) if !self.guess.is_from_last_step() => return solved,
                 Err(_) => self.guess.forget(),
             }

@@ -94,7 +94,7 @@ impl Model for Ring {
     }
 
     fn end(&self) -> f64 {
-        self.period(&self.initial::<f64>())
+        self.period(&self.initial::<f64>()) / 2.0
     }
 
     fn view(&self) -> View {

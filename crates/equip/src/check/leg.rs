@@ -1,0 +1,325 @@
+//! [`Leg`]: one method on one problem, with all that is measured of it.
+
+use super::case::{Kind, Problem, State};
+use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_scalar::{DoubleDouble, Float};
+use equip_solver::{Counts, IntegrateError, Method, Outcome, StepView};
+use std::time::{Duration, Instant};
+
+/// A method that has not reached the end by then is stopped.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// States kept of a run for comparison, at most; longer runs keep every k-th.
+const MOST_SAMPLES: u64 = 20_000;
+
+/// The states of a run at every `stride`-th step, the start included; n = 2m numbers each.
+#[derive(Debug, Clone)]
+pub(crate) struct Samples<T> {
+    pub(crate) n: usize,
+    pub(crate) states: Vec<T>,
+}
+
+impl<T: Float> Samples<T> {
+    pub(crate) fn none() -> Self {
+        Samples {
+            n: 0,
+            states: Vec::new(),
+        }
+    }
+
+    pub(crate) fn push(&mut self, q: &[T], p: &[T]) {
+        self.n = q.len() + p.len();
+        self.states.extend_from_slice(q);
+        self.states.extend_from_slice(p);
+    }
+
+    /// The first `count` of them.
+    pub(crate) fn first(mut self, count: usize) -> Self {
+        self.states.truncate(count * self.n);
+        self
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.iter().len()
+    }
+
+    /// Positions and momenta in units of the largest of each.
+    pub(crate) fn in_own_units(mut self) -> Self {
+        let m = self.n / 2;
+        let mut scale = [T::int(0); 2];
+        for y in self.iter() {
+            for (i, &x) in y.iter().enumerate() {
+                scale[i / m] = scale[i / m].max(x.abs());
+            }
+        }
+        let n = self.n;
+        for (i, x) in self.states.iter_mut().enumerate() {
+            *x /= scale[i % n / m];
+        }
+        self
+    }
+
+    pub(crate) fn iter(&self) -> std::slice::ChunksExact<'_, T> {
+        self.states.chunks_exact(self.n.max(1))
+    }
+}
+
+/// Steps between samples of a run of so many steps.
+pub(crate) fn stride(steps: u64) -> u64 {
+    steps.div_ceil(MOST_SAMPLES).max(1)
+}
+
+/// An error that ended a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Ended {
+    pub(crate) kind: Kind,
+    pub(crate) text: String,
+    pub(crate) time: f64,
+}
+
+/// A quantity that is to be kept.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Kept {
+    pub(crate) name: String,
+    /// Largest defect, in the quantity's own unit.
+    pub(crate) defect: f64,
+    /// The same in units of ε Σ|∂_iI y_i|.
+    pub(crate) in_roundoff: f64,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Leg<T> {
+    pub(crate) counts: Counts,
+    /// Largest |H − H_ref|.
+    pub(crate) energy: f64,
+    /// Largest |H − H_ref| in units of its floor over steps that say the energy is kept.
+    pub(crate) floors: Option<f64>,
+    /// The same with H evaluated in double-double; runs in f64 only.
+    pub(crate) independent_floors: Option<f64>,
+    pub(crate) invariants: Vec<Kept>,
+    pub(crate) samples: Samples<T>,
+    pub(crate) ended: Option<Ended>,
+    pub(crate) impatient: bool,
+    pub(crate) seconds: f64,
+}
+
+/// The value of H and of invariants, and how large the rounding of the state makes them.
+struct Watched<T: Float> {
+    evaluator: <Hamiltonian as System>::Evaluator<T>,
+    gradient: Vec<T>,
+    name: String,
+    start: T,
+    defect: T,
+    scale: T,
+}
+
+impl<T: Float> Watched<T> {
+    fn new(name: &str, function: &Hamiltonian, y: &[T]) -> Self {
+        let mut evaluator = function.evaluator::<T>();
+        let start = evaluator.value(y);
+        Watched {
+            evaluator,
+            gradient: vec![T::int(0); y.len()],
+            name: name.to_owned(),
+            start,
+            defect: T::int(0),
+            scale: T::int(0),
+        }
+    }
+
+    fn see(&mut self, y: &[T]) {
+        let value = self.evaluator.gradient(y, &mut self.gradient);
+        let moved = self.gradient.iter().zip(y);
+        let scale = moved.fold(T::int(0), |sum, (&g, &y)| sum + (g * y).abs());
+        let defect = (value - self.start).abs();
+        if !(defect <= self.defect) {
+            self.defect = defect;
+        }
+        if scale > self.scale {
+            self.scale = scale;
+        }
+    }
+
+    fn kept(&self) -> Kept {
+        let unit = T::EPSILON * self.scale;
+        let zero = T::int(0);
+        Kept {
+            name: self.name.clone(),
+            defect: self.defect.to_f64(),
+            in_roundoff: if self.defect == zero {
+                0.0
+            } else {
+                (self.defect / unit).to_f64()
+            },
+        }
+    }
+}
+
+/// H in double-double at states of the run.
+struct Independent {
+    evaluator: <Hamiltonian as System>::Evaluator<DoubleDouble>,
+    y: Vec<DoubleDouble>,
+    h_ref: DoubleDouble,
+}
+
+pub(crate) fn widen<T: Float>(x: T) -> DoubleDouble {
+    DoubleDouble::from_expansion(x.expansion())
+}
+
+impl Independent {
+    fn new<T: Float>(h: &Hamiltonian, n: usize, h_ref: T) -> Self {
+        Independent {
+            evaluator: h.evaluator::<DoubleDouble>(),
+            y: vec![DoubleDouble::int(0); n],
+            h_ref: widen(h_ref),
+        }
+    }
+
+    fn defect<T: Float>(&mut self, view: &StepView<'_, T>) -> f64 {
+        let state = view.q.iter().chain(view.p);
+        for (wide, &x) in self.y.iter_mut().zip(state) {
+            *wide = widen(x);
+        }
+        (self.evaluator.value(&self.y) - self.h_ref).to_f64()
+    }
+}
+
+/// Everything that sees the steps.
+struct Watch<T: Float> {
+    leg: Leg<T>,
+    watched: Vec<Watched<T>>,
+    independent: Option<Independent>,
+    y: Vec<T>,
+}
+
+impl<T: Float> Watch<T> {
+    fn new(problem: &Problem, (q, p): &State<T>) -> Self {
+        let y = [q.as_slice(), p].concat();
+        let watched = problem.invariants.iter();
+        let watched = watched.map(|i| Watched::new(i.name(), i.function(), &y));
+        let mut samples = Samples::none();
+        samples.push(q, p);
+        Watch {
+            watched: watched.collect(),
+            independent: None,
+            leg: Leg {
+                counts: Counts::default(),
+                energy: 0.0,
+                floors: None,
+                independent_floors: None,
+                invariants: Vec::new(),
+                samples,
+                ended: None,
+                impatient: false,
+                seconds: 0.0,
+            },
+            y,
+        }
+    }
+
+    fn step(&mut self, view: &StepView<'_, T>, sample: bool) {
+        let defect = view.energy_defect.map_or(0.0, Float::to_f64).abs();
+        if !(defect <= self.leg.energy) {
+            self.leg.energy = defect;
+        }
+        if sample {
+            self.leg.samples.push(view.q, view.p);
+            self.y.clear();
+            self.y.extend_from_slice(view.q);
+            self.y.extend_from_slice(view.p);
+            self.watched.iter_mut().for_each(|w| w.see(&self.y));
+        }
+        let Some(floor) = view.energy_floor.filter(|_| view.outcome.energy_kept()) else {
+            return;
+        };
+        raise(&mut self.leg.floors, in_floors(defect, floor.to_f64()));
+        if let (Some(independent), true) = (&mut self.independent, sample) {
+            let defect = independent.defect(view);
+            let floors = in_floors(defect, floor.to_f64());
+            raise(&mut self.leg.independent_floors, floors);
+        }
+    }
+}
+
+/// |defect| / floor; a defect of zero is zero floors, also where the floor underflows.
+fn in_floors(defect: f64, floor: f64) -> f64 {
+    if defect == 0.0 {
+        0.0
+    } else {
+        (defect / floor).abs()
+    }
+}
+
+fn raise(most: &mut Option<f64>, x: f64) {
+    if !most.is_some_and(|most| x <= most) {
+        *most = Some(x);
+    }
+}
+
+/// `steps` steps of size `h` from `start`, or as far as it gets.
+pub(crate) fn run<T: Float>(
+    method: Method,
+    problem: &Problem,
+    start: &State<T>,
+    h: T,
+    steps: u64,
+) -> Leg<T> {
+    let begun = Instant::now();
+    let (q, p) = start;
+    let mut watch = Watch::new(problem, start);
+    let stride = stride(steps);
+    let begin = method.step(h).start(problem.hamiltonian(), q, p, T::int(0));
+    let mut stepper = match begin {
+        Ok(stepper) => stepper,
+        Err(error) => {
+            watch.leg.ended = Some(ended(&error, T::int(0)));
+            return watch.leg;
+        }
+    };
+    let h_ref = stepper.certificate().energy.map(|energy| energy.start);
+    // Nothing is wider than double-double.
+    watch.independent = h_ref
+        .filter(|_| T::MANTISSA_BITS < DoubleDouble::MANTISSA_BITS)
+        .map(|h_ref| Independent::new(problem.hamiltonian(), q.len() + p.len(), h_ref));
+    for index in 1..=steps {
+        let time = stepper.time();
+        match stepper.advance() {
+            Ok(view) => watch.step(&view, index % stride == 0),
+            Err(error) => {
+                watch.leg.ended = Some(ended(&error, time));
+                break;
+            }
+        }
+        if index % 64 == 0 && begun.elapsed() > PATIENCE {
+            watch.leg.impatient = true;
+            break;
+        }
+    }
+    let mut leg = watch.leg;
+    leg.counts = *stepper.counts();
+    leg.invariants = watch.watched.iter().map(Watched::kept).collect();
+    leg.seconds = begun.elapsed().as_secs_f64();
+    leg
+}
+
+fn ended<T: Float>(error: &IntegrateError<T>, time: T) -> Ended {
+    Ended {
+        kind: match error {
+            IntegrateError::NotFinite { .. } => Kind::NotFinite,
+            IntegrateError::NoConvergence { .. } => Kind::NoConvergence,
+            IntegrateError::Singular { .. } => Kind::Singular,
+            IntegrateError::EnergyNotFinite { .. } => Kind::EnergyNotFinite,
+            _ => Kind::Other,
+        },
+        text: error.to_string(),
+        time: time.to_f64(),
+    }
+}
+
+/// Steps of each outcome that occurred, in the order of reports.
+pub(crate) fn outcomes(counts: &Counts) -> impl Iterator<Item = (Outcome, u64)> {
+    Outcome::ALL
+        .into_iter()
+        .map(|o| (o, counts.outcome(o)))
+        .filter(|(_, n)| *n > 0)
+}

@@ -1,0 +1,420 @@
+//! The linearised stage equations, by full or by simplified Newton: which of the two, and how long a factorisation serves.
+//!
+//! *Full* ([`crate::linearisation`]): M at the current stages; a factorisation while corrections exceed ε^(1/3).
+//!
+//! *Simplified* ([`crate::simplified`]): one H̄, α = 0. Corrections contract by θ, the ratio of two successive ones. A factorisation serves
+//! for as many steps as θ stays near what it was when fresh; above 1/2 it is made anew, and if that does not help
+//! full Newton takes over for [`FULL_STEPS`] steps where it may.
+//!
+//! *Columns of the α's.* Their direction must not depend on the age of H̄, nor differ for the step made backwards, so the columns are
+//! solved for with M itself: Hessians of all stages once per step in which α's move, and M x = b iterated,
+//! x ← x + M̃⁻¹(b − M x), until its corrections are at √ε, the accuracy to which the stages are known then.
+
+use crate::hessians::{StageHessians, turned};
+use crate::linear::Singular;
+use crate::linearisation::Linearisation;
+use crate::options::StageSolver;
+use crate::outcome::Counts;
+use crate::simplified::Simplified;
+use crate::stages::Stages;
+use equip_autodiff::{Evaluate, Structure};
+use equip_scalar::Float;
+use nalgebra::DVector;
+
+/// Up to this size s·n of the stage equations full Newton is as fast, …
+const FULL_IS_FAST: usize = 32;
+/// … and up to this where the α's have to be solved for, whose columns take M itself.
+const FULL_IS_FAST_FOR_ALPHAS: usize = 128;
+/// Up to this size full Newton may take over: 8 MB in f64.
+const FULL_IS_POSSIBLE: usize = 1024;
+/// Steps for which it does.
+const FULL_STEPS: u32 = 16;
+/// Simplified iterations allowed for each that is allowed to full Newton.
+const ITERATIONS: u32 = 4;
+/// Corrections below this many ε say nothing about θ.
+const NOISE: i64 = 4096;
+/// Iterations of M x = b.
+const MAX_REFINEMENTS: u32 = 60;
+
+/// What to make of a correction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    Good,
+    /// To be computed again: a new factorisation is due.
+    Again,
+    /// Corrections grow and nothing is left to try.
+    Diverges,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Active {
+    Full,
+    Simplified,
+}
+
+#[derive(Debug)]
+pub(crate) struct Linearised<T: Float> {
+    choice: StageSolver,
+    s: usize,
+    hessians: StageHessians<T>,
+    /// Made when first used.
+    full: Option<Linearisation<T>>,
+    simplified: Option<Simplified<T>>,
+    active: Active,
+    /// Steps still to be made by full Newton.
+    full_steps: u32,
+    /// Whether there is a simplified factorisation, and for which h.
+    made_for: Option<T>,
+    /// It was made near the solution of this step.
+    fresh: bool,
+    /// No correction has been made with it yet.
+    untried: bool,
+    /// A full factorisation is due whatever the corrections.
+    full_due: bool,
+    /// Largest θ of this step, and of the step in which the factorisation was made.
+    theta: T,
+    theta_when_made: T,
+    /// b, then b − M x.
+    rest: DVector<T>,
+    /// Correction of x.
+    step: DVector<T>,
+    parts: [Vec<T>; 2],
+    work: DVector<T>,
+}
+
+impl<T: Float> Linearised<T> {
+    pub(crate) fn new(
+        s: usize,
+        structure: &Structure,
+        choice: StageSolver,
+        constrained: bool,
+    ) -> Self {
+        let n = structure.hessian.dimension();
+        let fast = if constrained {
+            FULL_IS_FAST_FOR_ALPHAS
+        } else {
+            FULL_IS_FAST
+        };
+        let simplified = match choice {
+            StageSolver::FullNewton => None,
+            StageSolver::Automatic if s * n <= fast => None,
+            StageSolver::Automatic | StageSolver::SimplifiedNewton => Simplified::new(s, structure),
+        };
+        let length = if simplified.is_some() { s * n } else { 0 };
+        let zero = T::int(0);
+        Linearised {
+            choice,
+            s,
+            hessians: StageHessians::new(s, structure.hessian.clone()),
+            full: None,
+            active: Active::Full,
+            full_steps: 0,
+            made_for: None,
+            fresh: false,
+            untried: false,
+            full_due: false,
+            theta: zero,
+            theta_when_made: zero,
+            rest: DVector::zeros(length),
+            step: DVector::zeros(length),
+            parts: [vec![zero; n], vec![zero; n]],
+            work: DVector::zeros(s * n),
+            simplified,
+        }
+    }
+
+    /// Forgets everything that was kept from earlier steps.
+    pub(crate) fn forget(&mut self) {
+        self.made_for = None;
+        self.full_steps = 0;
+        self.theta = T::int(0);
+    }
+
+    /// A step of size `h` begins; `pure` asks for a factorisation in every iteration.
+    pub(crate) fn begin(&mut self, h: T, pure: bool) {
+        let full = self.simplified.is_none()
+            || (self.choice == StageSolver::Automatic && (pure || self.full_steps > 0));
+        self.full_steps = self.full_steps.saturating_sub(1);
+        self.active = if full {
+            Active::Full
+        } else {
+            Active::Simplified
+        };
+        let worn = T::ratio(1, 10).max(T::int(2) * self.theta_when_made);
+        if self.theta > worn || self.made_for != Some(h) {
+            self.made_for = None;
+        }
+        self.theta = T::int(0);
+        self.fresh = false;
+        self.full_due = false;
+    }
+
+    pub(crate) fn is_simplified(&self) -> bool {
+        self.active == Active::Simplified
+    }
+
+    /// How many iterations a step may take.
+    pub(crate) fn iteration_limit(&self, full: u32) -> u32 {
+        match self.simplified {
+            Some(_) => full.saturating_mul(ITERATIONS),
+            None => full,
+        }
+    }
+
+    /// Sees to it that there is a factorisation to correct with; `last` is the size of the last correction.
+    pub(crate) fn refresh<E: Evaluate<T>>(
+        &mut self,
+        stages: &Stages<T>,
+        energy: &mut E,
+        (h, last, pure): (T, T, bool),
+        counts: &mut Counts,
+    ) -> Result<(), Singular> {
+        match (self.active, &mut self.simplified) {
+            (Active::Simplified, Some(simplified)) => {
+                let serves = simplified.rescale(stages) && self.made_for.is_some();
+                if !serves || pure {
+                    self.made_for = None;
+                    simplified.refresh(stages, energy, h, counts)?;
+                    self.made_for = Some(h);
+                    self.fresh = last <= T::ratio(1, 100);
+                    self.untried = true;
+                    self.theta_when_made = T::int(0);
+                    simplified.rescale(stages);
+                }
+            }
+            _ if last > T::EPSILON.cbrt() || pure || self.full_due => {
+                self.full_due = false;
+                self.hessians.take(stages, energy, h, counts);
+                counts.factorisations += 1;
+                let (s, n) = (self.s, stages.n);
+                self.full
+                    .get_or_insert_with(|| Linearisation::new(s, n))
+                    .refresh(stages, &self.hessians)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Judges a correction by the one before it.
+    pub(crate) fn judge(&mut self, size: T, last: T) -> Verdict {
+        if !self.is_simplified() || !size.is_finite() {
+            return Verdict::Good;
+        }
+        // The first with a factorisation says nothing about it.
+        let untried = std::mem::replace(&mut self.untried, false);
+        if untried || !last.is_finite() || size <= T::int(NOISE) * T::EPSILON {
+            return Verdict::Good;
+        }
+        let theta = size / last;
+        if theta > T::ratio(1, 2) {
+            if !self.fresh {
+                self.made_for = None;
+                return Verdict::Again;
+            }
+            if self.take_over() {
+                self.full_due = true;
+                return Verdict::Again;
+            }
+            if theta > T::int(1) {
+                return Verdict::Diverges;
+            }
+        }
+        self.theta = self.theta.max(theta);
+        if self.fresh {
+            self.theta_when_made = self.theta;
+        }
+        Verdict::Good
+    }
+
+    /// Hands over to full Newton for some steps, if it may. Returns whether it does.
+    pub(crate) fn take_over(&mut self) -> bool {
+        let possible = self.may_be_taken_over();
+        if possible {
+            self.active = Active::Full;
+            self.full_steps = FULL_STEPS;
+            self.made_for = None;
+        }
+        possible
+    }
+
+    /// Whether there is full Newton to hand over to.
+    pub(crate) fn may_be_taken_over(&self) -> bool {
+        self.choice == StageSolver::Automatic
+            && self.is_simplified()
+            && self.work.len() <= FULL_IS_POSSIBLE
+    }
+
+    /// A correction had to be shortened: the factorisation is not to be trusted.
+    pub(crate) fn distrust(&mut self) {
+        self.made_for = None;
+    }
+
+    /// Whether corrections no longer shrink. Full Newton's would by far more than 4, were they not round-off.
+    pub(crate) fn stagnates(&self, size: T, last: T) -> bool {
+        let share = if self.is_simplified() {
+            T::ratio(3, 4)
+        } else {
+            T::ratio(1, 4)
+        };
+        size > share * last
+    }
+
+    /// What a correction of this size leaves of the error.
+    pub(crate) fn rest_of(&self, size: T) -> T {
+        if self.is_simplified() {
+            size * self.theta.max(self.theta_when_made).max(size)
+        } else {
+            size * size
+        }
+    }
+
+    /// Correction of the stages for the right-hand side x, in place.
+    pub(crate) fn solve(&mut self, x: &mut DVector<T>) {
+        match (self.active, &mut self.simplified, &self.full) {
+            (Active::Simplified, Some(simplified), _) => simplified.solve(x),
+            (_, _, Some(full)) => full.solve(x),
+            _ => {}
+        }
+    }
+
+    /// How the end point moves with the stages, in units of the state; to θ with simplified Newton.
+    pub(crate) fn end_displacement(&mut self, stages: &Stages<T>, x: &DVector<T>, u: &mut [T]) {
+        match (self.active, &mut self.simplified) {
+            (Active::Simplified, Some(simplified)) => simplified.end_displacement(stages, x, u),
+            _ => self.hessians.end_displacement(stages, x, u),
+        }
+    }
+
+    /// To be called before columns of α's are solved for at the current stages.
+    pub(crate) fn prepare_columns<E: Evaluate<T>>(
+        &mut self,
+        stages: &Stages<T>,
+        energy: &mut E,
+        h: T,
+        counts: &mut Counts,
+    ) {
+        if self.is_simplified() {
+            self.hessians.take(stages, energy, h, counts);
+        }
+    }
+
+    /// Whether a column once solved for serves for the rest of the step: it does not change as long as M is that of the
+    /// same Hessians.
+    pub(crate) fn keeps_columns(&self) -> bool {
+        self.is_simplified()
+    }
+
+    /// x ← M⁻¹ x. Returns whether it was found.
+    pub(crate) fn solve_column(&mut self, stages: &Stages<T>, x: &mut DVector<T>) -> bool {
+        if self.is_simplified() {
+            return self.refine(stages, x, false);
+        }
+        self.solve(x);
+        true
+    }
+
+    /// u = Σ_i B_i x_i for a column x of an α, in units of the state.
+    pub(crate) fn column_end(&self, stages: &Stages<T>, x: &DVector<T>, u: &mut [T]) {
+        self.hessians.end_displacement(stages, x, u);
+    }
+
+    /// u' = −Ψ⁻¹ u for the step map Ψ linearised at fixed α: how the *start* point moves when the end point is held.
+    /// Returns whether it was found.
+    ///
+    /// Ψ = I + Σ B_i (M⁻¹ 1⊗I)_i is symplectic, so Ψ⁻¹ = −J Ψᵀ J: one solve with Mᵀ.
+    pub(crate) fn column_start(&mut self, stages: &Stages<T>, u: &[T], back: &mut [T]) -> bool {
+        let n = stages.n;
+        let mut x = std::mem::replace(&mut self.work, DVector::zeros(0));
+        self.hessians.pull_back(stages, u, &mut x);
+        let found = if self.is_simplified() {
+            self.refine(stages, &mut x, true)
+        } else {
+            if let Some(full) = &self.full {
+                full.solve_transposed(&mut x);
+            }
+            true
+        };
+        for row in 0..n {
+            let sum = (0..stages.count()).fold(T::int(0), |sum, i| sum + x[i * n + row]);
+            // J Ψᵀ J u = J (J u + Σ_i w_i) = −u + J Σ_i w_i.
+            let (r, sign) = turned::<T>(row, n);
+            back[r] = sign * sum / stages.scale[row] - u[r];
+        }
+        self.work = x;
+        found
+    }
+
+    /// How far each component is from being resolved by the step.
+    pub(crate) fn resolution(&self, n: usize, weights: &mut [T]) {
+        self.hessians.resolution(n, weights);
+    }
+
+    /// x ← M⁻¹ x or M⁻ᵀ x by iteration with M̃. Returns whether it converged.
+    fn refine(&mut self, stages: &Stages<T>, x: &mut DVector<T>, transposed: bool) -> bool {
+        let Some(simplified) = &mut self.simplified else {
+            return false;
+        };
+        self.rest.copy_from(x);
+        x.fill(T::int(0));
+        let tolerance = T::EPSILON.sqrt();
+        let mut last = T::INFINITY;
+        for _ in 0..MAX_REFINEMENTS {
+            // The correction replaces the residual, M times the correction comes off it.
+            self.step.copy_from(&self.rest);
+            if transposed {
+                simplified.solve_transposed(&mut self.step);
+            } else {
+                simplified.solve(&mut self.step);
+            }
+            *x += &self.step;
+            let size = self.step.amax();
+            if size <= tolerance * x.amax() {
+                return true;
+            }
+            if !(size < last) {
+                return false;
+            }
+            last = size;
+            let (x, r) = (&self.step, &mut self.rest);
+            subtract_product(&self.hessians, stages, x, r, &mut self.parts, transposed);
+        }
+        false
+    }
+}
+
+/// r ← r − M x, or r − Mᵀ x; `parts` are two vectors of length n to work with.
+fn subtract_product<T: Float>(
+    hessians: &StageHessians<T>,
+    stages: &Stages<T>,
+    x: &DVector<T>,
+    r: &mut DVector<T>,
+    parts: &mut [Vec<T>; 2],
+    transposed: bool,
+) {
+    let (s, n) = (stages.count(), stages.n);
+    let k = |i: usize, j: usize| T::ratio(1, 2) + stages.u[i * s + j];
+    *r -= x;
+    let (x, r) = (x.as_slice(), r.as_mut_slice());
+    let [sum, part] = parts;
+    for j in 0..s {
+        if transposed {
+            sum.fill(T::int(0));
+            for (i, x) in x.chunks_exact(n).enumerate() {
+                add(sum, k(i, j), x);
+            }
+            hessians.turn_transposed(stages, j, sum, part);
+            add(&mut r[j * n..][..n], T::int(1), part);
+        } else {
+            hessians.turn(stages, j, &x[j * n..][..n], part);
+            for (i, r) in r.chunks_exact_mut(n).enumerate() {
+                add(r, k(i, j), part);
+            }
+        }
+    }
+}
+
+/// y ← y + a x.
+fn add<T: Float>(y: &mut [T], a: T, x: &[T]) {
+    y.iter_mut().zip(x).for_each(|(y, &x)| *y += a * x);
+}
