@@ -79,7 +79,7 @@ fn pythagorean(all: &mut Vec<Case>) {
         let name = "Pythagorean, t = 15.8 … 15.86";
         let case = Case::new(THEME, name, close_pass).stages(s);
         let case = case
-            .steps((0.06 / h).round() as u64, h)
+            .steps((0.06_f64 / h).round() as u64, h)
             .against(Reference::Fine {
                 stages: 8,
                 divide: (h / 5e-6).round() as u64,
