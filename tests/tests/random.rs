@@ -421,9 +421,9 @@ fn number(name: &str) -> Option<u64> {
     std::env::var(name).ok().map(|text| text.parse().unwrap())
 }
 
-/// The floor of H is estimated too low, and the α's go to their bound chasing the rounding of H (1403); the direction of
-/// least displacement is nearly orthogonal to ∇H, and each step moves 100 times as far as the energy needs (1135, 2230).
-const OFF_COURSE: [u64; 3] = [1403, 1135, 2230];
+/// The direction of least displacement is nearly orthogonal to ∇H: each step moves 100 times as far as the energy needs, and
+/// the trajectory has 13 and 15 times the error of Gauss.
+const OFF_COURSE: [u64; 2] = [1135, 2230];
 
 #[test]
 fn random_hamiltonians_end_well() {
@@ -453,6 +453,7 @@ fn random_hamiltonians_end_well() {
     if !standard {
         return;
     }
+    // Measured 18 of 757, the worst but two 7.5.
     let several = &summary.trajectories[&Freedom::Several];
     let above = several.iter().filter(|(ratio, _)| *ratio > 1.5).count();
     assert!(20 * above <= several.len(), "{above} of {}", several.len());
@@ -469,7 +470,7 @@ fn random_hamiltonians_end_well() {
 }
 
 #[test]
-#[ignore = "known: floor of H too low (1403), energy kept at 10 times the error of Gauss (1135, 2230)"]
+#[ignore = "known: where all slopes of g are small, the energy is kept at 10 times the error of Gauss"]
 fn no_random_hamiltonian_is_thrown_off_course() {
     for seed in OFF_COURSE {
         let case = Case::new(seed);
