@@ -21,6 +21,8 @@ use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
 use nalgebra::DVector;
 
+/// Simplified Newton's corrections that stop shrinking below this many ε are accepted as round-off.
+const SLOW: i64 = 4096;
 /// Up to this size s·n of the stage equations full Newton is as fast, …
 const FULL_IS_FAST: usize = 32;
 /// … and up to this where the α's have to be solved for, whose columns take M itself.
@@ -250,14 +252,15 @@ impl<T: Float> Linearised<T> {
         self.made_for = None;
     }
 
-    /// Whether corrections no longer shrink. Full Newton's would by far more than 4, were they not round-off.
+    /// Whether corrections no longer shrink because they are round-off. Below √ε full Newton's would by far more
+    /// than 4, were they not (in stiff springs rounding is 1e-11 of the state); simplified Newton's may just be slow.
     pub(crate) fn stagnates(&self, size: T, last: T) -> bool {
-        let share = if self.is_simplified() {
-            T::ratio(3, 4)
+        let (share, limit) = if self.is_simplified() {
+            (T::ratio(3, 4), T::int(SLOW) * T::EPSILON)
         } else {
-            T::ratio(1, 4)
+            (T::ratio(1, 4), T::EPSILON.sqrt())
         };
-        size > share * last
+        size > share * last && size <= limit
     }
 
     /// What a correction of this size leaves of the error.

@@ -11,7 +11,8 @@
 //!
 //! *Start.* At Z = 0 all T_k L vanish and the border is singular, so the stages are solved with α = 0 first, with damping
 //! while they are far. The α's move only when the predicted |g| stands out of the error that the stages still have.
-//! *End.* Both residuals are driven to round-off: until corrections are at 4 ε or stop shrinking, and |g| is at its floor or
+//! *End.* Both residuals are driven to round-off: until corrections are at 4 ε or, below √ε, stop shrinking
+//! (there Newton contracts, so what does not shrink is rounding; in stiff springs it is 1e-11 of the state), and |g| is at its floor or
 //! stops shrinking near it.
 //!
 //! With simplified Newton a cheaper matrix stands in for M and corrections shrink linearly; what is solved is the same.
@@ -31,8 +32,6 @@ use nalgebra::DVector;
 
 /// Corrections this many ε are as small as rounding lets them become.
 const CONVERGED: i64 = 4;
-/// Corrections that stop shrinking below this many ε are accepted as round-off.
-const STAGNATED: i64 = 4096;
 /// Energy defects that stop shrinking below this many floors are accepted as round-off.
 pub(crate) const ENERGY_STAGNATED: i64 = 8;
 /// Dampings of one correction, each to half the step.
@@ -172,8 +171,7 @@ impl<T: Float> Newton<T> {
                 continue;
             }
 
-            let stagnates =
-                size <= T::int(STAGNATED) * eps && self.linearised.stagnates(size, last);
+            let stagnates = size <= eps.sqrt() && self.linearised.stagnates(size, last);
             let round_off = size <= T::int(CONVERGED) * eps || stagnates;
             at.stages.end_point(task.y, at.next);
             let mut out = T::int(0);

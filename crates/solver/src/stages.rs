@@ -201,8 +201,7 @@ impl<T: Float> Stages<T> {
     ///
     /// A component that is zero throughout gets the size of its group, so that a correction of it by round-off
     /// is seen as the round-off it is. While the stages are `far` from their solution max_i |L_ij| counts too: Z may
-    /// still be zero where it is about to move, and the least size is √ε of the group: entries of the Newton matrix
-    /// scaled by ε⁻² lost all digits of it, and a linear H started from (q, 0, 0, 0) was halved for nothing.
+    /// still be zero where it is about to move.
     pub(crate) fn measure(&mut self, y: &State<T>, far: bool) {
         let (n, m) = (self.n, self.n / 2);
         for j in 0..n {
@@ -217,12 +216,7 @@ impl<T: Float> Stages<T> {
             let scale = &mut self.scale[group];
             let largest = scale.iter().fold(T::int(0), |a, &x| a.max(x));
             let least = if largest > T::int(0) {
-                largest
-                    * if far {
-                        T::EPSILON.sqrt()
-                    } else {
-                        T::EPSILON * T::EPSILON
-                    }
+                largest * T::EPSILON * T::EPSILON
             } else {
                 T::int(1)
             };
