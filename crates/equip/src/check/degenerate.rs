@@ -118,9 +118,9 @@ fn domains(all: &mut Vec<Case>) {
             wall.trajectory(Trajectory::Open("the bounce is not resolved"))
         });
     }
-    // exp overflows in the stages of the first steps.
+    // So steep that the stages of a step into it see anything from nothing to overflow.
     let overflow = particle(
-        "exp(500 q), a wall that overflows",
+        "exp(500 q), a steep wall",
         |q| (500.0 * q).exp(),
         -1.0,
         40.0,
@@ -145,7 +145,7 @@ fn every_number_of_stages(all: &mut Vec<Case>) {
     for s in [2, 3, 4, 5, 6, 8, 10, 12, 16, 20] {
         let case = Case::new(
             THEME,
-            "Hénon–Heiles E=1/12",
+            "Hénon–Heiles E=1/12, every s",
             scene("henon-heiles", &[("energy", "1/12")]),
         );
         let case = case.stages(s).steps(100, 0.5).against(Reference::Fine {

@@ -43,7 +43,8 @@ fn kepler(all: &mut Vec<Case>) {
             } else {
                 coarse
             });
-            let periods = if enough < 10_000 { 2 } else { 1 };
+            // Two: what follows a pericentre is harder than what leads to the first.
+            let periods = 2;
             let row = case(s, enough, periods);
             all.push(if enough > 10_000 {
                 row.complete_only()
@@ -59,7 +60,7 @@ fn kepler(all: &mut Vec<Case>) {
 
 /// Closed orbit of period 17.07 that passes the Moon at 0.006.
 fn arenstorf(all: &mut Vec<Case>) {
-    const PERIOD: f64 = 17.065_216_560_157_962;
+    const PERIOD: f64 = 17.065_216_560_157_96;
     for (s, steps) in [(4, 40_000), (6, 20_000)] {
         let case = Case::new(THEME, "Arenstorf orbit 1", scene("arenstorf", &[])).stages(s);
         let case = case.steps(steps, PERIOD / steps as f64);
@@ -100,7 +101,7 @@ fn close_pass() -> Result<Problem, BuildFault> {
         9.748_634_544_263_056e-1,
     ];
     let p = [
-        -1.561_121_235_247_387_1e1,
+        -1.561_121_235_247_387e1,
         3.791_806_834_008_791_6,
         1.563_521_461_922_642e1,
         -3.859_526_878_320_137_7,
@@ -133,5 +134,31 @@ fn fall(all: &mut Vec<Case>) {
             1.1,
             "the motion ends in the singularity",
         )));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::close_pass;
+    use equip_solver::Gauss;
+
+    /// Measured: see the message. The pass is the point of these rows, and they start from a state that was integrated.
+    #[test]
+    fn the_close_pass_is_within_the_interval() {
+        let problem = close_pass().unwrap();
+        let (q, p) = problem.initial::<f64>();
+        let method = Gauss::stages(6).step(5e-6).measure_energy(false);
+        let mut stepper = method.start(problem.hamiltonian(), &q, &p, 0.0).unwrap();
+        let (mut nearest, mut time) = (f64::INFINITY, 0.0);
+        for _ in 0..12_000 {
+            let view = stepper.advance().unwrap();
+            let distance = (view.q[0] - view.q[2]).hypot(view.q[1] - view.q[3]);
+            if distance < nearest {
+                (nearest, time) = (distance, 15.8 + view.time);
+            }
+        }
+        println!("nearest {nearest:.2e} at t = {time:.4}");
+        assert!(nearest < 1e-3, "{nearest:e} at {time}");
+        assert!((15.82..15.84).contains(&time), "{time}");
     }
 }

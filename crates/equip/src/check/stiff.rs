@@ -5,8 +5,8 @@
 use super::case::{Case, Judged, Reference, Trajectory, scene};
 
 const THEME: &str = "stiff";
-const CARTESIAN: &str = "in Cartesian coordinates the spring's direction turns within the step, so that the fast \
-    motion's energy error is paid by the slow one";
+const CARTESIAN: &str = "Cartesian coordinates, oscillations not resolved: the energy defect is the fast motion's own \
+    error, and removing it moves the slow one";
 /// Largest hω at which an oscillation counts as resolved.
 const RESOLVED: f64 = 3.0;
 
@@ -62,7 +62,7 @@ fn fpu(all: &mut Vec<Case>) {
             all.push(row.complete_only());
         }
     }
-    // hω = 0.1; Gauss with more stages is the reference, by 1e-8 in every step.
+    // hω = 0.1; Gauss with more stages is the reference.
     for (omega, h) in [("50", 2e-3), ("500", 2e-4), ("5000", 2e-5)] {
         let fine = Reference::Fine {
             stages: 6,
