@@ -177,7 +177,8 @@ fn kepler_ten_million_steps_with_4_stages() {
 }
 
 /// Measured growth from 10⁵ to 10⁷ steps: 86 and 74 times for Gauss with 3 and 4 stages, 126 times for EQUIP with 3. A random
-/// walk would grow 10 times. What is left of Z − K L when the iteration stops at 4 ε has the same sign each period.
+/// walk would grow 10 times. Likely cause, not yet tested: what is left of Z − K L when the iteration stops at 4 ε repeats
+/// from period to period.
 #[test]
 #[ignore = "known: the angular momentum has a linear part of 3e-20 to 7e-20 a step"]
 fn the_angular_momentum_of_kepler_walks_at_random() {
