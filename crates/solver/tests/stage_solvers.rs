@@ -3,7 +3,7 @@
 
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
-use equip_solver::{Certificate, Equip, Gauss, Method, Outcome, StageSolver};
+use equip_solver::{Certificate, Equip, Gauss, Method, StageSolver};
 
 struct Ran<T> {
     states: Vec<Vec<T>>,
@@ -60,8 +60,14 @@ fn instance(name: &str, parameters: &[(&str, &str)]) -> Instance {
         .unwrap()
 }
 
-/// (scene, parameters, h as a quotient)
-const SCENES: [(&str, &[(&str, &str)], (i64, i64)); 5] = [
+/// Name, parameters, and the step as a quotient.
+type Setting = (
+    &'static str,
+    &'static [(&'static str, &'static str)],
+    (i64, i64),
+);
+
+const SCENES: [Setting; 5] = [
     ("dnls", &[], (1, 10)),
     ("fput-beta", &[], (1, 10)),
     ("outer-solar-system", &[], (50, 1)),
