@@ -14,7 +14,7 @@
 //! so the step backwards takes the same.
 //!
 //! *The norm.* Motion that the step resolves counts in full, motion with hω ≫ 1 with 1/(1 + (hω)²): the energy defect of an
-//! unresolved oscillation must not be paid for by the slow variables. Measured in `docs/adr/0004-which-displacement.md`.
+//! unresolved oscillation must not be paid for by the slow variables. Measured in `docs/adr/0003-which-displacement.md`.
 
 use crate::constraint::{Constraint, worst};
 use crate::linear::DenseLu;
