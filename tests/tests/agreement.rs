@@ -107,8 +107,7 @@ fn kepler_1000_periods() {
     );
 }
 
-// Long ones. Dense Newton matrices of s·n rows in double-double: 156 rows and 12 800 steps for the stiff springs, 324
-// rows and 1600 steps for the outer solar system.
+// Long ones.
 
 #[test]
 #[ignore = "a minute: 80 000 steps for the pericentre; run with `--test agreement -- --ignored`"]
@@ -119,16 +118,15 @@ fn kepler_with_eccentricity_nine_tenths_in_f64() {
 }
 
 #[test]
-#[ignore = "many minutes of dense Newton matrices; run with `--test agreement -- --ignored`"]
+#[ignore = "a minute: 12 800 steps in double-double; run with `--test agreement -- --ignored`"]
 fn fpu_in_double_double() {
-    // Measured 18.8 at h = 1/25; from the order, 26, expected 29 less what rounding takes. Not yet run at this step.
+    // Measured 26.3, in 68 s with simplified Newton.
     assert!(digits("fpu_hlw", Equip::stages(13), dd(1, 64)) > 22.0);
 }
 
 #[test]
-#[ignore = "many minutes of dense Newton matrices; run with `--test agreement -- --ignored`"]
 fn outer_solar_system_in_double_double() {
-    // Measured 18.9 at h = 250; from the order, 18, expected 24.3. Not yet run at this step.
+    // Measured 24.6, in 8 s with simplified Newton.
     assert!(digits("outer_ss", Equip::stages(9), dd(125, 1)) > 22.0);
 }
 
