@@ -2,13 +2,14 @@
 
 use crate::graph::Graph;
 use crate::hessian::{DIRECTIONS, HessianPlan};
+use crate::point::{Points, check_batch, require_separable};
 use crate::replay::forward;
 use crate::reverse::{Exponent, reverse};
 use crate::tangent::Tangent;
 use crate::tape::Tape;
 use crate::trace::record;
-use crate::{BuildError, Evaluate, Structure, System, Var, degree, separable, sparsity};
-use equip_scalar::{Constant, Float, Piecewise};
+use crate::{BuildError, Evaluate, Kinetic, Structure, System, Var, degree, separable, sparsity};
+use equip_scalar::{Constant, Float, InstructionSet, Piecewise};
 use std::sync::Arc;
 
 /// An energy recorded from a closure; made by [`Hamiltonian::new`](crate::Hamiltonian::new).
@@ -83,6 +84,7 @@ impl System for Recorded {
         let Start { values, exponents } = Start::new(&shared.tape);
         let slots = shared.tape.slots;
         RecordedEvaluator {
+            points: Points::new(shared.tape.inputs.len()),
             plain: Sweep::new(slots, values.iter().copied(), T::int(0)),
             single: Sweep::new(
                 slots,
@@ -184,6 +186,7 @@ pub struct RecordedEvaluator<T: Float> {
     shared: Arc<Shared>,
     exponents: Vec<Constant>,
     steps: Vec<Exponent>,
+    points: Points<T>,
     plain: Sweep<T>,
     single: Sweep<Tangent<T, 1>>,
     several: Sweep<Tangent<T, DIRECTIONS>>,
@@ -213,6 +216,56 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
             .forward(&self.shared.tape, &self.exponents, y.iter().copied());
         gradient.copy_from_slice(self.plain.reverse(&self.shared.tape, &self.steps));
         h
+    }
+
+    fn gradients_by_component(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let n = 2 * self.shared.structure.degrees_of_freedom;
+        check_batch(n, [states.len(), gradients.len()], stride, count);
+        let mut points = std::mem::take(&mut self.points);
+        points.each(states, gradients, stride, count, |y, gradient| {
+            self.gradient(y, gradient);
+        });
+        self.points = points;
+    }
+
+    fn forces_by_component(
+        &mut self,
+        positions: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let structure = &self.shared.structure;
+        require_separable(structure);
+        check_batch(
+            structure.degrees_of_freedom,
+            [positions.len(), gradients.len()],
+            stride,
+            count,
+        );
+        let mut points = std::mem::take(&mut self.points);
+        points.each(positions, gradients, stride, count, |y, gradient| {
+            self.gradient(y, gradient);
+        });
+        self.points = points;
+    }
+
+    fn kinetic(&mut self) -> Option<Kinetic<T>> {
+        let shared = Arc::clone(&self.shared);
+        Kinetic::new(&shared.structure, self)
+    }
+
+    fn set_instruction_set(&mut self, set: InstructionSet) {
+        assert!(
+            set.is_available(),
+            "this processor has no {set:?} instructions"
+        );
     }
 
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
