@@ -91,7 +91,7 @@ impl<T: Float> Iterate<T> {
 
     /// K for these α's.
     pub(crate) fn set_alphas(&mut self, gauss: &Gauss<T>, alphas: &[T]) {
-        if self.alphas == alphas {
+        if self.alphas == alphas && !alphas.is_empty() {
             return;
         }
         self.alphas.copy_from_slice(alphas);
