@@ -8,7 +8,6 @@
 use crate::graph::{Graph, Term};
 use crate::op::Op;
 use equip_scalar::Constant;
-use std::cmp::Reverse;
 use std::ops::Range;
 
 /// Shortest run over slices that is worth leaving a run over listed operands.
@@ -34,8 +33,6 @@ pub(crate) struct Run {
     /// Slots of the results.
     pub(crate) slots: Range<usize>,
     pub(crate) access: Access,
-    /// Whether the left, the right operands depend on inputs.
-    pub(crate) live: [bool; 2],
 }
 
 /// Terms of a sum with one sign and, if `first` is given, side by side.
@@ -50,7 +47,7 @@ pub(crate) struct Segment {
 #[derive(Debug)]
 pub(crate) struct Tape {
     pub(crate) constants: Vec<Constant>,
-    /// Constants used as exponents, by the index [`Op::Powf`] has after layout.
+    /// Constants used as exponents, by the index [`Op::Powf`] and [`Op::PowfSlope`] have after layout.
     pub(crate) exponents: Vec<Constant>,
     /// Slots of the inputs; results of constants stand before, all others after.
     pub(crate) inputs: Range<usize>,
@@ -65,8 +62,8 @@ pub(crate) struct Tape {
     pub(crate) segments: Vec<Segment>,
     /// Entry of each sum in `segments`.
     pub(crate) sums: Vec<Range<usize>>,
-    /// Slot of H.
-    pub(crate) root: usize,
+    /// Slots of the results.
+    pub(crate) results: Vec<u32>,
 }
 
 impl Tape {
@@ -74,7 +71,7 @@ impl Tape {
         Layout::new(graph).finish()
     }
 
-    /// Arithmetic operations and function calls of one evaluation of H.
+    /// Arithmetic operations and function calls of one replay.
     pub(crate) fn operations(&self) -> usize {
         let own = |run: &Run| match run.op {
             Op::Sum(k) => self.segments[self.sums[k as usize].clone()]
@@ -97,7 +94,7 @@ struct Layout<'a> {
 }
 
 /// An operation to be placed, in the order in which it will be: by operation, then by operands.
-type Placement = (Op, Reverse<[bool; 2]>, u32, u32, usize);
+type Placement = (Op, u32, u32, usize);
 
 impl<'a> Layout<'a> {
     fn new(graph: &'a Graph) -> Self {
@@ -116,7 +113,7 @@ impl<'a> Layout<'a> {
                 terms: Vec::new(),
                 segments: Vec::new(),
                 sums: vec![0..0; graph.sums.len()],
-                root: 0,
+                results: Vec::new(),
             },
             slot: vec![0; slots],
         };
@@ -145,7 +142,8 @@ impl<'a> Layout<'a> {
         for level in self.by_level(&levels, false) {
             self.place(level, &mut next, false);
         }
-        self.tape.root = self.slot[self.graph.root as usize] as usize;
+        let slot = |&root: &u32| self.slot[root as usize];
+        self.tape.results = self.graph.roots.iter().map(slot).collect();
         self.tape
     }
 
@@ -165,15 +163,14 @@ impl<'a> Layout<'a> {
     fn place(&mut self, level: Vec<usize>, next: &mut usize, constant: bool) {
         let mut placements: Vec<Placement> = level.into_iter().map(|i| self.placement(i)).collect();
         placements.sort_unstable();
-        for group in placements.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+        for group in placements.chunk_by(|x, y| x.0 == y.0) {
             for (range, access) in split(group) {
                 let run = Run {
                     op: group[0].0,
                     slots: *next..*next + range.len(),
                     access,
-                    live: group[0].1.0,
                 };
-                for &(_, _, left, right, node) in &group[range] {
+                for &(_, left, right, node) in &group[range] {
                     self.slot[node] = *next as u32;
                     self.tape.left[*next] = left;
                     self.tape.right[*next] = right;
@@ -195,7 +192,7 @@ impl<'a> Layout<'a> {
         match node.op {
             Op::Sum(k) => {
                 self.place_terms(k as usize);
-                (node.op, Reverse([true; 2]), 0, 0, i)
+                (node.op, 0, 0, i)
             }
             op => {
                 let (mut a, mut b) = (node.a, node.b);
@@ -203,23 +200,18 @@ impl<'a> Layout<'a> {
                 if op.is_commutative() && live(a) && !live(b) {
                     (a, b) = (b, a);
                 }
-                let live = [live(a), live(b)];
                 let op = match op {
-                    Op::Powf(k) => Op::Powf(self.exponent(self.graph.constants[k as usize])),
+                    Op::Powf(k) => Op::Powf(self.exponent(k)),
+                    Op::PowfSlope(k) => Op::PowfSlope(self.exponent(k)),
                     op => op,
                 };
-                (
-                    op,
-                    Reverse(live),
-                    self.slot[a as usize],
-                    self.slot[b as usize],
-                    i,
-                )
+                (op, self.slot[a as usize], self.slot[b as usize], i)
             }
         }
     }
 
-    fn exponent(&mut self, c: Constant) -> u32 {
+    fn exponent(&mut self, k: u32) -> u32 {
+        let c = self.graph.constants[k as usize];
         let known = self.tape.exponents.iter().position(|&e| e == c);
         known.unwrap_or_else(|| {
             self.tape.exponents.push(c);
@@ -294,9 +286,9 @@ fn split(group: &[Placement]) -> Vec<(Range<usize>, Access)> {
     let mut start = 0;
     while start < group.len() {
         let rest = &group[start..];
-        let both = stretch(rest, |x, y| y.2 == x.2 + 1 && y.3 == x.3 + 1);
-        let fixed_left = stretch(rest, |x, y| y.2 == x.2 && y.3 == x.3 + 1);
-        let fixed_right = stretch(rest, |x, y| y.2 == x.2 + 1 && y.3 == x.3);
+        let both = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2 + 1);
+        let fixed_left = stretch(rest, |x, y| y.1 == x.1 && y.2 == x.2 + 1);
+        let fixed_right = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2);
         let longest = both.max(fixed_left).max(fixed_right);
         let access = match longest {
             l if l < SHORTEST_SLICE => Access::Listed,
