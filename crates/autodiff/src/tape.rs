@@ -1,7 +1,7 @@
 //! [`Tape`]: the graph laid out for replay.
 //!
 //! Every result has a slot: constants, results that depend on constants only, inputs, then all else. Operations
-//! are sorted by dependency level and, within a level, into runs of one operation, whose results stand
+//! are sorted by blocks of results and dependency level and, within a level, into runs of one operation, whose results stand
 //! side by side. Within a run they are sorted by their operands; where these stand side by side too, or are the
 //! same slot throughout, the run is a plain loop over slices. Measured: runs 2×, slices another 1.6×.
 
@@ -12,6 +12,9 @@ use std::ops::Range;
 
 /// Shortest run over slices that is worth leaving a run over listed operands.
 const SHORTEST_SLICE: usize = 8;
+
+/// Slots that are computed between one visit to the results and the next: 8 lanes of each fill half of a first-level cache.
+const SLOTS_OF_A_BLOCK: usize = 384;
 
 /// How the operands of a run lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -127,9 +130,9 @@ impl<'a> Layout<'a> {
     }
 
     fn finish(mut self) -> Tape {
-        let levels = levels(self.graph);
+        let order = Order::new(self.graph);
         let mut next = self.tape.constants.len();
-        for level in self.by_level(&levels, true) {
+        for level in self.in_order(&order, true) {
             self.place(level, &mut next, true);
         }
         for (i, node) in self.graph.nodes.iter().enumerate() {
@@ -139,7 +142,7 @@ impl<'a> Layout<'a> {
         }
         self.tape.inputs = next..next + self.graph.inputs;
         next += self.graph.inputs;
-        for level in self.by_level(&levels, false) {
+        for level in self.in_order(&order, false) {
             self.place(level, &mut next, false);
         }
         let slot = |&root: &u32| self.slot[root as usize];
@@ -147,17 +150,18 @@ impl<'a> Layout<'a> {
         self.tape
     }
 
-    /// Operations of each level, of those that depend on constants only or of the others.
-    fn by_level(&self, levels: &[u32], constant: bool) -> Vec<Vec<usize>> {
-        let depth = levels.iter().max().map_or(0, |&l| l as usize + 1);
-        let mut by_level = vec![Vec::new(); depth];
-        for (i, node) in self.graph.nodes.iter().enumerate() {
+    /// Operations by block and level, those that depend on constants only or the others.
+    fn in_order(&self, order: &Order, constant: bool) -> Vec<Vec<usize>> {
+        let nodes = self.graph.nodes.iter().enumerate();
+        let wanted = nodes.filter(|(i, node)| {
             let is_leaf = matches!(node.op, Op::Constant(_) | Op::Input(_));
-            if !is_leaf && self.graph.is_constant[i] == constant {
-                by_level[levels[i] as usize].push(i);
-            }
-        }
-        by_level
+            !is_leaf && self.graph.is_constant[*i] == constant
+        });
+        let mut wanted: Vec<usize> = wanted.map(|(i, _)| i).collect();
+        let key = |&i: &usize| (order.blocks[i], order.levels[i]);
+        wanted.sort_by_key(key);
+        let groups = wanted.chunk_by(|x, y| key(x) == key(y));
+        groups.map(<[usize]>::to_vec).collect()
     }
 
     fn place(&mut self, level: Vec<usize>, next: &mut usize, constant: bool) {
@@ -248,14 +252,36 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// Steps from the leaves to each node.
-fn levels(graph: &Graph) -> Vec<u32> {
-    let mut levels: Vec<u32> = Vec::with_capacity(graph.nodes.len());
-    for i in 0..graph.nodes.len() {
-        let deepest = graph.operands(i).map(|x| levels[x as usize] + 1).max();
-        levels.push(deepest.unwrap_or(0));
+/// When an operation is done.
+struct Order {
+    /// The first block of results that needs it. Results are computed block after block, so that what a block needs
+    /// is still in the cache when it is used.
+    blocks: Vec<u32>,
+    /// Steps from the leaves, within a block.
+    levels: Vec<u32>,
+}
+
+impl Order {
+    fn new(graph: &Graph) -> Self {
+        let nodes = graph.nodes.len();
+        let results_of_a_block = (SLOTS_OF_A_BLOCK * graph.roots.len()).div_ceil(nodes.max(1));
+        let mut blocks = vec![u32::MAX; nodes];
+        for (k, &root) in graph.roots.iter().enumerate() {
+            let block = (k / results_of_a_block.max(1)) as u32;
+            blocks[root as usize] = blocks[root as usize].min(block);
+        }
+        let mut levels: Vec<u32> = Vec::with_capacity(nodes);
+        for i in (0..nodes).rev() {
+            for x in graph.operands(i) {
+                blocks[x as usize] = blocks[x as usize].min(blocks[i]);
+            }
+        }
+        for i in 0..nodes {
+            let deepest = graph.operands(i).map(|x| levels[x as usize] + 1).max();
+            levels.push(deepest.unwrap_or(0));
+        }
+        Order { blocks, levels }
     }
-    levels
 }
 
 /// Number of leading elements each of which stands in the given relation to the one before.
