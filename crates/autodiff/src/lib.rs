@@ -19,14 +19,18 @@
 //! convergence (use a fixed number of iterations), and functions beyond those of [`Num`](equip_scalar::Num).
 #![forbid(unsafe_code)]
 
+mod batch;
 mod check;
 mod colouring;
 mod degree;
+mod derivative;
+mod dual;
 mod energy;
 mod error;
 mod graph;
 mod hamiltonian;
 mod hessian;
+mod in_lanes;
 mod kinetic;
 mod macros;
 mod op;
@@ -34,7 +38,6 @@ mod point;
 mod recorded;
 mod recorder;
 mod replay;
-mod reverse;
 mod separable;
 mod sparsity;
 mod statics;
@@ -44,6 +47,7 @@ mod system;
 mod tangent;
 mod tape;
 mod trace;
+mod values;
 
 pub use energy::Energy;
 pub use error::BuildError;

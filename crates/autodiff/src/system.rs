@@ -77,9 +77,6 @@ pub trait Evaluate<T: Float> {
     fn kinetic(&mut self) -> Option<Kinetic<T>>;
 
     /// Chooses the instructions of the two methods above, [`InstructionSet::best`] to begin with. The results are the same.
-    ///
-    /// # Panics
-    /// If the processor does not have them.
     #[doc(hidden)]
     fn set_instruction_set(&mut self, set: InstructionSet);
 
