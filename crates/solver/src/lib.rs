@@ -19,6 +19,7 @@ mod linear;
 mod linearisation;
 mod linearised;
 mod method;
+mod mix;
 mod newton;
 mod observer;
 mod options;

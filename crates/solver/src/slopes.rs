@@ -114,7 +114,7 @@ impl<T: Float> Slopes<T> {
         for (j, norm) in norms.iter_mut().enumerate().take(s) {
             *norm = [along(q, j, q, j).sqrt(), along(p, j, p, j).sqrt()];
         }
-        for a in 0..s {
+        for a in 0..s.min(LEADING + 1) {
             for j in (a..s).step_by(2) {
                 self.products[a * s + j] = along(p, a, q, j) - along(q, a, p, j);
                 self.bounds[a * s + j] = norms[a][1] * norms[j][0] + norms[a][0] * norms[j][1];

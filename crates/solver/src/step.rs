@@ -71,7 +71,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let asked = settings.first_alpha.is_some();
         let zero = State::new(&vec![T::int(0); n], &[]);
         let sweeps = can_sweep(&settings, s, constraints.len())
-            .then(|| Sweeps::new(&gauss, n, energy.kinetic()));
+            .then(|| Sweeps::new(&gauss, n, energy.kinetic(), &start_alphas));
         Core {
             alphas: start_alphas.clone(),
             sweeps,

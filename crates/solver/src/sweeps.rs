@@ -87,8 +87,13 @@ struct Alphas<T> {
 }
 
 impl<T: Float> Sweeps<T> {
-    pub(crate) fn new(gauss: &Gauss<T>, n: usize, kinetic: Option<Kinetic<T>>) -> Self {
-        let iterate = Iterate::new(gauss, n, kinetic);
+    pub(crate) fn new(
+        gauss: &Gauss<T>,
+        n: usize,
+        kinetic: Option<Kinetic<T>>,
+        start: &[T],
+    ) -> Self {
+        let iterate = Iterate::new(gauss, n, kinetic, start);
         let zero = T::int(0);
         Sweeps {
             slopes: Slopes::new(gauss, &iterate),
@@ -156,8 +161,8 @@ impl<T: Float> Sweeps<T> {
                 self.rate = worst;
             }
             let error = change * self.tail();
-            let settled =
-                error <= eps / T::int(SETTLED) || (rounding && !disturbed && change > last / T::int(2));
+            let settled = error <= eps / T::int(SETTLED)
+                || (rounding && !disturbed && change > last / T::int(2));
             disturbed = false;
             last = change;
             let Some(constraint) = constraint.as_deref_mut() else {
@@ -225,8 +230,7 @@ impl<T: Float> Sweeps<T> {
         }
         let prolongation = prolong.map(|_| self.prolongation.as_slice());
         self.alphas.copy_from_slice(task.alphas);
-        self.iterate.set_alphas(gauss, &self.alphas);
-        self.iterate.begin(gauss, task.h, prolongation);
+        self.iterate.begin(gauss, (task.y, task.h), prolongation);
     }
 
     /// Moves the α's to where g vanishes by the slope known. Returns whether they stay within their bound.
@@ -269,7 +273,7 @@ impl<T: Float> Sweeps<T> {
             if alphas.moves == 1 {
                 self.iterate.mix_anew(task.y);
             } else {
-                self.iterate.extrapolate((alphas.t - start) / start);
+                self.iterate.extrapolate(task.y, (alphas.t - start) / start);
             }
         }
         within

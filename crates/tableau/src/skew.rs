@@ -76,16 +76,43 @@ impl<T: Float> Gauss<T> {
         for i in 0..s {
             k[i * s + i] = half;
             for j in i + 1..s {
-                let u = k[i * s + j];
-                let large = half + u.abs();
-                let small = one - large;
-                let (upper, lower) = if u < T::int(0) {
-                    (small, large)
-                } else {
-                    (large, small)
-                };
+                let (upper, lower) = halves(k[i * s + j], half, one);
                 k[i * s + j] = upper;
                 k[j * s + i] = lower;
+            }
+        }
+    }
+
+    /// [`skew_into`](Self::skew_into) column by column, each padded to `stride` places: K_ij at `j·stride + i`. The padding is left
+    /// as it is. The entries have the same bits.
+    ///
+    /// # Panics
+    /// When `alphas` does not have s − 1 entries, `stride` is less than s, or `k` shorter than s·stride.
+    ///
+    /// ```
+    /// let gauss = equip_tableau::Gauss::<f64>::new(2)?;
+    /// let (rows, mut columns) = (gauss.skew(&[0.3]), [0.0; 8]);
+    /// gauss.skew_columns_into(&[0.3], 4, &mut columns);
+    /// assert_eq!(columns, [rows[0], rows[2], 0.0, 0.0, rows[1], rows[3], 0.0, 0.0]);
+    /// # Ok::<(), equip_tableau::TableauError>(())
+    /// ```
+    pub fn skew_columns_into(&self, alphas: &[T], stride: usize, k: &mut [T]) {
+        let (s, half, one) = (self.stages, T::ratio(1, 2), T::int(1));
+        assert_eq!(alphas.len(), s - 1, "one alpha for each k = 1..s-1");
+        assert!(s <= stride && k.len() >= s * stride, "room for s columns");
+        for i in 0..s {
+            k[i * stride + i] = half;
+            for j in i + 1..s {
+                let place = i * s + j;
+                let mut u = self.unperturbed[place];
+                for (basis, &alpha) in self.basis.chunks_exact(s * s).zip(alphas) {
+                    if alpha != T::int(0) {
+                        u += alpha * basis[place];
+                    }
+                }
+                let (upper, lower) = halves(u, half, one);
+                k[j * stride + i] = upper;
+                k[i * stride + j] = lower;
             }
         }
     }
@@ -118,6 +145,18 @@ impl<T: Float> Gauss<T> {
             }
         }
         mirror(s, u);
+    }
+}
+
+/// ½ + u and ½ − u, which add up to 1 exactly.
+#[inline(always)]
+fn halves<T: Float>(u: T, half: T, one: T) -> (T, T) {
+    let large = half + u.abs();
+    let small = one - large;
+    if u < T::int(0) {
+        (small, large)
+    } else {
+        (large, small)
     }
 }
 
