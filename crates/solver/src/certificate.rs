@@ -115,8 +115,18 @@ impl<T: Float> Certificate<T> {
                 format!("{low:.2e} to {high:.2e}"),
             );
         }
-        line("Newton iterations", counts.newton_iterations.to_string());
-        if counts.factorisations > 0 || counts.refreshes == 0 {
+        if counts.sweeps > 0 {
+            let left = match counts.taken_over {
+                0 => String::new(),
+                steps => format!(", {steps} times left to Newton"),
+            };
+            line("sweeps", format!("{}{left}", counts.sweeps));
+        }
+        let newton = counts.newton_iterations > 0;
+        if newton {
+            line("Newton iterations", counts.newton_iterations.to_string());
+        }
+        if newton && (counts.factorisations > 0 || counts.refreshes == 0) {
             line("factorisations", counts.factorisations.to_string());
         }
         if counts.refreshes > 0 {

@@ -28,11 +28,15 @@ pub enum Record {
     Ends,
 }
 
-/// How the stage equations of a step are solved. All solve the same equations to round-off; they differ in the work.
+/// How the stage equations of a step are solved: the same equations to round-off, with different work.
+///
+/// With the energy to keep, sweeps and Newton move the α's in slightly different directions of small displacement (slopes from Legendre
+/// coefficients here, exact ones there): trajectories differ within the error of the method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]
 pub enum StageSolver {
-    /// Sweeps as long as they contract; Newton, full or simplified, for the steps where they do not.
+    /// [`Sweeps`](Self::Sweeps) where they can do what is asked (α = 0 or fixed, or the energy alone with s ≥ 4), as long as they contract;
+    /// [`Newton`](Self::Newton) else, and for 1, 2, 4, … 64 steps after each one where they did not.
     #[default]
     Automatic,
     /// Sweeps Z ← K(α) L(Z): gradients only, no Hessian, no linear system. Fails on steps where they do not contract (about hω > 1).

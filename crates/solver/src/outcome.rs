@@ -56,7 +56,7 @@ pub struct Counts {
     pub newton_iterations: u64,
     /// Sweeps Z ← K L over all stages.
     pub sweeps: u64,
-    /// Steps, halves included, that sweeps left to Newton.
+    /// Times that sweeps were tried and the step, or half of it, was left to Newton.
     pub taken_over: u64,
     /// Factorisations of the full Newton matrix, of size s·2m.
     pub factorisations: u64,

@@ -13,7 +13,7 @@
 //!
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated.
 
-use crate::mix::{Change, Half, Step, Whole};
+use crate::mix::{Change, Half, Step, Whole, stride_for};
 use crate::state::State;
 use equip_autodiff::{Evaluate, Kinetic};
 use equip_scalar::{Float, InstructionSet, mix_stages};
@@ -50,11 +50,6 @@ pub(crate) struct Iterate<T: Float> {
     is_prolonged: bool,
 }
 
-/// Lanes are padded to this many.
-fn stride_for(s: usize) -> usize {
-    if s <= 4 { 4 } else { s.next_multiple_of(8) }
-}
-
 impl<T: Float> Iterate<T> {
     /// `alphas` are those a step starts from.
     pub(crate) fn new(
@@ -64,9 +59,10 @@ impl<T: Float> Iterate<T> {
         alphas: &[T],
     ) -> Self {
         let s = gauss.stages();
-        let stride = stride_for(s);
+        let stride = stride_for::<T>(s);
         let zeros = |len: usize| vec![T::int(0); len];
-        let mut k = zeros(s * stride);
+        // One column for each place of L, also the padding: all zero there.
+        let mut k = zeros(stride * stride);
         gauss.skew_columns_into(alphas, stride, &mut k);
         Iterate {
             s,
