@@ -148,6 +148,9 @@ impl<T: Float> Iterate<T> {
         }
         for group in [0..m, m..self.n] {
             let group = group.start.max(components.start)..group.end.min(components.end);
+            if group.is_empty() {
+                continue;
+            }
             let scale = &mut self.scale[group.clone()];
             let largest = largest(scale);
             let least = if largest > T::int(0) {
