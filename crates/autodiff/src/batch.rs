@@ -40,14 +40,14 @@ impl<'a> Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// ∇H of a system with N components.
-    #[inline(always)]
+    /// ∇H of a system with N components. Compiled once for an energy, not for every caller.
+    #[inline(never)]
     pub(crate) fn gradients<E: Energy, const N: usize>(self, energy: &E) {
         self.each(|y| gradient::<E, Lanes<LANES>, N>(energy, y).1);
     }
 
     /// ∇U of a separable system with M positions.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn forces<E: Energy, const M: usize>(self, energy: &E) {
         self.each(|q| force::<E, Lanes<LANES>, M>(energy, q));
     }
