@@ -1,6 +1,7 @@
 //! [`Piecewise`]: what the derivatives of |x|, min, max, hypot and xʸ need beyond arithmetic.
 
 use crate::{Constant, Float, Scalar};
+use nalgebra::ComplexField;
 
 /// A [`Scalar`] with the selections that derivatives of piecewise functions are made of.
 ///
@@ -74,6 +75,6 @@ impl<T: Float> Piecewise for T {
 
     #[inline(always)]
     fn is_regular(x: T) -> bool {
-        x - x == T::int(0)
+        ComplexField::is_finite(&x)
     }
 }

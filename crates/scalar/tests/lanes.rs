@@ -1,7 +1,7 @@
 //! Lanes have every bit of the doubles they stand for, whatever the instructions.
 
 use equip_scalar::{
-    Constant, DoubleDouble, Float, InstructionSet, Kernel, Lanes, Piecewise, Scalar, mix_stages,
+    Constant, DoubleDouble, Float, InstructionSet, Kernel, Lanes, Piecewise, mix_stages,
 };
 
 /// Every operation on x and y, in any number.
@@ -103,7 +103,7 @@ fn part_of_the_lanes() {
 
 fn mixed<T: Float>() {
     let number = |i: usize| T::ratio(7 * i as i64 % 23 - 11, 13);
-    for stages in 1..=18 {
+    for stages in 1..=18_usize {
         for stride in [
             stages,
             stages.next_multiple_of(4),
