@@ -57,12 +57,12 @@ impl Batch<'_> {
         let stride = self.stride;
         for at in (0..self.count).step_by(LANES) {
             let mut state = [Lanes::splat(0.0); C];
-            for c in 0..C {
-                state[c] = Lanes::load(&self.states[c * stride + at..(c + 1) * stride]);
+            for (c, lanes) in state.iter_mut().enumerate() {
+                *lanes = Lanes::load(&self.states[c * stride + at..(c + 1) * stride]);
             }
             let slopes = derivatives(state);
-            for c in 0..C {
-                slopes[c].store(&mut self.gradients[c * stride + at..(c + 1) * stride]);
+            for (c, slopes) in slopes.iter().enumerate() {
+                slopes.store(&mut self.gradients[c * stride + at..(c + 1) * stride]);
             }
         }
     }
