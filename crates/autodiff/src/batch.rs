@@ -52,19 +52,17 @@ impl Batch<'_> {
         self.each(|q| force::<E, Lanes<LANES>, M>(energy, q));
     }
 
-    // With iterators in place of the indices the gradient of Kepler takes 4.8 ns a point instead of 2.9 ns.
-    #[allow(clippy::needless_range_loop)]
     #[inline(always)]
     fn each<const C: usize>(self, derivatives: impl Fn([Lanes<LANES>; C]) -> [Lanes<LANES>; C]) {
         let stride = self.stride;
         for at in (0..self.count).step_by(LANES) {
             let mut state = [Lanes::splat(0.0); C];
-            for c in 0..C {
-                state[c] = Lanes::load(&self.states[c * stride + at..(c + 1) * stride]);
+            for (c, lanes) in state.iter_mut().enumerate() {
+                *lanes = Lanes::load(&self.states[c * stride + at..(c + 1) * stride]);
             }
             let slopes = derivatives(state);
-            for c in 0..C {
-                slopes[c].store(&mut self.gradients[c * stride + at..(c + 1) * stride]);
+            for (c, slopes) in slopes.iter().enumerate() {
+                slopes.store(&mut self.gradients[c * stride + at..(c + 1) * stride]);
             }
         }
     }
