@@ -3,7 +3,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use equip_autodiff::{Energy, Evaluate, Hamiltonian, System, Var, hamiltonian};
-use equip_scalar::{Float, Num, Scalar};
+use equip_scalar::{Float, InstructionSet, Num, Scalar, mix_stages};
 use std::hint::black_box;
 
 struct Kepler {
@@ -115,12 +115,99 @@ fn many_bodies(c: &mut Criterion) {
     time(c, "bodies/hessian", 6, &h, true);
 }
 
+/// ∇H, and ∇U, at eight points, with each set of instructions; times are for all eight.
+fn lanes_of<H: System>(c: &mut Criterion, name: &str, h: &H) {
+    let n = 2 * h.degrees_of_freedom();
+    let (y, mut gradient) = (state(8 * n), vec![0.0; 8 * n]);
+    let mut evaluator = h.evaluator::<f64>();
+    let mut group = c.benchmark_group(format!("lanes/{name}"));
+    for set in InstructionSet::available() {
+        evaluator.set_instruction_set(set);
+        group.bench_function(format!("gradient/{set:?}"), |b| {
+            b.iter(|| evaluator.gradients_by_component(black_box(&y), &mut gradient, 8, 8));
+        });
+        let half = 4 * n;
+        group.bench_function(format!("forces/{set:?}"), |b| {
+            b.iter(|| {
+                evaluator.forces_by_component(black_box(&y[..half]), &mut gradient[..half], 8, 8);
+            });
+        });
+    }
+    group.finish();
+}
+
+fn lanes(c: &mut Criterion) {
+    let dual = Hamiltonian::from_energy(Kepler { by_hand: false }).unwrap();
+    let tape = Hamiltonian::new(2, |q, p| Kepler { by_hand: false }.energy(q, p)).unwrap();
+    lanes_of(c, "kepler/dual", &dual);
+    lanes_of(c, "kepler/tape", &tape);
+    lanes_of(c, "bodies/6", &bodies(6));
+    for m in [64, 256, 1024] {
+        lanes_of(
+            c,
+            &format!("chain/{m}"),
+            &Hamiltonian::new(m, chain).unwrap(),
+        );
+    }
+    let (k, l, mut z) = (state(64), state(32), state(32));
+    for set in InstructionSet::available() {
+        c.bench_function(&format!("lanes/mix 8 stages/{set:?}"), |b| {
+            b.iter(|| mix_stages(set, black_box(&k), black_box(&l), &mut z, 8, 8));
+        });
+    }
+}
+
+/// What lanes are compared with.
+fn by_hand(c: &mut Criterion) {
+    for m in [64, 256, 1024] {
+        let (y, mut gradient) = (state(2 * m), vec![0.0; 2 * m]);
+        c.bench_function(&format!("chain/by hand/{m}"), |b| {
+            b.iter(|| {
+                let (q, p) = black_box(&y).split_at(m);
+                let (dq, dp) = gradient.split_at_mut(m);
+                dp.copy_from_slice(p);
+                let mut left = 0.0;
+                for i in 0..m - 1 {
+                    let stretch = q[i + 1] - q[i];
+                    let right = stretch + stretch * stretch * stretch;
+                    dq[i] = left - right;
+                    left = right;
+                }
+                dq[m - 1] = left;
+                black_box(&gradient);
+            });
+        });
+    }
+    let (y, mut gradient) = (state(36), vec![0.0; 36]);
+    c.bench_function("bodies/by hand/6", |b| {
+        b.iter(|| {
+            let (q, p) = black_box(&y).split_at(18);
+            let (dq, dp) = gradient.split_at_mut(18);
+            dq.fill(0.0);
+            for i in 0..6 {
+                let mass = 1.0 + i as f64;
+                (0..3).for_each(|k| dp[3 * i + k] = p[3 * i + k] / mass);
+                for j in 0..i {
+                    let d: [f64; 3] = std::array::from_fn(|k| q[3 * i + k] - q[3 * j + k]);
+                    let r2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+                    let factor = mass * (1.0 + j as f64) / (r2 * r2.sqrt());
+                    for k in 0..3 {
+                        dq[3 * i + k] += factor * d[k];
+                        dq[3 * j + k] -= factor * d[k];
+                    }
+                }
+            }
+            black_box(&gradient);
+        });
+    });
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default()
         .warm_up_time(std::time::Duration::from_millis(300))
         .measurement_time(std::time::Duration::from_millis(1000))
         .sample_size(30);
-    targets = kepler, growth, many_bodies
+    targets = kepler, growth, many_bodies, lanes, by_hand
 }
 criterion_main!(benches);

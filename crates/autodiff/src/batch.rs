@@ -40,14 +40,14 @@ impl<'a> Batch<'a> {
 }
 
 impl Batch<'_> {
-    /// ∇H of a system with N components.
-    #[inline(always)]
+    /// ∇H of a system with N components. Compiled once for an energy, not for every caller.
+    #[inline(never)]
     pub(crate) fn gradients<E: Energy, const N: usize>(self, energy: &E) {
         self.each(|y| gradient::<E, Lanes<LANES>, N>(energy, y).1);
     }
 
     /// ∇U of a separable system with M positions.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn forces<E: Energy, const M: usize>(self, energy: &E) {
         self.each(|q| force::<E, Lanes<LANES>, M>(energy, q));
     }
@@ -57,12 +57,12 @@ impl Batch<'_> {
         let stride = self.stride;
         for at in (0..self.count).step_by(LANES) {
             let mut state = [Lanes::splat(0.0); C];
-            for c in 0..C {
-                state[c] = Lanes::load(&self.states[c * stride + at..(c + 1) * stride]);
+            for (c, lanes) in state.iter_mut().enumerate() {
+                *lanes = Lanes::load(&self.states[c * stride + at..(c + 1) * stride]);
             }
             let slopes = derivatives(state);
-            for c in 0..C {
-                slopes[c].store(&mut self.gradients[c * stride + at..(c + 1) * stride]);
+            for (c, slopes) in slopes.iter().enumerate() {
+                slopes.store(&mut self.gradients[c * stride + at..(c + 1) * stride]);
             }
         }
     }

@@ -4,7 +4,7 @@
 //! value has every bit of the float's own function. A number without derivatives is known as such when it is
 //! compiled, so constants, and momenta when only forces are asked for, cost nothing.
 //!
-//! At kinks as in the reverse sweep. √, powers and quotients of zero: a slope that is infinite times a rate
+//! At kinks as on the tape. √, powers and quotients of zero: a slope that is infinite times a rate
 //! that is exactly 0 is 0.
 
 use equip_scalar::{Constant, Piecewise, Scalar};

@@ -6,7 +6,8 @@ use equip_scalar::{Float, Num, Scalar};
 ///
 /// What a closure cannot be: generic over the number. The compiler turns it into machine code for floats and for dual
 /// numbers, which for up to four degrees of freedom beats any tape. A comparison of the state does not
-/// compile here, as [`Num`] has none; use `.min()`, `.max()` and `.abs()`.
+/// compile here, as [`Num`] has none; use `.min()`, `.max()` and `.abs()`. Mark the method `#[inline(always)]`, or
+/// gradients at many points at once are slow.
 ///
 /// The macro [`hamiltonian!`](crate::hamiltonian) writes such a type from closure-like text.
 ///

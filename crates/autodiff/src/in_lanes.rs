@@ -4,7 +4,7 @@
 
 use crate::batch::Batch;
 use crate::replay::forward;
-use crate::tape::Tape;
+use crate::tape::{Tape, Transfer};
 use crate::values::Replay;
 use equip_scalar::{Float, InstructionSet, Kernel, Lanes};
 use std::any::TypeId;
@@ -94,18 +94,25 @@ impl<const L: usize> Kernel for Group<'_, L> {
             replay,
             batch,
         } = self;
-        let Replay { values, exponents } = replay;
+        let (values, exponents) = (&mut replay.values, &replay.exponents);
         let stride = batch.stride;
         let mut at = 0;
         while at < batch.count {
-            let inputs = &mut values[tape.inputs.clone()];
-            for (input, row) in inputs.iter_mut().zip(batch.states.chunks_exact(stride)) {
-                *input = Lanes::load(&row[at..]);
-            }
-            forward(tape, &tape.runs, exponents, values);
-            let rows = batch.gradients.chunks_exact_mut(stride);
-            for (row, &slot) in rows.zip(&tape.results) {
-                values[slot as usize].store(&mut row[at..]);
+            for block in &tape.blocks {
+                for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
+                    let rows = batch.states[components.start * stride..].chunks_exact(stride);
+                    for (place, row) in values[slots.clone()].iter_mut().zip(rows) {
+                        *place = Lanes::load(&row[at..]);
+                    }
+                }
+                forward(tape, &tape.runs[block.runs.clone()], exponents, values);
+                for Transfer { components, slots } in &tape.results[block.results.clone()] {
+                    let rows = &mut batch.gradients[components.start * stride..];
+                    let rows = rows.chunks_exact_mut(stride);
+                    for (value, row) in values[slots.clone()].iter().zip(rows) {
+                        value.store(&mut row[at..]);
+                    }
+                }
             }
             at += L;
         }

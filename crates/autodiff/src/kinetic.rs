@@ -4,7 +4,7 @@
 //! the positions as unknowns needs. M⁻¹ is read off ∇²H, whose lower right block is constant, and b off ∇H at p = 0.
 
 use crate::{Evaluate, Structure};
-use equip_scalar::Float;
+use equip_scalar::{Float, Piecewise};
 
 /// M⁻¹ and b of T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +43,7 @@ impl<T: Float> Kinetic<T> {
             entries.extend(own.map(|(place, column)| (column - m, hessian[place])));
             row_starts.push(entries.len());
         }
-        let finite = |x: &T| (*x - *x) == T::int(0);
+        let finite = |x: &T| Piecewise::is_regular(*x);
         if !offset.iter().all(finite) || !entries.iter().all(|(_, x)| finite(x)) {
             return None;
         }

@@ -4,14 +4,14 @@
 //!
 //! | route | written as | derivatives |
 //! |---|---|---|
-//! | closure, [`Hamiltonian::new`] | `\|q, p\| ...` over [`Var`] | a tape: reverse sweep, coloured Hessian; any n |
+//! | closure, [`Hamiltonian::new`] | `\|q, p\| ...` over [`Var`] | a tape of ∇H, coloured Hessian; any n |
 //! | type, [`Hamiltonian::from_energy`] | [`Energy`], or the macro [`hamiltonian!`] | dual numbers for n ≤ 8, else the tape |
 //! | either with a gradient | [`Energy::gradient`], [`Hamiltonian::with_gradient`] | the given gradient; Hessian by the tape |
 //!
 //! All are a [`System`], which makes an [`Evaluate`] for each float type. The value is the same on each route to the
 //! last bit, and the same as that of the generic energy called with floats.
 //!
-//! Cost, in evaluations of H: a gradient two to three; ∇²H·v about six; ∇²H about four for every colour, with colours
+//! Cost, in evaluations of H: a gradient one to three; ∇²H·v about six; ∇²H about four for every colour, with colours
 //! as many as the fullest row of ∇²H has entries, or a few more. A variable coupled with all others fills its row:
 //! then there are n colours.
 //!
@@ -34,6 +34,7 @@ mod in_lanes;
 mod kinetic;
 mod macros;
 mod op;
+mod order;
 mod point;
 mod recorded;
 mod recorder;

@@ -5,6 +5,7 @@ use crate::derivative::differentiate;
 use crate::graph::Graph;
 use crate::hessian::{DIRECTIONS, HessianPlan};
 use crate::in_lanes::InLanes;
+use crate::order::Blocks;
 use crate::point::{check_batch, require_separable};
 use crate::tangent::Tangent;
 use crate::tape::Tape;
@@ -26,6 +27,8 @@ struct Shared {
     energy: Tape,
     /// All n components of ∇H.
     gradient: Tape,
+    /// The same for lanes.
+    gradient_in_lanes: Tape,
     /// ∇U, if H = T(p) + U(q).
     forces: Option<Tape>,
     plan: HessianPlan,
@@ -47,17 +50,20 @@ impl Recorded {
             degree_in_p: degree::degree(&graph, m..2 * m),
             hessian: sparsity::hessian_pattern(&graph),
         };
-        let energy = Tape::new(&graph);
+        let energy = Tape::new(&graph, Blocks::One);
         if Replay::<f64>::new(&energy).has_nan() {
             return Err(BuildError::ConstantNotANumber);
         }
         let slopes = differentiate(&mut recorder, root);
-        let tape = |roots: &[u32]| Tape::new(&Graph::new(&recorder, roots));
+        let tape = |roots: &[u32], blocks| Tape::new(&Graph::new(&recorder, roots), blocks);
         Ok(Recorded {
             shared: Arc::new(Shared {
                 energy,
-                gradient: tape(&slopes),
-                forces: structure.separable.then(|| tape(&slopes[..m])),
+                gradient: tape(&slopes, Blocks::One),
+                gradient_in_lanes: tape(&slopes, Blocks::InCache),
+                forces: structure
+                    .separable
+                    .then(|| tape(&slopes[..m], Blocks::InCache)),
                 plan: HessianPlan::new(&structure.hessian),
                 structure,
             }),
@@ -89,7 +95,7 @@ impl System for Recorded {
             forces: forces.map(Replay::new),
             single: Replay::tangents(&shared.gradient),
             several: Replay::tangents(&shared.gradient),
-            in_lanes: InLanes::new::<T>(&shared.gradient, forces),
+            in_lanes: InLanes::new::<T>(&shared.gradient_in_lanes, forces),
             shared,
         }
     }
@@ -122,8 +128,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     fn value(&mut self, y: &[T]) -> T {
         self.check(&[y.len()]);
         let tape = &self.shared.energy;
-        self.energy.set(tape, y.iter().copied());
-        self.energy.result(tape, 0)
+        self.energy.run(tape, |k| y[k])[0]
     }
 
     fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T {
@@ -135,10 +140,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         self.check(&[n]);
         let tape = &self.shared.gradient;
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
-            self.gradient.set(tape, y.iter().copied());
-            for (i, place) in gradient.iter_mut().enumerate() {
-                *place = self.gradient.result(tape, i);
-            }
+            gradient.copy_from_slice(self.gradient.run(tape, |k| y[k]));
         }
     }
 
@@ -151,14 +153,20 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     ) {
         let Shared {
             structure,
-            gradient: tape,
+            gradient,
+            gradient_in_lanes,
             ..
         } = &*self.shared;
         let n = 2 * structure.degrees_of_freedom;
         check_batch(n, [states.len(), gradients.len()], stride, count);
         match &mut self.in_lanes {
-            Some(lanes) => lanes.gradients(tape, Batch::of(states, gradients, stride, count)),
-            None => self.gradient.each(tape, states, gradients, stride, count),
+            Some(lanes) => lanes.gradients(
+                gradient_in_lanes,
+                Batch::of(states, gradients, stride, count),
+            ),
+            None => self
+                .gradient
+                .each(gradient, states, gradients, stride, count),
         }
     }
 
@@ -197,13 +205,12 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.check(&[y.len(), v.len(), product.len()]);
         let tape = &self.shared.gradient;
-        let inputs = y.iter().zip(v).map(|(&value, &rate)| Tangent {
-            value,
-            rates: [rate],
+        let rows = self.single.run(tape, |k| Tangent {
+            value: y[k],
+            rates: [v[k]],
         });
-        self.single.set(tape, inputs);
-        for (i, entry) in product.iter_mut().enumerate() {
-            [*entry] = self.single.result(tape, i).rates;
+        for (entry, row) in product.iter_mut().zip(rows) {
+            [*entry] = row.rates;
         }
     }
 
@@ -221,18 +228,17 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
             "one place per entry of the pattern"
         );
         for (sweep, pickups) in plan.sweeps().enumerate() {
-            let inputs = y.iter().zip(&plan.of_column).map(|(&value, colour)| {
-                let mut input = Tangent::fixed(value);
-                if let Some(colour) = colour
+            let rows = self.several.run(tape, |k| {
+                let mut input = Tangent::fixed(y[k]);
+                if let Some(colour) = plan.of_column[k]
                     && colour / DIRECTIONS == sweep
                 {
                     input.rates[colour % DIRECTIONS] = T::int(1);
                 }
                 input
             });
-            self.several.set(tape, inputs);
             for pickup in pickups {
-                let row = self.several.result(tape, pickup.row as usize);
+                let row = rows[pickup.row as usize];
                 entries[pickup.entry as usize] = row.rates[pickup.direction as usize];
             }
         }

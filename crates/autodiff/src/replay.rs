@@ -7,36 +7,38 @@ use crate::op::Op;
 use crate::tape::{Access, Run, Tape};
 use equip_scalar::{Constant, Piecewise};
 
-/// `$results[i] = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of a closure:
+/// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of a closure:
 /// closures are not always inlined, and what is not inlined into a kernel has no vector instructions.
 macro_rules! each {
-    ($step:ident, |$x:ident, $y:ident| $f:expr) => {{
-        let (left, right) = ($step.left(), $step.right());
+    ($step:ident, |$x:ident, $y:ident| $f:expr) => {
         match $step.run.access {
             Access::Listed => listed!($step, |$x, $y| $f),
             Access::Slices => {
-                for ((result, &$x), &$y) in $step.results.iter_mut().zip(left).zip(right) {
+                let (results, left, right) = $step.slices();
+                for ((result, &$x), &$y) in results.iter_mut().zip(left).zip(right) {
                     *result = $f;
                 }
             }
             Access::FixedLeft => {
+                let (results, left, right) = $step.slices();
                 let $x = left[0];
-                for (result, &$y) in $step.results.iter_mut().zip(right) {
+                for (result, &$y) in results.iter_mut().zip(right) {
                     *result = $f;
                 }
             }
             Access::FixedRight => {
+                let (results, left, right) = $step.slices();
                 let $y = right[0];
-                for (result, &$x) in $step.results.iter_mut().zip(left) {
+                for (result, &$x) in results.iter_mut().zip(left) {
                     *result = $f;
                 }
             }
         }
-    }};
+    };
     ($step:ident, |$x:ident| $f:expr) => {
         if $step.run.access == Access::Slices {
-            let left = $step.left();
-            for (result, &$x) in $step.results.iter_mut().zip(left) {
+            let (results, left, _) = $step.slices();
+            for (result, &$x) in results.iter_mut().zip(left) {
                 *result = $f;
             }
         } else {
@@ -48,32 +50,31 @@ macro_rules! each {
 /// The same for operands that lie anywhere.
 macro_rules! listed {
     ($step:ident, |$x:ident, $y:ident| $f:expr) => {{
-        let slots = $step.run.slots.clone();
-        let operands = $step.tape.left[slots.clone()]
+        let operands = $step.run.operands.clone();
+        let operands = $step.tape.left[operands.clone()]
             .iter()
-            .zip(&$step.tape.right[slots]);
-        for (result, (&i, &j)) in $step.results.iter_mut().zip(operands) {
-            let ($x, $y) = ($step.known[i as usize], $step.known[j as usize]);
-            *result = $f;
+            .zip(&$step.tape.right[operands]);
+        for (result, (&i, &j)) in $step.run.slots.clone().zip(operands) {
+            let ($x, $y) = ($step.values[i as usize], $step.values[j as usize]);
+            $step.values[result] = $f;
         }
     }};
     ($step:ident, |$x:ident| $f:expr) => {{
-        let operands = &$step.tape.left[$step.run.slots.clone()];
-        for (result, &i) in $step.results.iter_mut().zip(operands) {
-            let $x = $step.known[i as usize];
-            *result = $f;
+        let operands = &$step.tape.left[$step.run.operands.clone()];
+        for (result, &i) in $step.run.slots.clone().zip(operands) {
+            let $x = $step.values[i as usize];
+            $step.values[result] = $f;
         }
     }};
 }
 
-/// Computes the given runs, the slots before them being known. `exponents` are those of the tape, in a form
+/// Computes the given runs, their operands being known. `exponents` are those of the tape, in a form
 /// that is cheap to read.
 #[rustfmt::skip]
 #[inline(always)]
 pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Constant], values: &mut [S]) {
     for run in runs {
-        let (known, rest) = values.split_at_mut(run.slots.start);
-        let step = Step { tape, run, known, results: &mut rest[..run.slots.len()] };
+        let step = Step { tape, run, values };
         match run.op {
             Op::Constant(_) | Op::Input(_) => {}
             Op::Sum(k) => step.sum(k as usize),
@@ -123,56 +124,57 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
 struct Step<'a, S> {
     tape: &'a Tape,
     run: &'a Run,
-    known: &'a [S],
-    results: &'a mut [S],
+    values: &'a mut [S],
 }
 
 impl<'a, S: Piecewise> Step<'a, S> {
-    /// The left operands from the first on, side by side.
+    /// The results, and the operands from the first ones on.
     #[inline(always)]
-    fn left(&self) -> &'a [S] {
-        &self.known[self.tape.left[self.run.slots.start] as usize..]
-    }
-
-    #[inline(always)]
-    fn right(&self) -> &'a [S] {
-        &self.known[self.tape.right[self.run.slots.start] as usize..]
+    fn slices(self) -> (&'a mut [S], &'a [S], &'a [S]) {
+        let Run {
+            slots, operands, ..
+        } = self.run;
+        let left = self.tape.left[operands.start] as usize;
+        let right = self.tape.right[operands.start] as usize;
+        let (before, rest) = self.values.split_at_mut(slots.start);
+        let (results, after) = rest.split_at_mut(slots.len());
+        let (before, after): (&[S], &[S]) = (before, after);
+        let from = |first: usize| match before.get(first..) {
+            Some(side_by_side) if first < slots.start => side_by_side,
+            _ => &after[first - slots.end..],
+        };
+        (results, from(left), from(right))
     }
 
     #[inline(always)]
     fn sum(self, k: usize) {
-        let [result] = self.results else { return };
-        let segments = self.tape.segments[self.tape.sums[k].clone()].iter();
         let mut total: Option<S> = None;
-        for segment in segments {
-            let terms = &self.tape.terms[segment.terms.clone()];
-            let mut rest = terms;
-            let mut sum = match (total, terms) {
-                (Some(total), _) => total,
-                (None, [first, others @ ..]) => {
-                    rest = others;
-                    self.known[*first as usize]
-                }
-                (None, []) => continue,
+        for segment in &self.tape.segments[self.tape.sums[k].clone()] {
+            let mut terms = segment.terms.clone();
+            let slot = |term: usize| match segment.first {
+                Some(first) => first + (term - segment.terms.start),
+                None => self.tape.terms[term] as usize,
             };
-            match (segment.first, segment.minus) {
-                (Some(first), minus) => {
-                    let skipped = terms.len() - rest.len();
-                    for &x in &self.known[first + skipped..first + terms.len()] {
-                        sum = if minus { sum - x } else { sum + x };
-                    }
+            let mut sum = match total {
+                Some(total) => total,
+                None => match terms.next() {
+                    Some(first) => self.values[slot(first)],
+                    None => continue,
+                },
+            };
+            if segment.minus {
+                for term in terms {
+                    sum = sum - self.values[slot(term)];
                 }
-                (None, minus) => {
-                    for &i in rest {
-                        let x = self.known[i as usize];
-                        sum = if minus { sum - x } else { sum + x };
-                    }
+            } else {
+                for term in terms {
+                    sum = sum + self.values[slot(term)];
                 }
             }
             total = Some(sum);
         }
         if let Some(total) = total {
-            *result = total;
+            self.values[self.run.slots.start] = total;
         }
     }
 }

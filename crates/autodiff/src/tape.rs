@@ -1,20 +1,22 @@
 //! [`Tape`]: the graph laid out for replay.
 //!
-//! Every result has a slot: constants, results that depend on constants only, inputs, then all else. Operations
-//! are sorted by blocks of results and dependency level and, within a level, into runs of one operation, whose results stand
-//! side by side. Within a run they are sorted by their operands; where these stand side by side too, or are the
-//! same slot throughout, the run is a plain loop over slices. Measured: runs 2×, slices another 1.6×.
+//! The replay goes block after block of results (see [`Order`]). Within a block, operations are sorted by dependency level
+//! and, within a level, into runs of one operation, whose results stand side by side. Within a run they are
+//! sorted by their operands; where these stand side by side too, or are the same slot throughout, the run is a plain loop
+//! over slices. Measured: runs 2×, slices another 1.6×.
+//!
+//! Slots: constants, results of constants, what more than one block needs, then the present block, which overwrites the
+//! one before. So a replay stays in the cache however long the system is: over 8 lanes, a chain of 1024 masses takes
+//! half of the time it takes with a slot for everything.
 
 use crate::graph::{Graph, Term};
 use crate::op::Op;
+use crate::order::{Blocks, Order};
 use equip_scalar::Constant;
 use std::ops::Range;
 
 /// Shortest run over slices that is worth leaving a run over listed operands.
 const SHORTEST_SLICE: usize = 8;
-
-/// Slots that are computed between one visit to the results and the next: 8 lanes of each fill half of a first-level cache.
-const SLOTS_OF_A_BLOCK: usize = 384;
 
 /// How the operands of a run lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,6 +37,8 @@ pub(crate) struct Run {
     pub(crate) op: Op,
     /// Slots of the results.
     pub(crate) slots: Range<usize>,
+    /// Entry in [`Tape::left`] and [`Tape::right`].
+    pub(crate) operands: Range<usize>,
     pub(crate) access: Access,
 }
 
@@ -46,18 +50,52 @@ pub(crate) struct Segment {
     pub(crate) first: Option<usize>,
 }
 
+/// Components, of the inputs or of the results, side by side and in slots side by side.
+#[derive(Debug, Clone)]
+pub(crate) struct Transfer {
+    pub(crate) components: Range<usize>,
+    pub(crate) slots: Range<usize>,
+}
+
+impl Transfer {
+    /// Appends one component, to the last stretch if it follows that.
+    fn append(transfers: &mut Vec<Transfer>, from: usize, component: usize, slot: usize) {
+        match transfers[from..].last_mut() {
+            Some(last) if (last.components.end, last.slots.end) == (component, slot) => {
+                last.components.end += 1;
+                last.slots.end += 1;
+            }
+            _ => transfers.push(Transfer {
+                components: component..component + 1,
+                slots: slot..slot + 1,
+            }),
+        }
+    }
+}
+
+/// A part of the replay: inputs are read, runs are done, results are given away.
+#[derive(Debug, Clone)]
+pub(crate) struct Block {
+    /// Entry in [`Tape::inputs`].
+    pub(crate) inputs: Range<usize>,
+    /// Entry in [`Tape::runs`].
+    pub(crate) runs: Range<usize>,
+    /// Entry in [`Tape::results`].
+    pub(crate) results: Range<usize>,
+}
+
 /// A recorded energy, in no particular float type.
 #[derive(Debug)]
 pub(crate) struct Tape {
     pub(crate) constants: Vec<Constant>,
     /// Constants used as exponents, by the index [`Op::Powf`] and [`Op::PowfSlope`] have after layout.
     pub(crate) exponents: Vec<Constant>,
-    /// Slots of the inputs; results of constants stand before, all others after.
-    pub(crate) inputs: Range<usize>,
     pub(crate) slots: usize,
+    /// Runs of what depends on constants only.
     pub(crate) constant_runs: Vec<Run>,
     pub(crate) runs: Vec<Run>,
-    /// Slot of the left and right operand, by slot.
+    pub(crate) blocks: Vec<Block>,
+    /// Slots of the left and right operands of all runs.
     pub(crate) left: Vec<u32>,
     pub(crate) right: Vec<u32>,
     /// Slots of the terms of sums.
@@ -65,13 +103,17 @@ pub(crate) struct Tape {
     pub(crate) segments: Vec<Segment>,
     /// Entry of each sum in `segments`.
     pub(crate) sums: Vec<Range<usize>>,
-    /// Slots of the results.
-    pub(crate) results: Vec<u32>,
+    /// Where the inputs go, in the order of the blocks.
+    pub(crate) inputs: Vec<Transfer>,
+    /// Where the results are, in the order of the blocks.
+    pub(crate) results: Vec<Transfer>,
+    /// Number of results.
+    pub(crate) components: usize,
 }
 
 impl Tape {
-    pub(crate) fn new(graph: &Graph) -> Self {
-        Layout::new(graph).finish()
+    pub(crate) fn new(graph: &Graph, blocks: Blocks) -> Self {
+        Layout::new(graph, blocks).finish()
     }
 
     /// Arithmetic operations and function calls of one replay.
@@ -91,101 +133,135 @@ impl Tape {
 /// A tape under construction.
 struct Layout<'a> {
     graph: &'a Graph,
+    order: Order,
     tape: Tape,
-    /// Slot of each node placed so far.
+    /// Slot of each node placed so far; that of an input is its slot in the present block.
     slot: Vec<u32>,
+    /// Next slot that is kept to the end.
+    kept: usize,
+    /// Next slot of the present block.
+    passing: usize,
 }
 
 /// An operation to be placed, in the order in which it will be: by operation, then by operands.
-type Placement = (Op, u32, u32, usize);
+type Placement = (Op, bool, u32, u32, usize);
 
 impl<'a> Layout<'a> {
-    fn new(graph: &'a Graph) -> Self {
-        let slots = graph.nodes.len();
-        let mut layout = Layout {
+    fn new(graph: &'a Graph, blocks: Blocks) -> Self {
+        let nodes = graph.nodes.len();
+        Layout {
             graph,
+            order: Order::new(graph, blocks),
             tape: Tape {
                 constants: Vec::new(),
                 exponents: Vec::new(),
-                inputs: 0..graph.inputs,
-                slots,
+                slots: 0,
                 constant_runs: Vec::new(),
                 runs: Vec::new(),
-                left: vec![0; slots],
-                right: vec![0; slots],
+                blocks: Vec::new(),
+                inputs: Vec::new(),
+                results: Vec::new(),
+                components: graph.roots.len(),
+                left: Vec::new(),
+                right: Vec::new(),
                 terms: Vec::new(),
                 segments: Vec::new(),
                 sums: vec![0..0; graph.sums.len()],
-                results: Vec::new(),
             },
-            slot: vec![0; slots],
-        };
-        for (i, node) in graph.nodes.iter().enumerate() {
-            if let Op::Constant(k) = node.op {
-                layout.slot[i] = layout.tape.constants.len() as u32;
-                layout.tape.constants.push(graph.constants[k as usize]);
-            }
+            slot: vec![0; nodes],
+            kept: 0,
+            passing: 0,
         }
-        layout
     }
 
     fn finish(mut self) -> Tape {
-        let order = Order::new(self.graph);
-        let mut next = self.tape.constants.len();
-        for level in self.in_order(&order, true) {
-            self.place(level, &mut next, true);
-        }
         for (i, node) in self.graph.nodes.iter().enumerate() {
-            if let Op::Input(k) = node.op {
-                self.slot[i] = next as u32 + k;
+            if let Op::Constant(k) = node.op {
+                self.slot[i] = self.tape.constants.len() as u32;
+                self.tape.constants.push(self.graph.constants[k as usize]);
             }
         }
-        self.tape.inputs = next..next + self.graph.inputs;
-        next += self.graph.inputs;
-        for level in self.in_order(&order, false) {
-            self.place(level, &mut next, false);
+        self.kept = self.tape.constants.len();
+        for level in self.in_order(true) {
+            self.place(level, true);
         }
-        let slot = |&root: &u32| self.slot[root as usize];
-        self.tape.results = self.graph.roots.iter().map(slot).collect();
+        let first_passing = self.kept + self.order.is_kept.iter().filter(|&&kept| kept).count();
+        self.tape.slots = first_passing;
+        let levels = self.in_order(false);
+        let mut next_level = levels.into_iter().peekable();
+        for block in 0..self.order.count {
+            self.passing = first_passing;
+            let (inputs, results) = (self.tape.inputs.len(), self.tape.results.len());
+            let runs = self.tape.runs.len();
+            for &input in &self.order.inputs[block as usize] {
+                if let Op::Input(k) = self.graph.nodes[input as usize].op {
+                    self.slot[input as usize] = self.passing as u32;
+                    let transfers = &mut self.tape.inputs;
+                    Transfer::append(transfers, inputs, k as usize, self.passing);
+                    self.passing += 1;
+                }
+            }
+            while let Some(level) = next_level.next_if(|level| self.order.blocks[level[0]] == block)
+            {
+                self.place(level, false);
+            }
+            for &k in &self.order.results[block as usize] {
+                let node = self.graph.roots[k as usize];
+                let slot = self.slot[node as usize] as usize;
+                Transfer::append(&mut self.tape.results, results, k as usize, slot);
+            }
+            self.tape.slots = self.tape.slots.max(self.passing);
+            self.tape.blocks.push(Block {
+                inputs: inputs..self.tape.inputs.len(),
+                runs: runs..self.tape.runs.len(),
+                results: results..self.tape.results.len(),
+            });
+        }
         self.tape
     }
 
     /// Operations by block and level, those that depend on constants only or the others.
-    fn in_order(&self, order: &Order, constant: bool) -> Vec<Vec<usize>> {
+    fn in_order(&self, constant: bool) -> Vec<Vec<usize>> {
         let nodes = self.graph.nodes.iter().enumerate();
         let wanted = nodes.filter(|(i, node)| {
             let is_leaf = matches!(node.op, Op::Constant(_) | Op::Input(_));
             !is_leaf && self.graph.is_constant[*i] == constant
         });
         let mut wanted: Vec<usize> = wanted.map(|(i, _)| i).collect();
-        let key = |&i: &usize| (order.blocks[i], order.levels[i]);
+        let block = |i: usize| if constant { 0 } else { self.order.blocks[i] };
+        let key = |&i: &usize| (block(i), self.order.levels[i]);
         wanted.sort_by_key(key);
         let groups = wanted.chunk_by(|x, y| key(x) == key(y));
         groups.map(<[usize]>::to_vec).collect()
     }
 
-    fn place(&mut self, level: Vec<usize>, next: &mut usize, constant: bool) {
+    fn place(&mut self, level: Vec<usize>, constant: bool) {
         let mut placements: Vec<Placement> = level.into_iter().map(|i| self.placement(i)).collect();
         placements.sort_unstable();
-        for group in placements.chunk_by(|x, y| x.0 == y.0) {
+        for group in placements.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
             for (range, access) in split(group) {
+                let next = match constant || group[0].1 {
+                    true => &mut self.kept,
+                    false => &mut self.passing,
+                };
+                let slots = *next..*next + range.len();
+                *next = slots.end;
+                let operands = self.tape.left.len()..self.tape.left.len() + range.len();
+                for (&(_, _, left, right, node), slot) in group[range].iter().zip(slots.clone()) {
+                    self.slot[node] = slot as u32;
+                    self.tape.left.push(left);
+                    self.tape.right.push(right);
+                }
                 let run = Run {
                     op: group[0].0,
-                    slots: *next..*next + range.len(),
+                    slots,
+                    operands,
                     access,
                 };
-                for &(_, left, right, node) in &group[range] {
-                    self.slot[node] = *next as u32;
-                    self.tape.left[*next] = left;
-                    self.tape.right[*next] = right;
-                    *next += 1;
+                match constant {
+                    true => self.tape.constant_runs.push(run),
+                    false => self.tape.runs.push(run),
                 }
-                let runs = if constant {
-                    &mut self.tape.constant_runs
-                } else {
-                    &mut self.tape.runs
-                };
-                runs.push(run);
             }
         }
     }
@@ -196,7 +272,7 @@ impl<'a> Layout<'a> {
         match node.op {
             Op::Sum(k) => {
                 self.place_terms(k as usize);
-                (node.op, 0, 0, i)
+                (node.op, self.order.is_kept[i], 0, 0, i)
             }
             op => {
                 let (mut a, mut b) = (node.a, node.b);
@@ -209,7 +285,13 @@ impl<'a> Layout<'a> {
                     Op::PowfSlope(k) => Op::PowfSlope(self.exponent(k)),
                     op => op,
                 };
-                (op, self.slot[a as usize], self.slot[b as usize], i)
+                (
+                    op,
+                    self.order.is_kept[i],
+                    self.slot[a as usize],
+                    self.slot[b as usize],
+                    i,
+                )
             }
         }
     }
@@ -252,38 +334,6 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// When an operation is done.
-struct Order {
-    /// The first block of results that needs it. Results are computed block after block, so that what a block needs
-    /// is still in the cache when it is used.
-    blocks: Vec<u32>,
-    /// Steps from the leaves, within a block.
-    levels: Vec<u32>,
-}
-
-impl Order {
-    fn new(graph: &Graph) -> Self {
-        let nodes = graph.nodes.len();
-        let results_of_a_block = (SLOTS_OF_A_BLOCK * graph.roots.len()).div_ceil(nodes.max(1));
-        let mut blocks = vec![u32::MAX; nodes];
-        for (k, &root) in graph.roots.iter().enumerate() {
-            let block = (k / results_of_a_block.max(1)) as u32;
-            blocks[root as usize] = blocks[root as usize].min(block);
-        }
-        let mut levels: Vec<u32> = Vec::with_capacity(nodes);
-        for i in (0..nodes).rev() {
-            for x in graph.operands(i) {
-                blocks[x as usize] = blocks[x as usize].min(blocks[i]);
-            }
-        }
-        for i in 0..nodes {
-            let deepest = graph.operands(i).map(|x| levels[x as usize] + 1).max();
-            levels.push(deepest.unwrap_or(0));
-        }
-        Order { blocks, levels }
-    }
-}
-
 /// Number of leading elements each of which stands in the given relation to the one before.
 fn stretch<E>(elements: &[E], follows: impl Fn(&E, &E) -> bool) -> usize {
     elements
@@ -312,9 +362,9 @@ fn split(group: &[Placement]) -> Vec<(Range<usize>, Access)> {
     let mut start = 0;
     while start < group.len() {
         let rest = &group[start..];
-        let both = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2 + 1);
-        let fixed_left = stretch(rest, |x, y| y.1 == x.1 && y.2 == x.2 + 1);
-        let fixed_right = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2);
+        let both = stretch(rest, |x, y| y.2 == x.2 + 1 && y.3 == x.3 + 1);
+        let fixed_left = stretch(rest, |x, y| y.2 == x.2 && y.3 == x.3 + 1);
+        let fixed_right = stretch(rest, |x, y| y.2 == x.2 + 1 && y.3 == x.3);
         let longest = both.max(fixed_left).max(fixed_right);
         let access = match longest {
             l if l < SHORTEST_SLICE => Access::Listed,

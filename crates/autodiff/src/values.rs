@@ -2,7 +2,7 @@
 
 use crate::replay::forward;
 use crate::tangent::Tangent;
-use crate::tape::Tape;
+use crate::tape::{Block, Tape, Transfer};
 use equip_scalar::{Constant, Float, Lanes, Piecewise};
 
 /// Workspace for replaying one tape. Constants, and what depends on them alone, are computed when it is made.
@@ -10,6 +10,8 @@ use equip_scalar::{Constant, Float, Lanes, Piecewise};
 pub(crate) struct Replay<S> {
     pub(crate) values: Vec<S>,
     pub(crate) exponents: Vec<Constant>,
+    /// Results of the last replay; not used in lanes, where they are written to their places.
+    pub(crate) results: Vec<S>,
 }
 
 impl<T: Float> Replay<T> {
@@ -23,7 +25,11 @@ impl<T: Float> Replay<T> {
         let mut values: Vec<T> = tape.constants.iter().map(|c| c.to()).collect();
         values.resize(tape.slots, zero);
         forward(tape, &tape.constant_runs, &exponents, &mut values);
-        Replay { values, exponents }
+        Replay {
+            values,
+            exponents,
+            results: vec![zero; tape.components],
+        }
     }
 
     /// Whether a constant is NaN.
@@ -43,9 +49,9 @@ impl<T: Float> Replay<T> {
         count: usize,
     ) {
         for i in 0..count {
-            self.set(tape, states.chunks_exact(stride).map(|row| row[i]));
-            for (k, row) in results.chunks_exact_mut(stride).enumerate() {
-                row[i] = self.result(tape, k);
+            let found = self.run(tape, |k| states[k * stride + i]);
+            for (row, &result) in results.chunks_exact_mut(stride).zip(found) {
+                row[i] = result;
             }
         }
     }
@@ -66,6 +72,7 @@ impl<const N: usize> Replay<Lanes<N>> {
 impl<S> Replay<S> {
     fn widened<W>(self, wide: impl Fn(S) -> W) -> Replay<W> {
         Replay {
+            results: self.results.into_iter().map(&wide).collect(),
             values: self.values.into_iter().map(wide).collect(),
             exponents: self.exponents,
         }
@@ -73,24 +80,28 @@ impl<S> Replay<S> {
 }
 
 impl<S: Piecewise> Replay<S> {
-    /// Replays for the given inputs; of fewer inputs than the tape has, the others keep their values.
-    pub(crate) fn set(&mut self, tape: &Tape, inputs: impl Iterator<Item = S>) {
-        let slots = &mut self.values[tape.inputs.clone()];
-        slots
-            .iter_mut()
-            .zip(inputs)
-            .for_each(|(slot, input)| *slot = input);
-        self.run(tape);
+    /// The results for the given inputs.
+    pub(crate) fn run(&mut self, tape: &Tape, input: impl Fn(usize) -> S) -> &[S] {
+        for block in &tape.blocks {
+            for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
+                let places = &mut self.values[slots.clone()];
+                for (place, k) in places.iter_mut().zip(components.clone()) {
+                    *place = input(k);
+                }
+            }
+            self.forward(tape, block);
+            for Transfer { components, slots } in &tape.results[block.results.clone()] {
+                self.results[components.clone()].copy_from_slice(&self.values[slots.clone()]);
+            }
+        }
+        &self.results
     }
 
+    // Once for each kind of number, not for each kind of input.
     #[inline(never)]
-    fn run(&mut self, tape: &Tape) {
-        forward(tape, &tape.runs, &self.exponents, &mut self.values);
-    }
-
-    #[inline(always)]
-    pub(crate) fn result(&self, tape: &Tape, k: usize) -> S {
-        self.values[tape.results[k] as usize]
+    fn forward(&mut self, tape: &Tape, block: &Block) {
+        let runs = &tape.runs[block.runs.clone()];
+        forward(tape, runs, &self.exponents, &mut self.values);
     }
 }
 

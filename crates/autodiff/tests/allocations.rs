@@ -33,12 +33,21 @@ fn count<H: System, T: Float>(h: &H) -> usize {
     let (mut gradient, v) = (y.clone(), y.clone());
     let states = [y.clone(), y.clone()].concat();
     let mut gradients = states.clone();
+    let batch: Vec<T> = (0..8 * n).map(|i| T::ratio(i as i64 + 1, 9)).collect();
+    let mut slopes = batch.clone();
     let mut entries = vec![T::int(0); h.structure().hessian.len()];
     let mut evaluator = h.evaluator::<T>();
     let before = ALLOCATIONS.with(Cell::get);
     evaluator.value(&y);
     evaluator.gradient(&y, &mut gradient);
     evaluator.gradients(&states, &mut gradients, n);
+    for (stride, count) in [(8, 8), (4, 3), (5, 5)] {
+        let (all, half) = (n * stride, n * stride / 2);
+        evaluator.gradients_by_component(&batch[..all], &mut slopes[..all], stride, count);
+        if h.structure().separable {
+            evaluator.forces_by_component(&batch[..half], &mut slopes[..half], stride, count);
+        }
+    }
     evaluator.hessian_vector(&y, &v, &mut gradient);
     evaluator.hessian(&y, &mut entries);
     ALLOCATIONS.with(Cell::get) - before

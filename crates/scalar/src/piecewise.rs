@@ -72,6 +72,8 @@ impl<T: Float> Piecewise for T {
         }
     }
 
+    // ∞ − ∞ is NaN. A classification would do, but is not vectorised over lanes.
+    #[allow(clippy::eq_op)]
     #[inline(always)]
     fn is_regular(x: T) -> bool {
         x - x == T::int(0)
