@@ -151,6 +151,11 @@ impl<T: Float> Linearised<T> {
         self.full_due = false;
     }
 
+    /// Whether there is simplified Newton to use.
+    pub(crate) fn has_simplified(&self) -> bool {
+        self.simplified.is_some()
+    }
+
     pub(crate) fn is_simplified(&self) -> bool {
         self.active == Active::Simplified
     }

@@ -52,10 +52,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         Core {
             energy,
             newton: Newton::new(
-                s,
+                &gauss,
                 structure,
                 settings.stage_solver,
-                constraints.len(),
+                (
+                    constraints.len(),
+                    settings.first_alpha.map_or(0, |first| s - first),
+                ),
                 settings.max_iterations,
             ),
             constraints,
