@@ -315,8 +315,18 @@ impl<T: Float> Linearised<T> {
 
     /// x ← M⁻¹ x. Returns whether it was found.
     pub(crate) fn solve_column(&mut self, stages: &Stages<T>, x: &mut DVector<T>) -> bool {
+        self.solve_to(T::EPSILON.sqrt(), stages, x)
+    }
+
+    /// The same, with simplified Newton to a relative `tolerance` of the largest component.
+    pub(crate) fn solve_to(
+        &mut self,
+        tolerance: T,
+        stages: &Stages<T>,
+        x: &mut DVector<T>,
+    ) -> bool {
         if self.is_simplified() {
-            return self.refine(stages, x, false);
+            return self.refine(stages, x, tolerance, false);
         }
         self.solve(x);
         true
@@ -336,7 +346,7 @@ impl<T: Float> Linearised<T> {
         let mut x = std::mem::replace(&mut self.work, DVector::zeros(0));
         self.hessians.pull_back(stages, u, &mut x);
         let found = if self.is_simplified() {
-            self.refine(stages, &mut x, true)
+            self.refine(stages, &mut x, T::EPSILON.sqrt(), true)
         } else {
             if let Some(full) = &self.full {
                 full.solve_transposed(&mut x);
@@ -359,13 +369,18 @@ impl<T: Float> Linearised<T> {
     }
 
     /// x ← M⁻¹ x or M⁻ᵀ x by iteration with M̃. Returns whether it converged.
-    fn refine(&mut self, stages: &Stages<T>, x: &mut DVector<T>, transposed: bool) -> bool {
+    fn refine(
+        &mut self,
+        stages: &Stages<T>,
+        x: &mut DVector<T>,
+        tolerance: T,
+        transposed: bool,
+    ) -> bool {
         let Some(simplified) = &mut self.simplified else {
             return false;
         };
         self.rest.copy_from(x);
         x.fill(T::int(0));
-        let tolerance = T::EPSILON.sqrt();
         let mut last = T::INFINITY;
         for _ in 0..MAX_REFINEMENTS {
             // The correction replaces the residual, M times the correction comes off it.
@@ -381,7 +396,7 @@ impl<T: Float> Linearised<T> {
                 return true;
             }
             if !(size < last) {
-                return false;
+                return size <= T::EPSILON.sqrt() * x.amax();
             }
             last = size;
             let (x, r) = (&self.step, &mut self.rest);

@@ -78,7 +78,13 @@ impl<T: Float> LocalError<T> {
             }
         }
         self.stages.scale.copy_from_slice(&coarse.scale);
-        if !self.stages.evaluate(energy, y, h, counts) || !self.correct(energy, h, counts) {
+        let mut own = Counts::default();
+        let found =
+            self.stages.evaluate(energy, y, h, &mut own) && self.correct(energy, h, &mut own);
+        counts.local_errors += 1;
+        counts.gradients += own.gradients;
+        counts.hessians += own.hessians;
+        if !found {
             return None;
         }
         let x = &self.correction;
@@ -106,7 +112,9 @@ impl<T: Float> LocalError<T> {
             }
             (self.linearised).prepare_columns(&self.stages, energy, h, counts);
             self.stages.residual(self.correction.as_mut_slice());
-            if (self.linearised).solve_column(&self.stages, &mut self.correction) {
+            // To round-off: a component that hardly moves may be far off, relative to its size, and hide the others.
+            let (noise, x) = (T::int(4) * T::EPSILON, &mut self.correction);
+            if (self.linearised).solve_to(noise, &self.stages, x) {
                 return true;
             }
             self.linearised.forget();

@@ -312,7 +312,7 @@ impl<T: Float> Newton<T> {
     ) -> Moved {
         // What the directions are taken from has to be better known than what moves along them.
         let exact = self.directions.are_known() || size <= T::int(64) * T::EPSILON;
-        let margin = if exact { 4 } else { 256 };
+        let margin = if exact { 4 } else { 1 << 20 };
         let uncertain = T::int(margin) * self.linearised.rest_of(size);
         let stands_out = |c: &Constraint<T>| c.predicted.abs() > c.floor.max(uncertain * c.scale);
         // The directions must not depend on how far the stages have come: wait until they are there.
