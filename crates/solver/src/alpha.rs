@@ -151,16 +151,16 @@ impl<T: Float> Directions<T> {
     }
 
     /// Takes the directions at the current stages. `free` holds the numbers k of the free α's; the constraints hold
-    /// their gradients at both ends of the step; `error` is the local error with α = 0, if it is of use.
+    /// their gradients at both ends of the step; `error` is the local error with α = 0 at the end and at the start, if it is of use.
     ///
-    /// Returns whether they were found. Cost: two solves per free α, one for the local error.
+    /// Returns whether they were found. Cost: two solves per free α.
     pub(crate) fn take(
         &mut self,
         stages: &Stages<T>,
         linearised: &mut Linearised<T>,
         free: Range<usize>,
         constraints: &[Constraint<T>],
-        error: Option<&[T]>,
+        error: Option<(&[T], &[T])>,
     ) -> bool {
         if free.len() == 1 {
             self.d[0][free.start - 1] = T::int(1);
@@ -187,10 +187,8 @@ impl<T: Float> Directions<T> {
             return false;
         }
         let first = free.start - 1;
-        if let Some(error) = error
-            && linearised.column_start(stages, error, &mut self.back)
-        {
-            self.displacements.aim(error, &self.back);
+        if let Some((end, start)) = error {
+            self.displacements.aim(end, start);
             self.displacements.base(&mut self.base[first..]);
             self.base_due = true;
         }

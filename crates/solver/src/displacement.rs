@@ -46,6 +46,7 @@ pub(crate) struct Displacements<T: Float> {
     /// e and e' weighted, times φ.
     target: Vec<T>,
     trust: T,
+    ridge: T,
     gram: DenseLu<T>,
     x: DVector<T>,
 }
@@ -62,12 +63,14 @@ impl<T: Float> Displacements<T> {
             slopes: zeros((s - 1) * constraints),
             target: zeros(2 * n),
             trust: T::int(0),
+            ridge: T::int(0),
             gram: DenseLu::new(s - 1),
             x: DVector::zeros(s - 1),
         }
     }
 
-    /// Begins with components of these `sizes`, resolved to 1/(1 + ρ_j), which is part of the norm unless `plain`.
+    /// Begins with components of these `sizes`, resolved to 1/(1 + ρ_j), which is part of the norm unless `plain`;
+    /// that also takes smaller α's for a larger displacement.
     pub(crate) fn begin(&mut self, sizes: &[T], resolution: &[T], plain: bool) {
         let (zero, one) = (T::int(0), T::int(1));
         self.count = 0;
@@ -83,6 +86,11 @@ impl<T: Float> Displacements<T> {
         let excess = (one / least - one) / T::int(TRUSTED);
         let fourth = excess * excess * excess * excess;
         self.trust = one / (one + fourth);
+        self.ridge = if plain {
+            one
+        } else {
+            T::ratio(1, 1000) + T::ratio(3, 10) * (one - self.trust)
+        };
     }
 
     /// Whether the local error is worth estimating.
@@ -114,13 +122,12 @@ impl<T: Float> Displacements<T> {
 
     /// Factorises G + ρ diag G, rows and columns in units of ‖u_k‖. Returns whether that was possible.
     pub(crate) fn factor(&mut self) -> bool {
-        let one = T::int(1);
-        let ridge = T::ratio(1, 1000) + T::ratio(3, 10) * (one - self.trust);
+        let diagonal = T::int(1) + self.ridge;
         let (places, n) = (self.norms.len(), 2 * self.n);
         let matrix = self.gram.matrix_mut();
         matrix.fill_with_identity();
         for k in 0..self.count.min(places) {
-            matrix[(k, k)] = one + ridge;
+            matrix[(k, k)] = diagonal;
             for l in 0..k {
                 let product = dot(&self.rows[k * n..][..n], &self.rows[l * n..][..n]);
                 let x = product / self.norms[k] / self.norms[l];

@@ -294,17 +294,23 @@ impl<T: Float> Linearised<T> {
         }
     }
 
-    /// To be called before columns of α's are solved for at the current stages.
+    /// To be called before columns of α's are solved for at the current stages; `stale` asks for a full factorisation
+    /// that is of these very stages. Returns whether it was found.
     pub(crate) fn prepare_columns<E: Evaluate<T>>(
         &mut self,
         stages: &Stages<T>,
         energy: &mut E,
-        h: T,
+        (h, stale): (T, bool),
         counts: &mut Counts,
-    ) {
+    ) -> bool {
         if self.is_simplified() {
             self.hessians.take(stages, energy, h, counts);
+        } else if stale && let Some(full) = &mut self.full {
+            self.hessians.take(stages, energy, h, counts);
+            counts.factorisations += 1;
+            return full.refresh(stages, &self.hessians).is_ok();
         }
+        true
     }
 
     /// Whether a column once solved for serves for the rest of the step: it does not change as long as M is that of the

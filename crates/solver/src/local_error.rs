@@ -27,8 +27,9 @@ pub(crate) struct LocalError<T: Float> {
     /// Σ_k (∫_0^{c_i} P_k) P_k(c_j): from the L_j of s stages to the Z_i of s + 1, row by row.
     prolongation: Vec<T>,
     correction: DVector<T>,
-    /// e.
+    /// e, and −Ψ⁻¹e.
     error: Vec<T>,
+    back: Vec<T>,
 }
 
 impl<T: Float> LocalError<T> {
@@ -56,11 +57,13 @@ impl<T: Float> LocalError<T> {
             prolongation,
             correction: DVector::zeros((s + 1) * n),
             error: vec![T::int(0); n],
+            back: vec![T::int(0); n],
         })
     }
 
     /// Estimates e of the step of size `h` from `y` whose `coarse` stages, with α = 0, are known up to a correction that
-    /// moves their end point by `moved_end`. `None` if it cannot be had.
+    /// moves their end point by `moved_end`: as a displacement of the end and as that of the start which amounts to the same.
+    /// `None` if it cannot be had.
     pub(crate) fn estimate<E: Evaluate<T>>(
         &mut self,
         coarse: &Stages<T>,
@@ -68,7 +71,7 @@ impl<T: Float> LocalError<T> {
         energy: &mut E,
         (y, h): (&State<T>, T),
         counts: &mut Counts,
-    ) -> Option<&[T]> {
+    ) -> Option<(&[T], &[T])> {
         let (s, n) = (coarse.count(), coarse.n);
         let rows = self.prolongation.chunks_exact(s);
         for (z, row) in self.stages.z.chunks_exact_mut(n).zip(rows) {
@@ -94,8 +97,10 @@ impl<T: Float> LocalError<T> {
         let coarse = coarse.l.chunks_exact(n);
         coarse.for_each(|l| add(&mut self.error, -T::int(1), l));
         add(&mut self.error, -T::int(1), moved_end);
-        let finite = self.error.iter().all(|e| e.is_finite());
-        finite.then_some(self.error.as_slice())
+        let finer = &mut self.linearised;
+        let found = finer.column_start(&self.stages, &self.error, &mut self.back);
+        let finite = self.error.iter().chain(&self.back).all(|e| e.is_finite());
+        (found && finite).then_some((self.error.as_slice(), self.back.as_slice()))
     }
 
     /// The correction of the stages. A factorisation kept from an earlier step that no longer serves is made anew.
@@ -110,7 +115,7 @@ impl<T: Float> LocalError<T> {
             {
                 return false;
             }
-            (self.linearised).prepare_columns(&self.stages, energy, h, counts);
+            (self.linearised).prepare_columns(&self.stages, energy, (h, false), counts);
             self.stages.residual(self.correction.as_mut_slice());
             // To round-off: a component that hardly moves may be far off, relative to its size, and hide the others.
             let (noise, x) = (T::int(4) * T::EPSILON, &mut self.correction);

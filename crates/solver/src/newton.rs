@@ -207,7 +207,7 @@ impl<T: Float> Newton<T> {
                 last_out = out;
             }
             if out > T::int(1) {
-                match self.move_alphas(at, task, size) {
+                match self.move_alphas(at, task, (size, last)) {
                     Moved::NotAtAll => return Err(Failure::NoAlpha),
                     Moved::ToBound => shortened += 1,
                     Moved::Fully | Moved::NotYet => {}
@@ -308,7 +308,7 @@ impl<T: Float> Newton<T> {
         &mut self,
         at: &mut Solution<'_, T, E>,
         task: &StepTask<'_, T>,
-        size: T,
+        (size, last): (T, T),
     ) -> Moved {
         // What the directions are taken from has to be better known than what moves along them.
         let exact = self.directions.are_known() || size <= T::int(64) * T::EPSILON;
@@ -321,9 +321,14 @@ impl<T: Float> Newton<T> {
             return Moved::NotYet;
         }
         self.directions.judge_columns(at.constraints);
-        if self.directions.columns_are_due() {
-            self.linearised
-                .prepare_columns(at.stages, at.energy, task.h, at.counts);
+        let first = !self.directions.are_known();
+        // The error of the directions times the displacement: what a step backwards would not undo.
+        let defect = worst(at.constraints, |c| c.predicted.abs() / c.scale);
+        let stale = first && !task.pure && T::int(16) * last * defect > T::EPSILON;
+        if self.directions.columns_are_due()
+            && !(self.linearised).prepare_columns(at.stages, at.energy, (task.h, stale), at.counts)
+        {
+            return Moved::NotAtAll;
         }
         if !self.directions.are_known() {
             let free = task.first..at.stages.count();
