@@ -102,7 +102,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
         let failure = match self.attempt(y, h, next) {
-            Ok(outcome) => return Ok(outcome),
+            Ok(outcome) => {
+                self.constraints.iter_mut().for_each(Constraint::accept);
+                return Ok(outcome);
+            }
             Err(failure) => failure,
         };
         // A defect of a few floors that no α removes is round-off.
@@ -155,7 +158,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.counts.gradients += 1;
             constraint.evaluate(&mut self.energy, next, &self.stages.scale);
         }
-        if worst(&self.constraints, Constraint::in_floors) <= T::int(ENERGY_STAGNATED) {
+        self.constraints.iter_mut().for_each(Constraint::accept);
+        let at_floor = worst(&self.constraints, Constraint::in_judging_floors);
+        if at_floor <= T::int(ENERGY_STAGNATED) {
             return Ok(Outcome::AtFloor);
         }
         match self.settings.on_no_alpha {
