@@ -3,13 +3,13 @@
 //! The α's move the end point by U α, U = (u_1 … u_{s−1}), and e is the local error of the step with α = 0
 //! ([`crate::local_error`]). Wanted are the α's of
 //!
-//! $$ \tfrac12 \lVert U\alpha - \varphi e \rVert^2 + \tfrac{\rho}{2} \sum_k \lVert u_k \rVert^2 \alpha_k^2 \to \min,
+//! $$ \tfrac12 \lVert U\alpha - \varphi e \rVert^2 + \tfrac{r}{2} \sum_k \lVert u_k \rVert^2 \alpha_k^2 \to \min,
 //!    \qquad V^T \alpha = -g, $$
 //!
 //! v_k = dg/dα_k: of all that keep the energy those that leave the least local error. They are
 //!
-//! $$ \alpha = \alpha^0 + D t, \qquad \alpha^0 = (G + \rho\,\mathrm{diag}\,G)^{-1} U^T \varphi e, \qquad
-//!    D = (G + \rho\,\mathrm{diag}\,G)^{-1} V, \qquad G = U^T U, $$
+//! $$ \alpha = \alpha^0 + D t, \qquad \alpha^0 = (G + r\,\mathrm{diag}\,G)^{-1} U^T \varphi e, \qquad
+//!    D = (G + r\,\mathrm{diag}\,G)^{-1} V, \qquad G = U^T U, $$
 //!
 //! with t from the constraints. Where φ = 0 this is the least displacement. All u_k are weighted together, not one by one: they
 //! are nearly parallel, and a large part of each is along the flow.
@@ -19,7 +19,7 @@
 //!
 //! *Norm.* Component j counts in units of its size and with 1/(1 + ρ_j), ρ_j = (hω)² for an oscillator: an unresolved
 //! oscillation must not be paid for by the slow variables.
-//! *Trust.* φ = 1/(1 + (ρ_max/16)⁴): e means nothing where the step does not resolve the motion; there the ridge is larger, too.
+//! *Trust.* φ = 1/(1 + (ρ_max/16)⁴): e means nothing where the step does not resolve the motion; there the ridge r rises from 1/1000 to 3/10.
 //!
 //! Measured in `docs/adr/0003-which-displacement.md`. Cost: (s−1)² n operations and a factorisation of size s − 1.
 
@@ -120,7 +120,7 @@ impl<T: Float> Displacements<T> {
         self.target.iter_mut().for_each(|x| *x *= trust);
     }
 
-    /// Factorises G + ρ diag G, rows and columns in units of ‖u_k‖. Returns whether that was possible.
+    /// Factorises G + r diag G, rows and columns in units of ‖u_k‖. Returns whether that was possible.
     pub(crate) fn factor(&mut self) -> bool {
         let diagonal = T::int(1) + self.ridge;
         let (places, n) = (self.norms.len(), 2 * self.n);
