@@ -1,27 +1,24 @@
-//! The α part: which way the free α's move to bring g to zero with the least displacement.
+//! The α part: which way the free α's move to bring g to zero.
 //!
-//! One equation (or a few, with further invariants to keep) for up to s − 1 unknowns. With slopes v_k = dg/dα_k and
-//! displacements ‖u_k‖ the α's move along
+//! One equation (or a few, with further invariants to keep) for up to s − 1 unknowns. The α's move to
 //!
-//! $$ \delta\alpha_k = t\, d_k, \qquad d_k = \frac{v_k}{\lVert u_k \rVert^2}, $$
+//! $$ \alpha = \alpha^0 + D t, $$
 //!
-//! the smallest (δα_k ‖u_k‖)_k that changes g as wanted (project note, section 3); t is solved for together with the
-//! stages. With r equations there are r directions, the columns of W Vᵀ, W = diag(‖u_k‖⁻²), and r unknowns t.
-//! A direction does not change when an α is rescaled, and a vanishing slope costs nothing while another does not vanish.
+//! α⁰ being those that cancel most of the step's own local error and the columns of D, one for each equation, the cheapest
+//! ways to change g ([`crate::displacement`]); t is solved for together with the stages. No direction changes when an
+//! α is rescaled, and a vanishing slope costs nothing while another does not vanish.
 //!
-//! *Symmetry in time.* v_k and ‖u_k‖² are means over the two ends of the step: u_k moves the end with the start held,
-//! u'_k = −Ψ⁻¹u_k the start with the end held. The direction is taken once, when the stages with α = 0 have converged,
-//! so the step backwards takes the same.
-//!
-//! *The norm.* Motion that the step resolves counts in full, motion with hω ≫ 1 with 1/(1 + (hω)²): the energy defect of an
-//! unresolved oscillation must not be paid for by the slow variables. Measured in `docs/adr/0003-which-displacement.md`.
+//! *Symmetry in time.* Everything is a mean over the two ends of the step and is taken once, when the stages with α = 0 have
+//! converged, so the step backwards takes the same.
 
 use crate::constraint::{Constraint, worst};
+use crate::displacement::{Displacements, dot};
 use crate::linear::DenseLu;
 use crate::linearised::Linearised;
 use crate::stages::Stages;
 use equip_scalar::Float;
 use nalgebra::DVector;
+use std::ops::Range;
 
 /// Columns solved for at stages that have moved by more than 1/1000 since are solved for anew.
 const FAR: i64 = 1000;
@@ -32,9 +29,9 @@ const SLOW: i64 = 32;
 /// Which displacements count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Norm {
-    /// Resolved motion in full, unresolved motion with 1/(1 + (hω)²).
+    /// Resolved motion in full, unresolved motion with 1/(1 + (hω)²), and the local error is aimed at.
     Resolved,
-    /// All components alike, relative to their size: the second try where the first needs too large an α.
+    /// All components alike, least displacement: the second try where the first needs too large an α.
     Plain,
 }
 
@@ -57,10 +54,17 @@ pub(crate) struct Directions<T: Float> {
     /// d of each constraint: d_1 … d_{s−1}, zero where the α is not free.
     d: Vec<Vec<T>>,
     known: bool,
-    weights: Vec<T>,
+    /// α⁰, and whether the α's have still to move there.
+    base: Vec<T>,
+    base_due: bool,
+    displacements: Displacements<T>,
+    resolution: Vec<T>,
     sizes: Vec<T>,
     u: Vec<T>,
     back: Vec<T>,
+    /// ∂Z and ∂y1 of the move by α⁰.
+    base_column: DVector<T>,
+    base_end: Vec<T>,
     /// ∂Z/∂t of each constraint's direction, in units of the state.
     columns: Vec<DVector<T>>,
     /// ∂y1/∂t of each constraint's direction.
@@ -82,7 +86,12 @@ impl<T: Float> Directions<T> {
         Directions {
             d: vec![zeros(s - 1); constraints],
             known: false,
-            weights: zeros(n),
+            base: zeros(s - 1),
+            base_due: false,
+            displacements: Displacements::new(s, n, constraints),
+            base_column: DVector::zeros(s * n),
+            base_end: zeros(n),
+            resolution: zeros(n),
             sizes: zeros(n),
             u: zeros(n),
             back: zeros(n),
@@ -121,33 +130,44 @@ impl<T: Float> Directions<T> {
         self.last_defect = T::INFINITY;
     }
 
+    /// Begins to take them at the current stages. Returns whether the local error of the step is of use.
+    pub(crate) fn begin(
+        &mut self,
+        stages: &Stages<T>,
+        linearised: &Linearised<T>,
+        free: &Range<usize>,
+        norm: Norm,
+    ) -> bool {
+        self.d.iter_mut().for_each(|d| d.fill(T::int(0)));
+        self.base.fill(T::int(0));
+        self.base_due = false;
+        self.known = true;
+        self.columns_known = false;
+        linearised.resolution(stages.n, &mut self.resolution);
+        stages.sizes(&mut self.sizes);
+        let plain = norm == Norm::Plain;
+        (self.displacements).begin(&self.sizes, &self.resolution, plain);
+        free.len() > 1 && !plain && self.displacements.trusts_error()
+    }
+
     /// Takes the directions at the current stages. `free` holds the numbers k of the free α's; the constraints hold
-    /// their gradients at both ends of the step.
+    /// their gradients at both ends of the step; `error` is the local error with α = 0 at the end and at the start, if it is of use.
     ///
     /// Returns whether they were found. Cost: two solves per free α.
     pub(crate) fn take(
         &mut self,
         stages: &Stages<T>,
         linearised: &mut Linearised<T>,
-        free: std::ops::Range<usize>,
+        free: Range<usize>,
         constraints: &[Constraint<T>],
-        norm: Norm,
+        error: Option<(&[T], &[T])>,
     ) -> bool {
-        self.d.iter_mut().for_each(|d| d.fill(T::int(0)));
-        self.known = true;
-        self.columns_known = false;
         if free.len() == 1 {
             self.d[0][free.start - 1] = T::int(1);
             return true;
         }
-        match norm {
-            Norm::Resolved => linearised.resolution(stages.n, &mut self.weights),
-            Norm::Plain => self.weights.fill(T::int(1)),
-        }
-        stages.sizes(&mut self.sizes);
-        let two = T::int(2);
-        for k in free {
-            let column = &mut self.columns[0];
+        for k in free.clone() {
+            let column = &mut self.base_column;
             stages.alpha_derivative(k, column.as_mut_slice());
             stages.to_units(column.as_mut_slice());
             if !linearised.solve_column(stages, column) {
@@ -157,15 +177,24 @@ impl<T: Float> Directions<T> {
             if !linearised.column_start(stages, &self.u, &mut self.back) {
                 return false;
             }
-            let square = (self.norm_squared(&self.u) + self.norm_squared(&self.back)) / two;
-            for (d, c) in self.d.iter_mut().zip(constraints) {
-                let change = dot(&c.gradient, &self.u) - dot(&c.start_gradient, &self.back);
-                let x = change / c.scale / two / square;
-                d[k - 1] = if x.is_finite() { x } else { T::int(0) };
-            }
+            let (u, back) = (&self.u, &self.back);
+            let slopes = constraints
+                .iter()
+                .map(|c| (dot(&c.gradient, u) - dot(&c.start_gradient, back)) / c.scale);
+            self.displacements.push(u, back, slopes);
         }
-        // Only the ratios matter: t scales with the rest.
-        for d in &mut self.d {
+        if !self.displacements.factor() {
+            return false;
+        }
+        let first = free.start - 1;
+        if let Some((end, start)) = error {
+            self.displacements.aim(end, start);
+            self.displacements.base(&mut self.base[first..]);
+            self.base_due = true;
+        }
+        for (a, d) in self.d.iter_mut().enumerate() {
+            self.displacements.direction(a, &mut d[first..]);
+            // Only the ratios matter: t scales with the rest.
             let largest = d.iter().fold(T::int(0), |a, x| a.max(x.abs()));
             if largest > T::int(0) {
                 d.iter_mut().for_each(|x| *x /= largest);
@@ -177,7 +206,7 @@ impl<T: Float> Directions<T> {
     /// Solves for the moves t that bring the predicted defects to zero, shortened so that every |α_k| stays at most
     /// `bound`; adds their part to the `correction` of the stages and moves the α's.
     ///
-    /// Cost: one solve per constraint, with simplified Newton only the first time in a step.
+    /// Cost: one solve per constraint, with simplified Newton only the first time in a step, and one for α⁰.
     pub(crate) fn step(
         &mut self,
         stages: &mut Stages<T>,
@@ -194,14 +223,26 @@ impl<T: Float> Directions<T> {
                 self.slopes.matrix_mut()[(b, a)] = dot(&c.gradient, end) / c.scale;
             }
         }
+        if self.base_due && !self.solve_base(stages, linearised) {
+            return Moved::NotAtAll;
+        }
         for (t, c) in self.t.iter_mut().zip(constraints) {
-            *t = -c.predicted / c.scale;
+            let by_base = if self.base_due {
+                dot(&c.gradient, &self.base_end)
+            } else {
+                T::int(0)
+            };
+            *t = -(c.predicted + by_base) / c.scale;
         }
         if self.slopes.factor().is_err() {
             return Moved::NotAtAll;
         }
         self.slopes.solve(&mut self.t);
-        self.delta.fill(T::int(0));
+        if self.base_due {
+            self.delta.copy_from_slice(&self.base);
+        } else {
+            self.delta.fill(T::int(0));
+        }
         for (d, &t) in self.d.iter().zip(self.t.iter()) {
             self.delta
                 .iter_mut()
@@ -214,6 +255,10 @@ impl<T: Float> Directions<T> {
         }
         for (column, &t) in self.columns.iter().zip(self.t.iter()) {
             correction.axpy(share * t, column, T::int(1));
+        }
+        if self.base_due {
+            correction.axpy(share, &self.base_column, T::int(1));
+            self.base_due = false;
         }
         stages.move_alphas(share, &self.delta);
         let far = correction.amax() > T::ratio(1, FAR);
@@ -237,6 +282,16 @@ impl<T: Float> Directions<T> {
         })
     }
 
+    /// ∂Z and ∂y1 of the move by α⁰. Returns whether they were found.
+    fn solve_base(&mut self, stages: &Stages<T>, linearised: &mut Linearised<T>) -> bool {
+        let (column, end) = (&mut self.base_column, &mut self.base_end);
+        stages.alpha_derivative_along(&self.base, column.as_mut_slice());
+        stages.to_units(column.as_mut_slice());
+        let found = linearised.solve_column(stages, column);
+        linearised.column_end(stages, column, end);
+        found
+    }
+
     /// The largest share of the move that keeps every |α_k| within `bound`; NaN if the move is not finite.
     fn share_within(&self, alphas: &[T], bound: T) -> T {
         self.delta
@@ -257,17 +312,4 @@ impl<T: Float> Directions<T> {
                 }
             })
     }
-
-    fn norm_squared(&self, u: &[T]) -> T {
-        let terms = u.iter().zip(&self.sizes).zip(&self.weights);
-        terms.fold(T::int(0), |sum, ((&x, &size), &weight)| {
-            let x = weight * x / size;
-            if x.is_finite() { sum + x * x } else { sum }
-        })
-    }
-}
-
-/// Scalar product.
-pub(crate) fn dot<T: Float>(a: &[T], b: &[T]) -> T {
-    a.iter().zip(b).fold(T::int(0), |sum, (&x, &y)| sum + x * y)
 }

@@ -145,6 +145,9 @@ impl<T: Float> Certificate<T> {
                 counts.gradients, counts.hessians, counts.energies
             ),
         );
+        if counts.local_errors > 0 {
+            line("local errors", counts.local_errors.to_string());
+        }
         if counts.halvings > 0 {
             line("halvings", counts.halvings.to_string());
         }

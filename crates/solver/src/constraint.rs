@@ -1,6 +1,10 @@
 //! The second half of system (7): g = H(y1) − H_ref = 0, and how small g can be made at all.
 //!
 //! Further invariants that the user wants kept are equations of the same form with the same α's.
+//!
+//! *Inherited floors.* A close encounter has a high floor, and leaves an offset of that size to the quiet part after it. No α
+//! of the quiet part can be asked to remove in one step what it took a close encounter to make: such an offset still is
+//! round-off, until a step has been solved to its own floor.
 
 use crate::invariant::Invariant;
 use crate::state::State;
@@ -21,6 +25,8 @@ pub(crate) struct Constraint<T: Float> {
     /// σ_i = max(|y0_i|, |y1_i|, |Z_i|) of the components, and once the stages have converged what
     /// their last, round-off sized correction would do to I.
     pub(crate) floor: T,
+    /// The floor of the last step that was solved to its own: g is not known to be smaller.
+    inherited: T,
     /// What a relative change of the state by 1 is worth.
     pub(crate) scale: T,
     /// ∇I(y1).
@@ -42,6 +48,7 @@ impl<T: Float> Constraint<T> {
             reference: h_ref,
             defect: zero,
             floor: zero,
+            inherited: zero,
             scale: zero,
             gradient: vec![zero; n],
             start_gradient: vec![zero; n],
@@ -97,14 +104,33 @@ impl<T: Float> Constraint<T> {
         self.floor += products(&self.gradient, delta);
     }
 
-    /// |g| in units of its floor.
+    /// |g| in units of its own floor.
     pub(crate) fn in_floors(&self) -> T {
         in_floors(self.defect, self.floor)
     }
 
-    /// |g| of the step with α = 0 in units of the floor.
+    /// The floor by which g is judged at the end of a step: its own if g is there, else the inherited one if that is larger.
+    pub(crate) fn judging_floor(&self) -> T {
+        if self.in_floors() <= T::int(1) {
+            self.floor
+        } else {
+            self.floor.max(self.inherited)
+        }
+    }
+
+    /// |g| in units of the floor by which it is judged.
+    pub(crate) fn in_judging_floors(&self) -> T {
+        in_floors(self.defect, self.judging_floor())
+    }
+
+    /// |g| of the step with α = 0 in units of the floor, its own or the inherited one.
     pub(crate) fn without_alpha_in_floors(&self) -> T {
-        in_floors(self.without_alpha, self.floor)
+        in_floors(self.without_alpha, self.floor.max(self.inherited))
+    }
+
+    /// The step was accepted.
+    pub(crate) fn accept(&mut self) {
+        self.inherited = self.judging_floor();
     }
 }
 

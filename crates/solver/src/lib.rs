@@ -10,6 +10,7 @@
 mod alpha;
 mod certificate;
 mod constraint;
+mod displacement;
 mod endpoint;
 mod error;
 mod guess;
@@ -18,6 +19,7 @@ mod invariant;
 mod linear;
 mod linearisation;
 mod linearised;
+mod local_error;
 mod method;
 mod mix;
 mod newton;

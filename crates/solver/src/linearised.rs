@@ -152,6 +152,11 @@ impl<T: Float> Linearised<T> {
         self.full_due = false;
     }
 
+    /// Whether there is simplified Newton to use.
+    pub(crate) fn has_simplified(&self) -> bool {
+        self.simplified.is_some()
+    }
+
     pub(crate) fn is_simplified(&self) -> bool {
         self.active == Active::Simplified
     }
@@ -293,17 +298,23 @@ impl<T: Float> Linearised<T> {
         }
     }
 
-    /// To be called before columns of α's are solved for at the current stages.
+    /// To be called before columns of α's are solved for at the current stages; `stale` asks for a full factorisation
+    /// that is of these very stages. Returns whether it was found.
     pub(crate) fn prepare_columns<E: Evaluate<T>>(
         &mut self,
         stages: &Stages<T>,
         energy: &mut E,
-        h: T,
+        (h, stale): (T, bool),
         counts: &mut Counts,
-    ) {
+    ) -> bool {
         if self.is_simplified() {
             self.hessians.take(stages, energy, h, counts);
+        } else if stale && let Some(full) = &mut self.full {
+            self.hessians.take(stages, energy, h, counts);
+            counts.factorisations += 1;
+            return full.refresh(stages, &self.hessians).is_ok();
         }
+        true
     }
 
     /// Whether a column once solved for serves for the rest of the step: it does not change as long as M is that of the
@@ -314,8 +325,18 @@ impl<T: Float> Linearised<T> {
 
     /// x ← M⁻¹ x. Returns whether it was found.
     pub(crate) fn solve_column(&mut self, stages: &Stages<T>, x: &mut DVector<T>) -> bool {
+        self.solve_to(T::EPSILON.sqrt(), stages, x)
+    }
+
+    /// The same, with simplified Newton to a relative `tolerance` of the largest component.
+    pub(crate) fn solve_to(
+        &mut self,
+        tolerance: T,
+        stages: &Stages<T>,
+        x: &mut DVector<T>,
+    ) -> bool {
         if self.is_simplified() {
-            return self.refine(stages, x, false);
+            return self.refine(stages, x, tolerance, false);
         }
         self.solve(x);
         true
@@ -335,7 +356,7 @@ impl<T: Float> Linearised<T> {
         let mut x = std::mem::replace(&mut self.work, DVector::zeros(0));
         self.hessians.pull_back(stages, u, &mut x);
         let found = if self.is_simplified() {
-            self.refine(stages, &mut x, true)
+            self.refine(stages, &mut x, T::EPSILON.sqrt(), true)
         } else {
             if let Some(full) = &self.full {
                 full.solve_transposed(&mut x);
@@ -358,13 +379,18 @@ impl<T: Float> Linearised<T> {
     }
 
     /// x ← M⁻¹ x or M⁻ᵀ x by iteration with M̃. Returns whether it converged.
-    fn refine(&mut self, stages: &Stages<T>, x: &mut DVector<T>, transposed: bool) -> bool {
+    fn refine(
+        &mut self,
+        stages: &Stages<T>,
+        x: &mut DVector<T>,
+        tolerance: T,
+        transposed: bool,
+    ) -> bool {
         let Some(simplified) = &mut self.simplified else {
             return false;
         };
         self.rest.copy_from(x);
         x.fill(T::int(0));
-        let tolerance = T::EPSILON.sqrt();
         let mut last = T::INFINITY;
         for _ in 0..MAX_REFINEMENTS {
             // The correction replaces the residual, M times the correction comes off it.
@@ -380,7 +406,7 @@ impl<T: Float> Linearised<T> {
                 return true;
             }
             if !(size < last) {
-                return false;
+                return size <= T::EPSILON.sqrt() * x.amax();
             }
             last = size;
             let (x, r) = (&self.step, &mut self.rest);

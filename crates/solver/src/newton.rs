@@ -19,21 +19,25 @@
 //!
 //! Cost per iteration: that of [`crate::linearised`], s gradients, and one more per constraint once the stages are near.
 
-use crate::alpha::{Directions, Moved, Norm, dot};
+use crate::alpha::{Directions, Moved, Norm};
 use crate::constraint::{Constraint, worst};
+use crate::displacement::dot;
 use crate::linearised::{Linearised, Verdict};
+use crate::local_error::LocalError;
 use crate::options::StageSolver;
 use crate::outcome::Counts;
 use crate::stages::Stages;
 use crate::state::State;
 use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
+use equip_tableau::Gauss;
 use nalgebra::DVector;
 
 /// Corrections this many ε are as small as rounding lets them become.
 const CONVERGED: i64 = 4;
-/// Energy defects that stop shrinking below this many floors are accepted as round-off.
-pub(crate) const ENERGY_STAGNATED: i64 = 8;
+/// Energy defects that stop shrinking below this many floors are accepted as round-off. One less than the 8 that are
+/// promised: evaluating H rounds as well.
+pub(crate) const ENERGY_STAGNATED: i64 = 7;
 /// Dampings of one correction, each to half the step.
 const MAX_DAMPINGS: u32 = 6;
 /// α's shortened by their bound this often in one step: no admissible α.
@@ -77,6 +81,8 @@ pub struct NewtonRecord<T> {
 pub(crate) struct Newton<T: Float> {
     linearised: Linearised<T>,
     directions: Directions<T>,
+    /// `None` where there is nothing to choose between α's.
+    local_error: Option<LocalError<T>>,
     /// The correction δZ, in units of `Stages::scale`, and a second column.
     correction: DVector<T>,
     column: DVector<T>,
@@ -86,17 +92,23 @@ pub(crate) struct Newton<T: Float> {
 }
 
 impl<T: Float> Newton<T> {
+    /// For the nodes of `gauss` and so many constraints, solved with `free` α's.
     pub(crate) fn new(
-        s: usize,
+        gauss: &Gauss<T>,
         structure: &Structure,
         solver: StageSolver,
-        constraints: usize,
+        (constraints, free): (usize, usize),
         max_iterations: u32,
     ) -> Self {
-        let n = structure.hessian.dimension();
+        let (s, n) = (gauss.stages(), structure.hessian.dimension());
         let linearised = Linearised::new(s, structure, solver, constraints > 0);
         let limit = linearised.iteration_limit(max_iterations);
+        let choice = constraints > 0 && free > 1;
+        let simplified = linearised.has_simplified();
         Newton {
+            local_error: choice
+                .then(|| LocalError::new(gauss, structure, simplified))
+                .flatten(),
             linearised,
             directions: Directions::new(s, n, constraints),
             correction: DVector::zeros(s * n),
@@ -196,7 +208,7 @@ impl<T: Float> Newton<T> {
                 last_out = out;
             }
             if out > T::int(1) {
-                match self.move_alphas(at, task, size) {
+                match self.move_alphas(at, task, (size, last)) {
                     Moved::NotAtAll => return Err(Failure::NoAlpha),
                     Moved::ToBound => shortened += 1,
                     Moved::Fully | Moved::NotYet => {}
@@ -297,9 +309,12 @@ impl<T: Float> Newton<T> {
         &mut self,
         at: &mut Solution<'_, T, E>,
         task: &StepTask<'_, T>,
-        size: T,
+        (size, last): (T, T),
     ) -> Moved {
-        let uncertain = T::int(4) * self.linearised.rest_of(size);
+        // What the directions are taken from has to be better known than what moves along them.
+        let exact = self.directions.are_known() || size <= T::int(64) * T::EPSILON;
+        let margin = if exact { 4 } else { 1 << 20 };
+        let uncertain = T::int(margin) * self.linearised.rest_of(size);
         let stands_out = |c: &Constraint<T>| c.predicted.abs() > c.floor.max(uncertain * c.scale);
         // The directions must not depend on how far the stages have come: wait until they are there.
         let early = size > T::EPSILON.sqrt() && !self.directions.are_known() && !task.pure;
@@ -307,9 +322,14 @@ impl<T: Float> Newton<T> {
             return Moved::NotYet;
         }
         self.directions.judge_columns(at.constraints);
-        if self.directions.columns_are_due() {
-            self.linearised
-                .prepare_columns(at.stages, at.energy, task.h, at.counts);
+        let first = !self.directions.are_known();
+        // The error of the directions times the displacement: what a step backwards would not undo.
+        let defect = worst(at.constraints, |c| c.predicted.abs() / c.scale);
+        let stale = first && !task.pure && T::int(16) * last * defect > T::EPSILON;
+        if self.directions.columns_are_due()
+            && !(self.linearised).prepare_columns(at.stages, at.energy, (task.h, stale), at.counts)
+        {
+            return Moved::NotAtAll;
         }
         if !self.directions.are_known() {
             let free = task.first..at.stages.count();
@@ -319,9 +339,14 @@ impl<T: Float> Newton<T> {
                 c.without_alpha = c.predicted;
             }
             at.counts.alpha_solves += 2 * free.len() as u64;
-            let constraints = &*at.constraints;
-            let linearised = &mut self.linearised;
-            if !(self.directions).take(at.stages, linearised, free, constraints, task.norm) {
+            let (linearised, wanted) = (&mut self.linearised, task.norm);
+            let of_use = (self.directions).begin(at.stages, linearised, &free, wanted);
+            let local = self.local_error.as_mut().filter(|_| of_use);
+            let step = (task.y, task.h);
+            let error = local.and_then(|local| {
+                local.estimate(at.stages, &self.moved_end, at.energy, step, at.counts)
+            });
+            if !(self.directions).take(at.stages, linearised, free, at.constraints, error) {
                 return Moved::NotAtAll;
             }
         }

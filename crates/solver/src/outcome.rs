@@ -72,6 +72,8 @@ pub struct Counts {
     pub hessians: u64,
     /// Solves for α: right-hand sides T_k L.
     pub alpha_solves: u64,
+    /// Local errors estimated to choose between the α's: each a factorisation for one stage more, not counted above.
+    pub local_errors: u64,
     /// Times a step was split into two.
     pub halvings: u64,
     outcomes: [u64; Outcome::ALL.len()],

@@ -226,10 +226,16 @@ impl<T: Float> Stages<T> {
         }
     }
 
-    /// max_i |Y_ij|: sizes of the components that are the same for the step made backwards.
+    /// max_i |Y_ij|: sizes of the components that are the same for the step made backwards; no less than ε^(1/4) of the
+    /// largest position or momentum, below which rounding elsewhere would be worth more than a component's motion.
     pub(crate) fn sizes(&self, sizes: &mut [T]) {
         for (j, size) in sizes.iter_mut().enumerate() {
             *size = largest_of(&self.points, j, self.n);
+        }
+        let share = T::EPSILON.sqrt().sqrt();
+        for group in sizes.chunks_exact_mut(self.n / 2) {
+            let least = share * group.iter().fold(T::int(0), |a, &x| a.max(x));
+            group.iter_mut().for_each(|x| *x = x.max(least));
         }
     }
 }

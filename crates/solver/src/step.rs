@@ -78,10 +78,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             pause: Pause::NONE,
             energy,
             newton: Newton::new(
-                s,
+                &gauss,
                 structure,
                 settings.stage_solver,
-                constraints.len(),
+                (
+                    constraints.len(),
+                    settings.first_alpha.map_or(0, |first| s - first),
+                ),
                 settings.max_iterations,
             ),
             constraints,
@@ -129,7 +132,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
         let failure = match self.attempt(y, h, next) {
-            Ok(outcome) => return Ok(outcome),
+            Ok(outcome) => {
+                self.constraints.iter_mut().for_each(Constraint::accept);
+                return Ok(outcome);
+            }
             Err(failure) => failure,
         };
         // A defect of a few floors that no α removes is round-off.
@@ -188,7 +194,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.counts.gradients += 1;
             constraint.evaluate(&mut self.energy, next, sizes);
         }
-        if worst(&self.constraints, Constraint::in_floors) <= T::int(ENERGY_STAGNATED) {
+        self.constraints.iter_mut().for_each(Constraint::accept);
+        let at_floor = worst(&self.constraints, Constraint::in_judging_floors);
+        if at_floor <= T::int(ENERGY_STAGNATED) {
             return Ok(Outcome::AtFloor);
         }
         match self.settings.on_no_alpha {

@@ -229,14 +229,14 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         }
         if self.has_target {
             let residual = &self.core.constraints[0];
-            self.floor = Some(residual.floor);
+            self.floor = Some(residual.judging_floor());
             if let Some(energy) = &mut self.energy {
                 energy.see(residual.defect);
             }
             if let Some(most) = &mut self.in_floors
                 && outcome.energy_kept()
             {
-                *most = most.max(residual.in_floors());
+                *most = most.max(residual.in_judging_floors());
             }
         } else if self.measure_energy {
             self.core.counts.energies += 1;

@@ -62,7 +62,8 @@ fn ring(sites: &str, method: Method, first: usize) -> (usize, u64) {
 
 #[test]
 fn memory_of_a_ring_is_linear() {
-    for method in [Gauss::stages(4), Equip::stages(4)] {
+    // With three stages the energy is solved for in the first steps of every ring.
+    for method in [Gauss::stages(4), Equip::stages(3)] {
         let [a, b, c] = ["250", "500", "1000"].map(|n| ring(n, method, 2).0);
         println!("{method}: {a}, {b}, {c} bytes");
         // Everything that was ever asked for, reallocations included: doubling may add one.

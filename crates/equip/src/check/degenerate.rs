@@ -154,6 +154,10 @@ fn every_number_of_stages(all: &mut Vec<Case>) {
         });
         all.push(if s == 2 {
             case.carried(0.05, "s = 2 has a single α")
+                .trajectory(Trajectory::Deficit(
+                    5.1,
+                    "a single α keeps the energy, and leaves nothing to choose",
+                ))
         } else {
             case
         });
