@@ -18,6 +18,8 @@ pub(crate) struct Guess<T: Float> {
     h: T,
     /// Whether the L_i are not here but with the sweeps.
     elsewhere: bool,
+    /// Whether Z stands in the stages already.
+    made: bool,
     /// Σ_k (∫_1^{1+r c_i} P_k) P_k(c_j), row by row, and the ratio r it was made for.
     matrix: Vec<T>,
     ratio: T,
@@ -30,6 +32,7 @@ impl<T: Float> Guess<T> {
             l: vec![zero; s * n],
             h: zero,
             elsewhere: false,
+            made: false,
             matrix: vec![zero; s * s],
             ratio: zero,
         }
@@ -53,6 +56,11 @@ impl<T: Float> Guess<T> {
         (self.h != T::int(0)).then(|| h / self.h)
     }
 
+    /// The Z that is in the stages already is the guess of this step.
+    pub(crate) fn is_made(&mut self) {
+        self.made = true;
+    }
+
     /// Whether the next guess prolongs the last step.
     pub(crate) fn is_from_last_step(&self) -> bool {
         self.h != T::int(0)
@@ -60,12 +68,16 @@ impl<T: Float> Guess<T> {
 
     /// Forgets it, so that the next guess starts from the state alone.
     pub(crate) fn forget(&mut self) {
+        self.made = false;
         self.h = T::int(0);
     }
 
     /// Fills `stages.z`; with nothing to prolong it is zero, from where full Newton is at its safest.
     pub(crate) fn make(&mut self, stages: &mut Stages<T>, h: T) {
         let n = stages.n;
+        if std::mem::take(&mut self.made) {
+            return;
+        }
         if self.h == T::int(0) || self.elsewhere {
             stages.z.fill(T::int(0));
             return;

@@ -250,6 +250,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             h,
             alphas: &self.start_alphas,
             alpha_bound: self.settings.alpha_bound,
+            moves_alphas: self.settings.stage_solver == StageSolver::Sweeps,
         };
         let constraint = self.constraints.first_mut().filter(|_| constrained);
         let prolong = self.guess.ratio_to(h);
@@ -269,7 +270,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
             Err(trouble) => {
                 self.counts.taken_over += 1;
-                self.guess.forget();
+                if trouble == Trouble::StagesOnly {
+                    let z = &mut self.stages.z;
+                    sweeps.iterate.give_z(y, z);
+                    self.guess.is_made();
+                } else {
+                    self.guess.forget();
+                }
                 if trouble == Trouble::Slow {
                     self.pause.lengthen();
                 }
@@ -372,13 +379,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 }
 
-/// Whether sweeps can solve what is asked: the energy alone, with slopes for two α's or more. With the one that s = 3 leaves trajectories
-/// are up to 1000 times as far off as with both.
+/// Whether sweeps can solve what is asked: the stages, with the energy as the only constraint; if they are to move the α's too, with
+/// slopes for two of them or more. With the one that s = 3 leaves trajectories are up to 1000 times as far off as with both.
 fn can_sweep<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> bool {
-    let wanted = matches!(
-        settings.stage_solver,
-        StageSolver::Automatic | StageSolver::Sweeps
-    );
-    let has_slope = settings.first_alpha == Some(1) && s > 3;
-    wanted && !settings.pure_newton && (constraints == 0 || (constraints == 1 && has_slope))
+    let has_slopes = settings.first_alpha == Some(1) && s > 3;
+    let wanted = match settings.stage_solver {
+        StageSolver::Automatic => constraints <= 1,
+        StageSolver::Sweeps => constraints == 0 || (constraints == 1 && has_slopes),
+        _ => false,
+    };
+    wanted && !settings.pure_newton
 }

@@ -174,6 +174,20 @@ impl<T: Float> Iterate<T> {
         }
     }
 
+    /// The stage increments Z, stage by stage in blocks of length n; those of momenta that are no unknowns from their stages.
+    pub(crate) fn give_z(&self, y: &State<T>, z: &mut [T]) {
+        for (i, z) in z.chunks_exact_mut(self.n).enumerate() {
+            for (c, z) in z.iter_mut().enumerate() {
+                let place = c * self.stride + i;
+                *z = if c < self.unknowns() {
+                    self.z[place]
+                } else {
+                    (self.points[place] - y.hi[c]) - y.lo[c]
+                };
+            }
+        }
+    }
+
     /// One sweep from the step's start `y`. Returns the largest change of Z relative to the sizes of the components; not finite if
     /// anything is not. In the `first` sweep of a step what was not known before is measured.
     pub(crate) fn sweep<E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>, first: bool) -> T {

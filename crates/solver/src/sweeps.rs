@@ -6,7 +6,8 @@
 //!
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged; else Z = 0.
 //! *End.* The predicted error is below ε/2, or Δ, near round-off, no longer shrinks; and |g| is at its floor or stalls near it.
-//! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, slopes that vanish. Newton takes the step then.
+//! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, slopes that vanish. Newton takes the step then. It does
+//! so for all α's where they are to aim at the exact flow ([`crate::alpha`]), which takes Hessians: from the stages found here.
 //!
 //! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step.
 
@@ -23,7 +24,7 @@ use equip_tableau::Gauss;
 /// Sweeps allowed in a step.
 const MAX_SWEEPS: u32 = 80;
 /// Contraction, in hundredths, at which Newton is the better choice.
-const SLOW_PERCENT: i64 = 80;
+const SLOW_PERCENT: i64 = 50;
 /// Changes of Z below this many ε are rounding if they do not shrink.
 const ROUNDING: i64 = 256;
 /// Errors of the end point below ε over this are of no account. With 4 angular momentum grows by 1e-17 a step in Kepler's problem, with
@@ -39,13 +40,15 @@ pub(crate) enum Trouble {
     Slow,
     /// No α within the bound, or no slope.
     NoAlpha,
+    /// The stages are there; g is above its floor, and the α's are for Newton to move.
+    StagesOnly,
 }
 
 impl<T: Float> From<Trouble> for Failure<T> {
     fn from(trouble: Trouble) -> Self {
         match trouble {
             Trouble::NoAlpha => Failure::NoAlpha,
-            Trouble::Slow => Failure::NoConvergence {
+            Trouble::Slow | Trouble::StagesOnly => Failure::NoConvergence {
                 iterations: MAX_SWEEPS,
                 correction: T::NAN,
             },
@@ -60,6 +63,8 @@ pub(crate) struct SweepTask<'a, T> {
     pub(crate) h: T,
     pub(crate) alphas: &'a [T],
     pub(crate) alpha_bound: T,
+    /// Whether the α's may move, if there is a constraint.
+    pub(crate) moves_alphas: bool,
 }
 
 #[derive(Debug)]
@@ -154,7 +159,7 @@ impl<T: Float> Sweeps<T> {
                 } else {
                     0
                 };
-                if slow > 3 || (rate > T::int(2) && slow > 1) {
+                if slow > 2 || (rate > T::int(2) && slow > 1) {
                     return Err(Trouble::Slow);
                 }
                 worst = worst.max(rate).min(T::ratio(9, 10));
@@ -173,7 +178,8 @@ impl<T: Float> Sweeps<T> {
                 continue;
             };
             let uncertain = error * self.scale;
-            if !settled && !(self.scale > zero && uncertain <= threshold) {
+            let early = task.moves_alphas && self.scale > zero && uncertain <= threshold;
+            if !settled && !early {
                 continue;
             }
             self.iterate.end_point(task.y, next);
@@ -192,6 +198,9 @@ impl<T: Float> Sweeps<T> {
                 && (out <= one || (out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2)))
             {
                 return Ok(());
+            }
+            if settled && !task.moves_alphas {
+                return Err(Trouble::StagesOnly);
             }
             if settled {
                 last_out = out;
