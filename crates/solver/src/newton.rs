@@ -325,7 +325,8 @@ impl<T: Float> Newton<T> {
         let first = !self.directions.are_known();
         // The error of the directions times the displacement: what a step backwards would not undo.
         let defect = worst(at.constraints, |c| c.predicted.abs() / c.scale);
-        let stale = first && !task.pure && T::int(16) * last * defect > T::EPSILON;
+        let choice = at.stages.count() > task.first + 1;
+        let stale = first && choice && !task.pure && T::int(16) * last * defect > T::EPSILON;
         if self.directions.columns_are_due()
             && !(self.linearised).prepare_columns(at.stages, at.energy, (task.h, stale), at.counts)
         {
