@@ -35,7 +35,7 @@ pub(crate) fn degree(graph: &Graph, variables: Range<usize>) -> Option<u32> {
         };
         degrees.push(degree);
     }
-    degrees[graph.root as usize]
+    degrees[graph.root() as usize]
 }
 
 fn larger(a: u32, b: Option<u32>) -> Option<u32> {

@@ -29,15 +29,15 @@ pub(crate) struct Graph {
     pub(crate) terms: Vec<Term>,
     /// Entry of each sum in `terms`; the first term of a sum is never subtracted.
     pub(crate) sums: Vec<Range<usize>>,
-    /// Node of H.
-    pub(crate) root: u32,
+    /// Nodes of the results: H alone, or derivatives.
+    pub(crate) roots: Vec<u32>,
     /// Whether a node depends on constants only.
     pub(crate) is_constant: Vec<bool>,
 }
 
 impl Graph {
-    pub(crate) fn new(recorder: &Recorder, root: u32) -> Self {
-        let uses = count_uses(recorder, root);
+    pub(crate) fn new(recorder: &Recorder, roots: &[u32]) -> Self {
+        let uses = count_uses(recorder, roots);
         let chains = Chains::new(&recorder.nodes, &uses);
         let mut graph = Graph {
             inputs: recorder.inputs,
@@ -45,7 +45,7 @@ impl Graph {
             constants: recorder.constants.clone(),
             terms: Vec::new(),
             sums: Vec::new(),
-            root: 0,
+            roots: Vec::new(),
             is_constant: Vec::new(),
         };
         let mut renumbered = vec![0; recorder.nodes.len()];
@@ -62,8 +62,16 @@ impl Graph {
                 graph.push(Node { op: node.op, a, b });
             }
         }
-        graph.root = renumbered[root as usize];
+        graph.roots = roots
+            .iter()
+            .map(|&root| renumbered[root as usize])
+            .collect();
         graph
+    }
+
+    /// Node of H, where that is the result.
+    pub(crate) fn root(&self) -> u32 {
+        self.roots[0]
     }
 
     /// Operands of a node.
@@ -117,11 +125,11 @@ impl Graph {
     }
 }
 
-/// How often each node is used by nodes that reach the root; the root counts as used.
-fn count_uses(recorder: &Recorder, root: u32) -> Vec<u32> {
+/// How often each node is used by nodes that reach a root; being a root counts as use.
+fn count_uses(recorder: &Recorder, roots: &[u32]) -> Vec<u32> {
     let mut uses = vec![0_u32; recorder.nodes.len()];
-    uses[root as usize] = 1;
-    for i in (0..=root as usize).rev() {
+    roots.iter().for_each(|&root| uses[root as usize] += 1);
+    for i in (0..recorder.nodes.len()).rev() {
         if uses[i] > 0 {
             let Node { op, a, b } = recorder.nodes[i];
             for operand in [a, b].into_iter().take(op.arity()) {

@@ -19,20 +19,25 @@
 //! convergence (use a fixed number of iterations), and functions beyond those of [`Num`](equip_scalar::Num).
 #![forbid(unsafe_code)]
 
+mod batch;
 mod check;
 mod colouring;
 mod degree;
+mod derivative;
+mod dual;
 mod energy;
 mod error;
 mod graph;
 mod hamiltonian;
 mod hessian;
+mod in_lanes;
+mod kinetic;
 mod macros;
 mod op;
+mod point;
 mod recorded;
 mod recorder;
 mod replay;
-mod reverse;
 mod separable;
 mod sparsity;
 mod statics;
@@ -42,10 +47,12 @@ mod system;
 mod tangent;
 mod tape;
 mod trace;
+mod values;
 
 pub use energy::Energy;
 pub use error::BuildError;
 pub use hamiltonian::Hamiltonian;
+pub use kinetic::Kinetic;
 pub use recorded::{Recorded, RecordedEvaluator};
 pub use statics::{Static, StaticEvaluator};
 pub use structure::{Pattern, Structure};

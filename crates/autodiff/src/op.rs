@@ -40,6 +40,14 @@ pub(crate) enum Op {
     Hypot,
     Min,
     Max,
+    /// The four of [`Piecewise`](equip_scalar::Piecewise), in derivatives only: −1, 0 or 1.
+    Sign,
+    /// 1 where a ≤ b, else 0.
+    AtMost,
+    /// a where b is not 0, else 0.
+    WhereNonzero,
+    /// Derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants.
+    PowfSlope(u32),
 }
 
 /// Where an operation has second derivatives of its own, in its operands a and b.
@@ -68,7 +76,10 @@ impl Op {
             | Op::Atan2
             | Op::Hypot
             | Op::Min
-            | Op::Max => 2,
+            | Op::Max
+            | Op::AtMost
+            | Op::WhereNonzero
+            | Op::PowfSlope(_) => 2,
             _ => 1,
         }
     }

@@ -1,14 +1,17 @@
 //! [`Recorded`]: the closure route. H is recorded once, on a tape, and replayed in any float type.
 
+use crate::batch::Batch;
+use crate::derivative::differentiate;
 use crate::graph::Graph;
 use crate::hessian::{DIRECTIONS, HessianPlan};
-use crate::replay::forward;
-use crate::reverse::{Exponent, reverse};
+use crate::in_lanes::InLanes;
+use crate::point::{check_batch, require_separable};
 use crate::tangent::Tangent;
 use crate::tape::Tape;
 use crate::trace::record;
-use crate::{BuildError, Evaluate, Structure, System, Var, degree, separable, sparsity};
-use equip_scalar::{Constant, Float, Piecewise};
+use crate::values::Replay;
+use crate::{BuildError, Evaluate, Kinetic, Structure, System, Var, degree, separable, sparsity};
+use equip_scalar::{Float, InstructionSet};
 use std::sync::Arc;
 
 /// An energy recorded from a closure; made by [`Hamiltonian::new`](crate::Hamiltonian::new).
@@ -20,7 +23,11 @@ pub struct Recorded {
 /// What evaluators in all float types share.
 #[derive(Debug)]
 struct Shared {
-    tape: Tape,
+    energy: Tape,
+    /// All n components of ∇H.
+    gradient: Tape,
+    /// ∇U, if H = T(p) + U(q).
+    forces: Option<Tape>,
     plan: HessianPlan,
     structure: Structure,
 }
@@ -30,8 +37,8 @@ impl Recorded {
         m: usize,
         energy: impl FnOnce(&[Var], &[Var]) -> Var,
     ) -> Result<Self, BuildError> {
-        let (recorder, root) = record(m, energy)?;
-        let graph = Graph::new(&recorder, root);
+        let (mut recorder, root) = record(m, energy)?;
+        let graph = Graph::new(&recorder, &[root]);
         let structure = Structure {
             degrees_of_freedom: m,
             separable: separable::is_separable(&graph),
@@ -40,26 +47,21 @@ impl Recorded {
             degree_in_p: degree::degree(&graph, m..2 * m),
             hessian: sparsity::hessian_pattern(&graph),
         };
-        let plan = HessianPlan::new(&structure.hessian);
-        let recorded = Recorded {
-            shared: Arc::new(Shared {
-                tape: Tape::new(&graph),
-                plan,
-                structure,
-            }),
-        };
-        let start: Start<f64> = Start::new(&recorded.shared.tape);
-        let exponents = recorded.shared.tape.exponents.iter().map(|c| c.to());
-        if start
-            .values
-            .iter()
-            .copied()
-            .chain(exponents)
-            .any(|x: f64| x.is_nan())
-        {
+        let energy = Tape::new(&graph);
+        if Replay::<f64>::new(&energy).has_nan() {
             return Err(BuildError::ConstantNotANumber);
         }
-        Ok(recorded)
+        let slopes = differentiate(&mut recorder, root);
+        let tape = |roots: &[u32]| Tape::new(&Graph::new(&recorder, roots));
+        Ok(Recorded {
+            shared: Arc::new(Shared {
+                energy,
+                gradient: tape(&slopes),
+                forces: structure.separable.then(|| tape(&slopes[..m])),
+                plan: HessianPlan::new(&structure.hessian),
+                structure,
+            }),
+        })
     }
 
     pub(crate) fn colours(&self) -> usize {
@@ -67,7 +69,7 @@ impl Recorded {
     }
 
     pub(crate) fn operations(&self) -> usize {
-        self.shared.tape.operations()
+        self.shared.energy.operations()
     }
 }
 
@@ -80,101 +82,16 @@ impl System for Recorded {
 
     fn evaluator<T: Float>(&self) -> RecordedEvaluator<T> {
         let shared = Arc::clone(&self.shared);
-        let Start { values, exponents } = Start::new(&shared.tape);
-        let slots = shared.tape.slots;
+        let forces = shared.forces.as_ref();
         RecordedEvaluator {
-            plain: Sweep::new(slots, values.iter().copied(), T::int(0)),
-            single: Sweep::new(
-                slots,
-                values.iter().map(|&x| Tangent::fixed(x)),
-                Tangent::fixed(T::int(0)),
-            ),
-            several: Sweep::new(
-                slots,
-                values.iter().map(|&x| Tangent::fixed(x)),
-                Tangent::fixed(T::int(0)),
-            ),
-            exponents: exponents.iter().map(|e| e.c).collect(),
-            steps: exponents,
+            energy: Replay::new(&shared.energy),
+            gradient: Replay::new(&shared.gradient),
+            forces: forces.map(Replay::new),
+            single: Replay::tangents(&shared.gradient),
+            several: Replay::tangents(&shared.gradient),
+            in_lanes: InLanes::new::<T>(&shared.gradient, forces),
             shared,
         }
-    }
-}
-
-/// Constants of a tape in one float type: everything that does not depend on the state.
-struct Start<T> {
-    values: Vec<T>,
-    exponents: Vec<Exponent>,
-}
-
-impl<T: Float> Start<T> {
-    fn new(tape: &Tape) -> Self {
-        let exponents: Vec<Exponent> = tape
-            .exponents
-            .iter()
-            .map(|c| {
-                let c: T = c.to();
-                Exponent {
-                    c: resolved(c),
-                    less_one: resolved(c - T::int(1)),
-                    is_zero: c == T::int(0),
-                }
-            })
-            .collect();
-        let plain: Vec<Constant> = exponents.iter().map(|e| e.c).collect();
-        let mut values: Vec<T> = tape.constants.iter().map(|c| c.to()).collect();
-        values.resize(tape.inputs.start, T::int(0));
-        forward(tape, &tape.constant_runs, &plain, &mut values);
-        Start { values, exponents }
-    }
-}
-
-/// The number as the constant that is cheapest to read.
-fn resolved<T: Float>(x: T) -> Constant {
-    match x.expansion() {
-        [head, 0.0, 0.0, 0.0] => Constant::Double(head),
-        parts => Constant::Extended(parts),
-    }
-}
-
-/// Values and adjoints of all slots.
-#[derive(Debug, Clone)]
-struct Sweep<S> {
-    values: Vec<S>,
-    adjoints: Vec<S>,
-}
-
-impl<S: Piecewise> Sweep<S> {
-    fn new(slots: usize, constants: impl Iterator<Item = S>, zero: S) -> Self {
-        let mut values = vec![zero; slots];
-        values
-            .iter_mut()
-            .zip(constants)
-            .for_each(|(value, constant)| *value = constant);
-        Sweep {
-            values,
-            adjoints: vec![zero; slots],
-        }
-    }
-
-    fn forward(
-        &mut self,
-        tape: &Tape,
-        exponents: &[Constant],
-        inputs: impl Iterator<Item = S>,
-    ) -> S {
-        let slots = &mut self.values[tape.inputs.clone()];
-        slots
-            .iter_mut()
-            .zip(inputs)
-            .for_each(|(slot, input)| *slot = input);
-        forward(tape, &tape.runs, exponents, &mut self.values);
-        self.values[tape.root]
-    }
-
-    fn reverse(&mut self, tape: &Tape, exponents: &[Exponent]) -> &[S] {
-        reverse(tape, exponents, &self.values, &mut self.adjoints);
-        &self.adjoints[tape.inputs.clone()]
     }
 }
 
@@ -182,16 +99,18 @@ impl<S: Piecewise> Sweep<S> {
 #[derive(Debug, Clone)]
 pub struct RecordedEvaluator<T: Float> {
     shared: Arc<Shared>,
-    exponents: Vec<Constant>,
-    steps: Vec<Exponent>,
-    plain: Sweep<T>,
-    single: Sweep<Tangent<T, 1>>,
-    several: Sweep<Tangent<T, DIRECTIONS>>,
+    energy: Replay<T>,
+    gradient: Replay<T>,
+    forces: Option<Replay<T>>,
+    single: Replay<Tangent<T, 1>>,
+    several: Replay<Tangent<T, DIRECTIONS>>,
+    /// Present when `T` is `f64`.
+    in_lanes: Option<InLanes>,
 }
 
 impl<T: Float> RecordedEvaluator<T> {
     fn check(&self, lengths: &[usize]) {
-        let n = self.shared.tape.inputs.len();
+        let n = 2 * self.shared.structure.degrees_of_freedom;
         assert!(
             lengths.iter().all(|&l| l == n),
             "a state of this system has {n} components"
@@ -202,40 +121,99 @@ impl<T: Float> RecordedEvaluator<T> {
 impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     fn value(&mut self, y: &[T]) -> T {
         self.check(&[y.len()]);
-        self.plain
-            .forward(&self.shared.tape, &self.exponents, y.iter().copied())
+        let tape = &self.shared.energy;
+        self.energy.set(tape, y.iter().copied());
+        self.energy.result(tape, 0)
     }
 
     fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T {
-        self.check(&[y.len(), gradient.len()]);
-        let h = self
-            .plain
-            .forward(&self.shared.tape, &self.exponents, y.iter().copied());
-        gradient.copy_from_slice(self.plain.reverse(&self.shared.tape, &self.steps));
-        h
+        self.gradients(y, gradient, y.len());
+        self.value(y)
+    }
+
+    fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
+        self.check(&[n]);
+        let tape = &self.shared.gradient;
+        for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
+            self.gradient.set(tape, y.iter().copied());
+            for (i, place) in gradient.iter_mut().enumerate() {
+                *place = self.gradient.result(tape, i);
+            }
+        }
+    }
+
+    fn gradients_by_component(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let Shared {
+            structure,
+            gradient: tape,
+            ..
+        } = &*self.shared;
+        let n = 2 * structure.degrees_of_freedom;
+        check_batch(n, [states.len(), gradients.len()], stride, count);
+        match &mut self.in_lanes {
+            Some(lanes) => lanes.gradients(tape, Batch::of(states, gradients, stride, count)),
+            None => self.gradient.each(tape, states, gradients, stride, count),
+        }
+    }
+
+    fn forces_by_component(
+        &mut self,
+        positions: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let Shared {
+            structure, forces, ..
+        } = &*self.shared;
+        require_separable(structure);
+        let m = structure.degrees_of_freedom;
+        check_batch(m, [positions.len(), gradients.len()], stride, count);
+        if let (Some(tape), Some(replay)) = (forces, &mut self.forces) {
+            match &mut self.in_lanes {
+                Some(lanes) => lanes.forces(tape, Batch::of(positions, gradients, stride, count)),
+                None => replay.each(tape, positions, gradients, stride, count),
+            }
+        }
+    }
+
+    fn kinetic(&mut self) -> Option<Kinetic<T>> {
+        let shared = Arc::clone(&self.shared);
+        Kinetic::new(&shared.structure, self)
+    }
+
+    fn set_instruction_set(&mut self, set: InstructionSet) {
+        if let Some(lanes) = &mut self.in_lanes {
+            lanes.set_instruction_set(set);
+        }
     }
 
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.check(&[y.len(), v.len(), product.len()]);
+        let tape = &self.shared.gradient;
         let inputs = y.iter().zip(v).map(|(&value, &rate)| Tangent {
             value,
             rates: [rate],
         });
-        self.single
-            .forward(&self.shared.tape, &self.exponents, inputs);
-        let adjoints = self.single.reverse(&self.shared.tape, &self.steps);
-        product
-            .iter_mut()
-            .zip(adjoints)
-            .for_each(|(entry, adjoint)| *entry = adjoint.rates[0]);
+        self.single.set(tape, inputs);
+        for (i, entry) in product.iter_mut().enumerate() {
+            [*entry] = self.single.result(tape, i).rates;
+        }
     }
 
     fn hessian(&mut self, y: &[T], entries: &mut [T]) {
         self.check(&[y.len()]);
         let Shared {
-            tape,
+            gradient: tape,
             plan,
             structure,
+            ..
         } = &*self.shared;
         assert_eq!(
             entries.len(),
@@ -252,11 +230,10 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
                 }
                 input
             });
-            self.several.forward(tape, &self.exponents, inputs);
-            let adjoints = self.several.reverse(tape, &self.steps);
+            self.several.set(tape, inputs);
             for pickup in pickups {
-                entries[pickup.entry as usize] =
-                    adjoints[pickup.row as usize].rates[pickup.direction as usize];
+                let row = self.several.result(tape, pickup.row as usize);
+                entries[pickup.entry as usize] = row.rates[pickup.direction as usize];
             }
         }
     }

@@ -37,8 +37,8 @@ pub(crate) fn is_separable(graph: &Graph) -> bool {
     }
     let mixed = |i: usize| depends[i].on_q && depends[i].on_p;
     let mut is_term = vec![false; graph.nodes.len()];
-    is_term[graph.root as usize] = true;
-    for i in (0..=graph.root as usize).rev().filter(|&i| mixed(i)) {
+    is_term[graph.root() as usize] = true;
+    for i in (0..=graph.root() as usize).rev().filter(|&i| mixed(i)) {
         if is_term[i] {
             let node = graph.nodes[i];
             let constant = |x: u32| graph.is_constant[x as usize];

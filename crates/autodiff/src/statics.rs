@@ -5,8 +5,12 @@
 //! the tape's. Measured on Kepler (n = 4): gradient 3.8 ns by hand, 5.4 ns by dual numbers, 60 ns by the
 //! tape; Hessian 330 ns by dual numbers of second order, 125 ns by the tape.
 
-use crate::{BuildError, Energy, Evaluate, Recorded, RecordedEvaluator, Structure, System};
-use equip_scalar::{FirstOrder, Float, Num};
+use crate::batch::{self, Batch};
+use crate::point::{Points, check_batch, require_separable};
+use crate::{
+    BuildError, Energy, Evaluate, Kinetic, Recorded, RecordedEvaluator, Structure, System,
+};
+use equip_scalar::{Float, InstructionSet, Num};
 use std::array::from_fn;
 use std::sync::Arc;
 
@@ -61,6 +65,8 @@ impl<E: Energy> System for Static<E> {
         StaticEvaluator {
             route: self.clone(),
             tape: self.recorded.evaluator(),
+            points: Points::new(n),
+            is_supplied: self.supplied_gradient(&vec![T::int(1); n], &mut vec![T::int(0); n]),
             state: vec![Num(T::int(0)); if n > LARGEST { n } else { 0 }],
         }
     }
@@ -73,6 +79,9 @@ pub struct StaticEvaluator<E, T: Float> {
     tape: RecordedEvaluator<T>,
     /// Room for states too long for an array.
     state: Vec<Num<T>>,
+    points: Points<T>,
+    /// The energy brings its own gradient.
+    is_supplied: bool,
 }
 
 impl<E, T: Float> Clone for StaticEvaluator<E, T> {
@@ -81,6 +90,8 @@ impl<E, T: Float> Clone for StaticEvaluator<E, T> {
             route: self.route.clone(),
             tape: self.tape.clone(),
             state: self.state.clone(),
+            points: self.points.clone(),
+            is_supplied: self.is_supplied,
         }
     }
 }
@@ -141,7 +152,6 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
         })
     }
 
-    /// H beside a gradient by dual numbers agrees with [`value`](Self::value) to round-off, not to the last bit.
     #[inline]
     fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T {
         self.check(&[y.len(), gradient.len()]);
@@ -158,6 +168,86 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
             self.gradient_only(y, gradient);
         }
+    }
+
+    #[inline]
+    fn gradients_by_component(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let n = 2 * self.route.structure().degrees_of_freedom;
+        check_batch(n, [states.len(), gradients.len()], stride, count);
+        let energy = &*self.route.energy;
+        if self.is_supplied {
+            self.points
+                .each(states, gradients, stride, count, |y, gradient| {
+                    supplied(energy, y, gradient);
+                });
+        } else if n > LARGEST {
+            self.tape
+                .gradients_by_component(states, gradients, stride, count);
+        } else if let Some(batch) = Batch::of(states, gradients, stride, count) {
+            match n {
+                2 => batch.gradients::<E, 2>(energy),
+                4 => batch.gradients::<E, 4>(energy),
+                6 => batch.gradients::<E, 6>(energy),
+                _ => batch.gradients::<E, 8>(energy),
+            }
+        } else {
+            let mut points = std::mem::take(&mut self.points);
+            points.each(states, gradients, stride, count, |y, gradient| {
+                self.differentiate(y, gradient);
+            });
+            self.points = points;
+        }
+    }
+
+    #[inline]
+    fn forces_by_component(
+        &mut self,
+        positions: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let structure = self.route.structure();
+        let m = structure.degrees_of_freedom;
+        require_separable(structure);
+        check_batch(m, [positions.len(), gradients.len()], stride, count);
+        let energy = &*self.route.energy;
+        if self.is_supplied {
+            self.points
+                .each(positions, gradients, stride, count, |y, gradient| {
+                    supplied(energy, y, gradient);
+                });
+        } else if 2 * m > LARGEST {
+            self.tape
+                .forces_by_component(positions, gradients, stride, count);
+        } else if let Some(batch) = Batch::of(positions, gradients, stride, count) {
+            match m {
+                1 => batch.forces::<E, 1>(energy),
+                2 => batch.forces::<E, 2>(energy),
+                3 => batch.forces::<E, 3>(energy),
+                _ => batch.forces::<E, 4>(energy),
+            }
+        } else {
+            let mut points = std::mem::take(&mut self.points);
+            points.each(positions, gradients, stride, count, |y, gradient| {
+                self.differentiate(y, gradient);
+            });
+            self.points = points;
+        }
+    }
+
+    fn kinetic(&mut self) -> Option<Kinetic<T>> {
+        self.tape.kinetic()
+    }
+
+    fn set_instruction_set(&mut self, set: InstructionSet) {
+        self.tape.set_instruction_set(set);
     }
 
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
@@ -189,8 +279,9 @@ fn dual_gradient<E: Energy, T: Float, const N: usize>(
     y: &[T],
     gradient: &mut [T],
 ) -> T {
-    let y: [Num<T::Forward<N>>; N] = from_fn(|i| Num(T::Forward::variable(y[i], i)));
-    let Num(h) = energy.energy(&y[..N / 2], &y[N / 2..]);
-    gradient.copy_from_slice(&h.gradient());
-    h.value()
+    let mut state = [y[0]; N];
+    state.copy_from_slice(y);
+    let (h, slopes) = batch::gradient(energy, state);
+    gradient.copy_from_slice(&slopes);
+    h
 }

@@ -1,7 +1,8 @@
 //! [`Supplied`]: a recorded energy with a gradient closure over `f64`, used whenever the float is `f64`.
 
-use crate::{Evaluate, Recorded, RecordedEvaluator, Structure, System};
-use equip_scalar::Float;
+use crate::point::{Points, check_batch, require_separable};
+use crate::{Evaluate, Kinetic, Recorded, RecordedEvaluator, Structure, System};
+use equip_scalar::{Float, InstructionSet};
 use std::any::TypeId;
 use std::sync::Arc;
 
@@ -58,6 +59,7 @@ impl<G: Fn(&[f64], &[f64], &mut [f64], &mut [f64])> System for Supplied<G> {
             route: doubles.then(|| self.clone()),
             state: vec![0.0; n],
             slope: vec![0.0; n],
+            points: Points::new(n),
         }
     }
 }
@@ -71,6 +73,7 @@ pub struct SuppliedEvaluator<G, T: Float> {
     /// State and gradient as `f64`: without unsafe code the compiler cannot be told that `T` is `f64`.
     state: Vec<f64>,
     slope: Vec<f64>,
+    points: Points<T>,
 }
 
 impl<G: Fn(&[f64], &[f64], &mut [f64], &mut [f64]), T: Float> SuppliedEvaluator<G, T> {
@@ -118,6 +121,65 @@ where
                 self.tape.gradient(y, gradient);
             }
         }
+    }
+
+    fn gradients_by_component(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let Some(route) = &self.route else {
+            return self
+                .tape
+                .gradients_by_component(states, gradients, stride, count);
+        };
+        check_batch(
+            2 * route.structure().degrees_of_freedom,
+            [states.len(), gradients.len()],
+            stride,
+            count,
+        );
+        let mut points = std::mem::take(&mut self.points);
+        points.each(states, gradients, stride, count, |y, gradient| {
+            self.supplied(y, gradient);
+        });
+        self.points = points;
+    }
+
+    fn forces_by_component(
+        &mut self,
+        positions: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let Some(route) = &self.route else {
+            return self
+                .tape
+                .forces_by_component(positions, gradients, stride, count);
+        };
+        require_separable(route.structure());
+        check_batch(
+            route.structure().degrees_of_freedom,
+            [positions.len(), gradients.len()],
+            stride,
+            count,
+        );
+        let mut points = std::mem::take(&mut self.points);
+        points.each(positions, gradients, stride, count, |y, gradient| {
+            self.supplied(y, gradient);
+        });
+        self.points = points;
+    }
+
+    fn kinetic(&mut self) -> Option<Kinetic<T>> {
+        self.tape.kinetic()
+    }
+
+    fn set_instruction_set(&mut self, set: InstructionSet) {
+        self.tape.set_instruction_set(set);
     }
 
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {

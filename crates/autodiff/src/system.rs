@@ -1,7 +1,7 @@
 //! What an integrator asks of an energy.
 
-use crate::Structure;
-use equip_scalar::Float;
+use crate::{Kinetic, Structure};
+use equip_scalar::{Float, InstructionSet};
 
 /// A scalar energy with everything derived from it, in any float type.
 pub trait System {
@@ -48,6 +48,37 @@ pub trait Evaluate<T: Float> {
             self.gradient(y, gradient);
         }
     }
+
+    /// ∇H at `count` points at once, component by component: component c of point i stands at `c·stride + i` in `states`
+    /// (length n·stride), as in `gradients`. Places between `count` and `stride` must hold finite numbers; what is in the
+    /// result there is unspecified. Each gradient has every bit of the one [`gradient`](Self::gradient) gives.
+    fn gradients_by_component(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    );
+
+    /// ∇U at `count` positions of a separable H = T(p) + U(q), in the same layout with m components instead of n. Has every bit
+    /// of ∂H/∂q.
+    ///
+    /// # Panics
+    /// If H is not separable.
+    fn forces_by_component(
+        &mut self,
+        positions: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    );
+
+    /// T(p) of H = T(p) + U(q), if H is separable and T quadratic. Evaluates ∇²H once; allocates.
+    fn kinetic(&mut self) -> Option<Kinetic<T>>;
+
+    /// Chooses the instructions of the two methods above, [`InstructionSet::best`] to begin with. The results are the same.
+    #[doc(hidden)]
+    fn set_instruction_set(&mut self, set: InstructionSet);
 
     /// ∇²H(y)·v into `product` (length n).
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]);

@@ -221,4 +221,32 @@ impl<T: Float, const C: usize> Piecewise for Tangent<T, C> {
             x
         }
     }
+
+    #[inline(always)]
+    fn times_slope(rate: Self, slope: Self) -> Self {
+        Tangent {
+            value: Piecewise::times_slope(rate.value, slope.value),
+            ..rate * slope
+        }
+    }
+
+    /// The slope of c·xᶜ⁻¹ is (c − 1) times it over x, or from the next power where that says nothing.
+    #[inline(always)]
+    fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
+        let f = Piecewise::powf_slope(x.value, power.value, c);
+        let factor: T = c.to();
+        let less = factor - T::int(1);
+        let slope = if f != T::int(0) && Piecewise::is_regular(f) {
+            Piecewise::where_nonzero(less * f / x.value, less)
+        } else {
+            let next = <T as Scalar>::pow(x.value, less - T::int(1));
+            Piecewise::where_nonzero(factor * less * next, factor * less)
+        };
+        x.chain(f, slope)
+    }
+
+    #[inline(always)]
+    fn is_regular(x: Self) -> bool {
+        Piecewise::is_regular(x.value)
+    }
 }

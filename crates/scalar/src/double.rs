@@ -80,6 +80,14 @@ impl Float for f64 {
         self
     }
     #[inline(always)]
+    fn as_doubles(x: &[f64]) -> Option<&[f64]> {
+        Some(x)
+    }
+    #[inline(always)]
+    fn as_doubles_mut(x: &mut [f64]) -> Option<&mut [f64]> {
+        Some(x)
+    }
+    #[inline(always)]
     fn expansion(self) -> [f64; 4] {
         [self, 0.0, 0.0, 0.0]
     }

@@ -66,6 +66,16 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
             .rev()
             .fold(Self::int(0), |sum, &part| sum + Self::exact(part))
     }
+    /// The slice as doubles, if this type is `f64`: how generic code reaches what is computed in [`Lanes`](crate::Lanes).
+    #[inline(always)]
+    fn as_doubles(_: &[Self]) -> Option<&[f64]> {
+        None
+    }
+    /// As [`as_doubles`](Self::as_doubles), to be written to.
+    #[inline(always)]
+    fn as_doubles_mut(_: &mut [Self]) -> Option<&mut [f64]> {
+        None
+    }
     /// Whether the number is NaN.
     fn is_nan(self) -> bool {
         self.partial_cmp(&self).is_none()

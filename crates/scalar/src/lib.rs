@@ -9,12 +9,13 @@
 //! | [`Num`] | the wrapper a user's generic energy sees: `0.5 * q[0]`, `q[0].sin()`, never `q[0] < 1.0` |
 //! | [`Constant`] | a constant in H that is as exact as the float type that later reads it |
 //! | [`DoubleDouble`] | about 31 digits, as an unevaluated sum of two `f64` |
+//! | [`Lanes`] | N doubles at once, one for each stage; vector instructions inside a [`Kernel`] |
 //! | [`Forward`], [`Forward2`] | dual numbers with first, with first and second derivatives (through num-dual) |
 //!
 //! `Scalar` declares its functions without a receiver (`S::sin(x)`, not `x.sin()`), so that in code
 //! generic over [`Float`] the call `x.sin()` means nalgebra's [`RealField`](nalgebra::RealField) and nothing else.
-// Not `forbid`: simba's `SimdValue` makes every implementor declare two `unsafe fn`. They are the only exception,
-// in `glue`, and contain no unsafe operation.
+// Not `forbid`, for two exceptions: simba's `SimdValue` makes every implementor declare two `unsafe fn` (in `glue`, without
+// an unsafe operation), and `instructions` calls functions compiled for instructions that the processor was found to have.
 #![deny(unsafe_code)]
 
 mod constant;
@@ -23,16 +24,22 @@ mod double_double;
 mod float;
 mod forward;
 mod glue;
+mod instructions;
+mod lanes;
 mod num;
 mod piecewise;
 mod recording;
 mod scalar;
+mod stages;
 
 pub use constant::{Constant, decimal, ratio};
 pub use double_double::DoubleDouble;
 pub use float::{Float, ParseFloatError};
 pub use forward::{FirstOrder, Forward, Forward2, SecondOrder};
+pub use instructions::{InstructionSet, Kernel};
+pub use lanes::Lanes;
 pub use num::Num;
 pub use piecewise::Piecewise;
 pub use recording::{Attempt, Recording};
 pub use scalar::Scalar;
+pub use stages::mix_stages;

@@ -223,6 +223,7 @@ operator!(Mul, mul, MulAssign, mul_assign; f64, Constant, DoubleDouble);
 operator!(Div, div, DivAssign, div_assign; f64, Constant, DoubleDouble);
 
 impl<S: Scalar> Sum for Num<S> {
+    #[inline(always)]
     fn sum<I: Iterator<Item = Self>>(mut terms: I) -> Self {
         let first = terms.next().unwrap_or_else(|| Num::from(0.0));
         terms.fold(first, |sum, term| sum + term)
@@ -230,6 +231,7 @@ impl<S: Scalar> Sum for Num<S> {
 }
 
 impl<S: Scalar> Product for Num<S> {
+    #[inline(always)]
     fn product<I: Iterator<Item = Self>>(mut factors: I) -> Self {
         let first = factors.next().unwrap_or_else(|| Num::from(1.0));
         factors.fold(first, |product, factor| product * factor)

@@ -1,8 +1,8 @@
 //! [`Piecewise`]: what the derivatives of |x|, min, max, hypot and xʸ need beyond arithmetic.
 
-use crate::{Float, Scalar};
+use crate::{Constant, Float, Scalar};
 
-/// A [`Scalar`] with the three selections that derivatives of piecewise functions are made of.
+/// A [`Scalar`] with the selections that derivatives of piecewise functions are made of.
 ///
 /// Selections, not comparisons: a lane or dual number answers with a number, and its derivative is zero.
 /// Every [`Float`] has them.
@@ -20,6 +20,13 @@ pub trait Piecewise: Scalar {
     fn at_most(x: Self, y: Self) -> Self;
     /// x where `test` is not zero, 0 where it is, whatever x is there.
     fn where_nonzero(x: Self, test: Self) -> Self;
+    /// rate·slope, but a rate of 0 remains 0 where the slope is infinite or NaN: √(x² + y²) at a fixed origin.
+    fn times_slope(rate: Self, slope: Self) -> Self;
+    /// The derivative c·xᶜ⁻¹ of `power` = xᶜ for a constant exponent: from the power where that is neither 0 nor infinite.
+    /// A factor 0 is 0 also before an infinite power.
+    fn powf_slope(x: Self, power: Self, c: Constant) -> Self;
+    /// Whether every number in it is finite. It may decide how something is computed, never what.
+    fn is_regular(x: Self) -> bool;
 }
 
 impl<T: Float> Piecewise for T {
@@ -42,5 +49,31 @@ impl<T: Float> Piecewise for T {
     #[inline(always)]
     fn where_nonzero(x: T, test: T) -> T {
         if test == T::int(0) { T::int(0) } else { x }
+    }
+
+    #[inline(always)]
+    fn times_slope(rate: T, slope: T) -> T {
+        if rate == T::int(0) && !Self::is_regular(slope) {
+            rate
+        } else {
+            rate * slope
+        }
+    }
+
+    #[inline(always)]
+    fn powf_slope(x: T, power: T, c: Constant) -> T {
+        let c: T = c.to();
+        if power != T::int(0) && Self::is_regular(power) {
+            c * power / x
+        } else if c == T::int(0) {
+            c
+        } else {
+            c * <T as Scalar>::pow(x, c - T::int(1))
+        }
+    }
+
+    #[inline(always)]
+    fn is_regular(x: T) -> bool {
+        x - x == T::int(0)
     }
 }

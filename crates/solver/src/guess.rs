@@ -16,6 +16,8 @@ pub(crate) struct Guess<T: Float> {
     l: Vec<T>,
     /// Its size; zero when there is none.
     h: T,
+    /// Whether the L_i are not here but with the sweeps.
+    elsewhere: bool,
     /// Σ_k (∫_1^{1+r c_i} P_k) P_k(c_j), row by row, and the ratio r it was made for.
     matrix: Vec<T>,
     ratio: T,
@@ -27,6 +29,7 @@ impl<T: Float> Guess<T> {
         Guess {
             l: vec![zero; s * n],
             h: zero,
+            elsewhere: false,
             matrix: vec![zero; s * s],
             ratio: zero,
         }
@@ -36,6 +39,18 @@ impl<T: Float> Guess<T> {
     pub(crate) fn remember(&mut self, l: &[T], h: T) {
         self.l.copy_from_slice(l);
         self.h = h;
+        self.elsewhere = false;
+    }
+
+    /// Remembers the size of an accepted step whose L_i are kept elsewhere.
+    pub(crate) fn remember_size(&mut self, h: T) {
+        self.h = h;
+        self.elsewhere = true;
+    }
+
+    /// h over the size of the last step, if there is one.
+    pub(crate) fn ratio_to(&self, h: T) -> Option<T> {
+        (self.h != T::int(0)).then(|| h / self.h)
     }
 
     /// Whether the next guess prolongs the last step.
@@ -51,7 +66,7 @@ impl<T: Float> Guess<T> {
     /// Fills `stages.z`; with nothing to prolong it is zero, from where full Newton is at its safest.
     pub(crate) fn make(&mut self, stages: &mut Stages<T>, h: T) {
         let n = stages.n;
-        if self.h == T::int(0) {
+        if self.h == T::int(0) || self.elsewhere {
             stages.z.fill(T::int(0));
             return;
         }
@@ -72,18 +87,28 @@ impl<T: Float> Guess<T> {
 
     fn fill_matrix(&mut self, gauss: &Gauss<T>, ratio: T) {
         let s = gauss.stages();
-        // One scratch row: the integrals of P_0 … P_{s−1} from 0; from 0 to 1 only that of P_0 is not zero.
-        let mut integrals = [T::int(0); crate::MAX_STAGES];
-        let integrals = &mut integrals[..s];
-        for (i, &c) in gauss.nodes().iter().enumerate() {
-            legendre_integrals_at(T::int(1) + ratio * c, integrals);
-            integrals[0] -= T::int(1);
-            for j in 0..s {
-                self.matrix[i * s + j] = (0..s).fold(T::int(0), |sum, k| {
-                    sum + integrals[k] * gauss.legendre(k)[j]
-                });
-            }
-        }
+        fill_prolongation(gauss, ratio, |i, j, e| self.matrix[i * s + j] = e);
         self.ratio = ratio;
+    }
+}
+
+/// Gives the entries (i, j) of Σ_k (∫_1^{1+r c_i} P_k) P_k(c_j) to `set`.
+pub(crate) fn fill_prolongation<T: Float>(
+    gauss: &Gauss<T>,
+    ratio: T,
+    mut set: impl FnMut(usize, usize, T),
+) {
+    let s = gauss.stages();
+    // One scratch row: the integrals of P_0 … P_{s−1} from 0; from 0 to 1 only that of P_0 is not zero.
+    let mut integrals = [T::int(0); crate::MAX_STAGES];
+    let integrals = &mut integrals[..s];
+    for (i, &c) in gauss.nodes().iter().enumerate() {
+        legendre_integrals_at(T::int(1) + ratio * c, integrals);
+        integrals[0] -= T::int(1);
+        for j in 0..s {
+            let terms = integrals.iter().enumerate();
+            let e = terms.fold(T::int(0), |sum, (k, &x)| sum + x * gauss.legendre(k)[j]);
+            set(i, j, e);
+        }
     }
 }

@@ -26,12 +26,15 @@ mod outcome;
 mod run;
 mod shifted;
 mod simplified;
+mod slopes;
 mod sparse;
 mod splitting;
 mod stages;
 mod state;
 mod step;
 mod stepper;
+mod sweep;
+mod sweeps;
 
 pub use certificate::Certificate;
 pub use error::IntegrateError;

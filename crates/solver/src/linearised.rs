@@ -99,8 +99,9 @@ impl<T: Float> Linearised<T> {
         };
         let simplified = match choice {
             StageSolver::FullNewton => None,
-            StageSolver::Automatic if s * n <= fast => None,
-            StageSolver::Automatic | StageSolver::SimplifiedNewton => Simplified::new(s, structure),
+            StageSolver::SimplifiedNewton => Simplified::new(s, structure),
+            _ if s * n <= fast => None,
+            _ => Simplified::new(s, structure),
         };
         let length = if simplified.is_some() { s * n } else { 0 };
         let zero = T::int(0);
@@ -134,8 +135,8 @@ impl<T: Float> Linearised<T> {
 
     /// A step of size `h` begins; `pure` asks for a factorisation in every iteration.
     pub(crate) fn begin(&mut self, h: T, pure: bool) {
-        let full = self.simplified.is_none()
-            || (self.choice == StageSolver::Automatic && (pure || self.full_steps > 0));
+        let full =
+            self.simplified.is_none() || (self.may_switch() && (pure || self.full_steps > 0));
         self.full_steps = self.full_steps.saturating_sub(1);
         self.active = if full {
             Active::Full
@@ -240,11 +241,14 @@ impl<T: Float> Linearised<T> {
         possible
     }
 
+    /// Whether the user leaves the kind of Newton to us.
+    fn may_switch(&self) -> bool {
+        self.choice != StageSolver::SimplifiedNewton
+    }
+
     /// Whether there is full Newton to hand over to.
     pub(crate) fn may_be_taken_over(&self) -> bool {
-        self.choice == StageSolver::Automatic
-            && self.is_simplified()
-            && self.work.len() <= FULL_IS_POSSIBLE
+        self.may_switch() && self.is_simplified() && self.work.len() <= FULL_IS_POSSIBLE
     }
 
     /// A correction had to be shortened: the factorisation is not to be trusted.

@@ -32,10 +32,14 @@ pub enum Record {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]
 pub enum StageSolver {
-    /// Full Newton for up to 128 unknowns s·2m (32 where no α is solved for), simplified Newton beyond. Where that
-    /// converges badly, full Newton for some steps, if there are at most 1024 unknowns.
+    /// Sweeps as long as they contract; Newton, full or simplified, for the steps where they do not.
     #[default]
     Automatic,
+    /// Sweeps Z ← K(α) L(Z): gradients only, no Hessian, no linear system. Fails on steps where they do not contract (about hω > 1).
+    Sweeps,
+    /// Newton as [`FullNewton`](Self::FullNewton) for up to 128 unknowns s·2m (32 where no α is solved for), as
+    /// [`SimplifiedNewton`](Self::SimplifiedNewton) beyond. Where that converges badly, full Newton for some steps, if there are at most 1024 unknowns.
+    Newton,
     /// Newton with the Hessians at all stages: factorises matrices of size s·2m, dense. Quadratic convergence.
     FullNewton,
     /// Newton with one Hessian for all stages, kept over steps while it serves: ⌈s/2⌉ complex systems of size 2m (m if H is

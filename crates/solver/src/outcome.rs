@@ -54,6 +54,10 @@ pub struct Counts {
     pub steps: u64,
     /// Newton iterations: stage corrections computed.
     pub newton_iterations: u64,
+    /// Sweeps Z ← K L over all stages.
+    pub sweeps: u64,
+    /// Steps, halves included, that sweeps left to Newton.
+    pub taken_over: u64,
     /// Factorisations of the full Newton matrix, of size s·2m.
     pub factorisations: u64,
     /// Factorisations of the complex systems of simplified Newton, of size 2m, or m for separable H.

@@ -43,4 +43,25 @@ impl<T: Float> State<T> {
             next.lo[j] = lo;
         }
     }
+
+    /// The same for increments stored component by component: x_i of component c at `c·stride + i`, i < `s`.
+    pub(crate) fn advance_by_component(
+        &self,
+        increments: &[T],
+        s: usize,
+        stride: usize,
+        next: &mut Self,
+    ) {
+        let zero = T::int(0);
+        for (j, x) in increments.chunks_exact(stride).enumerate() {
+            let (sum, lost) = x[..s].iter().fold((zero, self.lo[j]), |(sum, lost), &x| {
+                let (sum, e) = T::two_sum(sum, x);
+                (sum, lost + e)
+            });
+            let (y, e) = T::two_sum(self.hi[j], sum);
+            let (hi, lo) = T::two_sum(y, e + lost);
+            next.hi[j] = hi;
+            next.lo[j] = lo;
+        }
+    }
 }

@@ -5,10 +5,11 @@ use crate::constraint::{Constraint, worst};
 use crate::error::IntegrateError;
 use crate::guess::Guess;
 use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
-use crate::options::{OnNoAlpha, Settings};
+use crate::options::{OnNoAlpha, Settings, StageSolver};
 use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
 use crate::state::State;
+use crate::sweeps::{SweepTask, Sweeps, Trouble};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
@@ -23,6 +24,10 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) constraints: Vec<Constraint<T>>,
     pub(crate) counts: Counts,
     pub(crate) settings: Settings<T>,
+    /// α's of the step made last.
+    pub(crate) alphas: Vec<T>,
+    sweeps: Option<Sweeps<T>>,
+    pause: Pause,
     guess: Guess<T>,
     /// α's a step starts from: zero, or the fixed ones.
     start_alphas: Vec<T>,
@@ -32,11 +37,27 @@ pub(crate) struct Core<T: Float, E> {
     middles: Vec<State<T>>,
 }
 
+/// Steps that Newton makes before sweeps are tried again: 1, 2, 4, … 64 while they fail.
+#[derive(Debug, Clone, Copy)]
+struct Pause {
+    left: u32,
+    next: u32,
+}
+
+impl Pause {
+    const NONE: Self = Pause { left: 0, next: 1 };
+
+    fn lengthen(&mut self) {
+        self.left = self.next;
+        self.next = (2 * self.next).min(64);
+    }
+}
+
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// `constraints` holds what the α's are to be solved for.
     pub(crate) fn new<H: System<Evaluator<T> = E>>(
         system: &H,
-        energy: E,
+        mut energy: E,
         settings: Settings<T>,
         gauss: Gauss<T>,
         constraints: Vec<Constraint<T>>,
@@ -49,7 +70,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
         let asked = settings.first_alpha.is_some();
         let zero = State::new(&vec![T::int(0); n], &[]);
+        let sweeps = can_sweep(&settings, s, constraints.len())
+            .then(|| Sweeps::new(&gauss, n, energy.kinetic()));
         Core {
+            alphas: start_alphas.clone(),
+            sweeps,
+            pause: Pause::NONE,
             energy,
             newton: Newton::new(
                 s,
@@ -77,6 +103,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     pub(crate) fn forget(&mut self) {
         self.guess.forget();
         self.newton.forget();
+        self.pause = Pause::NONE;
+        if let Some(sweeps) = &mut self.sweeps {
+            sweeps.forget();
+        }
     }
 
     /// One step of size `h` from `y` at time `t` into `next`. `y` is not changed, whatever happens.
@@ -145,12 +175,18 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         h: T,
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
-        self.solve(y, h, false, Norm::Plain, next)
-            .map_err(|failure| self.error(failure, t, h))?;
-        self.guess.remember(&self.stages.l, h);
+        let swept = self.sweep(y, h, false, next).is_ok();
+        if !swept {
+            self.solve(y, h, false, Norm::Plain, next)
+                .map_err(|failure| self.error(failure, t, h))?;
+        }
+        let sizes = match &self.sweeps {
+            Some(sweeps) if swept => &sweeps.iterate.scale,
+            _ => &self.stages.scale,
+        };
         for constraint in &mut self.constraints {
             self.counts.gradients += 1;
-            constraint.evaluate(&mut self.energy, next, &self.stages.scale);
+            constraint.evaluate(&mut self.energy, next, sizes);
         }
         if worst(&self.constraints, Constraint::in_floors) <= T::int(ENERGY_STAGNATED) {
             return Ok(Outcome::AtFloor);
@@ -161,24 +197,77 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// One try at the full size: the α's by the norm that spares the slow motion, else by the plain one.
+    /// One try at the full size: by sweeps if they contract, else by Newton, the α's by the norm that spares the slow motion,
+    /// else by the plain one.
     fn attempt(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> Result<Outcome, Failure<T>> {
         let constrained = !self.constraints.is_empty();
-        let mut solved = self.solve(y, h, constrained, Norm::Resolved, next);
-        let again = self.free_alphas() > 1 && !nearly_met(&self.constraints);
-        if solved == Err(Failure::NoAlpha) && again {
-            solved = self.solve(y, h, constrained, Norm::Plain, next);
+        if let Err(trouble) = self.sweep(y, h, constrained, next) {
+            if self.settings.stage_solver == StageSolver::Sweeps {
+                return Err(trouble.into());
+            }
+            let mut solved = self.solve(y, h, constrained, Norm::Resolved, next);
+            let again = self.free_alphas() > 1 && !nearly_met(&self.constraints);
+            if solved == Err(Failure::NoAlpha) && again {
+                solved = self.solve(y, h, constrained, Norm::Plain, next);
+            }
+            solved?;
         }
-        solved?;
-        self.guess.remember(&self.stages.l, h);
         let zero = |alpha: &T| *alpha == T::int(0);
         Ok(if !constrained {
             self.unconstrained
-        } else if self.stages.alphas.iter().all(zero) {
+        } else if self.alphas.iter().all(zero) {
             Outcome::AtFloor
         } else {
             Outcome::Solved
         })
+    }
+
+    /// System (7) by sweeps, unless it is Newton's turn.
+    fn sweep(
+        &mut self,
+        y: &State<T>,
+        h: T,
+        constrained: bool,
+        next: &mut State<T>,
+    ) -> Result<(), Trouble> {
+        let Some(sweeps) = &mut self.sweeps else {
+            return Err(Trouble::Slow);
+        };
+        if self.pause.left > 0 {
+            self.pause.left -= 1;
+            return Err(Trouble::Slow);
+        }
+        let task = SweepTask {
+            y,
+            h,
+            alphas: &self.start_alphas,
+            alpha_bound: self.settings.alpha_bound,
+        };
+        let constraint = self.constraints.first_mut().filter(|_| constrained);
+        let prolong = self.guess.ratio_to(h);
+        let swept = sweeps.solve(
+            &self.stages.gauss,
+            &mut self.energy,
+            constraint,
+            prolong,
+            (next, &task),
+            &mut self.counts,
+        );
+        match swept {
+            Ok(()) => {
+                self.pause = Pause::NONE;
+                self.alphas.copy_from_slice(&sweeps.alphas);
+                self.guess.remember_size(h);
+            }
+            Err(trouble) => {
+                self.counts.taken_over += 1;
+                self.guess.forget();
+                if trouble == Trouble::Slow {
+                    self.pause.lengthen();
+                }
+            }
+        }
+        swept
     }
 
     fn free_alphas(&self) -> usize {
@@ -218,7 +307,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 &mut self.counts,
             );
             match solved {
-                Ok(()) | Err(Failure::NoAlpha) => return solved,
+                Ok(()) => {
+                    self.alphas.copy_from_slice(&self.stages.alphas);
+                    self.guess.remember(&self.stages.l, h);
+                    if let Some(sweeps) = &mut self.sweeps {
+                        sweeps.iterate.take_l(&self.stages.l);
+                    }
+                    return solved;
+                }
+                Err(Failure::NoAlpha) => return solved,
                 Err(_) if self.newton.take_over() => {}
                 Err(_) if !self.guess.is_from_last_step() => return solved,
                 Err(_) => self.guess.forget(),
@@ -265,4 +362,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
         }
     }
+}
+
+/// Whether sweeps can solve what is asked: the energy alone, with slopes for two α's or more. With the one that s = 3 leaves trajectories
+/// are up to 1000 times as far off as with both.
+fn can_sweep<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> bool {
+    let wanted = matches!(
+        settings.stage_solver,
+        StageSolver::Automatic | StageSolver::Sweeps
+    );
+    let has_slope = settings.first_alpha == Some(1) && s > 3;
+    wanted && !settings.pure_newton && (constraints == 0 || (constraints == 1 && has_slope))
 }

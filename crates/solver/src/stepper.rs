@@ -224,7 +224,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// Energy, invariants and α's of the step just made.
     fn measure(&mut self, outcome: Outcome) {
         self.floor = None;
-        for (range, &alpha) in self.alpha_range.iter_mut().zip(&self.core.stages.alphas) {
+        for (range, &alpha) in self.alpha_range.iter_mut().zip(&self.core.alphas) {
             *range = (range.0.min(alpha), range.1.max(alpha));
         }
         if self.has_target {
@@ -261,7 +261,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             p,
             energy_defect: self.energy.as_ref().map(|e| e.end),
             energy_floor: self.floor,
-            alphas: &self.core.stages.alphas,
+            alphas: &self.core.alphas,
             outcome: self.last.1,
         }
     }

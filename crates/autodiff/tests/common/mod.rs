@@ -38,6 +38,7 @@ pub fn widened(y: &[f64]) -> Vec<DoubleDouble> {
 macro_rules! energies {
     ($($(#[$doc:meta])* $name:ident($m:expr): |$q:ident, $p:ident| $h:expr;)*) => {$(
         $(#[$doc])*
+        #[derive(Clone, Copy)]
         pub struct $name;
 
         impl Energy for $name {

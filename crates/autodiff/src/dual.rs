@@ -1,0 +1,270 @@
+//! [`Dual`]: a number with N first derivatives, for floats and for lanes alike.
+//!
+//! The gradient of the trait route: each variable carries its own unit vector, each operation applies the chain rule. The
+//! value has every bit of the float's own function. A number without derivatives is known as such when it is
+//! compiled, so constants, and momenta when only forces are asked for, cost nothing.
+//!
+//! At kinks as in the reverse sweep. √, powers and quotients of zero: a slope that is infinite times a rate
+//! that is exactly 0 is 0.
+
+use equip_scalar::{Constant, Piecewise, Scalar};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Rates one by one, as macros: closures are not always inlined.
+macro_rules! each_rate {
+    ($x:expr, |$rate:ident| $result:expr) => {
+        match $x {
+            Some(mut rates) => {
+                for place in &mut rates {
+                    let $rate = *place;
+                    *place = $result;
+                }
+                Some(rates)
+            }
+            None => None,
+        }
+    };
+}
+
+/// value + Σ ε_k rates_k; `None` for a number that does not depend on the variables.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Dual<S, const N: usize> {
+    pub(crate) value: S,
+    pub(crate) rates: Option<[S; N]>,
+}
+
+impl<S: Piecewise, const N: usize> Dual<S, N> {
+    #[inline(always)]
+    pub(crate) fn fixed(value: S) -> Self {
+        Dual { value, rates: None }
+    }
+
+    /// The independent variable number `index`.
+    #[inline(always)]
+    pub(crate) fn variable(value: S, index: usize) -> Self {
+        let mut rates = [number(0.0); N];
+        rates[index] = number(1.0);
+        Dual {
+            value,
+            rates: Some(rates),
+        }
+    }
+
+    /// The derivatives.
+    #[inline(always)]
+    pub(crate) fn gradient(self) -> [S; N] {
+        match self.rates {
+            Some(rates) => rates,
+            None => [number(0.0); N],
+        }
+    }
+
+    #[inline(always)]
+    fn chain(self, f: S, slope: S) -> Self {
+        Dual {
+            value: f,
+            rates: each_rate!(self.rates, |rate| slope * rate),
+        }
+    }
+
+    /// For slopes that may be infinite where the rates are 0.
+    #[inline(always)]
+    fn chain_singular(self, f: S, slope: S) -> Self {
+        if S::is_regular(slope) {
+            self.chain(f, slope)
+        } else {
+            Dual {
+                value: f,
+                rates: each_rate!(self.rates, |rate| S::times_slope(rate, slope)),
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn chain2(self, other: Self, f: S, by_x: S, by_y: S) -> Self {
+        let x = each_rate!(self.rates, |rate| by_x * rate);
+        let y = each_rate!(other.rates, |rate| by_y * rate);
+        Dual {
+            value: f,
+            rates: sum(x, y),
+        }
+    }
+}
+
+#[inline(always)]
+fn number<S: Scalar>(x: f64) -> S {
+    S::constant(Constant::Double(x))
+}
+
+#[inline(always)]
+fn sum<S: Piecewise, const N: usize>(x: Option<[S; N]>, y: Option<[S; N]>) -> Option<[S; N]> {
+    match (x, y) {
+        (Some(mut x), Some(y)) => {
+            for k in 0..N {
+                x[k] = x[k] + y[k];
+            }
+            Some(x)
+        }
+        (Some(rates), None) | (None, Some(rates)) => Some(rates),
+        (None, None) => None,
+    }
+}
+
+impl<S: Piecewise, const N: usize> Add for Dual<S, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Dual {
+            value: self.value + other.value,
+            rates: sum(self.rates, other.rates),
+        }
+    }
+}
+
+impl<S: Piecewise, const N: usize> Sub for Dual<S, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Dual {
+            value: self.value - other.value,
+            rates: sum(self.rates, each_rate!(other.rates, |rate| -rate)),
+        }
+    }
+}
+
+impl<S: Piecewise, const N: usize> Mul for Dual<S, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.chain2(other, self.value * other.value, other.value, self.value)
+    }
+}
+
+impl<S: Piecewise, const N: usize> Div for Dual<S, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let f = self.value / other.value;
+        // Not through f: where only the derivatives are used, the second division falls away.
+        let slope = S::recip(other.value);
+        self.chain2(other, f, slope, -(self.value * slope * slope))
+    }
+}
+
+impl<S: Piecewise, const N: usize> Neg for Dual<S, N> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Dual {
+            value: -self.value,
+            rates: each_rate!(self.rates, |rate| -rate),
+        }
+    }
+}
+
+macro_rules! functions {
+    ($($name:ident: |$x:ident, $f:ident| $slope:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(x: Self) -> Self {
+            let $x = x.value;
+            let $f = S::$name($x);
+            x.chain($f, $slope)
+        }
+    )*};
+}
+
+impl<S: Piecewise, const N: usize> Scalar for Dual<S, N> {
+    #[inline(always)]
+    fn constant(c: Constant) -> Self {
+        Dual::fixed(S::constant(c))
+    }
+
+    #[inline(always)]
+    fn sqrt(x: Self) -> Self {
+        let f = S::sqrt(x.value);
+        // The reciprocal is the one of a following 1/√x.
+        x.chain_singular(f, number::<S>(0.5) * S::recip(f))
+    }
+
+    #[inline(always)]
+    fn powi(x: Self, n: i32) -> Self {
+        let factor = number::<S>(f64::from(n));
+        let f = S::powi(x.value, n);
+        match n {
+            0 => Dual::fixed(f),
+            1 => x,
+            2 => x.chain(f, x.value + x.value),
+            3.. => x.chain(f, factor * S::powi(x.value, n - 1)),
+            _ => x.chain_singular(f, factor * (f / x.value)),
+        }
+    }
+
+    #[inline(always)]
+    fn powf(x: Self, c: Constant) -> Self {
+        let f = S::powf(x.value, c);
+        x.chain_singular(f, S::powf_slope(x.value, f, c))
+    }
+
+    #[inline(always)]
+    fn pow(x: Self, y: Self) -> Self {
+        let f = S::pow(x.value, y.value);
+        let by_x = S::where_nonzero(y.value * S::pow(x.value, y.value - number(1.0)), y.value);
+        let by_y = S::where_nonzero(f * S::ln(x.value), f);
+        let rates_x = each_rate!(x.rates, |rate| S::times_slope(rate, by_x));
+        let rates_y = each_rate!(y.rates, |rate| S::times_slope(rate, by_y));
+        Dual {
+            value: f,
+            rates: sum(rates_x, rates_y),
+        }
+    }
+
+    /// Divided by the radius twice, where its square could overflow.
+    #[inline(always)]
+    fn atan2(y: Self, x: Self) -> Self {
+        let r = S::hypot(x.value, y.value);
+        let f = S::atan2(y.value, x.value);
+        y.chain2(x, f, x.value / r / r, -(y.value / r / r))
+    }
+
+    #[inline(always)]
+    fn hypot(x: Self, y: Self) -> Self {
+        let f = S::hypot(x.value, y.value);
+        let by_x = S::where_nonzero(x.value / f, f);
+        x.chain2(y, f, by_x, S::where_nonzero(y.value / f, f))
+    }
+
+    #[inline(always)]
+    fn min(x: Self, y: Self) -> Self {
+        let first = S::at_most(x.value, y.value);
+        x.chain2(y, S::min(x.value, y.value), first, number::<S>(1.0) - first)
+    }
+
+    #[inline(always)]
+    fn max(x: Self, y: Self) -> Self {
+        let first = S::at_most(y.value, x.value);
+        x.chain2(y, S::max(x.value, y.value), first, number::<S>(1.0) - first)
+    }
+
+    functions! {
+        recip: |_x, f| -(f * f);
+        exp: |_x, f| f;
+        ln: |x, _f| S::recip(x);
+        exp_m1: |x, _f| S::exp(x);
+        ln_1p: |x, _f| S::recip(number::<S>(1.0) + x);
+        sin: |x, _f| S::cos(x);
+        cos: |x, _f| -S::sin(x);
+        tan: |_x, f| number::<S>(1.0) + f * f;
+        asin: |x, _f| S::recip(S::sqrt((number::<S>(1.0) - x) * (number::<S>(1.0) + x)));
+        acos: |x, _f| -S::recip(S::sqrt((number::<S>(1.0) - x) * (number::<S>(1.0) + x)));
+        atan: |x, _f| S::recip(number::<S>(1.0) + x * x);
+        sinh: |x, _f| S::cosh(x);
+        cosh: |x, _f| S::sinh(x);
+        // 1/cosh² from e^{−|x|}: 1 − tanh² has no correct digit left from x = 19 on, and cosh overflows.
+        tanh: |x, _f| {
+            let u = S::exp(-S::abs(x));
+            let sech = (u + u) / (number::<S>(1.0) + u * u);
+            sech * sech
+        };
+        abs: |x, _f| S::sign(x);
+    }
+}

@@ -1,0 +1,120 @@
+//! [`Kinetic`]: the quadratic T(p) of a separable H = T(p) + U(q), as numbers.
+//!
+//! T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const, so ∇T(p) = M⁻¹ p + b without any differentiation: what an iteration that has only
+//! the positions as unknowns needs. M⁻¹ is read off ∇²H, whose lower right block is constant, and b off ∇H at p = 0.
+
+use crate::{Evaluate, Structure};
+use equip_scalar::Float;
+
+/// M⁻¹ and b of T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kinetic<T> {
+    shape: Shape<T>,
+    offset: Vec<T>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Shape<T> {
+    Diagonal(Vec<T>),
+    /// Entries of row i stand at `row_starts[i]..row_starts[i + 1]`.
+    Sparse {
+        row_starts: Vec<usize>,
+        entries: Vec<(usize, T)>,
+    },
+}
+
+impl<T: Float> Kinetic<T> {
+    /// `None` if H is not separable, or T not known to be quadratic, or not finite.
+    pub(crate) fn new<E: Evaluate<T>>(structure: &Structure, evaluator: &mut E) -> Option<Self> {
+        if !structure.separable || structure.degree_in_p.is_none_or(|degree| degree > 2) {
+            return None;
+        }
+        let m = structure.degrees_of_freedom;
+        let origin = vec![T::int(0); 2 * m];
+        let mut gradient = origin.clone();
+        evaluator.gradient(&origin, &mut gradient);
+        let offset = gradient.split_off(m);
+        let mut hessian = vec![T::int(0); structure.hessian.len()];
+        evaluator.hessian(&origin, &mut hessian);
+        let mut row_starts = vec![0];
+        let mut entries = Vec::new();
+        for row in m..2 * m {
+            let own = structure.hessian.row(row);
+            entries.extend(own.map(|(place, column)| (column - m, hessian[place])));
+            row_starts.push(entries.len());
+        }
+        let finite = |x: &T| (*x - *x) == T::int(0);
+        if !offset.iter().all(finite) || !entries.iter().all(|(_, x)| finite(x)) {
+            return None;
+        }
+        let is_diagonal = entries.len() == m && entries.iter().map(|e| e.0).eq(0..m);
+        let shape = if is_diagonal {
+            Shape::Diagonal(entries.into_iter().map(|e| e.1).collect())
+        } else {
+            Shape::Sparse {
+                row_starts,
+                entries,
+            }
+        };
+        Some(Kinetic { shape, offset })
+    }
+
+    /// The diagonal of M⁻¹, if all other entries are zero.
+    pub fn diagonal(&self) -> Option<&[T]> {
+        match &self.shape {
+            Shape::Diagonal(diagonal) => Some(diagonal),
+            Shape::Sparse { .. } => None,
+        }
+    }
+
+    /// b.
+    pub fn offset(&self) -> &[T] {
+        &self.offset
+    }
+
+    /// Columns and values of row i of M⁻¹.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, T)> + '_ {
+        let (diagonal, sparse) = match &self.shape {
+            Shape::Diagonal(diagonal) => (Some((i, diagonal[i])), [].as_slice()),
+            Shape::Sparse {
+                row_starts,
+                entries,
+            } => (None, &entries[row_starts[i]..row_starts[i + 1]]),
+        };
+        diagonal.into_iter().chain(sparse.iter().copied())
+    }
+
+    /// ∇T(p) = M⁻¹ p + b into `velocity`, both of length m.
+    pub fn velocity(&self, p: &[T], velocity: &mut [T]) {
+        self.velocities_by_component(p, velocity, 1);
+    }
+
+    /// ∇T at as many points as fit into `stride`: component c of point i stands at `c·stride + i`.
+    #[inline]
+    pub fn velocities_by_component(&self, p: &[T], velocities: &mut [T], stride: usize) {
+        let rows = velocities.chunks_exact_mut(stride).zip(&self.offset);
+        match &self.shape {
+            Shape::Diagonal(diagonal) => {
+                for (((v, &b), p), &w) in rows.zip(p.chunks_exact(stride)).zip(diagonal) {
+                    for (v, &p) in v.iter_mut().zip(p) {
+                        *v = w * p + b;
+                    }
+                }
+            }
+            Shape::Sparse {
+                row_starts,
+                entries,
+            } => {
+                for ((v, &b), range) in rows.zip(row_starts.windows(2)) {
+                    v.fill(b);
+                    for &(column, w) in &entries[range[0]..range[1]] {
+                        let p = &p[column * stride..][..stride];
+                        for (v, &p) in v.iter_mut().zip(p) {
+                            *v += w * p;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

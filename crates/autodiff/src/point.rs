@@ -1,0 +1,73 @@
+//! One point after the other, for what is not computed in lanes.
+
+use crate::Structure;
+use equip_scalar::Float;
+
+/// Room for one state and one gradient.
+#[derive(Debug, Clone)]
+pub(crate) struct Points<T> {
+    state: Vec<T>,
+    slope: Vec<T>,
+}
+
+// Not derived: `T` itself need not have a default.
+impl<T> Default for Points<T> {
+    fn default() -> Self {
+        Points {
+            state: Vec::new(),
+            slope: Vec::new(),
+        }
+    }
+}
+
+impl<T: Float> Points<T> {
+    pub(crate) fn new(n: usize) -> Self {
+        Points {
+            state: vec![T::int(0); n],
+            slope: vec![T::int(0); n],
+        }
+    }
+
+    /// Calls `gradient` for each point of a batch that stands component by component. With fewer components than a
+    /// state has, the further ones are 0.
+    pub(crate) fn each(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+        mut gradient: impl FnMut(&[T], &mut [T]),
+    ) {
+        let components = states.len() / stride;
+        self.state[components..].fill(T::int(0));
+        for i in 0..count {
+            for (place, row) in self.state.iter_mut().zip(states.chunks_exact(stride)) {
+                *place = row[i];
+            }
+            gradient(&self.state, &mut self.slope);
+            for (row, &slope) in gradients.chunks_exact_mut(stride).zip(&self.slope) {
+                row[i] = slope;
+            }
+        }
+    }
+}
+
+/// # Panics
+/// If a batch does not have this number of components.
+#[inline(always)]
+pub(crate) fn check_batch(components: usize, lengths: [usize; 2], stride: usize, count: usize) {
+    assert!(
+        lengths == [components * stride; 2] && count <= stride,
+        "a batch of this system has {components} components with room for {count} points each"
+    );
+}
+
+/// # Panics
+/// If H is not T(p) + U(q).
+#[inline(always)]
+pub(crate) fn require_separable(structure: &Structure) {
+    assert!(
+        structure.separable,
+        "forces depend on the positions alone only if H = T(p) + U(q)"
+    );
+}

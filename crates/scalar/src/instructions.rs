@@ -1,0 +1,131 @@
+//! [`InstructionSet`]: SIMD instructions chosen when the program runs, without build flags.
+//!
+//! A [`Kernel`] is compiled once for each set, because its `run` is inlined into a function that may use the
+//! set's instructions. Which of them is called depends on what the processor has. Every set computes the same bits:
+//! lanes are independent, sums keep their order, and Rust never contracts a product and a sum into one rounding.
+//!
+//! The environment variable `EQUIP_SIMD` (`none`, `avx2` or `avx512`), read once in a program, limits the choice.
+
+use std::sync::OnceLock;
+
+/// A computation to be compiled for every instruction set. Mark `run`, and all it calls, `#[inline(always)]`: a function that
+/// is not inlined keeps the instructions of the plain build.
+pub trait Kernel {
+    /// What it returns.
+    type Output;
+    /// The computation.
+    fn run(self) -> Self::Output;
+}
+
+/// The widest vector instructions that are used. A value of this type is proof that the processor has them.
+///
+/// ```
+/// use equip_scalar::{InstructionSet, Kernel};
+/// struct Sum<'a>(&'a [f64]);
+/// impl Kernel for Sum<'_> {
+///     type Output = f64;
+///     #[inline(always)]
+///     fn run(self) -> f64 {
+///         self.0.iter().sum()
+///     }
+/// }
+/// for set in InstructionSet::available() {
+///     assert_eq!(set.run(Sum(&[0.1, 0.2])), 0.1 + 0.2);
+/// }
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct InstructionSet(Level);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Level {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl InstructionSet {
+    /// What every processor of the target has; on x86-64 two doubles at a time.
+    pub const PORTABLE: Self = InstructionSet(Level::Portable);
+
+    /// AVX2: four doubles at a time.
+    pub fn avx2() -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            return Some(InstructionSet(Level::Avx2));
+        }
+        None
+    }
+
+    /// AVX-512 F, VL and DQ: eight doubles at a time.
+    pub fn avx512() -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512dq")
+        {
+            return Some(InstructionSet(Level::Avx512));
+        }
+        None
+    }
+
+    /// Those of this processor, narrowest first.
+    pub fn available() -> impl Iterator<Item = Self> {
+        [Some(Self::PORTABLE), Self::avx2(), Self::avx512()]
+            .into_iter()
+            .flatten()
+    }
+
+    /// The widest of this processor, at most that named by `EQUIP_SIMD`; any other text there is as if it were not set.
+    pub fn best() -> Self {
+        static BEST: OnceLock<InstructionSet> = OnceLock::new();
+        *BEST.get_or_init(|| {
+            let avx2 = || Self::avx2().unwrap_or(Self::PORTABLE);
+            match std::env::var("EQUIP_SIMD").as_deref() {
+                Ok("none") => Self::PORTABLE,
+                Ok("avx2") => avx2(),
+                _ => Self::avx512().unwrap_or_else(avx2),
+            }
+        })
+    }
+
+    /// Runs the kernel with these instructions.
+    #[inline(always)]
+    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.0 {
+            Level::Portable => kernel.run(),
+            #[cfg(target_arch = "x86_64")]
+            level => x86_64::run(level, kernel),
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86_64 {
+    //! The one place where functions compiled for further instructions are called.
+    #![allow(unsafe_code)]
+
+    use super::{Kernel, Level};
+
+    #[target_feature(enable = "avx2")]
+    fn avx2<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run()
+    }
+
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+    fn avx512<K: Kernel>(kernel: K) -> K::Output {
+        kernel.run()
+    }
+
+    #[inline(always)]
+    pub(super) fn run<K: Kernel>(level: Level, kernel: K) -> K::Output {
+        match level {
+            Level::Portable => kernel.run(),
+            // SAFETY: the level is private and made in `InstructionSet::avx2` only, after the processor was asked.
+            Level::Avx2 => unsafe { avx2(kernel) },
+            // SAFETY: the same, in `InstructionSet::avx512`.
+            Level::Avx512 => unsafe { avx512(kernel) },
+        }
+    }
+}

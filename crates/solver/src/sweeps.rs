@@ -1,0 +1,277 @@
+//! System (7) without Hessians: sweeps Z ← K(α) L(Z), α's moved while the sweeps contract.
+//!
+//! A sweep changes Z by Δ and, contracting by ρ, leaves an error of about Δρ/(1 − ρ). As soon as that is well below what the energy
+//! residual g of the last step was, g is evaluated and the α's move along the direction of [`crate::slopes`], by t = −g/(Σ v_k d_k);
+//! later moves use the slope observed. Sweeps go on until Z and g are at round-off.
+//!
+//! *Start.* The polynomial of the last step's stage derivatives, prolonged; else Z = 0.
+//! *End.* The predicted error is below ε/2, or Δ, near round-off, no longer shrinks; and |g| is at its floor or stalls near it.
+//! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, slopes that vanish. Newton takes the step then.
+//!
+//! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step.
+
+use crate::constraint::Constraint;
+use crate::newton::{ENERGY_STAGNATED, Failure};
+use crate::outcome::Counts;
+use crate::slopes::Slopes;
+use crate::state::State;
+use crate::sweep::Iterate;
+use equip_autodiff::{Evaluate, Kinetic};
+use equip_scalar::Float;
+use equip_tableau::Gauss;
+
+/// Sweeps allowed in a step.
+const MAX_SWEEPS: u32 = 80;
+/// Contraction, in hundredths, at which Newton is the better choice.
+const SLOW_PERCENT: i64 = 80;
+/// Changes of Z below this many ε are rounding if they do not shrink.
+const ROUNDING: i64 = 256;
+/// Errors of the end point below ε over this are of no account. With 4 angular momentum grows by 1e-17 a step in Kepler's problem, with
+/// 64 not at all, for 0.4 sweeps more.
+const SETTLED: i64 = 64;
+/// Moves of the α's allowed in a step.
+const MAX_MOVES: u32 = 12;
+
+/// Why a step is left to Newton.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Trouble {
+    /// The sweeps contract slowly or not at all, or left the domain of H.
+    Slow,
+    /// No α within the bound, or no slope.
+    NoAlpha,
+}
+
+impl<T: Float> From<Trouble> for Failure<T> {
+    fn from(trouble: Trouble) -> Self {
+        match trouble {
+            Trouble::NoAlpha => Failure::NoAlpha,
+            Trouble::Slow => Failure::NoConvergence {
+                iterations: MAX_SWEEPS,
+                correction: T::NAN,
+            },
+        }
+    }
+}
+
+/// What is fixed while a step is swept.
+#[derive(Debug)]
+pub(crate) struct SweepTask<'a, T> {
+    pub(crate) y: &'a State<T>,
+    pub(crate) h: T,
+    pub(crate) alphas: &'a [T],
+    pub(crate) alpha_bound: T,
+}
+
+#[derive(Debug)]
+pub(crate) struct Sweeps<T: Float> {
+    pub(crate) iterate: Iterate<T>,
+    slopes: Slopes<T>,
+    /// α of the step solved last.
+    pub(crate) alphas: Vec<T>,
+    /// Remembered from step to step: contraction, |g| before the α's moved, and what a relative change of the state is worth in g.
+    rate: T,
+    defect: T,
+    scale: T,
+    /// E of the prolongation, column by column, and the ratio of steps it was made for.
+    prolongation: Vec<T>,
+    ratio: T,
+}
+
+/// Progress of the α's in a step.
+struct Alphas<T> {
+    /// t along the direction, and g there, of the last move.
+    slope: T,
+    last: Option<(T, T, T)>,
+    t: T,
+    moves: u32,
+}
+
+impl<T: Float> Sweeps<T> {
+    pub(crate) fn new(gauss: &Gauss<T>, n: usize, kinetic: Option<Kinetic<T>>) -> Self {
+        let iterate = Iterate::new(gauss, n, kinetic);
+        let zero = T::int(0);
+        Sweeps {
+            slopes: Slopes::new(gauss, &iterate),
+            alphas: vec![zero; gauss.stages() - 1],
+            rate: T::ratio(1, 2),
+            defect: zero,
+            scale: zero,
+            prolongation: vec![zero; gauss.stages() * iterate.stride],
+            ratio: zero,
+            iterate,
+        }
+    }
+
+    /// Forgets what was remembered of earlier steps.
+    pub(crate) fn forget(&mut self) {
+        self.rate = T::ratio(1, 2);
+        self.defect = T::int(0);
+    }
+
+    /// Solves for Z, and for the α's if there is a constraint; on success `next` is the end point.
+    ///
+    /// `prolong` is the ratio of this step to the one whose L is still in the iterate.
+    pub(crate) fn solve<E: Evaluate<T>>(
+        &mut self,
+        gauss: &Gauss<T>,
+        energy: &mut E,
+        mut constraint: Option<&mut Constraint<T>>,
+        prolong: Option<T>,
+        (next, task): (&mut State<T>, &SweepTask<'_, T>),
+        counts: &mut Counts,
+    ) -> Result<(), Trouble> {
+        self.begin(gauss, prolong, task);
+        let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
+        let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
+        let mut slow = 0;
+        let mut worst = (self.rate / T::int(2)).max(T::ratio(1, 1000));
+        self.rate = worst;
+        let mut disturbed = false;
+        let mut threshold = self.defect;
+        let mut alphas = Alphas {
+            slope: zero,
+            last: None,
+            t: zero,
+            moves: 0,
+        };
+        for _ in 0..MAX_SWEEPS {
+            let change = self.iterate.sweep(energy, task.y, !last.is_finite());
+            counts.sweeps += 1;
+            counts.gradients += self.iterate.s as u64;
+            if !change.is_finite() {
+                return Err(Trouble::Slow);
+            }
+            let rounding = change <= T::int(ROUNDING) * eps;
+            if last.is_finite() && !disturbed && last > T::int(ROUNDING) * eps {
+                let rate = change / last;
+                slow = if rate > T::ratio(SLOW_PERCENT, 100) {
+                    slow + 1
+                } else {
+                    0
+                };
+                if slow > 3 || (rate > T::int(2) && slow > 1) {
+                    return Err(Trouble::Slow);
+                }
+                worst = worst.max(rate).min(T::ratio(9, 10));
+                self.rate = worst;
+            }
+            let error = change * self.tail();
+            let settled =
+                error <= eps / T::int(SETTLED) || (rounding && !disturbed && change > last / T::int(2));
+            disturbed = false;
+            last = change;
+            let Some(constraint) = constraint.as_deref_mut() else {
+                if settled {
+                    self.iterate.end_point(task.y, next);
+                    return Ok(());
+                }
+                continue;
+            };
+            let uncertain = error * self.scale;
+            if !settled && !(self.scale > zero && uncertain <= threshold) {
+                continue;
+            }
+            self.iterate.end_point(task.y, next);
+            counts.gradients += 1;
+            if !constraint.evaluate(energy, next, &self.iterate.scale) {
+                return Err(Trouble::Slow);
+            }
+            self.scale = constraint.scale;
+            threshold = T::INFINITY;
+            let (g, out) = (constraint.defect, constraint.in_floors());
+            if alphas.moves == 0 {
+                self.defect = g.abs();
+                constraint.without_alpha = g;
+            }
+            if settled
+                && (out <= one || (out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2)))
+            {
+                return Ok(());
+            }
+            if settled {
+                last_out = out;
+            }
+            if out > one && (g.abs() > uncertain || settled) {
+                if !self.move_alphas(gauss, (g, uncertain + constraint.floor), &mut alphas, task) {
+                    return Err(Trouble::NoAlpha);
+                }
+                disturbed = true;
+            }
+        }
+        Err(Trouble::Slow)
+    }
+
+    /// What a change of Z by 1 leaves of an error at the end point. With positions alone as unknowns ρ is the product of a half sweep
+    /// from the positions to the momenta and one back; the momenta at the end have had the first only.
+    fn tail(&self) -> T {
+        let rate = self.rate;
+        let share = match self.iterate.kinetic {
+            Some(_) => rate.sqrt(),
+            None => rate,
+        };
+        share / (T::int(1) - rate)
+    }
+
+    fn begin(&mut self, gauss: &Gauss<T>, prolong: Option<T>, task: &SweepTask<'_, T>) {
+        if let Some(ratio) = prolong
+            && ratio != self.ratio
+        {
+            let (s, stride) = (self.iterate.s, self.iterate.stride);
+            crate::guess::fill_prolongation(gauss, ratio, |i, j, e| {
+                debug_assert!(i < s);
+                self.prolongation[j * stride + i] = e;
+            });
+            self.ratio = ratio;
+        }
+        let prolongation = prolong.map(|_| self.prolongation.as_slice());
+        self.alphas.copy_from_slice(task.alphas);
+        self.iterate.set_alphas(gauss, &self.alphas);
+        self.iterate.begin(gauss, task.h, prolongation);
+    }
+
+    /// Moves the α's to where g vanishes by the slope known. Returns whether they stay within their bound.
+    fn move_alphas(
+        &mut self,
+        gauss: &Gauss<T>,
+        (g, noise): (T, T),
+        alphas: &mut Alphas<T>,
+        task: &SweepTask<'_, T>,
+    ) -> bool {
+        if alphas.moves == MAX_MOVES {
+            return false;
+        }
+        let start = alphas.t;
+        match alphas.last {
+            None => {
+                if !self.slopes.take(&self.iterate, task.h) {
+                    return false;
+                }
+                alphas.slope = self.slopes.slope();
+            }
+            Some((t, g_last, noise_last)) => {
+                let ratio = (g - g_last) / (alphas.t - t) / alphas.slope;
+                let clear = (g - g_last).abs() > T::int(8) * (noise + noise_last);
+                if clear && ratio > T::ratio(1, 4) && ratio < T::int(4) {
+                    alphas.slope *= ratio;
+                }
+            }
+        }
+        alphas.last = Some((alphas.t, g, noise));
+        alphas.t -= g / alphas.slope;
+        alphas.moves += 1;
+        let within = alphas.t.abs() <= task.alpha_bound;
+        if within {
+            for ((alpha, &start), &d) in self.alphas.iter_mut().zip(task.alphas).zip(&self.slopes.d)
+            {
+                *alpha = start + alphas.t * d;
+            }
+            self.iterate.set_alphas(gauss, &self.alphas);
+            if alphas.moves == 1 {
+                self.iterate.mix_anew(task.y);
+            } else {
+                self.iterate.extrapolate((alphas.t - start) / start);
+            }
+        }
+        within
+    }
+}
