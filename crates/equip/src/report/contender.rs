@@ -4,10 +4,10 @@ use super::composition::{Composition, KAHAN_LI, SOFRONIOU_SPALETTA, Scheme, VERL
 use super::dop853::Dop853;
 use super::flow::Flow;
 use super::subject::Subject;
+use cpu_time::ThreadTime;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Equip, Gauss, Invariant, Method};
-use std::time::Instant;
 
 /// A method of the report.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,7 +115,7 @@ impl Contender {
         Ok(outcome)
     }
 
-    /// Seconds of one run without anything watched.
+    /// Seconds of CPU time of one run without anything watched.
     ///
     /// # Errors
     /// What ended the run, in words.
@@ -128,7 +128,7 @@ impl Contender {
                 ours(Gauss::stages(*s), subject, setting, false).map(|(_, _, seconds)| seconds)
             }
             _ => {
-                let begun = Instant::now();
+                let begun = ThreadTime::now();
                 self.run(subject, setting, |_: &[T]| {})?;
                 Ok(begun.elapsed().as_secs_f64())
             }
@@ -207,7 +207,7 @@ fn ours<T: Float>(
         }
     }
     let fault = |e: equip_solver::IntegrateError<T>| e.to_string();
-    let begun = Instant::now();
+    let begun = ThreadTime::now();
     let mut stepper = integrator
         .start(subject.instance.hamiltonian(), q, p, T::int(0))
         .map_err(fault)?;

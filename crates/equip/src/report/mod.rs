@@ -199,7 +199,7 @@ fn facts(results: &[Results], begun: Instant) -> Vec<String> {
     vec![
         format!("equip {}, {build}", env!("CARGO_PKG_VERSION")),
         format!("{cpu}, {cores} cores, {} on {}; one thread is used", std::env::consts::OS, std::env::consts::ARCH),
-        format!("wall-clock milliseconds of whole runs, without recording H; medians of {fewest} to {most} interleaved repeats, their spread in the tables"),
+        format!("milliseconds of CPU time of whole runs, without recording H; medians of {fewest} to {most} interleaved repeats, their spread in the tables"),
         "error: the largest difference in any component of q and p at the end; H is given as a closure to all methods, and all use the gradient derived from it".into(),
         "times to an error: interpolated linearly in both logarithms; a setting counts if the next finer one stays within the error too".into(),
         format!("made in {:.0} s", begun.elapsed().as_secs_f64()),

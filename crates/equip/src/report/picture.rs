@@ -100,8 +100,8 @@ pub(super) fn scene(title: &str, curves: &[Curve]) -> String {
         })
         .collect();
     let labels = [
-        ("run time / ms", "error of (q, p) at the end"),
-        ("run time / ms", "largest energy defect"),
+        ("CPU time / ms", "error of (q, p) at the end"),
+        ("CPU time / ms", "largest energy defect"),
         ("gradients of H", "error of (q, p) at the end"),
     ];
     draw(title, &labels, &lines)
