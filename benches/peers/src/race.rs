@@ -102,7 +102,7 @@ impl Lane {
     }
 
     fn climb(&mut self, task: &Task, cap: f64) {
-        let (mut best, mut worse, mut failed) = (f64::INFINITY, 0, 0);
+        let (mut best, mut worse, mut failed, mut slow) = (f64::INFINITY, 0, 0, 0);
         for setting in self.contestant.ladder().settings() {
             let Some(tried) = self.try_setting(setting, task) else {
                 // Coarse settings may well fail.
@@ -121,7 +121,9 @@ impl Lane {
             };
             best = best.min(tried.error);
             let floor = best < 1e-7 && worse >= 7;
-            if tried.median() > cap || best <= 0.01 * last || floor {
+            // Coarse settings may be slow where steps fail and are halved; finer ones then are faster.
+            slow = if tried.median() > cap { slow + 1 } else { 0 };
+            if slow >= 4 || tried.median() > CAP || best <= 0.01 * last || floor {
                 break;
             }
         }

@@ -39,7 +39,7 @@ pub(super) struct Outcome {
     pub(super) invariants: Vec<f64>,
     pub(super) steps: u64,
     pub(super) gradients: u64,
-    /// Newton iterations or sweeps, for methods that have them.
+    /// Newton iterations and sweeps, for methods that have them.
     pub(super) iterations: Option<u64>,
 }
 
@@ -231,7 +231,7 @@ fn ours<T: Float>(
             .collect(),
         steps: certificate.counts.steps,
         gradients: certificate.counts.gradients,
-        iterations: Some(certificate.counts.newton_iterations),
+        iterations: Some(certificate.counts.newton_iterations + certificate.counts.sweeps),
     };
     Ok((outcome, end, seconds))
 }

@@ -117,7 +117,7 @@ fn climb<T: Float>(
         points: Vec::new(),
         failure: None,
     };
-    let (mut best, mut worse) = (f64::INFINITY, 0);
+    let (mut best, mut worse, mut slow) = (f64::INFINITY, 0, 0);
     for k in 0..SETTINGS {
         let setting = contender.setting(subject, k);
         if contender.adapts() && setting < T::EPSILON.to_f64() {
@@ -142,7 +142,9 @@ fn climb<T: Float>(
             Err(failure) => curve.failure = Some(failure),
         }
         let at_floor = worse >= 2 && best < T::EPSILON.to_f64().sqrt();
-        if at_floor || run_begun.elapsed() > most || begun.elapsed() > share {
+        // Coarse settings may be slow where steps fail and are halved; finer ones then are faster.
+        slow = if run_begun.elapsed() > most { slow + 1 } else { 0 };
+        if at_floor || slow >= 3 || begun.elapsed() > share {
             break;
         }
     }
