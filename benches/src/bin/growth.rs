@@ -15,7 +15,7 @@ use std::error::Error;
 use std::time::Instant;
 
 /// Rounds of every table.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 3;
 
 /// What a run came to.
 struct Measured {
@@ -129,6 +129,7 @@ fn chains(counts_only: bool) -> Result<(), Box<dyn Error>> {
     for (&n, tape) in sizes.iter().zip(&tapes) {
         let mode = |i: usize| 10.0 * (std::f64::consts::PI * i as f64 / (n + 1) as f64).sin();
         let start: (Vec<f64>, Vec<f64>) = ((1..=n).map(mode).collect(), vec![0.0; n]);
+        let steps = (20_000 / n as u64).clamp(4, 200);
         for (name, method) in [
             ("EQUIP(4)", Equip::stages(4)),
             ("Gauss(4)", Gauss::stages(4)),
@@ -138,7 +139,7 @@ fn chains(counts_only: bool) -> Result<(), Box<dyn Error>> {
                 tape,
                 method,
                 0.2,
-                20,
+                steps,
                 start.clone(),
             ));
         }

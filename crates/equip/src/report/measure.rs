@@ -143,7 +143,11 @@ fn climb<T: Float>(
         }
         let at_floor = worse >= 2 && best < T::EPSILON.to_f64().sqrt();
         // Coarse settings may be slow where steps fail and are halved; finer ones then are faster.
-        slow = if run_begun.elapsed() > most { slow + 1 } else { 0 };
+        slow = if run_begun.elapsed() > most {
+            slow + 1
+        } else {
+            0
+        };
         if at_floor || slow >= 3 || begun.elapsed() > share {
             break;
         }
