@@ -33,7 +33,8 @@ def fpu(parameters, _n):
     springs = [q[0] - q[m]]
     springs += [q[i] - q[m + i] - q[i - 1] - q[m + i - 1] for i in range(1, m)]
     springs.append(q[m - 1] + q[2 * m - 1])
-    f = [d**3 for d in springs]
+    # Products: the series of a power divides by its base, which is zero at the start.
+    f = [d * d * d for d in springs]
     force = [f[i + 1] - f[i] for i in range(m)]
     force[m - 1] = -f[m] - f[m - 1]
     fast = [f[i] + f[i + 1] - omega**2 * q[m + i] for i in range(m)]
@@ -46,7 +47,7 @@ def fput_beta(parameters, _n):
     q = hy.make_vars(*[f"q{i}" for i in range(n)])
     p = hy.make_vars(*[f"p{i}" for i in range(n)])
     d = [q[0]] + [q[i + 1] - q[i] for i in range(n - 1)] + [-q[n - 1]]
-    f = [d + beta * d**3 for d in d]
+    f = [d + beta * (d * d * d) for d in d]
     return list(zip(q, p)) + [(p[i], f[i + 1] - f[i]) for i in range(n)]
 
 

@@ -83,7 +83,7 @@ pub struct Remote {
 }
 
 impl Remote {
-    fn new(
+    fn boxed(
         worker: &Rc<RefCell<Worker>>,
         task: &Task,
         peer: &'static str,
@@ -125,7 +125,7 @@ pub fn contestants(worker: &Rc<RefCell<Worker>>, task: &Task) -> Vec<Box<dyn Con
     let tolerances = Ladder::tolerances;
     let mut all = Vec::new();
     let mut add =
-        |peer, variant, ladder| all.push(Remote::new(worker, task, peer, variant, ladder));
+        |peer, variant, ladder| all.push(Remote::boxed(worker, task, peer, variant, ladder));
     if task.targets[0] < 1e-6 {
         add("heyoka", "long double", tolerances(10, 20));
         add("heyoka", "real128", tolerances(10, 34));
