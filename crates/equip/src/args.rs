@@ -21,7 +21,8 @@ const PARAMETERS: &str = "Parameters of the scene";
         equip scenes kepler                formula, parameters and source of one scene\n  \
         equip run kepler                   a run with its certificate\n  \
         equip run kepler --e 0.9 --stages 6 --periods 100 --plot kepler.svg\n  \
-        equip check --quick                stiff and extreme cases, judged"
+        equip check --quick                stiff and extreme cases, judged\n  \
+        equip report --quick               error against run time, as a page"
 )]
 pub(crate) struct Cli {
     #[command(subcommand)]
@@ -36,6 +37,8 @@ pub(crate) enum Command {
     Run(Box<RunArgs>),
     /// Run the catalogue of stiff and extreme cases, and judge every row
     Check(CheckArgs),
+    /// Error against run time of EQUIP, Gauss and classical methods: a page, pictures and tables
+    Report(ReportArgs),
 }
 
 #[derive(Debug, Args)]
@@ -161,6 +164,40 @@ pub(crate) struct CheckArgs {
     pub(crate) html: Option<PathBuf>,
 }
 
+#[derive(Debug, Args)]
+#[command(
+    after_help = "For each scene: error at the end and energy defect against run time, work counts, and the time to given \
+        errors, of EQUIP and Gauss with several numbers of stages, Störmer-Verlet, compositions of order 8 and 10, and DOP853. All use \
+        the gradient derived from H.\n\n\
+        The directory gets report.html, which needs nothing else, runs.csv, times.csv, and one SVG file a scene.\n\n\
+        Examples:\n  \
+        equip report --quick\n  \
+        equip report --only kepler --out kepler-report\n  \
+        equip report --peers benches/peers/out/peers.json"
+)]
+pub(crate) struct ReportArgs {
+    /// Fewer scenes and methods, in less than a minute; all of it takes less than ten
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Scenes whose name, like kepler-0.6-f64 or pendulum-dd, contains TEXT
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) only: Option<String>,
+    /// Time to spend; more of it means finer settings and more repeats
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) seconds: Option<f64>,
+    /// Directory to write to; it is made if it is not there
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "equip-report",
+        help_heading = "Output"
+    )]
+    pub(crate) out: PathBuf,
+    /// Join what benches/peers measured to the page
+    #[arg(long, value_name = "peers.json", help_heading = "Output")]
+    pub(crate) peers: Option<PathBuf>,
+}
+
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum Precision {
     F64,
@@ -237,6 +274,13 @@ fn with_parameters(
         }
     }
     run
+}
+
+fn seconds(text: &str) -> Result<f64, &'static str> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 1e6 => Ok(x),
+        _ => Err("a positive number of seconds, at most 1e6"),
+    }
 }
 
 fn pair(text: &str) -> Result<(String, String), &'static str> {

@@ -10,6 +10,7 @@ mod json;
 mod panel;
 mod plot;
 mod progress;
+mod report;
 mod run;
 mod samples;
 mod scenes;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Run(args) => run::run(&args),
         Command::Check(args) => check::check(&args),
+        Command::Report(args) => report::report(&args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -99,6 +99,17 @@ impl Svg {
         colour: &str,
         width: f64,
     ) {
+        self.dashed(points, colour, width, "none");
+    }
+
+    /// The same with a pattern of dashes, `none` for a full line.
+    pub(crate) fn dashed(
+        &mut self,
+        points: impl Iterator<Item = (f64, f64)>,
+        colour: &str,
+        width: f64,
+        dashes: &str,
+    ) {
         let (mut path, mut last) = (String::new(), None);
         for (x, y) in points {
             if last.is_some_and(|(a, b): (f64, f64)| (a - x).abs() < 0.33 && (b - y).abs() < 0.33) {
@@ -112,7 +123,7 @@ impl Svg {
             last = Some((x, y));
         }
         self.push(format_args!(
-            r#"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linejoin="round"/>"#
+            r#"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}" stroke-linejoin="round"/>"#
         ));
     }
 

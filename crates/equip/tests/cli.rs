@@ -42,7 +42,12 @@ fn table(path: &PathBuf) -> Vec<Vec<String>> {
 
 #[test]
 fn help_teaches() {
-    for arguments in [&["--help"][..], &["run", "--help"], &["scenes", "--help"]] {
+    for arguments in [
+        &["--help"][..],
+        &["run", "--help"],
+        &["scenes", "--help"],
+        &["report", "--help"],
+    ] {
         assert!(stdout(arguments).contains("Examples:"), "{arguments:?}");
     }
     let help = stdout(&["run", "kepler", "--help"]);

@@ -1,0 +1,52 @@
+"""REBOUND: IAS15 with its precision parameter, WHFast with a fixed step. For bodies under gravity only."""
+
+import rebound
+
+
+class Runner:
+    def __init__(self, request):
+        self.q, self.v, self.end_time = request["q"], request["v"], request["end"]
+        self.variant, self.setting = request["variant"], request["setting"]
+        self.kepler = request["system"] == "kepler"
+        self.masses = [1.0, 0.0] if self.kepler else request["parameters"]
+        self.simulation = None
+
+    def reset(self):
+        simulation = rebound.Simulation()
+        if self.kepler:
+            # A test particle about a mass at rest.
+            simulation.add(m=1.0)
+            simulation.add(m=0.0, x=self.q[0], y=self.q[1], vx=self.v[0], vy=self.v[1])
+            simulation.N_active = 1
+        else:
+            for i, mass in enumerate(self.masses):
+                (x, y, z), (u, v, w) = self.q[3 * i : 3 * i + 3], self.v[3 * i : 3 * i + 3]
+                simulation.add(m=mass, x=x, y=y, z=z, vx=u, vy=v, vz=w)
+        simulation.integrator = self.variant.lower()
+        if self.variant == "IAS15":
+            simulation.integrator.epsilon = self.setting
+            simulation.dt = 1e-3 * self.end_time
+        else:
+            simulation.dt = self.end_time / self.setting
+        self.simulation = simulation
+
+    def run(self):
+        self.simulation.integrate(self.end_time, exact_finish_time=1)
+
+    def nothing(self):
+        self.simulation.integrate(self.end_time)
+
+    def end(self):
+        self.simulation.synchronize()
+        bodies = [self.simulation.particles[i] for i in range(self.simulation.N)]
+        if self.kepler:
+            body = bodies[1]
+            q, v = [body.x, body.y], [body.vx, body.vy]
+        else:
+            q = [x for b in bodies for x in (b.x, b.y, b.z)]
+            v = [x for b in bodies for x in (b.vx, b.vy, b.vz)]
+        return [repr(x) for x in q], [repr(x) for x in v], self.simulation.steps_done
+
+
+def build(request):
+    return Runner(request)

@@ -1,0 +1,150 @@
+//! equip beside other integrators: CPU time to reach an accuracy, interleaved on one core.
+//!
+//! The rules are in docs/compare.md.
+
+mod clock;
+mod composition;
+mod contestant;
+mod ours;
+mod problem;
+mod python;
+mod race;
+mod rust_peers;
+mod table;
+mod task;
+
+use clap::Parser;
+use contestant::Contestant;
+use equip::prelude::*;
+use ours::Ours;
+use problem::{ByHand, Problem};
+use serde_json::{Value, json};
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use task::{NAMES, Task, WithTask};
+
+/// equip beside other integrators: CPU time to reach an accuracy, interleaved on one core
+#[derive(Debug, Parser)]
+struct Args {
+    /// Scenes whose name contains one of these; all if none is named
+    scenes: Vec<String>,
+    /// Rounds of interleaved repeats
+    #[arg(long, default_value_t = 7)]
+    rounds: usize,
+    /// Core to stay on
+    #[arg(long, default_value_t = 0)]
+    core: usize,
+    /// Contestants whose name contains one of these, like heyoka or "equip closure"
+    #[arg(long)]
+    only: Vec<String>,
+    /// Stages of ours
+    #[arg(long, value_delimiter = ',', default_values_t = [4, 6, 8, 10])]
+    stages: Vec<usize>,
+    /// Where to write peers.csv and peers.json
+    #[arg(long, default_value = "out")]
+    out: PathBuf,
+}
+
+struct Run {
+    args: Args,
+    worker: Option<Rc<RefCell<python::Worker>>>,
+    csv: String,
+    scenes: Vec<Value>,
+}
+
+impl WithTask for Run {
+    fn with<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String> {
+        let m = task.q.len();
+        let text = |e: BuildError| e.to_string();
+        let by_closure = problem.clone();
+        let closure = Rc::new(Hamiltonian::new(m, |q, p| by_closure.energy(q, p)).map_err(text)?);
+        let compiled = Rc::new(Hamiltonian::from_energy(problem.clone()).map_err(text)?);
+        let by_hand = Rc::new(Hamiltonian::from_energy(ByHand(problem.clone())).map_err(text)?);
+        by_hand
+            .check_gradient(&[task.q.clone(), task.p.clone()].concat())
+            .map_err(|e| e.to_string())?;
+        let mut all: Vec<Box<dyn Contestant>> = Vec::new();
+        let extended = task.targets[0] < 1e-6;
+        if !extended {
+            all.extend(rust_peers::contestants(&problem, &task));
+        }
+        if let Some(worker) = &self.worker {
+            all.extend(python::contestants(worker, &task));
+        }
+        let add = if extended { 4 } else { 0 };
+        for s in self.args.stages.iter().map(|s| s + add) {
+            if extended {
+                all.push(Box::new(Ours::<_, DoubleDouble>::new(
+                    &closure, "closure", s, &task,
+                )));
+                all.push(Box::new(Ours::<_, DoubleDouble>::new(
+                    &compiled, "trait", s, &task,
+                )));
+            } else {
+                all.push(Box::new(Ours::<_, f64>::new(&closure, "closure", s, &task)));
+                all.push(Box::new(Ours::<_, f64>::new(&compiled, "trait", s, &task)));
+                all.push(Box::new(Ours::<_, f64>::new(&by_hand, "by hand", s, &task)));
+            }
+        }
+        let wanted = &self.args.only;
+        all.retain(|c| {
+            let name = format!("{} {}", c.program(), c.method());
+            wanted.is_empty() || wanted.iter().any(|w| name.contains(w.as_str()))
+        });
+        let lanes = race::race(&task, all, self.args.rounds, |text| eprintln!("{text}"));
+        print!("{}", table::text(&task, &lanes));
+        self.csv.push_str(&table::csv(&task, &lanes));
+        self.scenes.push(table::json(&task, &lanes));
+        self.write()
+    }
+}
+
+impl Run {
+    /// Writes what there is; after every scene, so that an end before the last one loses little.
+    fn write(&self) -> Result<(), String> {
+        let text = |e: std::io::Error| format!("{}: {e}", self.args.out.display());
+        std::fs::create_dir_all(&self.args.out).map_err(text)?;
+        let csv = format!("{}{}", table::HEADER, self.csv);
+        std::fs::write(self.args.out.join("peers.csv"), csv).map_err(text)?;
+        let document = json!({"version": 1, "cpu": cpu(), "scenes": self.scenes});
+        let document = serde_json::to_string_pretty(&document).map_err(|e| e.to_string())?;
+        std::fs::write(self.args.out.join("peers.json"), document + "\n").map_err(text)
+    }
+}
+
+/// What the system says its processor is.
+fn cpu() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let line = info.lines().find(|line| line.starts_with("model name"));
+    line.and_then(|line| line.split_once(": "))
+        .map_or("unknown".into(), |(_, name)| name.to_owned())
+}
+
+fn main() -> Result<(), String> {
+    let args = Args::parse();
+    clock::pin(args.core)
+        .map_err(|e| format!("core {}: {e}; choose another with --core", args.core))?;
+    let home = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let worker = match python::Worker::start(home) {
+        Ok(worker) => Some(Rc::new(RefCell::new(worker))),
+        Err(reason) => {
+            eprintln!("without the Python peers: {reason}");
+            None
+        }
+    };
+    let chosen = |name: &&&str| {
+        args.scenes.is_empty() || args.scenes.iter().any(|s| name.contains(s.as_str()))
+    };
+    let names: Vec<&'static str> = NAMES.iter().filter(chosen).copied().collect();
+    let mut run = Run {
+        args,
+        worker,
+        csv: String::new(),
+        scenes: Vec::new(),
+    };
+    for name in names {
+        task::visit(name, &mut run)?;
+    }
+    Ok(())
+}

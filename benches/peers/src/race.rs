@@ -1,0 +1,214 @@
+//! The order of the runs: what settings are tried, which of them are timed, and what counts.
+//!
+//! 1. Every contestant climbs its ladder from coarse to fine, until it is slower than the cap or no longer improves.
+//! 2. Between the last setting that misses a target and the first that reaches it, settings are halved geometrically.
+//! 3. For each target every contestant's quickest setting that reaches it is timed again, all contestants in turn, for a
+//!    number of rounds; what counts is the median over the rounds.
+//!
+//! A setting *reaches* a target if its error and that of the next finer setting tried are within it: a lucky hit alone does not.
+
+use crate::contestant::Contestant;
+use crate::task::Task;
+
+/// Seconds a single run may take.
+const CAP: f64 = 3.0;
+/// A climb ends when it is slower by this factor than the quickest so far at the last target that anyone reaches.
+const FAR_BEHIND: f64 = 60.0;
+/// Contestants slower by this factor at a target are not timed again there.
+const HOPELESS: f64 = 20.0;
+/// Bisections at each target.
+const BISECTIONS: usize = 2;
+
+/// A setting that was run.
+#[derive(Debug, Clone)]
+pub struct Tried {
+    pub setting: f64,
+    pub error: f64,
+    pub steps: Option<u64>,
+    /// CPU seconds of all turns, the first from the climb.
+    pub seconds: Vec<f64>,
+}
+
+impl Tried {
+    /// The median over the rounds; before there are any, the time of the climb.
+    pub fn median(&self) -> f64 {
+        let (median, ..) = self.spread();
+        median
+    }
+
+    /// Median, smallest and largest.
+    pub fn spread(&self) -> (f64, f64, f64) {
+        let mut rounds = match self.seconds.as_slice() {
+            [first] => vec![*first],
+            [_, rounds @ ..] => rounds.to_vec(),
+            [] => vec![f64::NAN],
+        };
+        rounds.sort_by(f64::total_cmp);
+        (
+            rounds[rounds.len() / 2],
+            rounds[0],
+            rounds[rounds.len() - 1],
+        )
+    }
+}
+
+/// A contestant with all it tried, from coarse to fine.
+pub struct Lane {
+    pub contestant: Box<dyn Contestant>,
+    pub tried: Vec<Tried>,
+    /// The last failure, if there was one.
+    pub failure: Option<String>,
+}
+
+impl Lane {
+    /// Index of the quickest setting that reaches `target`.
+    pub fn quickest(&self, target: f64) -> Option<usize> {
+        let reaches = |i: usize| {
+            let next = self.tried.get(i + 1);
+            self.tried[i].error <= target && next.is_none_or(|n| n.error <= target)
+        };
+        let time = |i: &usize| self.tried[*i].median();
+        (0..self.tried.len())
+            .filter(|&i| reaches(i))
+            .min_by(|a, b| time(a).total_cmp(&time(b)))
+    }
+
+    fn try_setting(&mut self, setting: f64, task: &Task) -> Option<&Tried> {
+        match self.contestant.run(setting) {
+            Ok(ran) => {
+                let tried = Tried {
+                    setting,
+                    error: task.error(&ran.end),
+                    steps: ran.steps,
+                    seconds: vec![ran.seconds],
+                };
+                let finer = self.contestant.ladder().factor > 1.0;
+                let before = |t: &Tried| {
+                    if finer {
+                        t.setting < setting
+                    } else {
+                        t.setting > setting
+                    }
+                };
+                let place = self.tried.partition_point(before);
+                self.tried.insert(place, tried);
+                self.tried.get(place)
+            }
+            Err(failure) => {
+                self.failure = Some(failure);
+                None
+            }
+        }
+    }
+
+    fn climb(&mut self, task: &Task, cap: f64) {
+        let (mut best, mut worse, mut failed, mut slow) = (f64::INFINITY, 0, 0, 0);
+        for setting in self.contestant.ladder().settings() {
+            let Some(tried) = self.try_setting(setting, task) else {
+                // Coarse settings may well fail.
+                failed += 1;
+                if failed < 4 || self.tried.is_empty() {
+                    continue;
+                }
+                break;
+            };
+            failed = 0;
+            let last = task.targets[task.targets.len() - 1];
+            worse = if tried.error < 0.7 * best {
+                0
+            } else {
+                worse + 1
+            };
+            best = best.min(tried.error);
+            let floor = best < 1e-7 && worse >= 7;
+            // Coarse settings may be slow where steps fail and are halved; finer ones then are faster.
+            slow = if tried.median() > cap { slow + 1 } else { 0 };
+            if slow >= 4 || tried.median() > CAP || best <= 0.01 * last || floor {
+                break;
+            }
+        }
+    }
+
+    fn bisect(&mut self, task: &Task) {
+        let ladder = self.contestant.ladder();
+        for &target in task.targets {
+            for _ in 0..BISECTIONS {
+                let first = self.tried.iter().position(|t| t.error <= target);
+                let Some(i) = first.filter(|&i| i > 0) else {
+                    break;
+                };
+                let (a, b) = (self.tried[i - 1].setting, self.tried[i].setting);
+                let middle = ladder.between(a, b);
+                if middle == a || middle == b || self.try_setting(middle, task).is_none() {
+                    break;
+                }
+            }
+        }
+    }
+}
+
+/// Seconds a run may take, given what the contestants so far took.
+fn cap(task: &Task, lanes: &[Lane]) -> f64 {
+    let quickest = |target: &f64| {
+        let times = lanes
+            .iter()
+            .filter_map(|lane| Some(lane.tried[lane.quickest(*target)?].median()));
+        times.reduce(f64::min)
+    };
+    let hardest = task.targets.iter().rev().find_map(quickest);
+    hardest.map_or(CAP, |seconds| CAP.min(FAR_BEHIND * seconds))
+}
+
+/// Runs the race, peers first; `say` is told what is being done.
+pub fn race(
+    task: &Task,
+    contestants: Vec<Box<dyn Contestant>>,
+    rounds: usize,
+    mut say: impl FnMut(&str),
+) -> Vec<Lane> {
+    let mut lanes: Vec<Lane> = Vec::new();
+    for contestant in contestants {
+        say(&format!(
+            "{}: {}, {}",
+            task.name,
+            contestant.program(),
+            contestant.method()
+        ));
+        let mut lane = Lane {
+            contestant,
+            tried: Vec::new(),
+            failure: None,
+        };
+        lane.climb(task, cap(task, &lanes));
+        lane.bisect(task);
+        lanes.push(lane);
+    }
+    let mut again: Vec<(usize, usize)> = Vec::new();
+    for &target in task.targets {
+        let reached: Vec<(usize, usize)> = (0..lanes.len())
+            .filter_map(|k| Some((k, lanes[k].quickest(target)?)))
+            .collect();
+        let time = |&(k, i): &(usize, usize)| lanes[k].tried[i].median();
+        let least = reached.iter().map(time).fold(f64::INFINITY, f64::min);
+        again.extend(reached.iter().filter(|run| time(run) <= HOPELESS * least));
+    }
+    again.sort_unstable();
+    again.dedup();
+    for round in 0..rounds {
+        say(&format!(
+            "{}: round {} of {rounds}, {} runs",
+            task.name,
+            round + 1,
+            again.len()
+        ));
+        for &(k, i) in &again {
+            let lane = &mut lanes[k];
+            let tried = &mut lane.tried[i];
+            // It ran before with this setting.
+            if let Ok(ran) = lane.contestant.run(tried.setting) {
+                tried.seconds.push(ran.seconds);
+            }
+        }
+    }
+    lanes
+}

@@ -1,0 +1,197 @@
+//! Results as a table for people, as CSV and as JSON.
+
+use crate::race::Lane;
+use crate::task::Task;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// A program's quickest way to a target.
+#[derive(Debug, Clone)]
+pub struct Best {
+    pub program: String,
+    pub method: String,
+    pub setting: f64,
+    pub error: f64,
+    /// Milliseconds: median, least, most.
+    pub ms: (f64, f64, f64),
+    pub rounds: usize,
+}
+
+/// Groups contestants for the table: ours by the way H is given, peers by program.
+fn group(lane: &Lane) -> String {
+    let method = lane.contestant.method();
+    match lane.contestant.program() {
+        "equip" => format!("equip {}", method.split(',').next().unwrap_or_default()),
+        program => program.to_owned(),
+    }
+}
+
+/// Groups in the order in which they first stand.
+pub fn groups(lanes: &[Lane]) -> Vec<String> {
+    let mut names = Vec::new();
+    for name in lanes.iter().map(group) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// The quickest of a group.
+pub fn best(lanes: &[Lane], name: &str, target: f64) -> Option<Best> {
+    lanes
+        .iter()
+        .filter(|lane| group(lane) == name)
+        .filter_map(|lane| {
+            let tried = &lane.tried[lane.quickest(target)?];
+            let (median, low, high) = tried.spread();
+            Some(Best {
+                program: lane.contestant.program().into(),
+                method: lane.contestant.method(),
+                setting: tried.setting,
+                error: tried.error,
+                ms: (1e3 * median, 1e3 * low, 1e3 * high),
+                rounds: tried.seconds.len().saturating_sub(1).max(1),
+            })
+        })
+        .min_by(|a, b| a.ms.0.total_cmp(&b.ms.0))
+}
+
+/// The quickest that is not ours.
+pub fn best_peer(lanes: &[Lane], target: f64) -> Option<Best> {
+    groups(lanes)
+        .iter()
+        .filter(|name| !name.starts_with("equip"))
+        .filter_map(|name| best(lanes, name, target))
+        .min_by(|a, b| a.ms.0.total_cmp(&b.ms.0))
+}
+
+/// The table of one scene.
+pub fn text(task: &Task, lanes: &[Lane]) -> String {
+    let mut out = String::new();
+    // Writing to a String does not fail.
+    let _ = writeln!(
+        out,
+        "\n{} (reference within {:.0e}); CPU milliseconds to an error of",
+        task.title, task.uncertainty
+    );
+    let _ = write!(out, "{:<16}", "");
+    for target in task.targets {
+        let _ = write!(out, "{:>34}", format!("{target:.0e}"));
+    }
+    let _ = writeln!(out);
+    for name in groups(lanes) {
+        let _ = write!(out, "{name:<16}");
+        for &target in task.targets {
+            let cell = match (best(lanes, &name, target), best_peer(lanes, target)) {
+                (None, _) => "–".to_owned(),
+                (Some(best), peer) => {
+                    let ratio = peer
+                        .filter(|_| best.program == "equip")
+                        .map(|p| best.ms.0 / p.ms.0);
+                    let ratio = ratio.map_or(String::new(), |r| format!(" ({r:.2})"));
+                    let method = best
+                        .method
+                        .replace("closure, ", "")
+                        .replace("trait, ", "")
+                        .replace("by hand, ", "");
+                    format!(
+                        "{:.3}{ratio} {method} {:.3}",
+                        best.ms.0,
+                        Setting(best.setting)
+                    )
+                }
+            };
+            let _ = write!(out, "{cell:>34}");
+        }
+        let _ = writeln!(out);
+    }
+    for lane in lanes {
+        let least = lane
+            .tried
+            .iter()
+            .map(|t| t.error)
+            .fold(f64::INFINITY, f64::min);
+        let failure = lane
+            .failure
+            .as_deref()
+            .map_or(String::new(), |f| format!("; failed once: {f}"));
+        let (program, method) = (lane.contestant.program(), lane.contestant.method());
+        let _ = writeln!(
+            out,
+            "  {program} {method}: {} settings, least error {least:.1e}{failure}",
+            lane.tried.len()
+        );
+    }
+    out
+}
+
+struct Setting(f64);
+
+impl std::fmt::Display for Setting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0 >= 1.0 {
+            write!(f, "N={:.0}", self.0)
+        } else {
+            write!(f, "tol={:.0e}", self.0)
+        }
+    }
+}
+
+/// Header of the CSV file.
+pub const HEADER: &str = "scene,program,method,target,setting,error,milliseconds,least,most,rounds,ratio_to_quickest_peer\n";
+
+/// Rows of the CSV file for one scene: every contestant at every target it reaches.
+pub fn csv(task: &Task, lanes: &[Lane]) -> String {
+    let mut out = String::new();
+    for &target in task.targets {
+        let peer = best_peer(lanes, target).map(|p| p.ms.0);
+        for lane in lanes {
+            let Some(i) = lane.quickest(target) else {
+                continue;
+            };
+            let tried = &lane.tried[i];
+            let (median, low, high) = tried.spread();
+            let ratio = peer.map_or(String::new(), |p| format!("{:.4}", 1e3 * median / p));
+            let _ = writeln!(
+                out,
+                "{},{},\"{}\",{target:e},{:e},{:.3e},{:.5},{:.5},{:.5},{},{ratio}",
+                task.name,
+                lane.contestant.program(),
+                lane.contestant.method(),
+                tried.setting,
+                tried.error,
+                1e3 * median,
+                1e3 * low,
+                1e3 * high,
+                tried.seconds.len().saturating_sub(1).max(1)
+            );
+        }
+    }
+    out
+}
+
+/// One scene as JSON: what was reached, and every setting tried.
+pub fn json(task: &Task, lanes: &[Lane]) -> Value {
+    let cell = |name: &str, target: f64| {
+        best(lanes, name, target).map(|b| {
+            let peer = best_peer(lanes, target).map(|p| b.ms.0 / p.ms.0);
+            json!({"target": target, "method": b.method, "setting": b.setting, "error": b.error, "milliseconds": b.ms.0,
+                "least": b.ms.1, "most": b.ms.2, "rounds": b.rounds, "ratio_to_quickest_peer": peer})
+        })
+    };
+    let reached: Vec<Value> = groups(lanes)
+        .iter()
+        .map(|name| json!({"program": name, "reached": task.targets.iter().map(|&t| cell(name, t)).collect::<Vec<_>>()}))
+        .collect();
+    let point = |t: &crate::race::Tried| json!({"setting": t.setting, "error": t.error, "steps": t.steps, "milliseconds": 1e3 * t.median()});
+    let curves: Vec<Value> = lanes
+        .iter()
+        .map(|lane| {
+            json!({"program": group(lane), "method": lane.contestant.method(), "failure": lane.failure,
+                "points": lane.tried.iter().map(point).collect::<Vec<_>>()})
+        })
+        .collect();
+    json!({"scene": task.name, "title": task.title, "end": task.end, "targets": task.targets,
+        "reference_within": task.uncertainty, "programs": reached, "curves": curves})
+}

@@ -1,0 +1,282 @@
+//! The methods of the report, and how one run of each is made and measured.
+
+use super::composition::{Composition, KAHAN_LI, SOFRONIOU_SPALETTA, Scheme, VERLET};
+use super::dop853::Dop853;
+use super::flow::Flow;
+use super::subject::Subject;
+use cpu_time::ThreadTime;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_solver::{Equip, Gauss, Invariant, Method};
+
+/// A method of the report.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Contender {
+    Equip(usize),
+    Gauss(usize),
+    Composition(Scheme),
+    Dop853,
+}
+
+/// Which methods to run with which stages.
+pub(super) fn contenders(stages: &[usize]) -> Vec<Contender> {
+    let ours = stages.iter().map(|&s| Contender::Equip(s));
+    let gauss = stages.iter().map(|&s| Contender::Gauss(s));
+    let schemes = [VERLET, KAHAN_LI, SOFRONIOU_SPALETTA].map(Contender::Composition);
+    ours.chain(gauss)
+        .chain(schemes)
+        .chain([Contender::Dop853])
+        .collect()
+}
+
+/// What a run did, all in `f64`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Outcome {
+    pub(super) error: f64,
+    /// Largest |H − H(0)| over the steps.
+    pub(super) energy: f64,
+    /// Largest defect of each invariant.
+    pub(super) invariants: Vec<f64>,
+    pub(super) steps: u64,
+    pub(super) gradients: u64,
+    /// Newton iterations and sweeps, for methods that have them.
+    pub(super) iterations: Option<u64>,
+}
+
+impl Contender {
+    pub(super) fn name(&self) -> String {
+        match self {
+            Contender::Equip(s) => format!("EQUIP({s})"),
+            Contender::Gauss(s) => format!("Gauss({s})"),
+            Contender::Composition(scheme) => scheme.name.into(),
+            Contender::Dop853 => "DOP853".into(),
+        }
+    }
+
+    pub(super) fn order(&self) -> usize {
+        match self {
+            Contender::Equip(s) | Contender::Gauss(s) => 2 * s,
+            Contender::Composition(scheme) => scheme.order as usize,
+            Contender::Dop853 => 8,
+        }
+    }
+
+    /// Whether its setting is a tolerance; else it is a number of steps.
+    pub(super) fn adapts(&self) -> bool {
+        matches!(self, Contender::Dop853)
+    }
+
+    /// Setting number `k`, from coarse to fine.
+    pub(super) fn setting<T: Float>(&self, subject: &Subject<T>, k: i32) -> f64 {
+        let finer = 1.4_f64.powi(k);
+        match self {
+            Contender::Equip(s) | Contender::Gauss(s) => {
+                (subject.fewest * 4.0 / *s as f64 * finer).ceil()
+            }
+            // As many gradients as a coarse Gauss run makes or fewer.
+            Contender::Composition(scheme) if scheme.order == 2 => {
+                (subject.fewest * 4.0 * finer * finer).ceil()
+            }
+            Contender::Composition(scheme) => {
+                (subject.fewest * 20.0 / scheme.stages() as f64 * finer).ceil()
+            }
+            Contender::Dop853 => 10_f64.powi(-4 - k),
+        }
+    }
+
+    /// Whether the method can do the scene.
+    pub(super) fn suits<T: Float>(&self, subject: &Subject<T>) -> bool {
+        match self {
+            Contender::Composition(_) => {
+                Flow::inverse_masses(subject.instance.hamiltonian(), &subject.start).is_some()
+            }
+            _ => true,
+        }
+    }
+
+    /// One run that watches energy and invariants; its time does not count.
+    ///
+    /// # Errors
+    /// What ended the run, in words.
+    pub(super) fn watch<T: Float>(
+        &self,
+        subject: &Subject<T>,
+        setting: f64,
+    ) -> Result<Outcome, String> {
+        let mut watch = Watch::new(subject);
+        let (mut outcome, end) = self.run(subject, setting, |y| watch.see(y))?;
+        outcome.error = subject.error(&end);
+        if !outcome.error.is_finite() {
+            return Err("the end state is not finite".into());
+        }
+        if !matches!(self, Contender::Equip(_) | Contender::Gauss(_)) {
+            (outcome.energy, outcome.invariants) = (watch.energy, watch.invariants);
+        }
+        Ok(outcome)
+    }
+
+    /// Seconds of CPU time of one run without anything watched.
+    ///
+    /// # Errors
+    /// What ended the run, in words.
+    pub(super) fn time<T: Float>(&self, subject: &Subject<T>, setting: f64) -> Result<f64, String> {
+        match self {
+            Contender::Equip(s) => {
+                ours(Equip::stages(*s), subject, setting, false).map(|(_, _, seconds)| seconds)
+            }
+            Contender::Gauss(s) => {
+                ours(Gauss::stages(*s), subject, setting, false).map(|(_, _, seconds)| seconds)
+            }
+            _ => {
+                let begun = ThreadTime::now();
+                self.run(subject, setting, |_: &[T]| {})?;
+                Ok(begun.elapsed().as_secs_f64())
+            }
+        }
+    }
+
+    fn run<T: Float>(
+        &self,
+        subject: &Subject<T>,
+        setting: f64,
+        mut see: impl FnMut(&[T]),
+    ) -> Result<(Outcome, Vec<T>), String> {
+        let system = subject.instance.hamiltonian();
+        let y = subject.start.clone();
+        match self {
+            Contender::Equip(s) => {
+                ours(Equip::stages(*s), subject, setting, true).map(|(o, y, _)| (o, y))
+            }
+            Contender::Gauss(s) => {
+                ours(Gauss::stages(*s), subject, setting, true).map(|(o, y, _)| (o, y))
+            }
+            Contender::Composition(scheme) => {
+                let masses = Flow::inverse_masses(system, &y).ok_or("H is not Σ p²/(2m) + U(q)")?;
+                let h = subject.end / T::exact(setting);
+                let mut run = Composition::new(scheme, Flow::new(system), masses, y, h);
+                let steps = setting as u64;
+                for _ in 0..steps {
+                    run.advance();
+                    see(&run.y);
+                }
+                let gradients = run.gradients;
+                Ok((
+                    Outcome {
+                        steps,
+                        gradients,
+                        ..Outcome::default()
+                    },
+                    run.y,
+                ))
+            }
+            Contender::Dop853 => {
+                let h = subject.end / T::exact(16.0 * subject.fewest);
+                let mut run = Dop853::new(Flow::new(system), y, h, T::exact(setting));
+                while run.advance(subject.end)? {
+                    see(&run.y);
+                }
+                let (steps, gradients) = (run.steps, run.gradients);
+                Ok((
+                    Outcome {
+                        steps,
+                        gradients,
+                        ..Outcome::default()
+                    },
+                    run.y,
+                ))
+            }
+        }
+    }
+}
+
+/// A run of the library's own; the seconds are those of the steps.
+fn ours<T: Float>(
+    method: Method,
+    subject: &Subject<T>,
+    setting: f64,
+    watched: bool,
+) -> Result<(Outcome, Vec<T>, f64), String> {
+    let (q, p) = subject.start.split_at(subject.start.len() / 2);
+    let mut integrator = method
+        .step(subject.end / T::exact(setting))
+        .measure_energy(watched);
+    if watched {
+        for invariant in subject.instance.invariants() {
+            integrator =
+                integrator.invariant(Invariant::new(invariant.name, invariant.quantity.clone()));
+        }
+    }
+    let fault = |e: equip_solver::IntegrateError<T>| e.to_string();
+    let begun = ThreadTime::now();
+    let mut stepper = integrator
+        .start(subject.instance.hamiltonian(), q, p, T::int(0))
+        .map_err(fault)?;
+    for _ in 0..setting as u64 {
+        stepper.advance().map_err(fault)?;
+    }
+    let seconds = begun.elapsed().as_secs_f64();
+    let view = stepper.view();
+    let end = [view.q, view.p].concat();
+    let certificate = stepper.certificate();
+    let outcome = Outcome {
+        error: f64::NAN,
+        energy: certificate
+            .energy
+            .as_ref()
+            .map_or(f64::NAN, |e| e.max.to_f64()),
+        invariants: certificate
+            .invariants
+            .iter()
+            .map(|i| i.max.to_f64())
+            .collect(),
+        steps: certificate.counts.steps,
+        gradients: certificate.counts.gradients,
+        iterations: Some(certificate.counts.newton_iterations + certificate.counts.sweeps),
+    };
+    Ok((outcome, end, seconds))
+}
+
+/// Largest defects of energy and invariants along a run.
+struct Watch<T: Float> {
+    quantities: Vec<(
+        <equip_autodiff::Hamiltonian as equip_autodiff::System>::Evaluator<T>,
+        T,
+    )>,
+    energy: f64,
+    invariants: Vec<f64>,
+}
+
+impl<T: Float> Watch<T> {
+    fn new(subject: &Subject<T>) -> Self {
+        use equip_autodiff::System;
+        let instance = &subject.instance;
+        let invariants = instance.invariants().iter().map(|i| &i.quantity);
+        let quantities = [instance.hamiltonian()]
+            .into_iter()
+            .chain(invariants)
+            .map(|h| {
+                let mut evaluator = h.evaluator::<T>();
+                let start = evaluator.value(&subject.start);
+                (evaluator, start)
+            });
+        Watch {
+            quantities: quantities.collect(),
+            energy: 0.0,
+            invariants: vec![0.0; instance.invariants().len()],
+        }
+    }
+
+    fn see(&mut self, y: &[T]) {
+        for (i, (evaluator, start)) in self.quantities.iter_mut().enumerate() {
+            let defect = (evaluator.value(y) - *start).to_f64().abs();
+            let worst = if i == 0 {
+                &mut self.energy
+            } else {
+                &mut self.invariants[i - 1]
+            };
+            if !(defect <= *worst) {
+                *worst = defect;
+            }
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! `equip report` on one small scene.
+#![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+fn report(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_equip"))
+        .arg("report")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn directory(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name)
+}
+
+/// A file as `benches/peers` writes it, cut down.
+const PEERS: &str = r#"{"version": 1, "cpu": "a <fast> one", "scenes": [{"scene": "kepler-0.6", "title": "Kepler e = 0.6",
+    "end": 1.0, "targets": [1e-6, 1e-8], "reference_within": 1e-27,
+    "programs": [
+        {"program": "heyoka", "reached": [{"target": 1e-6, "method": "default", "setting": 1e-9, "error": 1e-7, "milliseconds": 2.0,
+            "least": 1.9, "most": 2.1, "rounds": 3, "ratio_to_quickest_peer": 1.0}, null]},
+        {"program": "equip trait", "reached": [{"target": 1e-6, "method": "trait, s = 8", "setting": 100, "error": 1e-7,
+            "milliseconds": 1.0, "least": 0.9, "most": 1.1, "rounds": 3, "ratio_to_quickest_peer": 0.5}, null]}],
+    "curves": [{"program": "heyoka", "method": "default", "points": [{"setting": 1e-9, "error": 1e-7, "milliseconds": 2.0}]},
+        {"program": "equip trait", "method": "trait, s = 8", "points": [{"setting": 100, "error": null, "milliseconds": null}]}]}]}"#;
+
+#[test]
+fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
+    let out = directory("report");
+    std::fs::create_dir_all(&out).unwrap();
+    let peers = out.join("peers.json");
+    std::fs::write(&peers, PEERS).unwrap();
+    let (out_text, peers) = (out.to_str().unwrap(), peers.to_str().unwrap());
+    let arguments = [
+        "--quick",
+        "--only",
+        "kepler-0.6-f64",
+        "--seconds",
+        "6",
+        "--out",
+        out_text,
+        "--peers",
+        peers,
+    ];
+    let output = report(&arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{error}");
+    assert!(error.is_empty(), "{error}");
+
+    let runs = std::fs::read_to_string(out.join("runs.csv")).unwrap();
+    let lines: Vec<&str> = runs.lines().collect();
+    let columns = lines[0].split(',').count();
+    for method in [
+        "EQUIP(4)",
+        "Gauss(8)",
+        "Störmer–Verlet",
+        "Kahan–Li 8",
+        "Sofroniou–Spaletta 10",
+        "DOP853",
+    ] {
+        let rows: Vec<Vec<&str>> = lines
+            .iter()
+            .map(|l| l.split(',').collect::<Vec<_>>())
+            .filter(|cells| cells[2] == method)
+            .collect();
+        // How many settings are run depends on the machine.
+        assert!(rows.len() >= 2, "{method}: {} rows", rows.len());
+        let number = |row: &Vec<&str>, i: usize| row[i].parse::<f64>().unwrap();
+        let error = |row: &Vec<&str>| number(row, 6);
+        let best = rows.iter().map(error).fold(f64::INFINITY, f64::min);
+        // Finer settings are better: measured 1.4e4 (Störmer–Verlet) and more, here with room for machines on which the time
+        // is up after the second setting.
+        assert!(
+            error(&rows[0]) > 2.0 * best,
+            "{method}: {:e} to {best:e}",
+            error(&rows[0])
+        );
+        for row in &rows {
+            assert_eq!(row.len(), columns, "{row:?}");
+            assert!(row[8].contains("angular momentum="), "{row:?}");
+            assert!(
+                number(row, 11) > 0.0 && number(row, 12) <= number(row, 11),
+                "{row:?}"
+            );
+            // One gradient a kick: 1, 17 and 35 a step.
+            let kicks = [
+                ("Störmer–Verlet", 1.0),
+                ("Kahan–Li 8", 17.0),
+                ("Sofroniou–Spaletta 10", 35.0),
+            ];
+            if let Some((_, kicks)) = kicks.iter().find(|(name, _)| *name == method) {
+                assert_eq!(number(row, 9), kicks * number(row, 5), "{row:?}");
+            }
+        }
+        if method == "EQUIP(4)" {
+            // Energy at round-off at every setting: measured 1.8e-15 at most, headroom of 10.
+            assert!(rows.iter().all(|row| number(row, 7) < 1.8e-14), "{rows:?}");
+        }
+    }
+
+    let times = std::fs::read_to_string(out.join("times.csv")).unwrap();
+    // 3 EQUIP, 3 Gauss, 3 compositions, DOP853; 4 targets; a header.
+    assert_eq!(times.lines().count(), 1 + 10 * 4);
+    assert!(
+        times
+            .lines()
+            .any(|l| l.starts_with("kepler-0.6,f64,DOP853,1e-6,") && l.ends_with("interpolated"))
+    );
+
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    assert!(
+        !page.contains("src=") && !page.contains("href="),
+        "needs nothing else"
+    );
+    assert!(!page.contains("NaN") && !page.contains(">inf"));
+    assert_eq!(page.matches("<svg").count(), 2);
+    assert!(page.contains("Laplace-Runge-Lenz x"));
+    assert!(
+        page.contains("Beside other integrators")
+            && page.contains("(0.50)")
+            && page.contains("a &lt;fast&gt; one")
+    );
+    for name in ["kepler-0.6-f64.svg", "peers-kepler-0.6.svg"] {
+        let svg = std::fs::read_to_string(out.join(name)).unwrap();
+        assert!(
+            svg.starts_with("<svg")
+                && svg.ends_with("</svg>\n")
+                && !svg.contains("NaN")
+                && !svg.contains("inf")
+        );
+    }
+}
+
+#[test]
+fn columns_a_scene_does_not_have_are_left_out() {
+    let out = directory("report-double-pendulum");
+    let out_text = out.to_str().unwrap();
+    let output = report(&[
+        "--only",
+        "double-pendulum",
+        "--seconds",
+        "2",
+        "--out",
+        out_text,
+    ]);
+    assert_eq!(output.status.code(), Some(0));
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    // Not separable: no compositions; no invariant besides H.
+    assert!(!page.contains("Verlet") && !page.contains("momentum") && page.contains("DOP853"));
+}
+
+#[test]
+fn bad_usage_is_told_before_the_work() {
+    let told = |arguments: &[&str], code: i32, hint: &str| {
+        let output = report(arguments);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{error}");
+        assert!(error.contains(hint), "{error}");
+    };
+    told(&["--only", "no such scene"], 2, "--only");
+    told(&["--seconds", "0"], 2, "positive");
+    told(&["--peers", "Cargo.toml"], 2, "peers.json");
+    let file = directory("a-file");
+    std::fs::write(&file, "").unwrap();
+    told(
+        &["--only", "pendulum-f64", "--out", file.to_str().unwrap()],
+        1,
+        "cannot write",
+    );
+}
