@@ -114,6 +114,28 @@ pub enum IntegrateError<T: Float> {
         /// End of the interval.
         end: T,
     },
+    /// Step control wants a step below the smallest one allowed, or below the resolution of time.
+    #[error(
+        "the tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity of H, or the tolerance is too small: loosen it or lower `min_step`"
+    )]
+    StepBelowMinimum {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// Smallest step allowed.
+        min: T,
+    },
+    /// The run has made all the steps it may.
+    #[error(
+        "{steps} steps were made and t = {time} is reached; raise `max_steps`, loosen the tolerance or shorten the interval"
+    )]
+    StepLimit {
+        /// Steps allowed.
+        steps: u64,
+        /// Time reached.
+        time: T,
+    },
     /// H became infinite or NaN inside a step, also after all halvings.
     #[error(
         "H or its derivatives are not finite inside the step at t = {time}, h = {step}, also after halving it {halvings} times; the trajectory leaves the domain of H there, or the step is too large"

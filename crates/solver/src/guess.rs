@@ -4,6 +4,8 @@
 //! γ_k = Σ_i b_i P_k(c_i) f(Y_i). The new stages are guessed as
 //!
 //! $$ Z_i = h_{old} \int_1^{1 + r c_i} u'(\tau) d\tau, \qquad r = h / h_{old} . $$
+//!
+//! After a step that was made and then refused for its size, the integral begins at 0: the new step starts where it did.
 
 use crate::stages::Stages;
 use equip_scalar::Float;
@@ -16,7 +18,9 @@ pub(crate) struct Guess<T: Float> {
     l: Vec<T>,
     /// Its size; zero when there is none.
     h: T,
-    /// Σ_k (∫_1^{1+r c_i} P_k) P_k(c_j), row by row, and the ratio r it was made for.
+    /// Whether the new step starts where it started, not where it ended.
+    refused: bool,
+    /// Σ_k (∫_1^{1+r c_i} P_k) P_k(c_j), row by row, and the ratio r it was made for; that is zero when there is none.
     matrix: Vec<T>,
     ratio: T,
 }
@@ -27,6 +31,7 @@ impl<T: Float> Guess<T> {
         Guess {
             l: vec![zero; s * n],
             h: zero,
+            refused: false,
             matrix: vec![zero; s * s],
             ratio: zero,
         }
@@ -36,6 +41,24 @@ impl<T: Float> Guess<T> {
     pub(crate) fn remember(&mut self, l: &[T], h: T) {
         self.l.copy_from_slice(l);
         self.h = h;
+        self.set_refused(false);
+    }
+
+    /// L_i and h of the step made last; h is zero when there is none.
+    pub(crate) fn last(&self) -> (&[T], T) {
+        (&self.l, self.h)
+    }
+
+    /// The step made last is refused: the next starts where it did.
+    pub(crate) fn refuse(&mut self) {
+        self.set_refused(true);
+    }
+
+    fn set_refused(&mut self, refused: bool) {
+        if self.refused != refused {
+            self.refused = refused;
+            self.ratio = T::int(0);
+        }
     }
 
     /// Whether the next guess prolongs the last step.
@@ -75,9 +98,10 @@ impl<T: Float> Guess<T> {
         // One scratch row: the integrals of P_0 … P_{s−1} from 0; from 0 to 1 only that of P_0 is not zero.
         let mut integrals = [T::int(0); crate::MAX_STAGES];
         let integrals = &mut integrals[..s];
+        let start = T::int(i64::from(!self.refused));
         for (i, &c) in gauss.nodes().iter().enumerate() {
-            legendre_integrals_at(T::int(1) + ratio * c, integrals);
-            integrals[0] -= T::int(1);
+            legendre_integrals_at(start + ratio * c, integrals);
+            integrals[0] -= start;
             for j in 0..s {
                 self.matrix[i * s + j] = (0..s).fold(T::int(0), |sum, k| {
                     sum + integrals[k] * gauss.legendre(k)[j]

@@ -7,9 +7,15 @@
 //! type*, AIP Conf. Proc. 1281 (2010), and arXiv:1005.1930.
 #![forbid(unsafe_code)]
 
+mod adaptive;
+mod adaptive_first;
+mod adaptive_run;
+mod adaptive_stepper;
 mod alpha;
 mod certificate;
 mod constraint;
+mod control;
+mod control_estimate;
 mod endpoint;
 mod error;
 mod guess;
@@ -33,7 +39,9 @@ mod state;
 mod step;
 mod stepper;
 
-pub use certificate::Certificate;
+pub use adaptive::Adaptive;
+pub use adaptive_stepper::AdaptiveStepper;
+pub use certificate::{Certificate, VariableSteps};
 pub use error::IntegrateError;
 pub use invariant::{Defect, Invariant};
 pub use method::{Alphas, Equip, Family, Gauss, Method};

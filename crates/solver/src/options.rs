@@ -28,6 +28,17 @@ pub enum Record {
     Ends,
 }
 
+impl Record {
+    /// Whether step number `index` is kept.
+    pub(crate) fn keeps(self, index: u64) -> bool {
+        match self {
+            Record::All => true,
+            Record::Every(k) => index.is_multiple_of(k),
+            Record::Ends => false,
+        }
+    }
+}
+
 /// How the stage equations of a step are solved. All solve the same equations to round-off; they differ in the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]

@@ -3,7 +3,7 @@
 use crate::certificate::Certificate;
 use crate::error::IntegrateError;
 use crate::observer::{NoObserver, Observer};
-use crate::options::{FixedStep, Record};
+use crate::options::FixedStep;
 use crate::outcome::Outcome;
 use crate::stepper::{StepView, Stepper};
 use equip_autodiff::{Evaluate, System};
@@ -98,16 +98,11 @@ impl<T: Float> FixedStep<T> {
                 Err(error) => return Err(run.fail(error, &stepper)),
             };
             let stop = observer.step(&view) == ControlFlow::Break(());
-            let keep = match self.record {
-                Record::All => true,
-                Record::Every(k) => index % k == 0,
-                Record::Ends => false,
-            };
-            if keep || stop || index == grid.steps() {
+            if self.record.keeps(index) || stop || index == grid.steps() {
                 run.keep(&view);
             }
             if stop {
-                run.stopped = true;
+                run.stop();
                 break;
             }
         }
@@ -238,7 +233,7 @@ impl<T: Float, E: Evaluate<T>> Outputs<'_, T, E> {
 }
 
 impl<T: Float> Run<T> {
-    fn new<E: Evaluate<T>>(m: usize, stepper: &Stepper<T, E>) -> Self {
+    pub(crate) fn new<E: Evaluate<T>>(m: usize, stepper: &Stepper<T, E>) -> Self {
         let mut run = Run {
             m,
             times: Vec::new(),
@@ -254,7 +249,7 @@ impl<T: Float> Run<T> {
         run
     }
 
-    fn keep(&mut self, view: &StepView<'_, T>) {
+    pub(crate) fn keep(&mut self, view: &StepView<'_, T>) {
         self.times.push(view.time);
         self.states.extend_from_slice(view.q);
         self.states.extend_from_slice(view.p);
@@ -262,7 +257,12 @@ impl<T: Float> Run<T> {
         self.outcomes.push(view.outcome);
     }
 
-    fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
+    /// An observer ends the run here.
+    pub(crate) fn stop(&mut self) {
+        self.stopped = true;
+    }
+
+    pub(crate) fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
         let output_steps = self.certificate.output_steps;
         self.certificate = Certificate {
             output_steps,
@@ -270,7 +270,7 @@ impl<T: Float> Run<T> {
         };
     }
 
-    fn fail<E: Evaluate<T>>(
+    pub(crate) fn fail<E: Evaluate<T>>(
         mut self,
         error: IntegrateError<T>,
         stepper: &Stepper<T, E>,

@@ -23,7 +23,7 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) constraints: Vec<Constraint<T>>,
     pub(crate) counts: Counts,
     pub(crate) settings: Settings<T>,
-    guess: Guess<T>,
+    pub(crate) guess: Guess<T>,
     /// α's a step starts from: zero, or the fixed ones.
     start_alphas: Vec<T>,
     /// Outcome of a step without constraints.

@@ -1,6 +1,6 @@
 //! [`Stepper`]: the run one step at a time.
 
-use crate::certificate::Certificate;
+use crate::certificate::{Certificate, VariableSteps};
 use crate::constraint::Constraint;
 use crate::error::IntegrateError;
 use crate::invariant::{Defect, Watched};
@@ -57,6 +57,21 @@ pub struct Step<T> {
     pub outcome: Outcome,
 }
 
+impl<T: Float> StepView<'_, T> {
+    /// A copy that owns its state.
+    pub fn to_step(&self) -> Step<T> {
+        Step {
+            index: self.index,
+            time: self.time,
+            q: self.q.to_vec(),
+            p: self.p.to_vec(),
+            energy_defect: self.energy_defect,
+            alphas: self.alphas.to_vec(),
+            outcome: self.outcome,
+        }
+    }
+}
+
 /// A run that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
 #[derive(Debug)]
 pub struct Stepper<T: Float, E> {
@@ -77,6 +92,8 @@ pub struct Stepper<T: Float, E> {
     alpha_range: Vec<(T, T)>,
     last: (T, Outcome),
     floor: Option<T>,
+    /// What a run with variable steps has to say about them.
+    pub(crate) variable: Option<VariableSteps<T>>,
     begun: Instant,
 }
 
@@ -165,6 +182,7 @@ impl<T: Float> FixedStep<T> {
             alpha_range: vec![(T::int(0), T::int(0)); alphas],
             last: (T::int(0), Outcome::NotAsked),
             floor: None,
+            variable: None,
             begun: Instant::now(),
             y,
             core,
@@ -211,14 +229,24 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
                 time: self.time,
             });
         }
-        let outcome = self.core.step(&self.y, self.time, h, &mut self.next)?;
+        let outcome = self.attempt(h)?;
+        self.accept(time, h, outcome);
+        Ok(self.view())
+    }
+
+    /// Makes a step of size `h` that may still be refused.
+    pub(crate) fn attempt(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
+        self.core.step(&self.y, self.time, h, &mut self.next)
+    }
+
+    /// Takes the step made by [`attempt`](Self::attempt), which ends at `time`.
+    pub(crate) fn accept(&mut self, time: T, h: T, outcome: Outcome) {
         std::mem::swap(&mut self.y, &mut self.next);
         self.index += 1;
         self.time = time;
         self.last = (h, outcome);
         self.core.counts.record(outcome);
         self.measure(outcome);
-        Ok(self.view())
     }
 
     /// Energy, invariants and α's of the step just made.
@@ -281,11 +309,20 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         &self.core.newton.history
     }
 
+    fn mean_step(&self) -> T {
+        let steps = i64::try_from(self.index).unwrap_or(i64::MAX);
+        (self.time - self.t0) / T::int(steps.max(1))
+    }
+
     /// The certificate of the run so far.
     pub fn certificate(&self) -> Certificate<T> {
         Certificate {
             method: self.method,
-            step: self.h,
+            step: match self.variable {
+                None => self.h,
+                Some(_) => self.mean_step(),
+            },
+            variable_steps: self.variable,
             start: self.t0,
             end: self.time,
             energy: self.energy.clone(),
@@ -303,14 +340,6 @@ impl<T: Float, E: Evaluate<T>> Iterator for Stepper<T, E> {
     type Item = Result<Step<T>, IntegrateError<T>>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        Some(self.advance().map(|view| Step {
-            index: view.index,
-            time: view.time,
-            q: view.q.to_vec(),
-            p: view.p.to_vec(),
-            energy_defect: view.energy_defect,
-            alphas: view.alphas.to_vec(),
-            outcome: view.outcome,
-        }))
+        Some(self.advance().map(|view| view.to_step()))
     }
 }
