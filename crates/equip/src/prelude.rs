@@ -5,5 +5,5 @@ pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, rati
 pub use equip_solver::{
     Adaptive, AdaptiveStepper, Alphas, Certificate, Counts, Equip, FixedStep, Gauss,
     IntegrateError, Invariant, Method, Observer, OnNoAlpha, Outcome, Record, Run, RunFailure, Step,
-    StepView, Stepper, VariableSteps,
+    StepView, Stepper, Trajectory, VariableSteps,
 };

@@ -137,6 +137,21 @@ impl<T: Float> Adaptive<T> {
         self
     }
 
+    /// Times at which the state is wanted besides the steps, ascending and within the interval. They are served from dense output,
+    /// with the accuracy of the steps; the steps do not change by a single bit.
+    #[must_use]
+    pub fn output_at(mut self, times: &[T]) -> Self {
+        self.base = self.base.output_at(times);
+        self
+    }
+
+    /// See [`FixedStep::dense`].
+    #[must_use]
+    pub fn dense(mut self) -> Self {
+        self.base = self.base.dense();
+        self
+    }
+
     /// Checks everything that does not need the Hamiltonian.
     pub(crate) fn validate(&self) -> Result<Settings<T>, IntegrateError<T>> {
         let settings = self.base.validate()?;

@@ -1,6 +1,7 @@
 //! A whole run with variable steps over an interval.
 
 use crate::adaptive::Adaptive;
+use crate::dense_watch::DenseWatch;
 use crate::error::IntegrateError;
 use crate::observer::{NoObserver, Observer};
 use crate::run::{Run, RunFailure};
@@ -41,13 +42,22 @@ impl<T: Float> Adaptive<T> {
         if !(t1 >= t0) || !t0.is_finite() || !t1.is_finite() {
             return Err(IntegrateError::Interval { start: t0, end: t1 }.into());
         }
+        self.base.check_output_times(t0, t1)?;
         let mut stepper = self.start(system, q0, p0, t0)?;
+        let times = &self.base.output_times;
+        let mut dense = DenseWatch::new(system, &self.base, times, &mut stepper.inner)?;
         let mut run = Run::new(q0.len(), &stepper.inner);
         while stepper.time() < t1 {
-            let view = match stepper.advance_within(Some(t1)) {
-                Ok(view) => view,
-                Err(error) => return Err(run.fail(error, &stepper.inner)),
-            };
+            let time_low = stepper.time_low;
+            if let Err(error) = stepper.advance_within(Some(t1)) {
+                return Err(run.fail(error, &stepper.inner));
+            }
+            if let Some(dense) = &mut dense
+                && let Err(error) = dense.see(&stepper.inner, time_low, &mut run)
+            {
+                return Err(run.fail(error, &stepper.inner));
+            }
+            let view = stepper.view();
             let stop = observer.step(&view) == ControlFlow::Break(());
             if stop || view.time == t1 || self.base.record.keeps(view.index) {
                 run.keep(&view);
@@ -56,6 +66,9 @@ impl<T: Float> Adaptive<T> {
                 run.stop();
                 break;
             }
+        }
+        if let Some(dense) = dense {
+            dense.finish(&stepper.inner, &mut run);
         }
         run.finish(&stepper.inner);
         Ok(run)

@@ -70,6 +70,7 @@ pub struct FixedStep<T: Float> {
     pub(crate) kept: Vec<Invariant>,
     pub(crate) record: Record,
     pub(crate) output_times: Vec<T>,
+    pub(crate) dense: bool,
 }
 
 /// Options after validation, in the form the step wants them.
@@ -85,6 +86,23 @@ pub(crate) struct Settings<T> {
     pub(crate) max_halvings: u32,
     pub(crate) pure_newton: bool,
     pub(crate) stage_solver: StageSolver,
+}
+
+impl<T: Float> Settings<T> {
+    /// The Gauss method without halvings.
+    pub(crate) fn plain(stages: usize, max_iterations: u32, stage_solver: StageSolver) -> Self {
+        Settings {
+            stages,
+            fixed_alpha: None,
+            first_alpha: None,
+            on_no_alpha: OnNoAlpha::Carry,
+            alpha_bound: T::int(1),
+            max_iterations,
+            max_halvings: 0,
+            pure_newton: false,
+            stage_solver,
+        }
+    }
 }
 
 impl<T: Float> FixedStep<T> {
@@ -103,6 +121,7 @@ impl<T: Float> FixedStep<T> {
             kept: Vec::new(),
             record: Record::default(),
             output_times: Vec::new(),
+            dense: false,
         }
     }
 
@@ -184,6 +203,14 @@ impl<T: Float> FixedStep<T> {
     #[must_use]
     pub fn output_at(mut self, times: &[T]) -> Self {
         self.output_times = times.to_vec();
+        self
+    }
+
+    /// Keep dense output: [`Run::trajectory`](crate::Run::trajectory) gives the state at any time. The steps do not change by a single bit;
+    /// each costs one solve of twice as many stages more.
+    #[must_use]
+    pub fn dense(mut self) -> Self {
+        self.dense = true;
         self
     }
 

@@ -1,6 +1,8 @@
 //! A whole run over an interval, and what it leaves.
 
 use crate::certificate::Certificate;
+use crate::dense_trajectory::Trajectory;
+use crate::dense_watch::DenseWatch;
 use crate::error::IntegrateError;
 use crate::observer::{NoObserver, Observer};
 use crate::options::FixedStep;
@@ -20,6 +22,7 @@ pub struct Run<T> {
     outcomes: Vec<Outcome>,
     output_times: Vec<T>,
     outputs: Vec<T>,
+    pub(crate) trajectory: Option<Trajectory<T>>,
     stopped: bool,
     certificate: Certificate<T>,
 }
@@ -86,6 +89,7 @@ impl<T: Float> FixedStep<T> {
                 done: 0,
             }),
         };
+        let mut dense = DenseWatch::new(system, self, &[], &mut stepper)?;
         let mut run = Run::new(q0.len(), &stepper);
         for index in 1..=grid.steps() {
             if let Some(outputs) = &mut outputs
@@ -93,10 +97,15 @@ impl<T: Float> FixedStep<T> {
             {
                 return Err(run.fail(error, &stepper));
             }
-            let view = match stepper.advance_to(grid.time(index), grid.size(index)) {
-                Ok(view) => view,
-                Err(error) => return Err(run.fail(error, &stepper)),
-            };
+            if let Err(error) = stepper.advance_to(grid.time(index), grid.size(index)) {
+                return Err(run.fail(error, &stepper));
+            }
+            if let Some(dense) = &mut dense
+                && let Err(error) = dense.see(&stepper, T::int(0), &mut run)
+            {
+                return Err(run.fail(error, &stepper));
+            }
+            let view = stepper.view();
             let stop = observer.step(&view) == ControlFlow::Break(());
             if self.record.keeps(index) || stop || index == grid.steps() {
                 run.keep(&view);
@@ -111,11 +120,14 @@ impl<T: Float> FixedStep<T> {
         {
             return Err(run.fail(error, &stepper));
         }
+        if let Some(dense) = dense {
+            dense.finish(&stepper, &mut run);
+        }
         run.finish(&stepper);
         Ok(run)
     }
 
-    fn check_output_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
+    pub(crate) fn check_output_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
         let mut previous = start;
         for (index, &time) in self.output_times.iter().enumerate() {
             if !(time >= previous && time <= end) {
@@ -220,12 +232,11 @@ impl<T: Float, E: Evaluate<T>> Outputs<'_, T, E> {
                 self.stepper.core.forget();
                 let side = &mut self.stepper;
                 side.core.step(&main.y, main.time(), h, &mut side.y)?;
-                run.outputs.extend_from_slice(&side.y.hi);
+                run.output(time, &side.y.hi);
                 run.certificate.output_steps += 1;
             } else {
-                run.outputs.extend_from_slice(&main.y.hi);
+                run.output(time, &main.y.hi);
             }
-            run.output_times.push(time);
             self.done += 1;
         }
         Ok(())
@@ -242,6 +253,7 @@ impl<T: Float> Run<T> {
             outcomes: Vec::new(),
             output_times: Vec::new(),
             outputs: Vec::new(),
+            trajectory: None,
             stopped: false,
             certificate: stepper.certificate(),
         };
@@ -255,6 +267,12 @@ impl<T: Float> Run<T> {
         self.states.extend_from_slice(view.p);
         self.energy_defects.extend(view.energy_defect);
         self.outcomes.push(view.outcome);
+    }
+
+    /// The state at a time asked for.
+    pub(crate) fn output(&mut self, time: T, y: &[T]) {
+        self.output_times.push(time);
+        self.outputs.extend_from_slice(y);
     }
 
     /// An observer ends the run here.
@@ -335,6 +353,11 @@ impl<T: Float> Run<T> {
                 let (q, p) = y.split_at(self.m);
                 (t, q, p)
             })
+    }
+
+    /// The run at any time, if dense output was asked for.
+    pub fn trajectory(&self) -> Option<&Trajectory<T>> {
+        self.trajectory.as_ref()
     }
 
     /// Whether an observer ended the run before the end of the interval.

@@ -2,6 +2,7 @@
 
 use crate::alpha::Norm;
 use crate::constraint::{Constraint, worst};
+use crate::dense::Parts;
 use crate::error::IntegrateError;
 use crate::guess::Guess;
 use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
@@ -30,6 +31,8 @@ pub(crate) struct Core<T: Float, E> {
     unconstrained: Outcome,
     /// Mid points of halved steps, one per level.
     middles: Vec<State<T>>,
+    /// The parts of the step, if dense output is wanted.
+    pub(crate) parts: Parts<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
@@ -68,6 +71,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 Outcome::NotAsked
             },
             middles: vec![zero; settings.max_halvings as usize],
+            parts: Parts::new(),
             stages: Stages::new(gauss, n),
             settings,
         }
@@ -87,6 +91,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         h: T,
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
+        self.parts.clear();
         self.step_at_level(0, y, t, h, next)
     }
 
@@ -99,7 +104,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
         let failure = match self.attempt(y, h, next) {
-            Ok(outcome) => return Ok(outcome),
+            Ok(outcome) => {
+                self.parts.add(y, t, h, &self.stages.l);
+                return Ok(outcome);
+            }
             Err(failure) => failure,
         };
         // A defect of a few floors that no α removes is round-off.
@@ -148,6 +156,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.solve(y, h, false, Norm::Plain, next)
             .map_err(|failure| self.error(failure, t, h))?;
         self.guess.remember(&self.stages.l, h);
+        self.parts.add(y, t, h, &self.stages.l);
         for constraint in &mut self.constraints {
             self.counts.gradients += 1;
             constraint.evaluate(&mut self.energy, next, &self.stages.scale);
