@@ -1,6 +1,7 @@
 //! [`Adaptive`]: a method with a tolerance and options, ready to integrate with variable steps.
 
 use crate::error::IntegrateError;
+use crate::event::Event;
 use crate::invariant::Invariant;
 use crate::method::Method;
 use crate::options::{FixedStep, OnNoAlpha, Record, Settings, StageSolver};
@@ -149,6 +150,13 @@ impl<T: Float> Adaptive<T> {
     #[must_use]
     pub fn dense(mut self) -> Self {
         self.base = self.base.dense();
+        self
+    }
+
+    /// See [`FixedStep::event`].
+    #[must_use]
+    pub fn event(mut self, event: Event<T>) -> Self {
+        self.base = self.base.event(event);
         self
     }
 

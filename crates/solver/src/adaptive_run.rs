@@ -1,13 +1,16 @@
 //! A whole run with variable steps over an interval.
 
 use crate::adaptive::Adaptive;
+use crate::adaptive_stepper::AdaptiveStepper;
 use crate::dense_watch::DenseWatch;
+use crate::drive::{Schedule, Watchers, drive};
 use crate::error::IntegrateError;
 use crate::observer::{NoObserver, Observer};
 use crate::run::{Run, RunFailure};
-use equip_autodiff::System;
+use crate::stepper::Stepper;
+use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use std::ops::{ControlFlow, RangeInclusive};
+use std::ops::RangeInclusive;
 
 impl<T: Float> Adaptive<T> {
     /// Integrates from (`q0`, `p0`), each of length m, over `interval`.
@@ -45,32 +48,37 @@ impl<T: Float> Adaptive<T> {
         self.base.check_output_times(t0, t1)?;
         let mut stepper = self.start(system, q0, p0, t0)?;
         let times = &self.base.output_times;
-        let mut dense = DenseWatch::new(system, &self.base, times, &mut stepper.inner)?;
-        let mut run = Run::new(q0.len(), &stepper.inner);
-        while stepper.time() < t1 {
-            let time_low = stepper.time_low;
-            if let Err(error) = stepper.advance_within(Some(t1)) {
-                return Err(run.fail(error, &stepper.inner));
-            }
-            if let Some(dense) = &mut dense
-                && let Err(error) = dense.see(&stepper.inner, time_low, &mut run)
-            {
-                return Err(run.fail(error, &stepper.inner));
-            }
-            let view = stepper.view();
-            let stop = observer.step(&view) == ControlFlow::Break(());
-            if stop || view.time == t1 || self.base.record.keeps(view.index) {
-                run.keep(&view);
-            }
-            if stop {
-                run.stop();
-                break;
-            }
-        }
-        if let Some(dense) = dense {
-            dense.finish(&stepper.inner, &mut run);
-        }
-        run.finish(&stepper.inner);
-        Ok(run)
+        let watchers = Watchers {
+            record: self.base.record,
+            outputs: None,
+            dense: DenseWatch::new(system, &self.base, times, &mut stepper.inner)?,
+        };
+        let mut steps = Until { stepper, end: t1 };
+        drive(&mut steps, watchers, observer)
+    }
+}
+
+/// A run with variable steps up to its end.
+#[derive(Debug)]
+struct Until<T: Float, E> {
+    stepper: AdaptiveStepper<T, E>,
+    end: T,
+}
+
+impl<T: Float, E: Evaluate<T>> Schedule<T, E> for Until<T, E> {
+    fn stepper(&self) -> &Stepper<T, E> {
+        &self.stepper.inner
+    }
+
+    fn time_low(&self) -> T {
+        self.stepper.time_low
+    }
+
+    fn is_done(&self) -> bool {
+        !(self.stepper.time() < self.end)
+    }
+
+    fn advance(&mut self) -> Result<(), IntegrateError<T>> {
+        self.stepper.advance_within(Some(self.end)).map(|_| ())
     }
 }

@@ -114,6 +114,18 @@ pub enum IntegrateError<T: Float> {
         /// End of the interval.
         end: T,
     },
+    /// An event function changes sign too often, or its noise does.
+    #[error(
+        "the event `{event}` has more structure in the step at t = {time}, h = {step:e} than can be told from noise; give a smooth function whose rounding is small beside its changes"
+    )]
+    EventTooRough {
+        /// Name of the event.
+        event: String,
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+    },
     /// Step control wants a step below the smallest one allowed, or below the resolution of time.
     #[error(
         "the tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity of H, or the tolerance is too small: loosen it or lower `min_step`"

@@ -1,6 +1,7 @@
 //! [`FixedStep`]: a method with its step and options, ready to integrate.
 
 use crate::error::IntegrateError;
+use crate::event::Event;
 use crate::invariant::Invariant;
 use crate::method::{Alphas, Family, Method};
 use crate::{MAX_STAGES, MIN_EQUIP_STAGES};
@@ -71,6 +72,7 @@ pub struct FixedStep<T: Float> {
     pub(crate) record: Record,
     pub(crate) output_times: Vec<T>,
     pub(crate) dense: bool,
+    pub(crate) events: Vec<Event<T>>,
 }
 
 /// Options after validation, in the form the step wants them.
@@ -122,6 +124,7 @@ impl<T: Float> FixedStep<T> {
             record: Record::default(),
             output_times: Vec::new(),
             dense: false,
+            events: Vec::new(),
         }
     }
 
@@ -211,6 +214,14 @@ impl<T: Float> FixedStep<T> {
     #[must_use]
     pub fn dense(mut self) -> Self {
         self.dense = true;
+        self
+    }
+
+    /// An event whose roots along the run are wanted; see [`Run::events`](crate::Run::events). The steps do not change by a single bit; each
+    /// costs one solve of twice as many stages more.
+    #[must_use]
+    pub fn event(mut self, event: Event<T>) -> Self {
+        self.events.push(event);
         self
     }
 

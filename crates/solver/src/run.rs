@@ -3,14 +3,16 @@
 use crate::certificate::Certificate;
 use crate::dense_trajectory::Trajectory;
 use crate::dense_watch::DenseWatch;
+use crate::drive::{Schedule, Watchers, drive};
 use crate::error::IntegrateError;
+use crate::event::Occurrence;
 use crate::observer::{NoObserver, Observer};
 use crate::options::FixedStep;
 use crate::outcome::Outcome;
 use crate::stepper::{StepView, Stepper};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use std::ops::{ControlFlow, RangeInclusive};
+use std::ops::RangeInclusive;
 
 /// The states a run kept, and its certificate.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +25,8 @@ pub struct Run<T> {
     output_times: Vec<T>,
     outputs: Vec<T>,
     pub(crate) trajectory: Option<Trajectory<T>>,
+    pub(crate) occurrences: Vec<Occurrence<T>>,
+    ended: Option<T>,
     stopped: bool,
     certificate: Certificate<T>,
 }
@@ -81,50 +85,21 @@ impl<T: Float> FixedStep<T> {
         self.check_output_times(t0, t1)?;
         let mut stepper = self.start(system, q0, p0, t0)?;
         // The steps for output have a workspace of their own: the run must not feel them.
-        let mut outputs = match self.output_times.as_slice() {
+        let outputs = match self.output_times.as_slice() {
             [] => None,
             times => Some(Outputs {
                 stepper: self.start(system, q0, p0, t0)?,
+                grid,
                 times,
                 done: 0,
             }),
         };
-        let mut dense = DenseWatch::new(system, self, &[], &mut stepper)?;
-        let mut run = Run::new(q0.len(), &stepper);
-        for index in 1..=grid.steps() {
-            if let Some(outputs) = &mut outputs
-                && let Err(error) = outputs.up_to(&stepper, grid.time(index), &mut run)
-            {
-                return Err(run.fail(error, &stepper));
-            }
-            if let Err(error) = stepper.advance_to(grid.time(index), grid.size(index)) {
-                return Err(run.fail(error, &stepper));
-            }
-            if let Some(dense) = &mut dense
-                && let Err(error) = dense.see(&stepper, T::int(0), &mut run)
-            {
-                return Err(run.fail(error, &stepper));
-            }
-            let view = stepper.view();
-            let stop = observer.step(&view) == ControlFlow::Break(());
-            if self.record.keeps(index) || stop || index == grid.steps() {
-                run.keep(&view);
-            }
-            if stop {
-                run.stop();
-                break;
-            }
-        }
-        if let (Some(outputs), false) = (&mut outputs, run.stopped)
-            && let Err(error) = outputs.up_to(&stepper, T::INFINITY, &mut run)
-        {
-            return Err(run.fail(error, &stepper));
-        }
-        if let Some(dense) = dense {
-            dense.finish(&stepper, &mut run);
-        }
-        run.finish(&stepper);
-        Ok(run)
+        let watchers = Watchers {
+            record: self.record,
+            outputs,
+            dense: DenseWatch::new(system, self, &[], &mut stepper)?,
+        };
+        drive(&mut OnGrid { stepper, grid }, watchers, observer)
     }
 
     pub(crate) fn check_output_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
@@ -211,21 +186,55 @@ impl<T: Float> Grid<T> {
     }
 }
 
-/// States at chosen times: one step of the same method from the last grid point, to each.
-struct Outputs<'a, T: Float, E> {
+/// A run on its grid.
+#[derive(Debug)]
+struct OnGrid<T: Float, E> {
     stepper: Stepper<T, E>,
+    grid: Grid<T>,
+}
+
+impl<T: Float, E: Evaluate<T>> Schedule<T, E> for OnGrid<T, E> {
+    fn stepper(&self) -> &Stepper<T, E> {
+        &self.stepper
+    }
+
+    fn time_low(&self) -> T {
+        T::int(0)
+    }
+
+    fn is_done(&self) -> bool {
+        self.stepper.index >= self.grid.steps()
+    }
+
+    fn advance(&mut self) -> Result<(), IntegrateError<T>> {
+        let index = self.stepper.index + 1;
+        let (time, h) = (self.grid.time(index), self.grid.size(index));
+        self.stepper.advance_to(time, h).map(|_| ())
+    }
+}
+
+/// States at chosen times: one step of the same method from the last grid point, to each.
+#[derive(Debug)]
+pub(crate) struct Outputs<'a, T: Float, E> {
+    stepper: Stepper<T, E>,
+    grid: Grid<T>,
     times: &'a [T],
     done: usize,
 }
 
 impl<T: Float, E: Evaluate<T>> Outputs<'_, T, E> {
-    /// Makes the outputs before time `end`, starting from the state that `main` has now.
-    fn up_to(
+    /// Makes the outputs before the next grid point (all that are left, if the run is over), starting from the state that `main` has now.
+    pub(crate) fn up_to(
         &mut self,
         main: &Stepper<T, E>,
-        end: T,
+        over: bool,
         run: &mut Run<T>,
     ) -> Result<(), IntegrateError<T>> {
+        let end = if over {
+            T::INFINITY
+        } else {
+            self.grid.time(main.index + 1)
+        };
         while let Some(&time) = self.times.get(self.done).filter(|&&time| time < end) {
             let h = time - main.time();
             if h > T::int(0) {
@@ -244,9 +253,9 @@ impl<T: Float, E: Evaluate<T>> Outputs<'_, T, E> {
 }
 
 impl<T: Float> Run<T> {
-    pub(crate) fn new<E: Evaluate<T>>(m: usize, stepper: &Stepper<T, E>) -> Self {
+    pub(crate) fn new<E: Evaluate<T>>(stepper: &Stepper<T, E>) -> Self {
         let mut run = Run {
-            m,
+            m: stepper.y.hi.len() / 2,
             times: Vec::new(),
             states: Vec::new(),
             energy_defects: Vec::new(),
@@ -254,6 +263,8 @@ impl<T: Float> Run<T> {
             output_times: Vec::new(),
             outputs: Vec::new(),
             trajectory: None,
+            occurrences: Vec::new(),
+            ended: None,
             stopped: false,
             certificate: stepper.certificate(),
         };
@@ -280,11 +291,26 @@ impl<T: Float> Run<T> {
         self.stopped = true;
     }
 
+    /// A terminal event ends the run within the step made last.
+    pub(crate) fn end_at<E: Evaluate<T>>(&mut self, time: T, y: &[T], stepper: &Stepper<T, E>) {
+        let (q, p) = y.split_at(self.m);
+        self.keep(&StepView {
+            time,
+            q,
+            p,
+            ..stepper.view()
+        });
+        self.ended = Some(time);
+        self.stopped = true;
+    }
+
     pub(crate) fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
         let output_steps = self.certificate.output_steps;
+        let certificate = stepper.certificate();
         self.certificate = Certificate {
             output_steps,
-            ..stepper.certificate()
+            end: self.ended.unwrap_or(certificate.end),
+            ..certificate
         };
     }
 
@@ -360,7 +386,12 @@ impl<T: Float> Run<T> {
         self.trajectory.as_ref()
     }
 
-    /// Whether an observer ended the run before the end of the interval.
+    /// The roots of the event functions, in the order of time.
+    pub fn events(&self) -> &[Occurrence<T>] {
+        &self.occurrences
+    }
+
+    /// Whether an observer or a terminal event ended the run before the end of the interval.
     pub fn stopped(&self) -> bool {
         self.stopped
     }

@@ -81,7 +81,7 @@ pub struct Stepper<T: Float, E> {
     t0: T,
     h: T,
     h_ref: T,
-    index: u64,
+    pub(crate) index: u64,
     time: T,
     pub(crate) y: State<T>,
     next: State<T>,
