@@ -2,6 +2,7 @@
 
 use crate::adaptive::Adaptive;
 use crate::adaptive_stepper::AdaptiveStepper;
+use crate::checkpoint::Checkpoint;
 use crate::dense_watch::DenseWatch;
 use crate::drive::{Schedule, Watchers, drive};
 use crate::error::IntegrateError;
@@ -46,15 +47,47 @@ impl<T: Float> Adaptive<T> {
             return Err(IntegrateError::Interval { start: t0, end: t1 }.into());
         }
         self.base.check_output_times(t0, t1)?;
-        let mut stepper = self.start(system, q0, p0, t0)?;
-        let times = &self.base.output_times;
+        let stepper = self.start(system, q0, p0, t0)?;
+        self.drive(system, stepper, t1, observer)
+    }
+
+    /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at the checkpoint; its certificate is that of the
+    /// whole. Steps are bit for bit those of the run that had not stopped, up to the two that meet the end: a checkpoint made after
+    /// these goes on from there with steps of its own.
+    ///
+    /// # Errors
+    /// Those of [`resume`](Self::resume), and [`RunFailure`].
+    pub fn integrate_from<H: System>(
+        &self,
+        system: &H,
+        checkpoint: &Checkpoint,
+        end: T,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let stepper = self.resume(system, checkpoint)?;
+        if !end.is_finite() {
+            let start = stepper.time();
+            return Err(IntegrateError::Interval { start, end }.into());
+        }
+        self.base.check_output_times(stepper.inner.t0, end)?;
+        self.drive(system, stepper, end, observer)
+    }
+
+    fn drive<H: System>(
+        &self,
+        system: &H,
+        mut stepper: AdaptiveStepper<T, H::Evaluator<T>>,
+        end: T,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let (times, now) = (&self.base.output_times, stepper.time());
+        let times = &times[times.partition_point(|&t| t < now)..];
         let watchers = Watchers {
             record: self.base.record,
             outputs: None,
             dense: DenseWatch::new(system, &self.base, times, &mut stepper.inner)?,
         };
-        let mut steps = Until { stepper, end: t1 };
-        drive(&mut steps, watchers, observer)
+        drive(&mut Until { stepper, end }, watchers, observer)
     }
 }
 
@@ -76,6 +109,10 @@ impl<T: Float, E: Evaluate<T>> Schedule<T, E> for Until<T, E> {
 
     fn is_done(&self) -> bool {
         !(self.stepper.time() < self.end)
+    }
+
+    fn checkpoint(&mut self) -> Checkpoint {
+        self.stepper.checkpoint()
     }
 
     fn advance(&mut self) -> Result<(), IntegrateError<T>> {

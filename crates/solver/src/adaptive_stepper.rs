@@ -31,8 +31,8 @@ pub struct AdaptiveStepper<T: Float, E> {
     min_step: T,
     max_steps: u64,
     on_no_alpha: OnNoAlpha,
-    /// Whether steps have to meet the tolerance only, or the first is still being looked for.
-    tries: u32,
+    /// Tries of the first step made so far; all of them once it is made.
+    pub(crate) tries: u32,
 }
 
 impl<T: Float> Adaptive<T> {
@@ -48,7 +48,17 @@ impl<T: Float> Adaptive<T> {
         t0: T,
     ) -> Result<AdaptiveStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
         let settings = self.validate()?;
-        let mut inner = self.base.start(system, q0, p0, t0)?;
+        let inner = self.base.start(system, q0, p0, t0)?;
+        Ok(self.around(inner, settings.stages))
+    }
+
+    /// Step control around a run that has just been started or is about to be resumed.
+    pub(crate) fn around<E: Evaluate<T>>(
+        &self,
+        mut inner: Stepper<T, E>,
+        stages: usize,
+    ) -> AdaptiveStepper<T, E> {
+        inner.fingerprint = self.fingerprint();
         inner.core.settings.on_no_alpha = OnNoAlpha::Refuse;
         inner.variable = Some(VariableSteps {
             tolerance: self.tolerance,
@@ -62,10 +72,10 @@ impl<T: Float> Adaptive<T> {
             Some(h) => h.to_f64(),
             None => first_size(&mut inner.core.energy, &inner.y.hi),
         };
-        let (s, n) = (settings.stages, inner.y.hi.len());
-        Ok(AdaptiveStepper {
-            control: Control::new(self.tolerance.to_f64(), s, most, first),
-            decay: Decay::new(s, n, self.tolerance, self.scales),
+        let n = inner.y.hi.len();
+        AdaptiveStepper {
+            control: Control::new(self.tolerance.to_f64(), stages, most, first),
+            decay: Decay::new(stages, n, self.tolerance, self.scales),
             time_low: T::int(0),
             min_step: self.min_step,
             max_steps: self.max_steps,
@@ -76,7 +86,7 @@ impl<T: Float> Adaptive<T> {
                 TRIES_FOR_FIRST
             },
             inner,
-        })
+        }
     }
 }
 

@@ -14,7 +14,7 @@ use equip_scalar::Float;
 pub(crate) struct Constraint<T: Float> {
     /// `None` for the energy, which has the run's evaluator.
     evaluator: Option<<Hamiltonian as System>::Evaluator<T>>,
-    reference: T,
+    pub(crate) reference: T,
     /// g.
     pub(crate) defect: T,
     /// Below this, g is round-off: ε (|I_ref| + |I(y1)| + Σ_i |∂_iI(y1)| σ_i) with the sizes

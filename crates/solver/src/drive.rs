@@ -1,5 +1,6 @@
 //! The loop of a whole run, the same for fixed and for variable steps: step → dense output and events → observer → keep.
 
+use crate::checkpoint::Checkpoint;
 use crate::dense_watch::DenseWatch;
 use crate::error::IntegrateError;
 use crate::observer::Observer;
@@ -18,6 +19,8 @@ pub(crate) trait Schedule<T: Float, E> {
     fn time_low(&self) -> T;
     /// Whether the end is reached.
     fn is_done(&self) -> bool;
+    /// The run as it is now.
+    fn checkpoint(&mut self) -> Checkpoint;
     /// Makes the next step.
     fn advance(&mut self) -> Result<(), IntegrateError<T>>;
 }
@@ -75,7 +78,11 @@ fn watch<T: Float, E: Evaluate<T>>(
             return Ok(());
         }
         let view = stepper.view();
-        let stop = observer.step(&view) == ControlFlow::Break(());
+        let mut stop = observer.step(&view) == ControlFlow::Break(());
+        if observer.wants_checkpoint() {
+            stop |= observer.checkpoint(steps.checkpoint()) == ControlFlow::Break(());
+        }
+        let view = steps.stepper().view();
         if stop || steps.is_done() || watchers.record.keeps(view.index) {
             run.keep(&view);
         }

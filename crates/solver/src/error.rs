@@ -114,6 +114,40 @@ pub enum IntegrateError<T: Float> {
         /// End of the interval.
         end: T,
     },
+    /// A checkpoint was made under other conditions.
+    #[error(
+        "the checkpoint has another {what} than this run: `{stored}` there, `{now}` here; resume with what it was made with, or start anew"
+    )]
+    CheckpointMismatch {
+        /// What differs.
+        what: &'static str,
+        /// What the checkpoint says.
+        stored: String,
+        /// What this run says.
+        now: String,
+    },
+    /// A checkpoint was made with another H.
+    #[error(
+        "at the state of the checkpoint, t = {time}, H has another value than when it was made: give the same Hamiltonian with the same parameters, or start anew"
+    )]
+    CheckpointOtherEnergy {
+        /// Time of the checkpoint.
+        time: T,
+    },
+    /// A checkpoint cannot be read.
+    #[error("the checkpoint is damaged: {what} cannot be read; take an earlier one or start anew")]
+    CheckpointDamaged {
+        /// Which part.
+        what: &'static str,
+    },
+    /// A checkpoint was made after the shorter last step of a run.
+    #[error(
+        "the checkpoint was made at t = {time}, which is not on the grid of its steps (the last step of a run may be shorter); resume from an earlier one, or start anew from there"
+    )]
+    CheckpointOffGrid {
+        /// Time of the checkpoint.
+        time: T,
+    },
     /// An event function changes sign too often, or its noise does.
     #[error(
         "the event `{event}` has more structure in the step at t = {time}, h = {step:e} than can be told from noise; give a smooth function whose rounding is small beside its changes"

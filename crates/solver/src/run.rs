@@ -1,6 +1,7 @@
 //! A whole run over an interval, and what it leaves.
 
 use crate::certificate::Certificate;
+use crate::checkpoint::Checkpoint;
 use crate::dense_trajectory::Trajectory;
 use crate::dense_watch::DenseWatch;
 use crate::drive::{Schedule, Watchers, drive};
@@ -83,16 +84,54 @@ impl<T: Float> FixedStep<T> {
         let (t0, t1) = interval.into_inner();
         let grid = Grid::new(t0, t1, self.h)?;
         self.check_output_times(t0, t1)?;
-        let mut stepper = self.start(system, q0, p0, t0)?;
+        let stepper = self.start(system, q0, p0, t0)?;
+        self.drive(system, stepper, grid, observer)
+    }
+
+    /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at the checkpoint; its certificate is that of the
+    /// whole. Steps are bit for bit those of the run that had not stopped.
+    ///
+    /// # Errors
+    /// Those of [`resume`](Self::resume), a checkpoint that is not on the grid, and [`RunFailure`].
+    pub fn integrate_from<H: System>(
+        &self,
+        system: &H,
+        checkpoint: &Checkpoint,
+        end: T,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let stepper = self.resume(system, checkpoint)?;
+        let grid = Grid::new(stepper.t0, end.max(stepper.time()), self.h)?;
+        if stepper.index > grid.whole || grid.time(stepper.index) != stepper.time() {
+            return Err(IntegrateError::CheckpointOffGrid {
+                time: stepper.time(),
+            }
+            .into());
+        }
+        self.check_output_times(stepper.t0, end)?;
+        self.drive(system, stepper, grid, observer)
+    }
+
+    fn drive<H: System>(
+        &self,
+        system: &H,
+        mut stepper: Stepper<T, H::Evaluator<T>>,
+        grid: Grid<T>,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
         // The steps for output have a workspace of their own: the run must not feel them.
-        let outputs = match self.output_times.as_slice() {
-            [] => None,
-            times => Some(Outputs {
-                stepper: self.start(system, q0, p0, t0)?,
+        let now = stepper.time();
+        let times = &self.output_times[self.output_times.partition_point(|&t| t < now)..];
+        let outputs = if times.is_empty() {
+            None
+        } else {
+            let (q, p) = stepper.y.hi.split_at(stepper.y.hi.len() / 2);
+            Some(Outputs {
+                stepper: self.start(system, q, p, now)?,
                 grid,
                 times,
                 done: 0,
-            }),
+            })
         };
         let watchers = Watchers {
             record: self.record,
@@ -204,6 +243,10 @@ impl<T: Float, E: Evaluate<T>> Schedule<T, E> for OnGrid<T, E> {
 
     fn is_done(&self) -> bool {
         self.stepper.index >= self.grid.steps()
+    }
+
+    fn checkpoint(&mut self) -> Checkpoint {
+        self.stepper.checkpoint()
     }
 
     fn advance(&mut self) -> Result<(), IntegrateError<T>> {

@@ -78,23 +78,25 @@ pub struct Stepper<T: Float, E> {
     pub(crate) core: Core<T, E>,
     method: Method,
     has_target: bool,
-    t0: T,
+    pub(crate) t0: T,
     h: T,
-    h_ref: T,
+    pub(crate) h_ref: T,
     pub(crate) index: u64,
-    time: T,
+    pub(crate) time: T,
     pub(crate) y: State<T>,
     next: State<T>,
     measure_energy: bool,
-    energy: Option<Defect<T>>,
-    in_floors: Option<T>,
-    watched: Vec<Watched<T>>,
-    alpha_range: Vec<(T, T)>,
-    last: (T, Outcome),
-    floor: Option<T>,
+    pub(crate) energy: Option<Defect<T>>,
+    pub(crate) in_floors: Option<T>,
+    pub(crate) watched: Vec<Watched<T>>,
+    pub(crate) alpha_range: Vec<(T, T)>,
+    pub(crate) last: (T, Outcome),
+    pub(crate) floor: Option<T>,
     /// What a run with variable steps has to say about them.
     pub(crate) variable: Option<VariableSteps<T>>,
-    begun: Instant,
+    pub(crate) begun: Instant,
+    /// Method and options, for checkpoints.
+    pub(crate) fingerprint: String,
 }
 
 impl<T: Float> FixedStep<T> {
@@ -184,6 +186,7 @@ impl<T: Float> FixedStep<T> {
             floor: None,
             variable: None,
             begun: Instant::now(),
+            fingerprint: self.fingerprint(),
             y,
             core,
         })
