@@ -6,13 +6,16 @@ mod check;
 mod comparison;
 mod csv;
 mod fault;
+mod integrator;
 mod json;
 mod panel;
 mod plot;
 mod progress;
 mod run;
 mod samples;
+mod saver;
 mod scenes;
+mod section;
 mod svg;
 mod watch;
 
@@ -25,6 +28,7 @@ fn main() -> ExitCode {
     let done = match args::parse().command {
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Run(args) => run::run(&args),
+        Command::Section(args) => section::section(&args),
         Command::Check(args) => check::check(&args),
     };
     match done {

@@ -236,3 +236,36 @@ fn long_kepler() {
         assert!(error <= 2e-8 && steps <= most_steps && carried == 0);
     }
 }
+
+#[test]
+#[ignore = "long: cargo test --release -p equip-solver --test adaptive -- --ignored --nocapture growth"]
+fn growth_of_errors() {
+    // The table of docs/which-steps.md.
+    for e in ["0.6", "0.9", "0.99", "0.999"] {
+        let scene = kepler(e);
+        for tolerance in [1e-12, 1e-14] {
+            for (name, method) in [("EQUIP", Equip::stages(8)), ("Gauss", Gauss::stages(8))] {
+                print!("| {e} | {tolerance:.0e} | {name} |");
+                let mut last = None;
+                for periods in [1, 10, 100, 1000] {
+                    let made = run(&scene, method, tolerance, after(periods));
+                    print!(" {:.1e} |", error(&scene, &made));
+                    last = Some(made);
+                }
+                let made = last.unwrap();
+                let c = made.certificate();
+                let steps = c.variable_steps.unwrap();
+                let share = |n: u64| n as f64 / c.counts.steps as f64;
+                println!(
+                    " {:.1} | {:.2} | {:.2} | {:.0} | {:.0e} | {} |",
+                    steps_per_period(&made),
+                    share(steps.rejected),
+                    share(steps.failed),
+                    share(c.counts.gradients),
+                    c.energy.as_ref().unwrap().max,
+                    c.counts.outcome(Outcome::Carried),
+                );
+            }
+        }
+    }
+}
