@@ -7,6 +7,7 @@ use crate::dense_watch::DenseWatch;
 use crate::drive::{Schedule, Watchers, drive};
 use crate::error::IntegrateError;
 use crate::observer::{NoObserver, Observer};
+use crate::options::Record;
 use crate::run::{Run, RunFailure};
 use crate::stepper::Stepper;
 use equip_autodiff::{Evaluate, System};
@@ -71,6 +72,26 @@ impl<T: Float> Adaptive<T> {
         }
         self.base.check_output_times(stepper.inner.t0, end)?;
         self.drive(system, stepper, end, observer)
+    }
+
+    /// A fixed step that would have met the tolerance everywhere between `t0` and `t1`: the smallest of the steps that the tolerance asks for there.
+    ///
+    /// # Errors
+    /// Those of [`integrate`](Self::integrate).
+    pub fn suggest_step<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+    ) -> Result<T, IntegrateError<T>> {
+        let mut options = self.clone();
+        options.base.record = Record::Ends;
+        let run = options
+            .integrate(system, q0, p0, interval)
+            .map_err(|failure| failure.error)?;
+        let steps = run.certificate().variable_steps;
+        Ok(steps.map_or(T::int(0), |steps| steps.smallest))
     }
 
     fn drive<H: System>(

@@ -11,6 +11,7 @@
 
 use crate::error::IntegrateError;
 use crate::options::{Settings, StageSolver};
+use crate::stages::Stages;
 use crate::state::State;
 use crate::step::Core;
 use equip_autodiff::{Evaluate, System};
@@ -24,7 +25,8 @@ pub(crate) struct Part<T> {
     pub(crate) time: T,
     pub(crate) h: T,
     /// L_i.
-    l: Vec<T>,
+    pub(crate) l: Vec<T>,
+    pub(crate) alphas: Vec<T>,
 }
 
 /// The parts of the step made last, in the order of time. Buffers are reused.
@@ -48,17 +50,25 @@ impl<T: Float> Parts<T> {
         self.count = 0;
     }
 
-    pub(crate) fn add(&mut self, start: &State<T>, time: T, h: T, l: &[T]) {
+    pub(crate) fn add(&mut self, start: &State<T>, time: T, h: T, stages: &Stages<T>) {
         if !self.wanted {
             return;
         }
         if self.count == self.parts.len() {
-            let (start, l) = (start.clone(), l.to_vec());
-            self.parts.push(Part { start, time, h, l });
+            let (l, alphas) = (stages.l.clone(), stages.alphas.clone());
+            let start = start.clone();
+            self.parts.push(Part {
+                start,
+                time,
+                h,
+                l,
+                alphas,
+            });
         } else {
             let part = &mut self.parts[self.count];
             part.start.copy_from(start);
-            part.l.copy_from_slice(l);
+            part.l.copy_from_slice(&stages.l);
+            part.alphas.copy_from_slice(&stages.alphas);
             (part.time, part.h) = (time, h);
         }
         self.count += 1;

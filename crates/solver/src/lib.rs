@@ -48,6 +48,9 @@ mod stages;
 mod state;
 mod step;
 mod stepper;
+mod tangent;
+mod tangent_chaos;
+mod time_dependent;
 
 pub use adaptive::Adaptive;
 pub use adaptive_stepper::AdaptiveStepper;
@@ -64,6 +67,9 @@ pub use options::{FixedStep, OnNoAlpha, Record, StageSolver};
 pub use outcome::{Counts, Outcome};
 pub use run::{Run, RunFailure};
 pub use stepper::{Step, StepView, Stepper};
+pub use tangent::{Steps, TangentMap};
+pub use tangent_chaos::Chaos;
+pub use time_dependent::Extended;
 
 /// Most stages a method may have.
 pub const MAX_STAGES: usize = 32;

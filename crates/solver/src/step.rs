@@ -105,7 +105,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ) -> Result<Outcome, IntegrateError<T>> {
         let failure = match self.attempt(y, h, next) {
             Ok(outcome) => {
-                self.parts.add(y, t, h, &self.stages.l);
+                self.parts.add(y, t, h, &self.stages);
                 return Ok(outcome);
             }
             Err(failure) => failure,
@@ -156,7 +156,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.solve(y, h, false, Norm::Plain, next)
             .map_err(|failure| self.error(failure, t, h))?;
         self.guess.remember(&self.stages.l, h);
-        self.parts.add(y, t, h, &self.stages.l);
+        self.parts.add(y, t, h, &self.stages);
         for constraint in &mut self.constraints {
             self.counts.gradients += 1;
             constraint.evaluate(&mut self.energy, next, &self.stages.scale);

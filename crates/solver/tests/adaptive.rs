@@ -222,6 +222,58 @@ fn a_singularity_ends_the_run_with_a_reason() {
 }
 
 #[test]
+fn pythagorean_to_ten() {
+    let scene = equip_scenes::find("pythagorean").unwrap();
+    let scene = scene.instance(&[]).unwrap();
+    let made = run(&scene, Equip::stages(8), 1e-14, 10.0);
+    let reference = scene.reference().unwrap();
+    let (q1, p1) = reference.state::<f64>();
+    let (_, q, p) = made.last();
+    let pairs = q.iter().chain(p).zip(q1.iter().chain(&p1));
+    let error = pairs.fold(0.0f64, |most, (&x, &y)| most.max((x - y).abs()));
+    let c = made.certificate();
+    println!(
+        "{error:.1e}, {} steps, {:.1} floors",
+        c.counts.steps,
+        c.energy_in_floors.unwrap()
+    );
+    // Measured 3e-12; headroom 10.
+    assert!(error < 3e-11);
+    assert!(c.energy_kept_on_every_step());
+}
+
+#[test]
+#[ignore = "long: cargo test --release -p equip-solver --test adaptive -- --ignored --nocapture encounters"]
+fn pythagorean_through_its_close_encounters() {
+    let scene = equip_scenes::find("pythagorean").unwrap();
+    let scene = scene.instance(&[]).unwrap();
+    let exact = run(
+        &scene,
+        Equip::stages(12),
+        DoubleDouble::decimal("1e-27").unwrap(),
+        DoubleDouble::int(60),
+    );
+    let exact: Vec<f64> = exact.last().1.iter().map(|x| x.to_f64()).collect();
+    for tolerance in [1e-12, 1e-14] {
+        let made = run(&scene, Equip::stages(8), tolerance, 60.0);
+        let pairs = made.last().1.iter().zip(&exact);
+        let error = pairs.fold(0.0f64, |most, (x, y)| most.max((x - y).abs()));
+        let c = made.certificate();
+        let (steps, energy) = (c.counts.steps, c.energy.as_ref().unwrap());
+        println!(
+            "{tolerance:e}: q {error:.1e}, {steps} steps of {:.1e} to {:.1e}, energy {:.1e} ({:.1} floors), end {:.1e}, {} carried",
+            c.variable_steps.unwrap().smallest,
+            c.variable_steps.unwrap().largest,
+            energy.max,
+            c.energy_in_floors.unwrap(),
+            energy.end,
+            c.counts.outcome(Outcome::Carried)
+        );
+        assert!(error < 1e-2);
+    }
+}
+
+#[test]
 #[ignore = "long: cargo test --release -p equip-solver --test adaptive -- --ignored --nocapture long"]
 fn long_kepler() {
     // Measured: 1.8e-10 with 25.0 steps, and 2.0e-10 with 43.5; headroom for other rounding 100.
