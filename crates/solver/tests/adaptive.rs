@@ -237,8 +237,8 @@ fn pythagorean_to_ten() {
         c.counts.steps,
         c.energy_in_floors.unwrap()
     );
-    // Measured 3e-12; headroom 10.
-    assert!(error < 3e-11);
+    // Measured 1.3e-10, what the rounding of f64 has grown to by then; headroom 10.
+    assert!(error < 1.3e-9);
     assert!(c.energy_kept_on_every_step());
 }
 
@@ -269,7 +269,8 @@ fn pythagorean_through_its_close_encounters() {
             energy.end,
             c.counts.outcome(Outcome::Carried)
         );
-        assert!(error < 1e-2);
+        // Measured 5.1e-6 and 4.0e-6: rounding, grown by the encounters.
+        assert!(error < 5e-4);
     }
 }
 
