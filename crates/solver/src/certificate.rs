@@ -38,7 +38,7 @@ pub struct Certificate<T> {
 /// What step control did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VariableSteps<T> {
-    /// The tolerance asked for.
+    /// The tolerance asked for; ε of reversible steps.
     pub tolerance: T,
     /// Smallest step taken; a step cut to reach the end of the run does not count.
     pub smallest: T,
