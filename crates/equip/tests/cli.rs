@@ -343,6 +343,8 @@ fn variable_steps_follow_a_tolerance() {
         2,
         &["run", "kepler", "--tolerance", "1e-12", "--step", "0.1"],
     );
+    let json = stdout(&["run", "kepler", "--tolerance", "1e-8", "--json"]);
+    assert!(json.contains("\"variable_steps\": {"), "{json}");
     failure(2, &["run", "kepler", "--tolerance", "1"]);
 }
 

@@ -26,7 +26,7 @@ use equip_scalar::Float;
 ///     run.advance()?;
 ///     chaos.see(&run)?;
 /// }
-/// assert!((chaos.megno() - 2.0).abs() < 0.2); // one degree of freedom is regular
+/// assert!(chaos.megno() < 2.5 && chaos.lyapunov() < 0.02); // one degree of freedom is regular
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
