@@ -3,9 +3,10 @@
 use crate::checkpoint::Checkpoint;
 use crate::dense_watch::DenseWatch;
 use crate::error::IntegrateError;
+use crate::grid::Outputs;
 use crate::observer::Observer;
 use crate::options::Record;
-use crate::run::{Outputs, Run, RunFailure};
+use crate::run::{Run, RunFailure};
 use crate::stepper::Stepper;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;

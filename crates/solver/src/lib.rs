@@ -28,6 +28,7 @@ mod error;
 mod event;
 mod event_roots;
 mod event_watch;
+mod grid;
 mod guess;
 mod hessians;
 mod invariant;

@@ -178,8 +178,9 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
         for i in 0..s {
             let z = &self.x.as_slice()[i * n..][..n];
             self.hessians.turn(stages, i, z, &mut self.part);
-            for j in 0..n {
-                deviation[j] += self.turned[i * n + j] + self.part[j];
+            let turned = &self.turned[i * n..][..n];
+            for (x, (a, b)) in deviation.iter_mut().zip(turned.iter().zip(&self.part)) {
+                *x += *a + *b;
             }
         }
         units(deviation, false);
