@@ -12,9 +12,10 @@
 //! the step, not to the state: that knows no origin and sees a close encounter of two bodies among many. Motion below the absolute
 //! scale a is not resolved further; a = √tolerance times the largest component of the group unless the user says otherwise.
 //!
-//! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1} for the last k; if what limits
+//! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1}; if what limits
 //! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z = 2w/(1 + w²) from the middle of the step,
-//! ahead if w > 0, behind if w < 0 (Bernstein ellipses). Where the next singularity is complex, w is smaller and less is known.
+//! ahead if w > 0, behind if w < 0 (Bernstein ellipses). Of the last two w the smaller one counts, and none if they differ in sign, as those
+//! of an oscillation do, which gets no faster anywhere.
 //!
 //! Cost: s² n multiplications, no evaluation of H.
 
@@ -41,6 +42,8 @@ pub(crate) struct Decay<T: Float> {
     coefficient: Vec<T>,
     /// h γ_{k−1}.
     before: Vec<T>,
+    /// ⟨γ_k, γ_{k−1}⟩ and ⟨γ_{k−1}, γ_{k−1}⟩ of positions and momenta, both with h².
+    products: Vec<[[T; 2]; 2]>,
     /// h‖γ_k‖ of positions and momenta.
     norms: Vec<[T; 2]>,
 }
@@ -52,6 +55,7 @@ impl<T: Float> Decay<T> {
             share: tolerance.sqrt(),
             coefficient: vec![T::int(0); n],
             before: vec![T::int(0); n],
+            products: vec![[[T::int(0); 2]; 2]; s],
             norms: vec![[T::int(0); 2]; s],
         }
     }
@@ -59,7 +63,6 @@ impl<T: Float> Decay<T> {
     /// The estimate for the step from `y` whose increments are `l`.
     pub(crate) fn estimate(&mut self, stages: &Stages<T>, l: &[T], y: &State<T>) -> Estimate {
         let (s, n) = (stages.count(), stages.n);
-        let (mut across, mut along) = (0.0, 0.0);
         for k in 0..s {
             std::mem::swap(&mut self.before, &mut self.coefficient);
             self.coefficient.fill(T::int(0));
@@ -68,27 +71,45 @@ impl<T: Float> Decay<T> {
                 sums.for_each(|(sum, &l)| *sum += p * l);
             }
             self.norms[k] = group_norms(&self.coefficient);
-            if k > 0 && k + 2 >= s {
-                across += dot(&self.coefficient, &self.before).to_f64();
-                along += dot(&self.before, &self.before).to_f64();
-            }
+            self.products[k] = [
+                group_products(&self.coefficient, &self.before),
+                group_products(&self.before, &self.before),
+            ];
         }
-        let error = self.error(group_norms(&y.hi), s);
-        let w = across / along;
-        let nearness = if w.is_finite() {
-            2.0 * w / (1.0 + w * w)
+        let sizes = group_norms(&y.hi);
+        let units = [0, 1].map(|g| {
+            let least = self.scales[g].unwrap_or(self.share * sizes[g]);
+            self.norms.iter().fold(least, |a, norm| a.max(norm[g]))
+        });
+        Estimate {
+            error: self.error(units, s),
+            nearness: self.nearness(units, s),
+        }
+    }
+
+    /// 1/z from the last two ratios w of coefficients, the smaller one, and none if they differ in sign.
+    fn nearness(&self, units: [T; 2], s: usize) -> f64 {
+        let ratio = |k: usize| {
+            let [across, along] = self.products[k].map(|x| {
+                let parts = x.iter().zip(units).filter(|(_, unit)| *unit > T::int(0));
+                parts.fold(0.0, |sum, (&x, unit)| sum + (x / (unit * unit)).to_f64())
+            });
+            if along > 0.0 { across / along } else { 0.0 }
+        };
+        let last = ratio(s - 1);
+        let before = if s > 2 { ratio(s - 2) } else { last };
+        let w = if last * before > 0.0 {
+            last.abs().min(before.abs()).copysign(last)
         } else {
             0.0
         };
-        Estimate { error, nearness }
+        2.0 * w / (1.0 + w * w)
     }
 
     /// max θ_g², infinite if it is not a number.
-    fn error(&self, sizes: [T; 2], s: usize) -> f64 {
+    fn error(&self, units: [T; 2], s: usize) -> f64 {
         let mut worst = 0.0;
-        for (g, &size) in sizes.iter().enumerate() {
-            let least = self.scales[g].unwrap_or(self.share * size);
-            let unit = self.norms.iter().fold(least, |a, norm| a.max(norm[g]));
+        for (g, unit) in units.into_iter().enumerate() {
             if unit == T::int(0) {
                 continue;
             }
@@ -109,6 +130,9 @@ fn group_norms<T: Float>(y: &[T]) -> [T; 2] {
     [q, p].map(|x| x.iter().fold(T::int(0), |a, x| a.max(x.abs())))
 }
 
-fn dot<T: Float>(x: &[T], y: &[T]) -> T {
-    x.iter().zip(y).fold(T::int(0), |sum, (&x, &y)| sum + x * y)
+/// Scalar products of the positions and of the momenta.
+fn group_products<T: Float>(x: &[T], y: &[T]) -> [T; 2] {
+    let m = x.len() / 2;
+    let product = |x: &[T], y: &[T]| x.iter().zip(y).fold(T::int(0), |sum, (&x, &y)| sum + x * y);
+    [product(&x[..m], &y[..m]), product(&x[m..], &y[m..])]
 }
