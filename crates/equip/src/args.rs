@@ -35,6 +35,8 @@ pub(crate) enum Command {
     Scenes(ScenesArgs),
     /// Integrate a scene and print what was kept
     Run(Box<RunArgs>),
+    /// Draw the Poincaré section of Hénon and Heiles
+    Section(SectionArgs),
     /// Run the catalogue of stiff and extreme cases, and judge every row
     Check(CheckArgs),
     /// Error against run time of EQUIP, Gauss and classical methods: a page, pictures and tables
@@ -59,6 +61,7 @@ pub(crate) struct ScenesArgs {
         equip run kepler --e 0.9 --stages 6 --periods 100 --out orbit.csv --every 10\n  \
         equip run henon-heiles --stages 4 --step 0.25 --until 1000 --method gauss\n  \
         equip run pendulum --precision dd --stages 8 --step 1/10 --until 50\n  \
+        equip run kepler --e 0.9 --stages 8 --tolerance 1e-12 --periods 1000 --checkpoint kepler.checkpoint\n  \
         equip run kepler --json | jq .energy.max_defect\n\n\
         `equip run SCENE --help` lists the parameters of that scene."
 )]
@@ -91,6 +94,14 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) steps_per_period: Option<String>,
+    /// Variable steps that follow this tolerance, in place of a fixed step
+    #[arg(
+        long,
+        value_name = "TOL",
+        conflicts_with_all = ["step", "steps_per_period"],
+        help_heading = "Method"
+    )]
+    pub(crate) tolerance: Option<String>,
     /// Time to end at; the scene's suggestion if not given
     #[arg(
         long,
@@ -126,12 +137,68 @@ pub(crate) struct RunArgs {
     /// Leave out the Gauss method's energy defect on the same steps, which the plot shows for comparison
     #[arg(long, help_heading = "Output")]
     pub(crate) no_compare: bool,
+    /// Keep a checkpoint in FILE; if there is one already, go on from it, bit for bit as if the run had not stopped. Ctrl-C leaves one
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Seconds between checkpoints
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = 10.0,
+        requires = "checkpoint",
+        help_heading = "Output"
+    )]
+    pub(crate) checkpoint_every: f64,
     /// Print the certificate as JSON
     #[arg(long, help_heading = "Output")]
     pub(crate) json: bool,
     /// Print no certificate and no progress
     #[arg(long, short, conflicts_with = "json", help_heading = "Output")]
     pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The plane q1 = 0, crossed with p1 > 0: closed curves are regular orbits, clouds are chaotic ones. At energy 1/12 nearly all are \
+        regular, at 1/8 some, at 1/6 nearly none.\n\n\
+        Examples:\n  \
+        equip section henon-heiles --energy 1/8 --plot section.svg\n  \
+        equip section henon-heiles --energy 1/6 --orbits 8 --until 10000 --csv section.csv"
+)]
+pub(crate) struct SectionArgs {
+    /// Scene; henon-heiles is the only one so far
+    pub(crate) scene: String,
+    /// Energy of the orbits, up to that of the escape, 1/6
+    #[arg(long, value_name = "E", default_value = "1/8")]
+    pub(crate) energy: String,
+    /// Number of orbits
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    pub(crate) orbits: usize,
+    /// Time to end at, for each orbit
+    #[arg(long, value_name = "T", default_value = "2000")]
+    pub(crate) until: String,
+    /// Stages s: the order is 2s
+    #[arg(long, short, default_value_t = 8, help_heading = "Method")]
+    pub(crate) stages: usize,
+    /// Tolerance of the variable steps
+    #[arg(
+        long,
+        value_name = "TOL",
+        default_value = "1e-11",
+        help_heading = "Method"
+    )]
+    pub(crate) tolerance: String,
+    /// Where to draw
+    #[arg(
+        long,
+        value_name = "FILE.svg",
+        default_value = "section.svg",
+        help_heading = "Output"
+    )]
+    pub(crate) plot: PathBuf,
+    /// Write orbit, q2 and p2 of every crossing
+    #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
+    pub(crate) csv: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

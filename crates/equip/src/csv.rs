@@ -4,7 +4,9 @@
 //! as read back to the same number; all are in the units of the scene. The energy defect is H − H_ref.
 
 use equip_scalar::Float;
-use std::io::{self, Write};
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::path::Path;
 
 /// The word in the outcome column of the initial state, which no step made.
 const START: &str = "start";
@@ -27,7 +29,41 @@ pub(crate) struct Row<'a, T> {
     pub(crate) outcome: &'a str,
 }
 
+impl Rows<BufWriter<File>> {
+    /// Goes on with the table in `path` after step number `index` at `time`; rows after it were made by steps that are made again.
+    pub(crate) fn go_on<T: Float>(
+        path: &Path,
+        every: u64,
+        (index, time): (u64, T),
+    ) -> io::Result<Self> {
+        let text = std::fs::read_to_string(path)?;
+        let mut length = 0;
+        for line in text.split_inclusive('\n') {
+            let first = line.split(',').next().unwrap_or_default();
+            // The last row of an interrupted run is there whatever its number.
+            let wanted = index.is_multiple_of(every);
+            let later = T::decimal(first).is_ok_and(|t| t > time || (t == time && !wanted));
+            if later || !line.ends_with('\n') {
+                break;
+            }
+            length += line.len();
+        }
+        let mut file = OpenOptions::new().write(true).open(path)?;
+        file.set_len(length as u64)?;
+        file.seek(SeekFrom::End(0))?;
+        Ok(Rows {
+            out: BufWriter::new(file),
+            every,
+            last: None,
+        })
+    }
+}
+
 impl<W: Write> Rows<W> {
+    pub(crate) fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+
     /// Writes the header and the initial state.
     pub(crate) fn start<T: Float>(mut out: W, every: u64, q: &[T], p: &[T]) -> io::Result<Self> {
         write!(out, "t")?;

@@ -8,6 +8,8 @@ use std::process::ExitCode;
 
 /// Exit code of a run that began and could not be finished, its output up to there written, and of a failed check.
 const INTEGRATION_FAILED: u8 = 1;
+/// Exit code of a run ended by Ctrl-C, as shells have it.
+const INTERRUPTED: u8 = 130;
 /// Exit code of wrong usage and bad input, the same as that of the argument parser.
 const BAD_INPUT: u8 = 2;
 
@@ -31,6 +33,13 @@ pub(crate) enum Fault {
         path: PathBuf,
         source: std::io::Error,
     },
+    #[error("cannot read the checkpoint {}: {source}; remove it to start anew", path.display())]
+    Checkpoint {
+        path: PathBuf,
+        source: serde_json::Error,
+    },
+    #[error("interrupted at t = {reached}; {next}")]
+    Interrupted { reached: f64, next: String },
     #[error("cannot print: {0}")]
     Print(#[from] std::io::Error),
     #[error("{0}")]
@@ -53,6 +62,7 @@ impl Fault {
 
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
+            Fault::Interrupted { .. } => INTERRUPTED,
             Fault::Integration { .. }
             | Fault::Check { .. }
             | Fault::Write { .. }

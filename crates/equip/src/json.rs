@@ -44,6 +44,15 @@ struct Work {
 }
 
 #[derive(Debug, Serialize)]
+struct Sizes {
+    tolerance: Number,
+    smallest: Number,
+    largest: Number,
+    rejected: u64,
+    failed: u64,
+}
+
+#[derive(Debug, Serialize)]
 struct AtEnd {
     q: Vec<Number>,
     p: Vec<Number>,
@@ -65,6 +74,7 @@ struct Document<'a> {
     stages: usize,
     order: usize,
     step: Number,
+    variable_steps: Option<Sizes>,
     start: Number,
     end: Number,
     steps: u64,
@@ -94,6 +104,13 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         stages: certificate.method.stage_count(),
         order: certificate.method.order(),
         step: Number::new(certificate.step),
+        variable_steps: certificate.variable_steps.map(|steps| Sizes {
+            tolerance: Number::new(steps.tolerance),
+            smallest: Number::new(steps.smallest),
+            largest: Number::new(steps.largest),
+            rejected: steps.rejected,
+            failed: steps.failed,
+        }),
         start: Number::new(certificate.start),
         end: Number::new(certificate.end),
         steps: counts.steps,

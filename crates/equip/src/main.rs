@@ -6,6 +6,7 @@ mod check;
 mod comparison;
 mod csv;
 mod fault;
+mod integrator;
 mod json;
 mod panel;
 mod plot;
@@ -13,7 +14,9 @@ mod progress;
 mod report;
 mod run;
 mod samples;
+mod saver;
 mod scenes;
+mod section;
 mod svg;
 mod watch;
 
@@ -26,6 +29,7 @@ fn main() -> ExitCode {
     let done = match args::parse().command {
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Run(args) => run::run(&args),
+        Command::Section(args) => section::section(&args),
         Command::Check(args) => check::check(&args),
         Command::Report(args) => report::report(&args),
     };

@@ -3,6 +3,8 @@
 pub use equip_autodiff::{BuildError, Energy, Hamiltonian, System, Var, hamiltonian};
 pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};
 pub use equip_solver::{
-    Alphas, Certificate, Counts, Equip, FixedStep, Gauss, IntegrateError, Invariant, Method,
-    Observer, OnNoAlpha, Outcome, Record, Run, RunFailure, Step, StepView, Stepper,
+    Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, Checkpoint, Counts, Direction, Equip,
+    Event, FixedStep, Gauss, IntegrateError, Invariant, Method, Observer, Occurrence, OnNoAlpha,
+    Outcome, Record, Reversible, ReversibleStepper, Run, RunFailure, Step, StepView, Stepper,
+    TangentMap, Trajectory, VariableSteps,
 };

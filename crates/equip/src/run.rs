@@ -3,9 +3,11 @@
 use crate::args::{MethodName, Precision, RunArgs};
 use crate::comparison::Comparison;
 use crate::fault::Fault;
+use crate::integrator::Integrator;
 use crate::plot::draw;
 use crate::progress::Progress;
 use crate::samples::Path;
+use crate::saver::{self, Saver};
 use crate::watch::Watch;
 use crate::{json, plot};
 use equip_scalar::{Constant, DoubleDouble, Float};
@@ -14,6 +16,7 @@ use equip_solver::{
     Alphas, Equip, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run,
 };
 use std::io::{Write, stdout};
+use std::time::Duration;
 
 /// A run with what was found out about it afterwards.
 #[derive(Debug)]
@@ -49,7 +52,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
 /// The whole command in float type `T`.
 fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     let (h, end) = time_scale::<T>(args, instance)?;
-    let mut integrator = method::<T>(args)?.step(h).record(Record::Ends);
+    let method = method::<T>(args)?;
+    let mut integrator = match &args.tolerance {
+        None => Integrator::Fixed(method.step(h).record(Record::Ends)),
+        Some(text) => {
+            let tolerance = number::<T>("--tolerance", text)?;
+            Integrator::Variable(method.tolerance(tolerance).record(Record::Ends))
+        }
+    };
     if args.refuse {
         integrator = integrator.on_no_alpha(OnNoAlpha::Refuse);
     }
@@ -65,15 +75,37 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         Vec::new()
     };
     let steps = (end / h).to_f64().ceil() as u64;
-    let progress = Progress::new("integrating", steps, !args.quiet);
+    // How many steps a tolerance will take is not known.
+    let shown = !args.quiet && args.tolerance.is_none();
+    let progress = Progress::new("integrating", steps, shown);
     let mut watch = Watch::new((&q0, &p0), Path::new(components), progress);
     watch.out.clone_from(&args.out);
     watch.every = args.every;
     watch.plot.clone_from(&args.plot);
+    let mut from = None;
+    if let Some(path) = &args.checkpoint {
+        let every =
+            Duration::try_from_secs_f64(args.checkpoint_every).map_err(|_| Fault::Option {
+                option: "--checkpoint-every",
+                value: args.checkpoint_every.to_string(),
+                expected: "a number of seconds that is not negative",
+            })?;
+        watch.saver = Some(Saver::new(path, every));
+        from = saver::load(path)?;
+    }
+    if let Some(from) = &from {
+        let time = from.time::<T>().map_err(Fault::start)?;
+        watch.resumed = Some((from.index(), time));
+        if !args.quiet {
+            eprintln!(
+                "resuming at t = {:.6}",
+                from.time::<T>().map_err(Fault::start)?
+            );
+        }
+    }
+    saver::catch_interrupts()?;
 
-    let interval = T::int(0)..=end;
-    let made =
-        integrator.integrate_observed(instance.hamiltonian(), &q0, &p0, interval, &mut watch);
+    let made = integrator.integrate(instance, from.as_ref(), end, &mut watch);
     let (run, error) = match made {
         Ok(run) => (run, None),
         Err(failure) => match failure.partial {
@@ -92,6 +124,13 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     drop(watch);
     report(args, &finished)?;
     match finished.error {
+        None if finished.run.stopped() && saver::interrupted() => Err(Fault::Interrupted {
+            reached: finished.run.certificate().end.to_f64(),
+            next: match &args.checkpoint {
+                Some(path) => format!("the same command goes on from {}", path.display()),
+                None => "with --checkpoint FILE a run can be gone on with".to_owned(),
+            },
+        }),
         None => Ok(()),
         Some(error) => Err(Fault::Integration {
             cause: Box::new(error),
@@ -114,7 +153,7 @@ fn picture<T: Float>(
     let (Some(mut file), Some(path)) = (watch.drawing.take(), &args.plot) else {
         return Ok(());
     };
-    let compare = !args.no_compare && args.method != MethodName::Gauss;
+    let compare = !args.no_compare && args.tolerance.is_none() && args.method != MethodName::Gauss;
     let comparison = compare.then(|| {
         let progress = Progress::new("Gauss for comparison", watch.progress.steps(), !args.quiet);
         let end = finished.run.certificate().end;
@@ -168,7 +207,7 @@ fn method<T: Float>(args: &RunArgs) -> Result<Method, Fault> {
 }
 
 /// A decimal or a quotient of decimals, in the precision of the run.
-fn number<T: Float>(option: &'static str, text: &str) -> Result<T, Fault> {
+pub(crate) fn number<T: Float>(option: &'static str, text: &str) -> Result<T, Fault> {
     let read =
         |text: &str| T::decimal(text.trim()).map_err(|source| Fault::Number { option, source });
     match text.split_once('/') {

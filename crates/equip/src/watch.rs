@@ -4,8 +4,9 @@ use crate::csv::{Row, Rows};
 use crate::fault::Fault;
 use crate::progress::Progress;
 use crate::samples::{Envelope, Path};
+use crate::saver::{self, Saver};
 use equip_scalar::Float;
-use equip_solver::{Observer, Run, StepView};
+use equip_solver::{Checkpoint, Observer, Run, StepView};
 use std::fs::File;
 use std::io::BufWriter;
 use std::ops::ControlFlow;
@@ -23,6 +24,10 @@ pub(crate) struct Watch<'a, T> {
     pub(crate) progress: Progress,
     rows: Option<Rows<BufWriter<File>>>,
     pub(crate) drawing: Option<File>,
+    /// Keeps checkpoints.
+    pub(crate) saver: Option<Saver>,
+    /// Number and time of the step that the run goes on from.
+    pub(crate) resumed: Option<(u64, T)>,
     fault: Option<Fault>,
     begun: bool,
 }
@@ -39,6 +44,8 @@ impl<'a, T: Float> Watch<'a, T> {
             progress,
             rows: None,
             drawing: None,
+            saver: None,
+            resumed: None,
             fault: None,
             begun: false,
         }
@@ -57,8 +64,14 @@ impl<'a, T: Float> Watch<'a, T> {
             self.drawing = Some(File::create(path).map_err(|e| write(path, e))?);
         }
         if let Some(path) = &self.out {
-            let file = BufWriter::new(File::create(path).map_err(|e| write(path, e))?);
-            self.rows = Some(Rows::start(file, self.every, q, p).map_err(|e| write(path, e))?);
+            self.rows = Some(
+                match self.resumed {
+                    Some(step) if path.exists() => Rows::go_on(path, self.every, step),
+                    _ => File::create(path)
+                        .and_then(|file| Rows::start(BufWriter::new(file), self.every, q, p)),
+                }
+                .map_err(|e| write(path, e))?,
+            );
         }
         Ok(())
     }
@@ -87,6 +100,29 @@ impl<'a, T: Float> Watch<'a, T> {
             })?;
         }
         Ok(())
+    }
+
+    /// Rows first: what a checkpoint stands for must be in the table.
+    fn save(&mut self, checkpoint: &Checkpoint) -> Result<(), Fault> {
+        if let (Some(rows), Some(path)) = (&mut self.rows, &self.out) {
+            rows.flush().map_err(|source| Fault::Write {
+                path: path.clone(),
+                source,
+            })?;
+        }
+        self.saver
+            .as_mut()
+            .map_or(Ok(()), |saver| saver.save(checkpoint))
+    }
+
+    fn go_on_if(&mut self, done: Result<(), Fault>) -> ControlFlow<()> {
+        match done {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(fault) => {
+                self.fault = Some(fault);
+                ControlFlow::Break(())
+            }
+        }
     }
 
     /// Ends the table with the last state of `run`.
@@ -121,13 +157,21 @@ impl<'a, T: Float> Watch<'a, T> {
 
 impl<T: Float> Observer<T> for Watch<'_, T> {
     fn step(&mut self, view: &StepView<'_, T>) -> ControlFlow<()> {
-        match self.see(view) {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(fault) => {
-                self.fault = Some(fault);
-                ControlFlow::Break(())
-            }
+        let seen = self.see(view);
+        if saver::interrupted() {
+            let _ = self.go_on_if(seen);
+            return ControlFlow::Break(());
         }
+        self.go_on_if(seen)
+    }
+
+    fn wants_checkpoint(&mut self) -> bool {
+        self.fault.is_none() && self.saver.as_ref().is_some_and(Saver::is_due)
+    }
+
+    fn checkpoint(&mut self, checkpoint: Checkpoint) -> ControlFlow<()> {
+        let saved = self.save(&checkpoint);
+        self.go_on_if(saved)
     }
 }
 

@@ -325,3 +325,157 @@ fn well_formed(text: &str) {
     }
     assert!(open.is_empty() && text.ends_with("</svg>\n"));
 }
+
+#[test]
+fn variable_steps_follow_a_tolerance() {
+    let text = stdout(&[
+        "run",
+        "kepler",
+        "--e",
+        "0.9",
+        "--stages",
+        "8",
+        "--tolerance",
+        "1e-12",
+        "--until",
+        "10",
+    ]);
+    assert!(
+        text.contains("tolerance") && text.contains("steps refused"),
+        "{text}"
+    );
+    failure(
+        2,
+        &["run", "kepler", "--tolerance", "1e-12", "--step", "0.1"],
+    );
+    let json = stdout(&["run", "kepler", "--tolerance", "1e-8", "--json"]);
+    assert!(json.contains("\"variable_steps\": {"), "{json}");
+    failure(2, &["run", "kepler", "--tolerance", "1"]);
+}
+
+#[test]
+fn a_section_is_drawn() {
+    let (plot, csv) = (file("section.svg"), file("section.csv"));
+    let text = stdout(&[
+        "section",
+        "henon-heiles",
+        "--energy",
+        "1/12",
+        "--orbits",
+        "5",
+        "--until",
+        "200",
+        "--plot",
+        plot.to_str().unwrap(),
+        "--csv",
+        csv.to_str().unwrap(),
+    ]);
+    assert!(text.contains("of 5 orbits"), "{text}");
+    let rows = table(&csv);
+    // About one crossing every 2π.
+    assert!(rows.len() > 100 && rows.len() < 220, "{}", rows.len());
+    for row in &rows[1..] {
+        let (q2, p2): (f64, f64) = (row[1].parse().unwrap(), row[2].parse().unwrap());
+        // p1² is what is left.
+        assert!(1.0 / 6.0 - q2 * q2 + 2.0 / 3.0 * q2.powi(3) - p2 * p2 > 0.0);
+    }
+    assert!(std::fs::read_to_string(&plot).unwrap().contains("<path"));
+    failure(2, &["section", "kepler"]);
+}
+
+/// Runs with a checkpoint at every step, kills the program in the middle, goes on, and compares the table with that of a run that was left alone.
+fn killed_and_gone_on(name: &str, signal: &str, arguments: &[&str]) {
+    let (out, whole) = (
+        file(&format!("{name}.csv")),
+        file(&format!("{name}-whole.csv")),
+    );
+    let checkpoint = file(&format!("{name}.checkpoint"));
+    let _ = std::fs::remove_file(&checkpoint);
+    let with = |out: &PathBuf, more: &[&str]| {
+        let mut all: Vec<String> = arguments.iter().map(|x| x.to_string()).collect();
+        all.extend(["--out".into(), out.to_str().unwrap().into()]);
+        all.extend(more.iter().map(|x| x.to_string()));
+        all
+    };
+    let save = [
+        "--checkpoint",
+        checkpoint.to_str().unwrap(),
+        "--checkpoint-every",
+        "0.05",
+    ];
+    let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
+    let program = program.args(with(&out, &save)).arg("--quiet");
+    let mut child = program
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Killed as soon as there is a second checkpoint, so in the middle of writing something.
+    let written = || {
+        std::fs::metadata(&checkpoint)
+            .and_then(|file| file.modified())
+            .ok()
+    };
+    let begun = std::time::Instant::now();
+    let mut first = None;
+    while begun.elapsed().as_secs() < 60 {
+        let now = written();
+        if first.is_none() {
+            first = now;
+        } else if now.is_some() && now != first {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let id = child.id().to_string();
+    Command::new("kill").args([signal, &id]).status().unwrap();
+    let ended = child.wait().unwrap();
+    assert!(!ended.success(), "the run was over before it was killed");
+    if signal == "-INT" {
+        assert_eq!(ended.code(), Some(130));
+    }
+    let output = equip(
+        &with(&out, &save)
+            .iter()
+            .map(String::as_str)
+            .collect::<Vec<_>>(),
+    );
+    assert_eq!(output.status.code(), Some(0));
+    assert!(
+        String::from_utf8(output.stderr)
+            .unwrap()
+            .contains("resuming at t = ")
+    );
+    equip(
+        &with(&whole, &[])
+            .iter()
+            .map(String::as_str)
+            .collect::<Vec<_>>(),
+    );
+    let read = |path| std::fs::read_to_string(path).unwrap();
+    assert!(read(&out) == read(&whole), "{} differs", out.display());
+}
+
+#[test]
+#[cfg(unix)]
+fn a_killed_run_goes_on_as_if_it_had_not_been() {
+    let fixed = [
+        "run", "kepler", "--stages", "4", "--step", "1/50", "--until", "1500", "--every", "7",
+    ];
+    killed_and_gone_on("killed-fixed", "-KILL", &fixed);
+    let variable = [
+        "run",
+        "kepler",
+        "--e",
+        "0.9",
+        "--stages",
+        "6",
+        "--tolerance",
+        "1e-9",
+        "--until",
+        "4000",
+        "--every",
+        "3",
+    ];
+    killed_and_gone_on("killed-variable", "-KILL", &variable);
+    killed_and_gone_on("interrupted", "-INT", &variable);
+}

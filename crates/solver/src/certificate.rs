@@ -11,8 +11,10 @@ use std::fmt;
 pub struct Certificate<T> {
     /// The method.
     pub method: Method,
-    /// The step.
+    /// The fixed step; with variable steps their mean.
     pub step: T,
+    /// How the steps varied; `None` if they were fixed.
+    pub variable_steps: Option<VariableSteps<T>>,
     /// Time at the start.
     pub start: T,
     /// Time reached.
@@ -31,6 +33,21 @@ pub struct Certificate<T> {
     pub output_steps: u64,
     /// Wall-clock time in seconds.
     pub seconds: f64,
+}
+
+/// What step control did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VariableSteps<T> {
+    /// The tolerance asked for; ε of reversible steps.
+    pub tolerance: T,
+    /// Smallest step taken; a step cut to reach the end of the run does not count.
+    pub smallest: T,
+    /// Largest step taken.
+    pub largest: T,
+    /// Steps made and refused because their error estimate was too large.
+    pub rejected: u64,
+    /// Steps refused because their stages or α's were not found.
+    pub failed: u64,
 }
 
 impl<T: Float> Certificate<T> {
@@ -85,7 +102,19 @@ impl<T: Float> Certificate<T> {
         let mut line = |label: &str, text: String| lines.push((label.to_owned(), text));
         line("method", format!("{} in {}", self.method, T::NAME));
         line("time", format!("{:.6} to {:.6}", self.start, self.end));
-        line("steps", format!("{} of {:.6}", counts.steps, self.step));
+        match &self.variable_steps {
+            None => line("steps", format!("{} of {:.6}", counts.steps, self.step)),
+            Some(steps) => {
+                let range = format!("{:.2e} to {:.2e}", steps.smallest, steps.largest);
+                line("steps", format!("{} of {range}", counts.steps));
+                line("tolerance", format!("{:.1e}", steps.tolerance));
+                let (rejected, failed) = (steps.rejected, steps.failed);
+                line(
+                    "steps refused",
+                    format!("{rejected} for their error, {failed} unsolved"),
+                );
+            }
+        }
         if let Some(energy) = &self.energy {
             line("energy at start", format!("{}", energy.start));
             line(

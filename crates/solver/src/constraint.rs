@@ -18,7 +18,7 @@ use equip_scalar::Float;
 pub(crate) struct Constraint<T: Float> {
     /// `None` for the energy, which has the run's evaluator.
     evaluator: Option<<Hamiltonian as System>::Evaluator<T>>,
-    reference: T,
+    pub(crate) reference: T,
     /// g.
     pub(crate) defect: T,
     /// Below this, g is round-off: ε (|I_ref| + |I(y1)| + Σ_i |∂_iI(y1)| σ_i) with the sizes
@@ -26,7 +26,7 @@ pub(crate) struct Constraint<T: Float> {
     /// their last, round-off sized correction would do to I.
     pub(crate) floor: T,
     /// The floor of the last step that was solved to its own: g is not known to be smaller.
-    inherited: T,
+    pub(crate) inherited: T,
     /// What a relative change of the state by 1 is worth.
     pub(crate) scale: T,
     /// ∇I(y1).

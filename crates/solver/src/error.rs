@@ -114,6 +114,74 @@ pub enum IntegrateError<T: Float> {
         /// End of the interval.
         end: T,
     },
+    /// A checkpoint was made under other conditions.
+    #[error(
+        "the checkpoint has another {what} than this run: `{stored}` there, `{now}` here; resume with what it was made with, or start anew"
+    )]
+    CheckpointMismatch {
+        /// What differs.
+        what: &'static str,
+        /// What the checkpoint says.
+        stored: String,
+        /// What this run says.
+        now: String,
+    },
+    /// A checkpoint was made with another H.
+    #[error(
+        "at the state of the checkpoint, t = {time}, H has another value than when it was made: give the same Hamiltonian with the same parameters, or start anew"
+    )]
+    CheckpointOtherEnergy {
+        /// Time of the checkpoint.
+        time: T,
+    },
+    /// A checkpoint cannot be read.
+    #[error("the checkpoint is damaged: {what} cannot be read; take an earlier one or start anew")]
+    CheckpointDamaged {
+        /// Which part.
+        what: &'static str,
+    },
+    /// A checkpoint was made after the shorter last step of a run.
+    #[error(
+        "the checkpoint was made at t = {time}, which is not on the grid of its steps (the last step of a run may be shorter); resume from an earlier one, or start anew from there"
+    )]
+    CheckpointOffGrid {
+        /// Time of the checkpoint.
+        time: T,
+    },
+    /// An event function changes sign too often, or its noise does.
+    #[error(
+        "the event `{event}` has more structure in the step at t = {time}, h = {step:e} than can be told from noise; give a smooth function whose rounding is small beside its changes"
+    )]
+    EventTooRough {
+        /// Name of the event.
+        event: String,
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+    },
+    /// Step control wants a step below the smallest one allowed, or below the resolution of time.
+    #[error(
+        "the tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity of H, or the tolerance is too small: loosen it or lower `min_step`"
+    )]
+    StepBelowMinimum {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// Smallest step allowed.
+        min: T,
+    },
+    /// The run has made all the steps it may.
+    #[error(
+        "{steps} steps were made and t = {time} is reached; raise `max_steps`, loosen the tolerance or shorten the interval"
+    )]
+    StepLimit {
+        /// Steps allowed.
+        steps: u64,
+        /// Time reached.
+        time: T,
+    },
     /// H became infinite or NaN inside a step, also after all halvings.
     #[error(
         "H or its derivatives are not finite inside the step at t = {time}, h = {step}, also after halving it {halvings} times; the trajectory leaves the domain of H there, or the step is too large"

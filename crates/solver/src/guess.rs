@@ -4,6 +4,8 @@
 //! γ_k = Σ_i b_i P_k(c_i) f(Y_i). The new stages are guessed as
 //!
 //! $$ Z_i = h_{old} \int_1^{1 + r c_i} u'(\tau) d\tau, \qquad r = h / h_{old} . $$
+//!
+//! After a step that was made and then refused for its size, the integral begins at 0: the new step starts where it did.
 
 use crate::stages::Stages;
 use equip_scalar::Float;
@@ -16,11 +18,13 @@ pub(crate) struct Guess<T: Float> {
     l: Vec<T>,
     /// Its size; zero when there is none.
     h: T,
-    /// Whether the L_i are not here but with the sweeps.
-    elsewhere: bool,
+    /// Whether the new step starts where it started, not where it ended.
+    refused: bool,
+    /// Whether sweeps have the L_i too.
+    is_swept: bool,
     /// Whether Z stands in the stages already.
     made: bool,
-    /// Σ_k (∫_1^{1+r c_i} P_k) P_k(c_j), row by row, and the ratio r it was made for.
+    /// Σ_k (∫_1^{1+r c_i} P_k) P_k(c_j), row by row, and the ratio r it was made for; that is zero when there is none.
     matrix: Vec<T>,
     ratio: T,
 }
@@ -31,7 +35,8 @@ impl<T: Float> Guess<T> {
         Guess {
             l: vec![zero; s * n],
             h: zero,
-            elsewhere: false,
+            refused: false,
+            is_swept: false,
             made: false,
             matrix: vec![zero; s * s],
             ratio: zero,
@@ -42,23 +47,25 @@ impl<T: Float> Guess<T> {
     pub(crate) fn remember(&mut self, l: &[T], h: T) {
         self.l.copy_from_slice(l);
         self.h = h;
-        self.elsewhere = false;
+        self.is_swept = false;
+        self.set_refused(false);
     }
 
-    /// Remembers the size of an accepted step whose L_i are kept elsewhere.
-    pub(crate) fn remember_size(&mut self, h: T) {
-        self.h = h;
-        self.elsewhere = true;
+    /// L_i and h of the step made last; h is zero when there is none.
+    pub(crate) fn last(&self) -> (&[T], T) {
+        (&self.l, self.h)
     }
 
-    /// h over the size of the last step, if there is one.
-    pub(crate) fn ratio_to(&self, h: T) -> Option<T> {
-        (self.h != T::int(0)).then(|| h / self.h)
+    /// The step made last is refused: the next starts where it did.
+    pub(crate) fn refuse(&mut self) {
+        self.set_refused(true);
     }
 
-    /// The Z that is in the stages already is the guess of this step.
-    pub(crate) fn is_made(&mut self) {
-        self.made = true;
+    fn set_refused(&mut self, refused: bool) {
+        if self.refused != refused {
+            self.refused = refused;
+            self.ratio = T::int(0);
+        }
     }
 
     /// Whether the next guess prolongs the last step.
@@ -78,7 +85,7 @@ impl<T: Float> Guess<T> {
         if std::mem::take(&mut self.made) {
             return;
         }
-        if self.h == T::int(0) || self.elsewhere {
+        if self.h == T::int(0) {
             stages.z.fill(T::int(0));
             return;
         }
@@ -99,14 +106,42 @@ impl<T: Float> Guess<T> {
 
     fn fill_matrix(&mut self, gauss: &Gauss<T>, ratio: T) {
         let s = gauss.stages();
-        fill_prolongation(gauss, ratio, |i, j, e| self.matrix[i * s + j] = e);
+        let start = self.start();
+        fill_prolongation(gauss, start, ratio, |i, j, e| self.matrix[i * s + j] = e);
         self.ratio = ratio;
+    }
+
+    /// Where the new step starts, in the step made last: 1, or 0 after it was refused.
+    fn start(&self) -> T {
+        T::int(i64::from(!self.refused))
+    }
+
+    /// Where the new step starts in the step made last, and its size over that of it, if there is one.
+    pub(crate) fn prolongation(&self, h: T) -> Option<(T, T)> {
+        (self.h != T::int(0)).then(|| (self.start(), h / self.h))
+    }
+
+    /// Remembers an accepted step that sweeps have made, who have its L in their own order.
+    pub(crate) fn remember_swept(&mut self, l: &[T], h: T) {
+        self.remember(l, h);
+        self.is_swept = true;
+    }
+
+    /// Whether sweeps have its L.
+    pub(crate) fn is_swept(&self) -> bool {
+        self.is_swept
+    }
+
+    /// The Z that is in the stages already is the guess of this step.
+    pub(crate) fn is_made(&mut self) {
+        self.made = true;
     }
 }
 
-/// Gives the entries (i, j) of Σ_k (∫_1^{1+r c_i} P_k) P_k(c_j) to `set`.
+/// Gives the entries (i, j) of Σ_k (∫_a^{a + r c_i} P_k) P_k(c_j), a = `start`, r = `ratio`, to `set`.
 pub(crate) fn fill_prolongation<T: Float>(
     gauss: &Gauss<T>,
+    start: T,
     ratio: T,
     mut set: impl FnMut(usize, usize, T),
 ) {
@@ -115,8 +150,8 @@ pub(crate) fn fill_prolongation<T: Float>(
     let mut integrals = [T::int(0); crate::MAX_STAGES];
     let integrals = &mut integrals[..s];
     for (i, &c) in gauss.nodes().iter().enumerate() {
-        legendre_integrals_at(T::int(1) + ratio * c, integrals);
-        integrals[0] -= T::int(1);
+        legendre_integrals_at(start + ratio * c, integrals);
+        integrals[0] -= start;
         for j in 0..s {
             let terms = integrals.iter().enumerate();
             let e = terms.fold(T::int(0), |sum, (k, &x)| sum + x * gauss.legendre(k)[j]);

@@ -7,12 +7,29 @@
 //! type*, AIP Conf. Proc. 1281 (2010), and arXiv:1005.1930.
 #![forbid(unsafe_code)]
 
+mod adaptive;
+mod adaptive_first;
+mod adaptive_run;
+mod adaptive_stepper;
 mod alpha;
 mod certificate;
+mod checkpoint;
+mod checkpoint_adaptive;
+mod checkpoint_fixed;
 mod constraint;
+mod control;
+mod control_estimate;
+mod dense;
+mod dense_trajectory;
+mod dense_watch;
 mod displacement;
+mod drive;
 mod endpoint;
 mod error;
+mod event;
+mod event_roots;
+mod event_watch;
+mod grid;
 mod guess;
 mod hessians;
 mod invariant;
@@ -26,6 +43,8 @@ mod newton;
 mod observer;
 mod options;
 mod outcome;
+mod reversible;
+mod reversible_stepper;
 mod run;
 mod shifted;
 mod simplified;
@@ -38,17 +57,30 @@ mod step;
 mod stepper;
 mod sweep;
 mod sweeps;
+mod tangent;
+mod tangent_chaos;
+mod time_dependent;
 
-pub use certificate::Certificate;
+pub use adaptive::Adaptive;
+pub use adaptive_stepper::AdaptiveStepper;
+pub use certificate::{Certificate, VariableSteps};
+pub use checkpoint::Checkpoint;
+pub use dense_trajectory::Trajectory;
 pub use error::IntegrateError;
+pub use event::{Direction, Event, Occurrence};
 pub use invariant::{Defect, Invariant};
 pub use method::{Alphas, Equip, Family, Gauss, Method};
 pub use newton::NewtonRecord;
 pub use observer::{NoObserver, Observer};
 pub use options::{FixedStep, OnNoAlpha, Record, StageSolver};
 pub use outcome::{Counts, Outcome};
+pub use reversible::Reversible;
+pub use reversible_stepper::ReversibleStepper;
 pub use run::{Run, RunFailure};
 pub use stepper::{Step, StepView, Stepper};
+pub use tangent::{Steps, TangentMap};
+pub use tangent_chaos::Chaos;
+pub use time_dependent::Extended;
 
 /// Most stages a method may have.
 pub const MAX_STAGES: usize = 32;

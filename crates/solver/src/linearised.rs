@@ -10,6 +10,8 @@
 //! solved for with M itself: Hessians of all stages once per step in which α's move, and M x = b iterated,
 //! x ← x + M̃⁻¹(b − M x), until its corrections are at √ε, the accuracy to which the stages are known then.
 
+use crate::checkpoint::{Exact, SolverMemory};
+use crate::error::IntegrateError;
 use crate::hessians::{StageHessians, turned};
 use crate::linear::Singular;
 use crate::linearisation::Linearisation;
@@ -131,6 +133,36 @@ impl<T: Float> Linearised<T> {
         self.made_for = None;
         self.full_steps = 0;
         self.theta = T::int(0);
+    }
+
+    /// What is kept from earlier steps.
+    pub(crate) fn memory(&self) -> SolverMemory {
+        let mut memory = SolverMemory {
+            full_steps: self.full_steps,
+            made_for: self.made_for.map(Exact::of),
+            theta: [self.theta, self.theta_when_made].map(Exact::of),
+            untried: self.untried,
+            ..SolverMemory::default()
+        };
+        if let (Some(simplified), Some(_)) = (&self.simplified, self.made_for) {
+            simplified.save(&mut memory);
+        }
+        memory
+    }
+
+    pub(crate) fn restore(&mut self, memory: &SolverMemory) -> Result<(), IntegrateError<T>> {
+        self.full_steps = memory.full_steps;
+        self.theta = memory.theta[0].read()?;
+        self.theta_when_made = memory.theta[1].read()?;
+        self.untried = memory.untried;
+        self.made_for = match (&mut self.simplified, &memory.made_for) {
+            (Some(simplified), Some(h)) => {
+                simplified.restore(memory)?;
+                Some(h.read()?)
+            }
+            _ => None,
+        };
+        Ok(())
     }
 
     /// A step of size `h` begins; `pure` asks for a factorisation in every iteration.

@@ -20,8 +20,10 @@
 //! Cost per iteration: that of [`crate::linearised`], s gradients, and one more per constraint once the stages are near.
 
 use crate::alpha::{Directions, Moved, Norm};
+use crate::checkpoint::SolverMemory;
 use crate::constraint::{Constraint, worst};
 use crate::displacement::dot;
+use crate::error::IntegrateError;
 use crate::linearised::{Linearised, Verdict};
 use crate::local_error::LocalError;
 use crate::options::StageSolver;
@@ -121,6 +123,15 @@ impl<T: Float> Newton<T> {
     /// Forgets what was kept of earlier steps.
     pub(crate) fn forget(&mut self) {
         self.linearised.forget();
+    }
+
+    /// What is kept of earlier steps.
+    pub(crate) fn memory(&self) -> SolverMemory {
+        self.linearised.memory()
+    }
+
+    pub(crate) fn restore(&mut self, memory: &SolverMemory) -> Result<(), IntegrateError<T>> {
+        self.linearised.restore(memory)
     }
 
     /// After a failure: whether full Newton takes over, so that the step may be tried again.

@@ -1,5 +1,6 @@
 //! Observers: code of the user's that sees every step and may end the run.
 
+use crate::checkpoint::Checkpoint;
 use crate::stepper::StepView;
 use std::ops::ControlFlow;
 
@@ -7,6 +8,17 @@ use std::ops::ControlFlow;
 pub trait Observer<T> {
     /// Called after every step; `ControlFlow::Break(())` ends the run with what has been made so far.
     fn step(&mut self, view: &StepView<'_, T>) -> ControlFlow<()>;
+
+    /// Asked after every step: whether a checkpoint is wanted now. Never, by default.
+    fn wants_checkpoint(&mut self) -> bool {
+        false
+    }
+
+    /// Takes the checkpoint it wanted; `ControlFlow::Break(())` ends the run.
+    fn checkpoint(&mut self, checkpoint: Checkpoint) -> ControlFlow<()> {
+        let _ = checkpoint;
+        ControlFlow::Continue(())
+    }
 }
 
 impl<T, F: FnMut(&StepView<'_, T>) -> ControlFlow<()>> Observer<T> for F {

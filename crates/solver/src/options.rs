@@ -1,6 +1,7 @@
 //! [`FixedStep`]: a method with its step and options, ready to integrate.
 
 use crate::error::IntegrateError;
+use crate::event::Event;
 use crate::invariant::Invariant;
 use crate::method::{Alphas, Family, Method};
 use crate::{MAX_STAGES, MIN_EQUIP_STAGES};
@@ -26,6 +27,17 @@ pub enum Record {
     Every(u64),
     /// The first and the last state only.
     Ends,
+}
+
+impl Record {
+    /// Whether step number `index` is kept.
+    pub(crate) fn keeps(self, index: u64) -> bool {
+        match self {
+            Record::All => true,
+            Record::Every(k) => index.is_multiple_of(k),
+            Record::Ends => false,
+        }
+    }
 }
 
 /// How the stage equations of a step are solved: the same equations to round-off, with different work.
@@ -68,6 +80,8 @@ pub struct FixedStep<T: Float> {
     pub(crate) kept: Vec<Invariant>,
     pub(crate) record: Record,
     pub(crate) output_times: Vec<T>,
+    pub(crate) dense: bool,
+    pub(crate) events: Vec<Event<T>>,
 }
 
 /// Options after validation, in the form the step wants them.
@@ -83,6 +97,23 @@ pub(crate) struct Settings<T> {
     pub(crate) max_halvings: u32,
     pub(crate) pure_newton: bool,
     pub(crate) stage_solver: StageSolver,
+}
+
+impl<T: Float> Settings<T> {
+    /// The Gauss method without halvings.
+    pub(crate) fn plain(stages: usize, max_iterations: u32, stage_solver: StageSolver) -> Self {
+        Settings {
+            stages,
+            fixed_alpha: None,
+            first_alpha: None,
+            on_no_alpha: OnNoAlpha::Carry,
+            alpha_bound: T::int(1),
+            max_iterations,
+            max_halvings: 0,
+            pure_newton: false,
+            stage_solver,
+        }
+    }
 }
 
 impl<T: Float> FixedStep<T> {
@@ -101,6 +132,8 @@ impl<T: Float> FixedStep<T> {
             kept: Vec::new(),
             record: Record::default(),
             output_times: Vec::new(),
+            dense: false,
+            events: Vec::new(),
         }
     }
 
@@ -182,6 +215,22 @@ impl<T: Float> FixedStep<T> {
     #[must_use]
     pub fn output_at(mut self, times: &[T]) -> Self {
         self.output_times = times.to_vec();
+        self
+    }
+
+    /// Keep dense output: [`Run::trajectory`](crate::Run::trajectory) gives the state at any time. The steps do not change by a single bit;
+    /// each costs one solve of twice as many stages more.
+    #[must_use]
+    pub fn dense(mut self) -> Self {
+        self.dense = true;
+        self
+    }
+
+    /// An event whose roots along the run are wanted; see [`Run::events`](crate::Run::events). The steps do not change by a single bit; each
+    /// costs one solve of twice as many stages more.
+    #[must_use]
+    pub fn event(mut self, event: Event<T>) -> Self {
+        self.events.push(event);
         self
     }
 

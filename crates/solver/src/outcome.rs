@@ -2,6 +2,7 @@
 
 /// How a step ended. Every step has exactly one outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Outcome {
     /// α's were found that bring H back to its reference within the round-off floor.
@@ -49,6 +50,7 @@ impl Outcome {
 
 /// Counts of work and outcomes. Equal runs have equal counts on every machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts {
     /// Steps of the grid.
     pub steps: u64,

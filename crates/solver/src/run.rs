@@ -1,14 +1,20 @@
 //! A whole run over an interval, and what it leaves.
 
 use crate::certificate::Certificate;
+use crate::checkpoint::Checkpoint;
+use crate::dense_trajectory::Trajectory;
+use crate::dense_watch::DenseWatch;
+use crate::drive::{Watchers, drive};
 use crate::error::IntegrateError;
+use crate::event::Occurrence;
+use crate::grid::{Grid, OnGrid, Outputs};
 use crate::observer::{NoObserver, Observer};
-use crate::options::{FixedStep, Record};
+use crate::options::FixedStep;
 use crate::outcome::Outcome;
 use crate::stepper::{StepView, Stepper};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use std::ops::{ControlFlow, RangeInclusive};
+use std::ops::RangeInclusive;
 
 /// The states a run kept, and its certificate.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,8 +26,11 @@ pub struct Run<T> {
     outcomes: Vec<Outcome>,
     output_times: Vec<T>,
     outputs: Vec<T>,
+    pub(crate) trajectory: Option<Trajectory<T>>,
+    pub(crate) occurrences: Vec<Occurrence<T>>,
+    ended: Option<T>,
     stopped: bool,
-    certificate: Certificate<T>,
+    pub(crate) certificate: Certificate<T>,
 }
 
 /// A run that ended in an error, with all that was made before it.
@@ -76,51 +85,64 @@ impl<T: Float> FixedStep<T> {
         let (t0, t1) = interval.into_inner();
         let grid = Grid::new(t0, t1, self.h)?;
         self.check_output_times(t0, t1)?;
-        let mut stepper = self.start(system, q0, p0, t0)?;
-        // The steps for output have a workspace of their own: the run must not feel them.
-        let mut outputs = match self.output_times.as_slice() {
-            [] => None,
-            times => Some(Outputs {
-                stepper: self.start(system, q0, p0, t0)?,
-                times,
-                done: 0,
-            }),
-        };
-        let mut run = Run::new(q0.len(), &stepper);
-        for index in 1..=grid.steps() {
-            if let Some(outputs) = &mut outputs
-                && let Err(error) = outputs.up_to(&stepper, grid.time(index), &mut run)
-            {
-                return Err(run.fail(error, &stepper));
-            }
-            let view = match stepper.advance_to(grid.time(index), grid.size(index)) {
-                Ok(view) => view,
-                Err(error) => return Err(run.fail(error, &stepper)),
-            };
-            let stop = observer.step(&view) == ControlFlow::Break(());
-            let keep = match self.record {
-                Record::All => true,
-                Record::Every(k) => index % k == 0,
-                Record::Ends => false,
-            };
-            if keep || stop || index == grid.steps() {
-                run.keep(&view);
-            }
-            if stop {
-                run.stopped = true;
-                break;
-            }
-        }
-        if let (Some(outputs), false) = (&mut outputs, run.stopped)
-            && let Err(error) = outputs.up_to(&stepper, T::INFINITY, &mut run)
-        {
-            return Err(run.fail(error, &stepper));
-        }
-        run.finish(&stepper);
-        Ok(run)
+        let stepper = self.start(system, q0, p0, t0)?;
+        self.drive(system, stepper, grid, observer)
     }
 
-    fn check_output_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
+    /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at the checkpoint; its certificate is that of the
+    /// whole. Steps are bit for bit those of the run that had not stopped.
+    ///
+    /// # Errors
+    /// Those of [`resume`](Self::resume), a checkpoint that is not on the grid, and [`RunFailure`].
+    pub fn integrate_from<H: System>(
+        &self,
+        system: &H,
+        checkpoint: &Checkpoint,
+        end: T,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let stepper = self.resume(system, checkpoint)?;
+        let grid = Grid::new(stepper.t0, end.max(stepper.time()), self.h)?;
+        if stepper.index > grid.whole || grid.time(stepper.index) != stepper.time() {
+            return Err(IntegrateError::CheckpointOffGrid {
+                time: stepper.time(),
+            }
+            .into());
+        }
+        self.check_output_times(stepper.t0, end)?;
+        self.drive(system, stepper, grid, observer)
+    }
+
+    fn drive<H: System>(
+        &self,
+        system: &H,
+        mut stepper: Stepper<T, H::Evaluator<T>>,
+        grid: Grid<T>,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        // The steps for output have a workspace of their own: the run must not feel them.
+        let now = stepper.time();
+        let times = &self.output_times[self.output_times.partition_point(|&t| t < now)..];
+        let outputs = if times.is_empty() {
+            None
+        } else {
+            let (q, p) = stepper.y.hi.split_at(stepper.y.hi.len() / 2);
+            Some(Outputs {
+                stepper: self.start(system, q, p, now)?,
+                grid,
+                times,
+                done: 0,
+            })
+        };
+        let watchers = Watchers {
+            record: self.record,
+            outputs,
+            dense: DenseWatch::new(system, self, &[], &mut stepper)?,
+        };
+        drive(&mut OnGrid { stepper, grid }, watchers, observer)
+    }
+
+    pub(crate) fn check_output_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
         let mut previous = start;
         for (index, &time) in self.output_times.iter().enumerate() {
             if !(time >= previous && time <= end) {
@@ -137,116 +159,19 @@ impl<T: Float> FixedStep<T> {
     }
 }
 
-/// The grid t0 + n h over an interval.
-#[derive(Debug, Clone, Copy)]
-struct Grid<T> {
-    t0: T,
-    t1: T,
-    h: T,
-    whole: u64,
-    rest: bool,
-}
-
-impl<T: Float> Grid<T> {
-    fn new(t0: T, t1: T, h: T) -> Result<Self, IntegrateError<T>> {
-        if !(h > T::int(0)) || !h.is_finite() {
-            return Err(IntegrateError::StepNotPositive { step: h });
-        }
-        if !(t1 >= t0) || !t0.is_finite() || !t1.is_finite() {
-            return Err(IntegrateError::Interval { start: t0, end: t1 });
-        }
-        let ratio = (t1 - t0) / h;
-        // The step count must be exact in an f64 and fit the time grid of T.
-        if !(ratio.to_f64() < 9e15) {
-            return Err(IntegrateError::TooManySteps {
-                steps: ratio.to_f64(),
-            });
-        }
-        let largest = t0.abs().max(t1.abs());
-        if ratio > T::int(0) && largest + h == largest {
-            return Err(IntegrateError::StepBelowTimeResolution {
-                step: h,
-                time: largest,
-            });
-        }
-        // h divides the interval if the rounded number of steps meets t1 within the rounding of the time.
-        let nearest = ratio.round();
-        let miss = (t0 + nearest * h - t1).abs();
-        let divides = miss <= T::int(2) * T::EPSILON * largest.max(t1 - t0);
-        let whole = if divides { nearest } else { ratio.floor() };
-        Ok(Grid {
-            t0,
-            t1,
-            h,
-            whole: whole.to_f64() as u64,
-            rest: !divides,
-        })
-    }
-
-    fn steps(&self) -> u64 {
-        self.whole + u64::from(self.rest)
-    }
-
-    fn time(&self, index: u64) -> T {
-        if index > self.whole {
-            self.t1
-        } else {
-            self.t0 + T::int(index as i64) * self.h
-        }
-    }
-
-    fn size(&self, index: u64) -> T {
-        if index > self.whole {
-            self.t1 - self.time(self.whole)
-        } else {
-            self.h
-        }
-    }
-}
-
-/// States at chosen times: one step of the same method from the last grid point, to each.
-struct Outputs<'a, T: Float, E> {
-    stepper: Stepper<T, E>,
-    times: &'a [T],
-    done: usize,
-}
-
-impl<T: Float, E: Evaluate<T>> Outputs<'_, T, E> {
-    /// Makes the outputs before time `end`, starting from the state that `main` has now.
-    fn up_to(
-        &mut self,
-        main: &Stepper<T, E>,
-        end: T,
-        run: &mut Run<T>,
-    ) -> Result<(), IntegrateError<T>> {
-        while let Some(&time) = self.times.get(self.done).filter(|&&time| time < end) {
-            let h = time - main.time();
-            if h > T::int(0) {
-                self.stepper.core.forget();
-                let side = &mut self.stepper;
-                side.core.step(&main.y, main.time(), h, &mut side.y)?;
-                run.outputs.extend_from_slice(&side.y.hi);
-                run.certificate.output_steps += 1;
-            } else {
-                run.outputs.extend_from_slice(&main.y.hi);
-            }
-            run.output_times.push(time);
-            self.done += 1;
-        }
-        Ok(())
-    }
-}
-
 impl<T: Float> Run<T> {
-    fn new<E: Evaluate<T>>(m: usize, stepper: &Stepper<T, E>) -> Self {
+    pub(crate) fn new<E: Evaluate<T>>(stepper: &Stepper<T, E>) -> Self {
         let mut run = Run {
-            m,
+            m: stepper.y.hi.len() / 2,
             times: Vec::new(),
             states: Vec::new(),
             energy_defects: Vec::new(),
             outcomes: Vec::new(),
             output_times: Vec::new(),
             outputs: Vec::new(),
+            trajectory: None,
+            occurrences: Vec::new(),
+            ended: None,
             stopped: false,
             certificate: stepper.certificate(),
         };
@@ -254,7 +179,7 @@ impl<T: Float> Run<T> {
         run
     }
 
-    fn keep(&mut self, view: &StepView<'_, T>) {
+    pub(crate) fn keep(&mut self, view: &StepView<'_, T>) {
         self.times.push(view.time);
         self.states.extend_from_slice(view.q);
         self.states.extend_from_slice(view.p);
@@ -262,15 +187,41 @@ impl<T: Float> Run<T> {
         self.outcomes.push(view.outcome);
     }
 
-    fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
+    /// The state at a time asked for.
+    pub(crate) fn output(&mut self, time: T, y: &[T]) {
+        self.output_times.push(time);
+        self.outputs.extend_from_slice(y);
+    }
+
+    /// An observer ends the run here.
+    pub(crate) fn stop(&mut self) {
+        self.stopped = true;
+    }
+
+    /// A terminal event ends the run within the step made last.
+    pub(crate) fn end_at<E: Evaluate<T>>(&mut self, time: T, y: &[T], stepper: &Stepper<T, E>) {
+        let (q, p) = y.split_at(self.m);
+        self.keep(&StepView {
+            time,
+            q,
+            p,
+            ..stepper.view()
+        });
+        self.ended = Some(time);
+        self.stopped = true;
+    }
+
+    pub(crate) fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
         let output_steps = self.certificate.output_steps;
+        let certificate = stepper.certificate();
         self.certificate = Certificate {
             output_steps,
-            ..stepper.certificate()
+            end: self.ended.unwrap_or(certificate.end),
+            ..certificate
         };
     }
 
-    fn fail<E: Evaluate<T>>(
+    pub(crate) fn fail<E: Evaluate<T>>(
         mut self,
         error: IntegrateError<T>,
         stepper: &Stepper<T, E>,
@@ -337,7 +288,17 @@ impl<T: Float> Run<T> {
             })
     }
 
-    /// Whether an observer ended the run before the end of the interval.
+    /// The run at any time, if dense output was asked for.
+    pub fn trajectory(&self) -> Option<&Trajectory<T>> {
+        self.trajectory.as_ref()
+    }
+
+    /// The roots of the event functions, in the order of time.
+    pub fn events(&self) -> &[Occurrence<T>] {
+        &self.occurrences
+    }
+
+    /// Whether an observer or a terminal event ended the run before the end of the interval.
     pub fn stopped(&self) -> bool {
         self.stopped
     }

@@ -97,6 +97,10 @@ impl ShiftedSystems {
         (&self.pattern, &mut self.g)
     }
 
+    pub(crate) fn generator(&self) -> &[f64] {
+        &self.g
+    }
+
     pub(crate) fn factor(&mut self, blocks: &[Block]) -> Result<(), Singular> {
         let (pattern, g) = (&self.pattern, &self.g);
         match &mut self.factors {

@@ -9,6 +9,8 @@
 //!
 //! Cost: one Hessian and ⌈s/2⌉ factorisations to refresh; each solve ⌈s/2⌉ solves and 4 s² n operations.
 
+use crate::checkpoint::{Exact, SolverMemory};
+use crate::error::IntegrateError;
 use crate::hessians::turned;
 use crate::linear::Singular;
 use crate::outcome::Counts;
@@ -85,6 +87,26 @@ impl<T: Float> Simplified<T> {
         }
         counts.simplified_factorisations += self.splitting.blocks.len() as u64;
         self.systems.factor(&self.splitting.blocks)
+    }
+
+    /// What M̃ is made of, for a checkpoint.
+    pub(crate) fn save(&self, memory: &mut SolverMemory) {
+        memory.hessian = Exact::all(&self.hessian);
+        memory.unit = Exact::all(&self.unit);
+        memory.generator = Exact::all(self.systems.generator());
+    }
+
+    /// M̃ as it was when it was saved.
+    pub(crate) fn restore(&mut self, memory: &SolverMemory) -> Result<(), IntegrateError<T>> {
+        let what = "the Hessian of simplified Newton";
+        let damaged = || IntegrateError::CheckpointDamaged { what };
+        Exact::read_all(&memory.hessian, &mut self.hessian, what)?;
+        Exact::read_all(&memory.unit, &mut self.unit, what)?;
+        let (_, generator) = self.systems.generator_mut();
+        Exact::read_all(&memory.generator, generator, what).map_err(|_| damaged())?;
+        self.systems
+            .factor(&self.splitting.blocks)
+            .map_err(|_| damaged())
     }
 
     /// To be called when `Stages::scale` may have changed. Returns whether M̃ in its old units still serves.

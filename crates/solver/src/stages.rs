@@ -32,6 +32,8 @@ pub(crate) struct Stages<T: Float> {
     pub(crate) alphas: Vec<T>,
     /// U(α), row by row.
     pub(crate) u: Vec<T>,
+    /// U is not that of the α's.
+    u_is_stale: bool,
     /// Size of each component of the state over the step: the unit in which corrections are measured.
     pub(crate) scale: Vec<T>,
     pub(crate) end: EndPoint<T>,
@@ -49,6 +51,7 @@ impl<T: Float> Stages<T> {
             gradients: zeros(s * n),
             alphas: zeros(s - 1),
             u: zeros(s * s),
+            u_is_stale: false,
             scale: zeros(n),
             end: EndPoint::new(s, n),
             gauss,
@@ -63,10 +66,16 @@ impl<T: Float> Stages<T> {
 
     /// Sets all α's to `alphas` (length s − 1) and U to match.
     pub(crate) fn set_alphas(&mut self, alphas: &[T]) {
-        if self.alphas != alphas {
+        if self.alphas != alphas || self.u_is_stale {
             self.alphas.copy_from_slice(alphas);
             self.update_skew();
         }
+    }
+
+    /// Notes the α's of stages that were solved elsewhere; U is not made for them.
+    pub(crate) fn note_alphas(&mut self, alphas: &[T]) {
+        self.u_is_stale |= self.alphas != alphas;
+        self.alphas.copy_from_slice(alphas);
     }
 
     /// Adds `step` times `direction` to the α's.
@@ -78,6 +87,7 @@ impl<T: Float> Stages<T> {
     }
 
     fn update_skew(&mut self) {
+        self.u_is_stale = false;
         self.gauss.antisymmetric_into(&self.alphas, &mut self.u);
         self.end.forget_weights();
     }

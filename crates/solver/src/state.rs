@@ -16,6 +16,11 @@ impl<T: Float> State<T> {
         State { hi, lo }
     }
 
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.hi.copy_from_slice(&other.hi);
+        self.lo.copy_from_slice(&other.lo);
+    }
+
     /// A state of no length, to stand in for one that is lent out.
     pub(crate) fn empty() -> Self {
         State {

@@ -2,6 +2,7 @@
 
 use crate::alpha::Norm;
 use crate::constraint::{Constraint, worst};
+use crate::dense::Parts;
 use crate::error::IntegrateError;
 use crate::guess::Guess;
 use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
@@ -24,24 +25,24 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) constraints: Vec<Constraint<T>>,
     pub(crate) counts: Counts,
     pub(crate) settings: Settings<T>,
-    /// α's of the step made last.
-    pub(crate) alphas: Vec<T>,
-    sweeps: Option<Sweeps<T>>,
-    pause: Pause,
-    guess: Guess<T>,
+    pub(crate) sweeps: Option<Sweeps<T>>,
+    pub(crate) pause: Pause,
+    pub(crate) guess: Guess<T>,
     /// α's a step starts from: zero, or the fixed ones.
     start_alphas: Vec<T>,
     /// Outcome of a step without constraints.
     unconstrained: Outcome,
     /// Mid points of halved steps, one per level.
     middles: Vec<State<T>>,
+    /// The parts of the step, if dense output is wanted.
+    pub(crate) parts: Parts<T>,
 }
 
 /// Steps that Newton makes before sweeps are tried again: 1, 2, 4, … 64 while they fail.
 #[derive(Debug, Clone, Copy)]
-struct Pause {
-    left: u32,
-    next: u32,
+pub(crate) struct Pause {
+    pub(crate) left: u32,
+    pub(crate) next: u32,
 }
 
 impl Pause {
@@ -73,7 +74,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let sweeps = can_sweep(&settings, s, constraints.len())
             .then(|| Sweeps::new(&gauss, n, energy.kinetic(), &start_alphas));
         Core {
-            alphas: start_alphas.clone(),
             sweeps,
             pause: Pause::NONE,
             energy,
@@ -97,6 +97,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 Outcome::NotAsked
             },
             middles: vec![zero; settings.max_halvings as usize],
+            parts: Parts::new(),
             stages: Stages::new(gauss, n),
             settings,
         }
@@ -120,6 +121,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         h: T,
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
+        self.parts.clear();
         self.step_at_level(0, y, t, h, next)
     }
 
@@ -134,6 +136,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let failure = match self.attempt(y, h, next) {
             Ok(outcome) => {
                 self.constraints.iter_mut().for_each(Constraint::accept);
+                self.parts.add(y, t, h, &self.stages);
                 return Ok(outcome);
             }
             Err(failure) => failure,
@@ -190,6 +193,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             Some(sweeps) if swept => &sweeps.iterate.scale,
             _ => &self.stages.scale,
         };
+        self.parts.add(y, t, h, &self.stages);
         for constraint in &mut self.constraints {
             self.counts.gradients += 1;
             constraint.evaluate(&mut self.energy, next, sizes);
@@ -223,7 +227,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let zero = |alpha: &T| *alpha == T::int(0);
         Ok(if !constrained {
             self.unconstrained
-        } else if self.alphas.iter().all(zero) {
+        } else if self.stages.alphas.iter().all(zero) {
             Outcome::AtFloor
         } else {
             Outcome::Solved
@@ -253,7 +257,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             moves_alphas: self.settings.stage_solver == StageSolver::Sweeps,
         };
         let constraint = self.constraints.first_mut().filter(|_| constrained);
-        let prolong = self.guess.ratio_to(h);
+        let prolong = self.guess.prolongation(h);
+        if !self.guess.is_swept() {
+            sweeps.iterate.take_l(self.guess.last().0);
+        }
         let swept = sweeps.solve(
             &self.stages.gauss,
             &mut self.energy,
@@ -265,8 +272,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         match swept {
             Ok(()) => {
                 self.pause = Pause::NONE;
-                self.alphas.copy_from_slice(&sweeps.alphas);
-                self.guess.remember_size(h);
+                sweeps.iterate.give_l(&mut self.stages.l);
+                sweeps.iterate.give_z(y, &mut self.stages.z);
+                self.stages.note_alphas(&sweeps.alphas);
+                self.guess.remember_swept(&self.stages.l, h);
             }
             Err(trouble) => {
                 self.counts.taken_over += 1;
@@ -323,11 +332,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             );
             match solved {
                 Ok(()) => {
-                    self.alphas.copy_from_slice(&self.stages.alphas);
                     self.guess.remember(&self.stages.l, h);
-                    if let Some(sweeps) = &mut self.sweeps {
-                        sweeps.iterate.take_l(&self.stages.l);
-                    }
                     return solved;
                 }
                 Err(Failure::NoAlpha) => return solved,

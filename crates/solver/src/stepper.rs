@@ -1,6 +1,6 @@
 //! [`Stepper`]: the run one step at a time.
 
-use crate::certificate::Certificate;
+use crate::certificate::{Certificate, VariableSteps};
 use crate::constraint::Constraint;
 use crate::error::IntegrateError;
 use crate::invariant::{Defect, Watched};
@@ -57,27 +57,46 @@ pub struct Step<T> {
     pub outcome: Outcome,
 }
 
+impl<T: Float> StepView<'_, T> {
+    /// A copy that owns its state.
+    pub fn to_step(&self) -> Step<T> {
+        Step {
+            index: self.index,
+            time: self.time,
+            q: self.q.to_vec(),
+            p: self.p.to_vec(),
+            energy_defect: self.energy_defect,
+            alphas: self.alphas.to_vec(),
+            outcome: self.outcome,
+        }
+    }
+}
+
 /// A run that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
 #[derive(Debug)]
 pub struct Stepper<T: Float, E> {
     pub(crate) core: Core<T, E>,
     method: Method,
     has_target: bool,
-    t0: T,
+    pub(crate) t0: T,
     h: T,
-    h_ref: T,
-    index: u64,
-    time: T,
+    pub(crate) h_ref: T,
+    pub(crate) index: u64,
+    pub(crate) time: T,
     pub(crate) y: State<T>,
     next: State<T>,
     measure_energy: bool,
-    energy: Option<Defect<T>>,
-    in_floors: Option<T>,
-    watched: Vec<Watched<T>>,
-    alpha_range: Vec<(T, T)>,
-    last: (T, Outcome),
-    floor: Option<T>,
-    begun: Instant,
+    pub(crate) energy: Option<Defect<T>>,
+    pub(crate) in_floors: Option<T>,
+    pub(crate) watched: Vec<Watched<T>>,
+    pub(crate) alpha_range: Vec<(T, T)>,
+    pub(crate) last: (T, Outcome),
+    pub(crate) floor: Option<T>,
+    /// What a run with variable steps has to say about them.
+    pub(crate) variable: Option<VariableSteps<T>>,
+    pub(crate) begun: Instant,
+    /// Method and options, for checkpoints.
+    pub(crate) fingerprint: String,
 }
 
 impl<T: Float> FixedStep<T> {
@@ -165,7 +184,9 @@ impl<T: Float> FixedStep<T> {
             alpha_range: vec![(T::int(0), T::int(0)); alphas],
             last: (T::int(0), Outcome::NotAsked),
             floor: None,
+            variable: None,
             begun: Instant::now(),
+            fingerprint: self.fingerprint(),
             y,
             core,
         })
@@ -211,20 +232,30 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
                 time: self.time,
             });
         }
-        let outcome = self.core.step(&self.y, self.time, h, &mut self.next)?;
+        let outcome = self.attempt(h)?;
+        self.accept(time, h, outcome);
+        Ok(self.view())
+    }
+
+    /// Makes a step of size `h` that may still be refused.
+    pub(crate) fn attempt(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
+        self.core.step(&self.y, self.time, h, &mut self.next)
+    }
+
+    /// Takes the step made by [`attempt`](Self::attempt), which ends at `time`.
+    pub(crate) fn accept(&mut self, time: T, h: T, outcome: Outcome) {
         std::mem::swap(&mut self.y, &mut self.next);
         self.index += 1;
         self.time = time;
         self.last = (h, outcome);
         self.core.counts.record(outcome);
         self.measure(outcome);
-        Ok(self.view())
     }
 
     /// Energy, invariants and α's of the step just made.
     fn measure(&mut self, outcome: Outcome) {
         self.floor = None;
-        for (range, &alpha) in self.alpha_range.iter_mut().zip(&self.core.alphas) {
+        for (range, &alpha) in self.alpha_range.iter_mut().zip(&self.core.stages.alphas) {
             *range = (range.0.min(alpha), range.1.max(alpha));
         }
         if self.has_target {
@@ -261,7 +292,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             p,
             energy_defect: self.energy.as_ref().map(|e| e.end),
             energy_floor: self.floor,
-            alphas: &self.core.alphas,
+            alphas: &self.core.stages.alphas,
             outcome: self.last.1,
         }
     }
@@ -281,11 +312,20 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         &self.core.newton.history
     }
 
+    fn mean_step(&self) -> T {
+        let steps = i64::try_from(self.index).unwrap_or(i64::MAX);
+        (self.time - self.t0) / T::int(steps.max(1))
+    }
+
     /// The certificate of the run so far.
     pub fn certificate(&self) -> Certificate<T> {
         Certificate {
             method: self.method,
-            step: self.h,
+            step: match self.variable {
+                None => self.h,
+                Some(_) => self.mean_step(),
+            },
+            variable_steps: self.variable,
             start: self.t0,
             end: self.time,
             energy: self.energy.clone(),
@@ -303,14 +343,6 @@ impl<T: Float, E: Evaluate<T>> Iterator for Stepper<T, E> {
     type Item = Result<Step<T>, IntegrateError<T>>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        Some(self.advance().map(|view| Step {
-            index: view.index,
-            time: view.time,
-            q: view.q.to_vec(),
-            p: view.p.to_vec(),
-            energy_defect: view.energy_defect,
-            alphas: view.alphas.to_vec(),
-            outcome: view.outcome,
-        }))
+        Some(self.advance().map(|view| view.to_step()))
     }
 }

@@ -139,9 +139,11 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// Measures components: max(|y_c|, max_i |Y_ic|), no less than ε² of the largest position or momentum.
+    /// Measures components: max(|y_c|, max_i |Y_ic|), no less than ε^(3/4) of the largest position or momentum: the
+    /// front of a wave that runs into a chain at rest is not resolved to its own last bit.
     fn measure(&mut self, y: &State<T>, components: Range<usize>) {
         let (s, stride, m) = (self.s, self.stride, self.n / 2);
+        let root = T::EPSILON.sqrt();
         for c in components.clone() {
             let points = &self.points[c * stride..][..s];
             self.scale[c] = largest(points).max(y.hi[c].abs());
@@ -154,7 +156,7 @@ impl<T: Float> Iterate<T> {
             let scale = &mut self.scale[group.clone()];
             let largest = largest(scale);
             let least = if largest > T::int(0) {
-                largest * T::EPSILON * T::EPSILON
+                largest * root * root.sqrt()
             } else {
                 T::int(1)
             };
@@ -170,6 +172,15 @@ impl<T: Float> Iterate<T> {
         for (i, l) in l.chunks_exact(self.n).enumerate() {
             for (c, &l) in l.iter().enumerate() {
                 self.l[c * self.stride + i] = l;
+            }
+        }
+    }
+
+    /// L stage by stage, in blocks of length n.
+    pub(crate) fn give_l(&self, l: &mut [T]) {
+        for (i, l) in l.chunks_exact_mut(self.n).enumerate() {
+            for (c, l) in l.iter_mut().enumerate() {
+                *l = self.l[c * self.stride + i];
             }
         }
     }

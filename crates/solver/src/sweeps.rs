@@ -77,9 +77,9 @@ pub(crate) struct Sweeps<T: Float> {
     rate: T,
     defect: T,
     scale: T,
-    /// E of the prolongation, column by column, and the ratio of steps it was made for.
+    /// E of the prolongation, column by column, and what it was made for.
     prolongation: Vec<T>,
-    ratio: T,
+    made_for: (T, T),
 }
 
 /// Progress of the α's in a step.
@@ -107,7 +107,7 @@ impl<T: Float> Sweeps<T> {
             defect: zero,
             scale: zero,
             prolongation: vec![zero; gauss.stages() * iterate.stride],
-            ratio: zero,
+            made_for: (zero, zero),
             iterate,
         }
     }
@@ -116,17 +116,18 @@ impl<T: Float> Sweeps<T> {
     pub(crate) fn forget(&mut self) {
         self.rate = T::ratio(1, 2);
         self.defect = T::int(0);
+        self.scale = T::int(0);
     }
 
     /// Solves for Z, and for the α's if there is a constraint; on success `next` is the end point.
     ///
-    /// `prolong` is the ratio of this step to the one whose L is still in the iterate.
+    /// `prolong` is where this step starts in the one whose L is in the iterate, and its size over that of it.
     pub(crate) fn solve<E: Evaluate<T>>(
         &mut self,
         gauss: &Gauss<T>,
         energy: &mut E,
         mut constraint: Option<&mut Constraint<T>>,
-        prolong: Option<T>,
+        prolong: Option<(T, T)>,
         (next, task): (&mut State<T>, &SweepTask<'_, T>),
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
@@ -226,20 +227,28 @@ impl<T: Float> Sweeps<T> {
         share / (T::int(1) - rate)
     }
 
-    fn begin(&mut self, gauss: &Gauss<T>, prolong: Option<T>, task: &SweepTask<'_, T>) {
-        if let Some(ratio) = prolong
-            && ratio != self.ratio
+    fn begin(&mut self, gauss: &Gauss<T>, prolong: Option<(T, T)>, task: &SweepTask<'_, T>) {
+        if let Some(made_for) = prolong
+            && made_for != self.made_for
         {
-            let (s, stride) = (self.iterate.s, self.iterate.stride);
-            crate::guess::fill_prolongation(gauss, ratio, |i, j, e| {
-                debug_assert!(i < s);
+            let stride = self.iterate.stride;
+            crate::guess::fill_prolongation(gauss, made_for.0, made_for.1, |i, j, e| {
                 self.prolongation[j * stride + i] = e;
             });
-            self.ratio = ratio;
+            self.made_for = made_for;
         }
         let prolongation = prolong.map(|_| self.prolongation.as_slice());
         self.alphas.copy_from_slice(task.alphas);
         self.iterate.begin(gauss, (task.y, task.h), prolongation);
+    }
+
+    /// What is remembered from step to step.
+    pub(crate) fn memory(&self) -> [T; 3] {
+        [self.rate, self.defect, self.scale]
+    }
+
+    pub(crate) fn restore(&mut self, [rate, defect, scale]: [T; 3]) {
+        (self.rate, self.defect, self.scale) = (rate, defect, scale);
     }
 
     /// Moves the α's to where g vanishes by the slope known. Returns whether they stay within their bound.

@@ -78,3 +78,25 @@ fn steps_of_the_dense_path_allocate_nothing() {
         assert_eq!(allocations, 0, "{method}");
     }
 }
+
+#[test]
+fn variable_steps_allocate_nothing() {
+    let scene = equip_scenes::find("kepler").unwrap();
+    let scene = scene.instance(&[("e", "0.9")]).unwrap();
+    let (q, p) = scene.initial::<f64>();
+    for method in [Gauss::stages(6), Equip::stages(6)] {
+        let options = method.tolerance(1e-10);
+        let mut run = options.start(scene.hamiltonian(), &q, &p, 0.0).unwrap();
+        // Two revolutions, so that every kind of step has been made once.
+        while run.time() < 13.0 {
+            run.advance().unwrap();
+        }
+        let before = ALLOCATIONS.get();
+        while run.time() < 30.0 {
+            run.advance().unwrap();
+        }
+        assert_eq!(ALLOCATIONS.get() - before, 0, "{method}");
+        let steps = run.certificate().variable_steps.unwrap();
+        assert!(steps.rejected + steps.failed > 0);
+    }
+}

@@ -1,0 +1,304 @@
+//! [`ReversibleStepper`]: a run with reversible steps, one at a time, and whole runs.
+
+use crate::certificate::{Certificate, VariableSteps};
+use crate::checkpoint::{Checkpoint, ControlMemory, Exact};
+use crate::dense_watch::DenseWatch;
+use crate::drive::{Schedule, Watchers, drive};
+use crate::error::IntegrateError;
+use crate::observer::{NoObserver, Observer};
+use crate::reversible::Reversible;
+use crate::run::{Run, RunFailure};
+use crate::stepper::{StepView, Stepper};
+use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_scalar::Float;
+use std::ops::RangeInclusive;
+
+/// A run with reversible steps that is made step by step.
+#[derive(Debug)]
+pub struct ReversibleStepper<T: Float, E> {
+    inner: Stepper<T, E>,
+    sigma: <Hamiltonian as System>::Evaluator<T>,
+    epsilon: T,
+    /// z of the last step.
+    density: T,
+    time_low: T,
+    end: T,
+    slopes: [Vec<T>; 2],
+}
+
+impl<T: Float> Reversible<T> {
+    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step.
+    ///
+    /// # Errors
+    /// Every fault of options and initial values, a σ of another length or that is not positive at the start, and an H that is not finite there.
+    pub fn start<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        t0: T,
+    ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
+        self.validate()?;
+        let inner = self.base.start(system, q0, p0, t0)?;
+        let mut stepper = self.around(inner)?;
+        let sigma = stepper.sigma.value(&stepper.inner.y.hi);
+        let half = stepper.change()? / T::int(2);
+        // Half a change behind the start, so that the first whole one leads to z_{1/2}.
+        stepper.density = T::int(1) / sigma - half;
+        Ok(stepper)
+    }
+
+    /// The run that `checkpoint` was made of, bit for bit as if it had not stopped.
+    ///
+    /// # Errors
+    /// See [`FixedStep::resume`](crate::FixedStep::resume).
+    pub fn resume<H: System>(
+        &self,
+        system: &H,
+        checkpoint: &Checkpoint,
+    ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
+        let inner = (self.base).resume_as(system, checkpoint, self.fingerprint())?;
+        let mut stepper = self.around(inner)?;
+        let Some(memory) = &checkpoint.control else {
+            return Err(IntegrateError::CheckpointDamaged {
+                what: "the memory of step control",
+            });
+        };
+        stepper.density = memory.next.read()?;
+        stepper.time_low = checkpoint.time_low.read()?;
+        if let Some(steps) = &mut stepper.inner.variable {
+            steps.smallest = memory.smallest.read()?;
+            steps.largest = memory.largest.read()?;
+        }
+        Ok(stepper)
+    }
+
+    fn around<E: Evaluate<T>>(
+        &self,
+        mut inner: Stepper<T, E>,
+    ) -> Result<ReversibleStepper<T, E>, IntegrateError<T>> {
+        let n = inner.y.hi.len();
+        let (expected, found) = (n / 2, self.sigma.degrees_of_freedom());
+        if expected != found {
+            return Err(IntegrateError::WrongLength {
+                what: "sigma",
+                expected,
+                found,
+            });
+        }
+        inner.fingerprint = self.fingerprint();
+        inner.variable = Some(VariableSteps {
+            tolerance: self.epsilon,
+            smallest: T::INFINITY,
+            largest: T::int(0),
+            rejected: 0,
+            failed: 0,
+        });
+        Ok(ReversibleStepper {
+            sigma: self.sigma.evaluator::<T>(),
+            epsilon: self.epsilon,
+            density: T::int(0),
+            time_low: T::int(0),
+            end: T::INFINITY,
+            slopes: [vec![T::int(0); n], vec![T::int(0); n]],
+            inner,
+        })
+    }
+
+    /// Integrates from (`q0`, `p0`), each of length m, over `interval`. The last step is cut to meet the end.
+    ///
+    /// # Errors
+    /// [`RunFailure`], which carries the part that was made.
+    pub fn integrate<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        self.integrate_observed(system, q0, p0, interval, &mut NoObserver)
+    }
+
+    /// The same, with an observer that sees every step and may end the run.
+    ///
+    /// # Errors
+    /// [`RunFailure`], which carries the part that was made.
+    pub fn integrate_observed<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let (t0, t1) = interval.into_inner();
+        if !(t1 >= t0) || !t0.is_finite() || !t1.is_finite() {
+            return Err(IntegrateError::Interval { start: t0, end: t1 }.into());
+        }
+        self.base.check_output_times(t0, t1)?;
+        let stepper = self.start(system, q0, p0, t0)?;
+        self.drive(system, stepper, t1, observer)
+    }
+
+    /// Goes on with the run that `checkpoint` was made of, to time `end`; see
+    /// [`Adaptive::integrate_from`](crate::Adaptive::integrate_from).
+    ///
+    /// # Errors
+    /// Those of [`resume`](Self::resume), and [`RunFailure`].
+    pub fn integrate_from<H: System>(
+        &self,
+        system: &H,
+        checkpoint: &Checkpoint,
+        end: T,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let stepper = self.resume(system, checkpoint)?;
+        self.base.check_output_times(stepper.inner.t0, end)?;
+        self.drive(system, stepper, end, observer)
+    }
+
+    fn drive<H: System>(
+        &self,
+        system: &H,
+        mut stepper: ReversibleStepper<T, H::Evaluator<T>>,
+        end: T,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let (times, now) = (&self.base.output_times, stepper.inner.time());
+        let times = &times[times.partition_point(|&t| t < now)..];
+        let watchers = Watchers {
+            record: self.base.record,
+            outputs: None,
+            dense: DenseWatch::new(system, &self.base, times, &mut stepper.inner)?,
+        };
+        stepper.end = end;
+        drive(&mut stepper, watchers, observer)
+    }
+}
+
+impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
+    /// ε G at the present state.
+    fn change(&mut self) -> Result<T, IntegrateError<T>> {
+        let [sigma_slope, slope] = &mut self.slopes;
+        let y = &self.inner.y.hi;
+        let sigma = self.sigma.gradient(y, sigma_slope);
+        if !(sigma > T::int(0)) || !sigma.is_finite() {
+            return Err(IntegrateError::Option {
+                option: "sigma",
+                value: sigma,
+                expected: "positive and finite along the whole run",
+            });
+        }
+        self.inner.core.counts.gradients += 1;
+        self.inner.core.energy.gradient(y, slope);
+        let m = y.len() / 2;
+        // ∇σ · J∇H.
+        let product = (0..m).fold(T::int(0), |sum, j| {
+            sum + (sigma_slope[j] * slope[m + j] - sigma_slope[m + j] * slope[j])
+        });
+        Ok(-(self.epsilon * product / sigma))
+    }
+
+    /// Makes the next step.
+    ///
+    /// # Errors
+    /// When the step cannot be made, or σ or the density is no longer positive; the state then is that before the step.
+    pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        let density = self.density + self.change()?;
+        let (now, low) = (self.inner.time(), self.time_low);
+        let h = self.epsilon / density;
+        let left = (self.end - now) - low;
+        let cut = left <= h;
+        let h = if cut { left } else { h };
+        let (sum, lost) = T::two_sum(now, h);
+        let (time, time_low) = T::two_sum(sum, lost + low);
+        let (time, time_low) = if cut {
+            (self.end, T::int(0))
+        } else {
+            (time, time_low)
+        };
+        if !(density > T::int(0)) || !(time > now) {
+            return Err(IntegrateError::StepBelowTimeResolution { step: h, time: now });
+        }
+        let outcome = self.inner.attempt(h)?;
+        self.density = density;
+        self.time_low = time_low;
+        if let Some(steps) = &mut self.inner.variable {
+            steps.largest = steps.largest.max(h);
+            if !cut {
+                steps.smallest = steps.smallest.min(h);
+            }
+        }
+        self.inner.accept(time, h, outcome);
+        Ok(self.inner.view())
+    }
+
+    /// Turns the momenta round: the steps from here on are the steps so far, backwards, while time goes on. For an H that is even in p.
+    ///
+    /// # Errors
+    /// When σ is not positive.
+    pub fn turn_back(&mut self) -> Result<(), IntegrateError<T>> {
+        let change = self.change()?;
+        self.density += change;
+        let m = self.inner.y.hi.len() / 2;
+        for j in m..2 * m {
+            self.inner.y.hi[j] = -self.inner.y.hi[j];
+            self.inner.y.lo[j] = -self.inner.y.lo[j];
+        }
+        self.inner.core.forget();
+        Ok(())
+    }
+
+    /// The step made last, or the initial state.
+    pub fn view(&self) -> StepView<'_, T> {
+        self.inner.view()
+    }
+
+    /// Time reached.
+    pub fn time(&self) -> T {
+        self.inner.time()
+    }
+
+    /// The certificate of the run so far.
+    pub fn certificate(&self) -> Certificate<T> {
+        self.inner.certificate()
+    }
+
+    /// The run as it is now, to be resumed by the same options.
+    pub fn checkpoint(&mut self) -> Checkpoint {
+        let mut checkpoint = self.inner.checkpoint();
+        checkpoint.time_low = Exact::of(self.time_low);
+        checkpoint.control = self.inner.variable.map(|steps| ControlMemory {
+            next: Exact::of(self.density),
+            held: Exact::of(T::int(1)),
+            tries: 0,
+            smallest: Exact::of(steps.smallest),
+            largest: Exact::of(steps.largest),
+            rejected: 0,
+            failed: 0,
+        });
+        checkpoint
+    }
+}
+
+impl<T: Float, E: Evaluate<T>> Schedule<T, E> for ReversibleStepper<T, E> {
+    fn stepper(&self) -> &Stepper<T, E> {
+        &self.inner
+    }
+
+    fn time_low(&self) -> T {
+        self.time_low
+    }
+
+    fn is_done(&self) -> bool {
+        !(self.inner.time() < self.end)
+    }
+
+    fn checkpoint(&mut self) -> Checkpoint {
+        ReversibleStepper::checkpoint(self)
+    }
+
+    fn advance(&mut self) -> Result<(), IntegrateError<T>> {
+        ReversibleStepper::advance(self).map(|_| ())
+    }
+}
