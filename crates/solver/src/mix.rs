@@ -183,8 +183,8 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
         let groups = self.hb.len();
         let l = self.l[row..row + groups].as_flattened();
         let mut sum = scaled(&self.k[g], l[0]);
-        for j in 1..self.s {
-            add(&mut sum, &scaled(&self.k[j * groups + g], l[j]));
+        for (j, &l) in l.iter().enumerate().take(self.s).skip(1) {
+            add(&mut sum, &scaled(&self.k[j * groups + g], l));
         }
         sum
     }
