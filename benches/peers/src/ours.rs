@@ -51,7 +51,9 @@ impl<H: System, T: Float> Contestant for Ours<H, T> {
     fn run(&mut self, setting: f64) -> Result<Ran, String> {
         let steps = setting as u64;
         let h = self.end / T::exact(setting);
-        let integrator = Equip::stages(self.stages).step(h);
+        let integrator = Equip::stages(self.stages)
+            .step(h)
+            .stage_solver(StageSolver::Sweeps);
         let prepare = || integrator.start(&*self.system, &self.q, &self.p, T::int(0));
         let (seconds, state) = turn(prepare, |stepper| {
             let stepper = stepper.as_mut().map_err(|e| e.to_string())?;

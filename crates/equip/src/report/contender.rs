@@ -7,12 +7,14 @@ use super::subject::Subject;
 use cpu_time::ThreadTime;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Equip, Gauss, Invariant, Method};
+use equip_solver::{Equip, Gauss, Invariant, Method, StageSolver};
 
 /// A method of the report.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Contender {
     Equip(usize),
+    /// EQUIP by sweeps throughout.
+    Swept(usize),
     Gauss(usize),
     Composition(Scheme),
     Dop853,
@@ -21,9 +23,11 @@ pub(super) enum Contender {
 /// Which methods to run with which stages.
 pub(super) fn contenders(stages: &[usize]) -> Vec<Contender> {
     let ours = stages.iter().map(|&s| Contender::Equip(s));
+    let swept = (stages.iter().filter(|s| **s > 3)).map(|&s| Contender::Swept(s));
     let gauss = stages.iter().map(|&s| Contender::Gauss(s));
     let schemes = [VERLET, KAHAN_LI, SOFRONIOU_SPALETTA].map(Contender::Composition);
-    ours.chain(gauss)
+    ours.chain(swept)
+        .chain(gauss)
         .chain(schemes)
         .chain([Contender::Dop853])
         .collect()
@@ -47,6 +51,7 @@ impl Contender {
     pub(super) fn name(&self) -> String {
         match self {
             Contender::Equip(s) => format!("EQUIP({s})"),
+            Contender::Swept(s) => format!("EQUIP({s}), sweeps"),
             Contender::Gauss(s) => format!("Gauss({s})"),
             Contender::Composition(scheme) => scheme.name.into(),
             Contender::Dop853 => "DOP853".into(),
@@ -55,9 +60,19 @@ impl Contender {
 
     pub(super) fn order(&self) -> usize {
         match self {
-            Contender::Equip(s) | Contender::Gauss(s) => 2 * s,
+            Contender::Equip(s) | Contender::Swept(s) | Contender::Gauss(s) => 2 * s,
             Contender::Composition(scheme) => scheme.order as usize,
             Contender::Dop853 => 8,
+        }
+    }
+
+    /// For methods of this library: which, and how its stages are solved.
+    fn method(&self) -> Option<(Method, StageSolver)> {
+        match self {
+            Contender::Equip(s) => Some((Equip::stages(*s), StageSolver::Automatic)),
+            Contender::Swept(s) => Some((Equip::stages(*s), StageSolver::Sweeps)),
+            Contender::Gauss(s) => Some((Gauss::stages(*s), StageSolver::Automatic)),
+            _ => None,
         }
     }
 
@@ -70,7 +85,7 @@ impl Contender {
     pub(super) fn setting<T: Float>(&self, subject: &Subject<T>, k: i32) -> f64 {
         let finer = 1.4_f64.powi(k);
         match self {
-            Contender::Equip(s) | Contender::Gauss(s) => {
+            Contender::Equip(s) | Contender::Swept(s) | Contender::Gauss(s) => {
                 (subject.fewest * 4.0 / *s as f64 * finer).ceil()
             }
             // As many gradients as a coarse Gauss run makes or fewer.
@@ -109,7 +124,7 @@ impl Contender {
         if !outcome.error.is_finite() {
             return Err("the end state is not finite".into());
         }
-        if !matches!(self, Contender::Equip(_) | Contender::Gauss(_)) {
+        if self.method().is_none() {
             (outcome.energy, outcome.invariants) = (watch.energy, watch.invariants);
         }
         Ok(outcome)
@@ -120,19 +135,12 @@ impl Contender {
     /// # Errors
     /// What ended the run, in words.
     pub(super) fn time<T: Float>(&self, subject: &Subject<T>, setting: f64) -> Result<f64, String> {
-        match self {
-            Contender::Equip(s) => {
-                ours(Equip::stages(*s), subject, setting, false).map(|(_, _, seconds)| seconds)
-            }
-            Contender::Gauss(s) => {
-                ours(Gauss::stages(*s), subject, setting, false).map(|(_, _, seconds)| seconds)
-            }
-            _ => {
-                let begun = ThreadTime::now();
-                self.run(subject, setting, |_: &[T]| {})?;
-                Ok(begun.elapsed().as_secs_f64())
-            }
+        if let Some(ours) = self.method() {
+            return run_ours(ours, subject, setting, false).map(|(_, _, seconds)| seconds);
         }
+        let begun = ThreadTime::now();
+        self.run(subject, setting, |_: &[T]| {})?;
+        Ok(begun.elapsed().as_secs_f64())
     }
 
     fn run<T: Float>(
@@ -144,11 +152,9 @@ impl Contender {
         let system = subject.instance.hamiltonian();
         let y = subject.start.clone();
         match self {
-            Contender::Equip(s) => {
-                ours(Equip::stages(*s), subject, setting, true).map(|(o, y, _)| (o, y))
-            }
-            Contender::Gauss(s) => {
-                ours(Gauss::stages(*s), subject, setting, true).map(|(o, y, _)| (o, y))
+            Contender::Equip(_) | Contender::Swept(_) | Contender::Gauss(_) => {
+                let ours = self.method().ok_or("not a method of this library")?;
+                run_ours(ours, subject, setting, true).map(|(outcome, y, _)| (outcome, y))
             }
             Contender::Composition(scheme) => {
                 let masses = Flow::inverse_masses(system, &y).ok_or("H is not Σ p²/(2m) + U(q)")?;
@@ -190,8 +196,8 @@ impl Contender {
 }
 
 /// A run of the library's own; the seconds are those of the steps.
-fn ours<T: Float>(
-    method: Method,
+fn run_ours<T: Float>(
+    (method, solver): (Method, StageSolver),
     subject: &Subject<T>,
     setting: f64,
     watched: bool,
@@ -199,7 +205,8 @@ fn ours<T: Float>(
     let (q, p) = subject.start.split_at(subject.start.len() / 2);
     let mut integrator = method
         .step(subject.end / T::exact(setting))
-        .measure_energy(watched);
+        .measure_energy(watched)
+        .stage_solver(solver);
     if watched {
         for invariant in subject.instance.invariants() {
             integrator =

@@ -42,6 +42,7 @@ fn shade(family: [&'static str; 5], stages: usize) -> String {
 /// The look of a method.
 pub(super) fn look(contender: &Contender) -> Look {
     const BLUES: [&str; 5] = ["#9ecae8", "#62a9d8", "#2f7fb8", "#125a8f", "#06305c"];
+    const GREENS: [&str; 5] = ["#b5dfc4", "#7cc79b", "#3fa66f", "#1d7d4a", "#0b4f2c"];
     const ORANGES: [&str; 5] = ["#f7c98b", "#f0a13c", "#d97a12", "#a9560a", "#6b3304"];
     let full = |colour: &str| Look {
         colour: colour.into(),
@@ -54,6 +55,11 @@ pub(super) fn look(contender: &Contender) -> Look {
             dashes: "none",
             width: 2.4,
         },
+        Contender::Swept(s) => Look {
+            colour: shade(GREENS, *s),
+            dashes: "2 3",
+            width: 2.4,
+        },
         Contender::Gauss(s) => Look {
             colour: shade(ORANGES, *s),
             dashes: "7 4",
@@ -61,8 +67,8 @@ pub(super) fn look(contender: &Contender) -> Look {
         },
         Contender::Composition(scheme) => full(match scheme.order {
             2 => "#8c8c8c",
-            8 => "#3f8f5f",
-            _ => "#14532d",
+            8 => "#5f5f5f",
+            _ => "#2b2b2b",
         }),
         Contender::Dop853 => full("#a03c8c"),
     }
