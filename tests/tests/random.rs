@@ -159,7 +159,9 @@ fn work_is_bounded(case: &Case, ran: &Ran) {
     let parts = (2 << case.max_halvings) - 1;
     let iterations = steps * parts * 6 * 30;
     let s = case.stages as u64;
-    assert!(c.newton_iterations <= iterations && c.factorisations <= c.newton_iterations);
+    assert!(c.sweeps <= steps * parts * 2 * 80);
+    // One for the correction, one for the columns of the α's.
+    assert!(c.newton_iterations <= iterations && c.factorisations <= 2 * c.newton_iterations);
     assert!(c.gradients <= iterations * (8 * s + 2));
     assert!(c.alpha_solves <= iterations * (2 * s + 1));
     assert!(c.halvings <= steps * (parts / 2));
@@ -428,10 +430,6 @@ fn number(name: &str) -> Option<u64> {
 /// the step still counts as one that kept the energy.
 const RUNAWAY: [u64; 1] = [2029];
 
-/// The direction of least displacement is far from that of ∇H: a step moves 100 (1135) and 30 (2230) times as far as g/|∇H|, and
-/// the trajectory has 13 and 15 times the error of Gauss.
-const OFF_COURSE: [u64; 2] = [1135, 2230];
-
 #[test]
 fn random_hamiltonians_end_well() {
     let seeds = match number("EQUIP_RANDOM_SEED") {
@@ -460,30 +458,16 @@ fn random_hamiltonians_end_well() {
     if !standard {
         return;
     }
-    // Measured 18 of 757, the worst but two 7.5.
+    // Measured 6 of 757, the worst 5.1.
     let several = &summary.trajectories[&Freedom::Several];
     let above = several.iter().filter(|(ratio, _)| *ratio > 1.5).count();
     assert!(20 * above <= several.len(), "{above} of {}", several.len());
     for (ratio, seed) in several {
-        assert!(
-            *ratio <= 10.0 || OFF_COURSE.contains(seed),
-            "{ratio}: {}",
-            Case::new(*seed)
-        );
+        assert!(*ratio <= 10.0, "{ratio}: {}", Case::new(*seed));
     }
     // Measured 211: s = 2, each step moves 1000 times as far as g/|∇H|.
     let single = &summary.trajectories[&Freedom::Single];
     assert!(single.iter().all(|(ratio, _)| *ratio <= 422.0));
-}
-
-#[test]
-#[ignore = "known: where all slopes of g are small, the energy is kept at 10 times the error of Gauss"]
-fn no_random_hamiltonian_is_thrown_off_course() {
-    for seed in OFF_COURSE {
-        let case = Case::new(seed);
-        let errors = errors(&case, &run(&case)).unwrap();
-        assert!(errors.ratio() <= 10.0, "{}: {errors:?}", case);
-    }
 }
 
 #[test]

@@ -3,14 +3,21 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Alphas, Equip, Gauss, Method};
+use equip_solver::{Alphas, Equip, Gauss, Method, StageSolver};
 use equip_tests::{Start, double_pendulum, henon_heiles, kepler};
 
-/// [steps, Newton iterations, factorisations, ∇H, ∇²H, solves for α, halvings].
-fn work<T: Float>(method: Method, h: T, steps: u64, scene: &(Hamiltonian, Start<T>)) -> [u64; 7] {
+/// [steps, sweeps, Newton iterations, factorisations, ∇H, ∇²H, solves for α, halvings].
+fn work<T: Float>(
+    method: Method,
+    h: T,
+    steps: u64,
+    scene: &(Hamiltonian, Start<T>),
+    solver: StageSolver,
+) -> [u64; 8] {
     let (energy, start) = scene;
     let mut run = method
         .step(h)
+        .stage_solver(solver)
         .start(energy, &start.q, &start.p, T::int(0))
         .unwrap();
     for _ in 0..steps {
@@ -19,6 +26,7 @@ fn work<T: Float>(method: Method, h: T, steps: u64, scene: &(Hamiltonian, Start<
     let c = run.counts();
     [
         c.steps,
+        c.sweeps,
         c.newton_iterations,
         c.factorisations,
         c.gradients,
@@ -33,18 +41,24 @@ fn work<T: Float>(method: Method, h: T, steps: u64, scene: &(Hamiltonian, Start<
 fn kepler_in_f64() {
     let scene = kepler::<f64>(6);
     let h = std::f64::consts::TAU / 160.0;
-    let count = |method| work(method, h, 1600, &scene);
+    let count = |method, solver| work(method, h, 1600, &scene, solver);
     let found = [
-        count(Gauss::stages(3)),
-        count(Equip::stages(3)),
-        count(Equip::stages(3).alphas(Alphas::Last)),
+        count(Gauss::stages(3), StageSolver::Automatic),
+        count(Gauss::stages(3), StageSolver::Newton),
+        count(Equip::stages(3), StageSolver::Automatic),
+        count(Equip::stages(3), StageSolver::Newton),
+        count(Equip::stages(3).alphas(Alphas::Last), StageSolver::Newton),
+        count(Equip::stages(4), StageSolver::Sweeps),
     ];
     assert_eq!(
         found,
         [
-            [1600, 3931, 2251, 11793, 6753, 0, 0],
-            [1600, 4909, 2602, 24779, 11922, 5385, 0],
-            [1600, 5724, 2401, 23922, 7203, 3566, 0],
+            [1600, 6242, 0, 0, 18726, 0, 0, 0],
+            [1600, 0, 3931, 2251, 11793, 6753, 0, 0],
+            [1600, 6243, 2433, 1778, 34506, 8890, 4684, 0],
+            [1600, 0, 4915, 2602, 24818, 11934, 5400, 0],
+            [1600, 0, 5712, 2401, 23878, 7203, 3571, 0],
+            [1600, 6184, 0, 0, 27379, 0, 0, 0],
         ]
     );
 }
@@ -53,23 +67,37 @@ fn kepler_in_f64() {
 #[test]
 fn henon_heiles_in_both() {
     let scene = henon_heiles::<f64>(0.125, "0.3", "0");
-    let count = |method| work(method, 0.25, 400, &scene);
-    let found = [count(Gauss::stages(6)), count(Equip::stages(6))];
+    let count = |method, solver| work(method, 0.25, 400, &scene, solver);
+    let found = [
+        count(Gauss::stages(6), StageSolver::Automatic),
+        count(Gauss::stages(6), StageSolver::Newton),
+        count(Equip::stages(6), StageSolver::Automatic),
+        count(Equip::stages(6), StageSolver::Newton),
+    ];
     assert_eq!(
         found,
         [
-            [400, 1201, 694, 7206, 4164, 0, 0],
-            [400, 1201, 694, 8405, 4164, 0, 0]
+            [400, 2040, 0, 0, 12240, 0, 0, 0],
+            [400, 0, 1201, 694, 7206, 4164, 0, 0],
+            [400, 2040, 0, 0, 12640, 0, 0, 0],
+            [400, 0, 1201, 694, 8405, 4164, 0, 0]
         ]
     );
     let scene = henon_heiles::<DoubleDouble>(DoubleDouble::ratio(1, 8), "0.3", "0");
-    let count = |method| work(method, DoubleDouble::ratio(1, 4), 400, &scene);
-    let found = [count(Gauss::stages(6)), count(Equip::stages(6))];
+    let count = |method, solver| work(method, DoubleDouble::ratio(1, 4), 400, &scene, solver);
+    let found = [
+        count(Gauss::stages(6), StageSolver::Automatic),
+        count(Equip::stages(6), StageSolver::Automatic),
+        count(Equip::stages(6), StageSolver::Sweeps),
+        count(Equip::stages(6), StageSolver::Newton),
+    ];
     assert_eq!(
         found,
         [
-            [400, 1202, 802, 7212, 4812, 0, 0],
-            [400, 2741, 1465, 22385, 11590, 5132, 0]
+            [400, 4393, 0, 0, 26358, 0, 0, 0],
+            [400, 4394, 1945, 1073, 43579, 9238, 5134, 0],
+            [400, 5776, 0, 0, 38601, 0, 0, 0],
+            [400, 0, 2741, 1465, 22385, 11590, 5132, 0]
         ]
     );
 }
@@ -78,13 +106,48 @@ fn henon_heiles_in_both() {
 #[test]
 fn double_pendulum_in_f64() {
     let scene = double_pendulum::<f64>();
-    let count = |method| work(method, 0.02, 200, &scene);
-    let found = [count(Gauss::stages(4)), count(Equip::stages(4))];
+    let count = |method, solver| work(method, 0.02, 200, &scene, solver);
+    let found = [
+        count(Gauss::stages(4), StageSolver::Automatic),
+        count(Equip::stages(4), StageSolver::Automatic),
+        count(Equip::stages(4), StageSolver::Sweeps),
+        count(Equip::stages(4), StageSolver::Newton),
+    ];
     assert_eq!(
         found,
         [
-            [200, 572, 288, 2288, 1152, 0, 0],
-            [200, 774, 320, 4661, 1940, 964, 0]
+            [200, 1463, 0, 0, 5852, 0, 0, 0],
+            [200, 1457, 395, 230, 8687, 1490, 838, 0],
+            [200, 1892, 0, 0, 8518, 0, 0, 0],
+            [200, 0, 770, 320, 4635, 1935, 958, 0]
+        ]
+    );
+}
+
+/// Sweeps that the energy costs: EQUIP(s) over Gauss(s) on the same steps, in percent of the sweeps of Gauss.
+#[test]
+fn sweeps_beside_gauss() {
+    let percent = |s: usize, h: f64, steps: u64, scene: &(Hamiltonian, Start<f64>)| {
+        let sweeps = |method| work(method, h, steps, scene, StageSolver::Sweeps)[1];
+        100 * sweeps(Equip::stages(s)) / sweeps(Gauss::stages(s))
+    };
+    let orbit = kepler::<f64>(6);
+    let chaotic = henon_heiles::<f64>(1.0 / 6.0, "0.1", "0");
+    let year = std::f64::consts::TAU;
+    let found = [4, 6, 8].map(|s| {
+        [
+            percent(s, year / 24.0, 2400, &orbit),
+            percent(s, year / 48.0, 4800, &orbit),
+            percent(s, 0.5, 1000, &chaotic),
+            percent(s, 0.25, 2000, &chaotic),
+        ]
+    });
+    assert_eq!(
+        found,
+        [
+            [137, 130, 142, 147],
+            [122, 108, 144, 99],
+            [109, 100, 100, 100]
         ]
     );
 }

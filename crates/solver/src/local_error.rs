@@ -103,8 +103,9 @@ impl<T: Float> LocalError<T> {
         (found && finite).then_some((self.error.as_slice(), self.back.as_slice()))
     }
 
-    /// The correction of the stages. A factorisation kept from an earlier step that no longer serves is made anew.
+    /// The correction of the stages, from the stages alone: nothing is kept from earlier steps.
     fn correct<E: Evaluate<T>>(&mut self, energy: &mut E, h: T, counts: &mut Counts) -> bool {
+        self.linearised.forget();
         for _ in 0..2 {
             self.linearised.begin(h, false);
             let refreshed = (h, T::INFINITY, false);

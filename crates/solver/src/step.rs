@@ -283,8 +283,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                     let z = &mut self.stages.z;
                     sweeps.iterate.give_z(y, z);
                     self.guess.is_made();
-                } else {
-                    self.guess.forget();
                 }
                 if trouble == Trouble::Slow {
                     self.pause.lengthen();

@@ -169,8 +169,11 @@ impl<T: Float> Sweeps<T> {
                 self.rate = worst;
             }
             let error = change * self.tail();
-            let settled = error <= eps / T::int(SETTLED)
-                || (rounding && !disturbed && change > last / T::int(2));
+            let observed = last.is_finite() || change <= T::int(4) * eps;
+            // Rounding, and sweeps contract well enough for it not to be blown up.
+            let stagnates = rounding && !disturbed && change > last / T::int(2);
+            let settled =
+                (observed && error <= eps / T::int(SETTLED)) || (stagnates && error <= eps);
             disturbed = false;
             last = change;
             let Some(constraint) = constraint.as_deref_mut() else {

@@ -51,7 +51,7 @@ impl Contender {
     pub(super) fn name(&self) -> String {
         match self {
             Contender::Equip(s) => format!("EQUIP({s})"),
-            Contender::Swept(s) => format!("EQUIP({s}), sweeps"),
+            Contender::Swept(s) => format!("EQUIP({s}) by sweeps"),
             Contender::Gauss(s) => format!("Gauss({s})"),
             Contender::Composition(scheme) => scheme.name.into(),
             Contender::Dop853 => "DOP853".into(),
