@@ -283,6 +283,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                     let z = &mut self.stages.z;
                     sweeps.iterate.give_z(y, z);
                     self.guess.is_made();
+                } else if self.settings.stage_solver == StageSolver::Sweeps {
+                    // There is no other solver: what is tried next, in parts, starts from the state alone.
+                    self.guess.forget();
                 }
                 if trouble == Trouble::Slow {
                     self.pause.lengthen();
