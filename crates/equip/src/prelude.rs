@@ -5,6 +5,6 @@ pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, rati
 pub use equip_solver::{
     Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, Checkpoint, Counts, Direction, Equip,
     Event, FixedStep, Gauss, IntegrateError, Invariant, Method, Observer, Occurrence, OnNoAlpha,
-    Outcome, Record, Reversible, ReversibleStepper, Run, RunFailure, Step, StepView, Stepper,
-    TangentMap, Trajectory, VariableSteps,
+    Outcome, Record, Reversible, ReversibleStepper, Run, RunFailure, StageSolver, Step, StepView,
+    Stepper, TangentMap, Trajectory, VariableSteps,
 };
