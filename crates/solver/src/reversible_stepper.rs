@@ -132,10 +132,7 @@ impl<T: Float> Reversible<T> {
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
         let (t0, t1) = interval.into_inner();
-        if !(t1 >= t0) || !t0.is_finite() || !t1.is_finite() {
-            return Err(IntegrateError::Interval { start: t0, end: t1 }.into());
-        }
-        self.base.check_output_times(t0, t1)?;
+        self.base.check_times(t0, t1)?;
         let stepper = self.start(system, q0, p0, t0)?;
         self.drive(system, stepper, t1, observer)
     }
@@ -153,7 +150,7 @@ impl<T: Float> Reversible<T> {
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
         let stepper = self.resume(system, checkpoint)?;
-        self.base.check_output_times(stepper.inner.t0, end)?;
+        self.base.check_times(stepper.inner.t0, end)?;
         self.drive(system, stepper, end, observer)
     }
 

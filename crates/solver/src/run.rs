@@ -84,7 +84,7 @@ impl<T: Float> FixedStep<T> {
     ) -> Result<Run<T>, RunFailure<T>> {
         let (t0, t1) = interval.into_inner();
         let grid = Grid::new(t0, t1, self.h)?;
-        self.check_output_times(t0, t1)?;
+        self.check_times(t0, t1)?;
         let stepper = self.start(system, q0, p0, t0)?;
         self.drive(system, stepper, grid, observer)
     }
@@ -109,7 +109,7 @@ impl<T: Float> FixedStep<T> {
             }
             .into());
         }
-        self.check_output_times(stepper.t0, end)?;
+        self.check_times(stepper.t0, end)?;
         self.drive(system, stepper, grid, observer)
     }
 
@@ -142,7 +142,11 @@ impl<T: Float> FixedStep<T> {
         drive(&mut OnGrid { stepper, grid }, watchers, observer)
     }
 
-    pub(crate) fn check_output_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
+    /// The interval, and the output times in it.
+    pub(crate) fn check_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
+        if !(end >= start) || !start.is_finite() || !end.is_finite() {
+            return Err(IntegrateError::Interval { start, end });
+        }
         let mut previous = start;
         for (index, &time) in self.output_times.iter().enumerate() {
             if !(time >= previous && time <= end) {

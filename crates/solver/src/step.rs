@@ -214,8 +214,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     fn attempt(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> Result<Outcome, Failure<T>> {
         let constrained = !self.constraints.is_empty();
         if let Err(trouble) = self.sweep(y, h, constrained, next) {
-            if self.settings.stage_solver == StageSolver::Sweeps {
-                return Err(trouble.into());
+            if let (StageSolver::Sweeps, Some(sweeps)) = (self.settings.stage_solver, &self.sweeps)
+            {
+                return Err(sweeps.failure(trouble));
             }
             let mut solved = self.solve(y, h, constrained, Norm::Resolved, next);
             let again = self.free_alphas() > 1 && !nearly_met(&self.constraints);
@@ -280,8 +281,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             Err(trouble) => {
                 self.counts.taken_over += 1;
                 if trouble == Trouble::StagesOnly {
-                    let z = &mut self.stages.z;
-                    sweeps.iterate.give_z(y, z);
+                    // They contracted.
+                    self.pause = Pause::NONE;
+                    sweeps.iterate.give_z(y, &mut self.stages.z);
                     self.guess.is_made();
                 } else if self.settings.stage_solver == StageSolver::Sweeps {
                     // There is no other solver: what is tried next, in parts, starts from the state alone.

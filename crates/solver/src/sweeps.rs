@@ -5,7 +5,8 @@
 //! later moves use the slope observed. Sweeps go on until Z and g are at round-off.
 //!
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged; else Z = 0.
-//! *End.* The predicted error is below ε/2, or Δ, near round-off, no longer shrinks; and |g| is at its floor or stalls near it.
+//! *End.* The predicted error of the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is below ε; and |g| is at its
+//! floor, or stalls near it, or with α = 0 is within 4 floors.
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, slopes that vanish. Newton takes the step then. It does
 //! so for all α's where they are to aim at the exact flow ([`crate::alpha`]), which takes Hessians: from the stages found here.
 //!
@@ -46,18 +47,6 @@ pub(crate) enum Trouble {
     StagesOnly,
 }
 
-impl<T: Float> From<Trouble> for Failure<T> {
-    fn from(trouble: Trouble) -> Self {
-        match trouble {
-            Trouble::NoAlpha => Failure::NoAlpha,
-            Trouble::Slow | Trouble::StagesOnly => Failure::NoConvergence {
-                iterations: MAX_SWEEPS,
-                correction: T::NAN,
-            },
-        }
-    }
-}
-
 /// What is fixed while a step is swept.
 #[derive(Debug)]
 pub(crate) struct SweepTask<'a, T> {
@@ -75,6 +64,9 @@ pub(crate) struct Sweeps<T: Float> {
     slopes: Slopes<T>,
     /// α of the step solved last.
     pub(crate) alphas: Vec<T>,
+    /// Sweeps of that step, and the last change of Z.
+    made: u32,
+    change: T,
     /// Remembered from step to step: contraction, |g| before the α's moved, and what a relative change of the state is worth in g.
     rate: T,
     defect: T,
@@ -84,12 +76,13 @@ pub(crate) struct Sweeps<T: Float> {
     made_for: (T, T),
 }
 
-/// Progress of the α's in a step.
+/// Progress of the α's in a step: α = α_start + t d.
 struct Alphas<T> {
-    /// t along the direction, and g there, of the last move.
-    slope: T,
-    last: Option<(T, T, T)>,
     t: T,
+    /// dg/dt.
+    slope: T,
+    /// t, g and the uncertainty of g before the last move.
+    last: Option<(T, T, T)>,
     moves: u32,
 }
 
@@ -105,6 +98,8 @@ impl<T: Float> Sweeps<T> {
         Sweeps {
             slopes: Slopes::new(gauss, &iterate),
             alphas: vec![zero; gauss.stages() - 1],
+            made: 0,
+            change: zero,
             rate: T::ratio(1, 2),
             defect: zero,
             scale: zero,
@@ -137,8 +132,7 @@ impl<T: Float> Sweeps<T> {
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
         let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
         let mut slow = 0;
-        let mut worst = (self.rate / T::int(2)).max(T::ratio(1, 1000));
-        self.rate = worst;
+        self.rate = (self.rate / T::int(2)).max(T::ratio(1, 1000));
         let mut disturbed = false;
         let mut threshold = self.defect;
         let mut alphas = Alphas {
@@ -151,6 +145,7 @@ impl<T: Float> Sweeps<T> {
             let change = self.iterate.sweep(energy, task.y, !last.is_finite());
             counts.sweeps += 1;
             counts.gradients += self.iterate.s as u64;
+            (self.made, self.change) = (self.made + 1, change);
             if !change.is_finite() {
                 return Err(Trouble::Slow);
             }
@@ -165,8 +160,7 @@ impl<T: Float> Sweeps<T> {
                 if slow > 2 || (rate > T::int(2) && slow > 1) {
                     return Err(Trouble::Slow);
                 }
-                worst = worst.max(rate).min(T::ratio(9, 10));
-                self.rate = worst;
+                self.rate = self.rate.max(rate).min(T::ratio(9, 10));
             }
             let error = change * self.tail();
             let observed = last.is_finite() || change <= T::int(4) * eps;
@@ -249,7 +243,20 @@ impl<T: Float> Sweeps<T> {
         }
         let prolongation = prolong.map(|_| self.prolongation.as_slice());
         self.alphas.copy_from_slice(task.alphas);
+        self.made = 0;
         self.iterate.begin(gauss, (task.y, task.h), prolongation);
+    }
+
+    /// The trouble of the step solved last, for a run that has sweeps only.
+    pub(crate) fn failure(&self, trouble: Trouble) -> Failure<T> {
+        match trouble {
+            Trouble::NoAlpha => Failure::NoAlpha,
+            Trouble::Slow if !self.change.is_finite() => Failure::NotFinite,
+            Trouble::Slow | Trouble::StagesOnly => Failure::NoConvergence {
+                iterations: self.made,
+                correction: self.change,
+            },
+        }
     }
 
     /// What is remembered from step to step.

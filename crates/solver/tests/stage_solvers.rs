@@ -229,3 +229,28 @@ fn fpu_runs_backwards_alike_in_double_double() {
     let (full, simplified) = there_and_back_in_dd(&SCENES[3]);
     assert!(simplified < 100.0 * full);
 }
+
+#[test]
+fn sweeps_leave_to_newton_what_they_cannot_do_and_say_how_far_they_came() {
+    let scene = instance("henon-heiles", &[]);
+    let ran = run(&scene, Equip::stages(3), (0.1, 10), StageSolver::Sweeps);
+    assert!(ran.certificate.counts.newton_iterations > 0);
+    assert_eq!(ran.certificate.counts.sweeps, 0);
+
+    let (q, p) = scene.initial::<f64>();
+    let failed = Equip::stages(4)
+        .step(50.0)
+        .max_halvings(0)
+        .stage_solver(StageSolver::Sweeps)
+        .integrate(scene.hamiltonian(), &q, &p, 0.0..=50.0)
+        .unwrap_err();
+    match failed.error {
+        equip_solver::IntegrateError::NotFinite { .. } => {}
+        equip_solver::IntegrateError::NoConvergence {
+            iterations,
+            correction,
+            ..
+        } => assert!(iterations > 1 && correction.is_finite()),
+        other => panic!("{other}"),
+    }
+}
