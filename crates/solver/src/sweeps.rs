@@ -103,7 +103,7 @@ impl<T: Float> Sweeps<T> {
             rate: T::ratio(1, 2),
             defect: zero,
             scale: zero,
-            prolongation: vec![zero; gauss.stages() * iterate.stride],
+            prolongation: vec![zero; iterate.stride * iterate.stride],
             made_for: (zero, zero),
             iterate,
         }
