@@ -33,7 +33,7 @@ pub(crate) struct Iterate<T: Float> {
     k: Vec<T>,
     k_start: Vec<T>,
     /// h b_i.
-    hb: Vec<T>,
+    pub(crate) hb: Vec<T>,
     h: T,
     /// L of the last sweep.
     pub(crate) l: Vec<T>,
@@ -41,7 +41,7 @@ pub(crate) struct Iterate<T: Float> {
     z: Vec<T>,
     /// Z before the α's moved.
     z_before: Vec<T>,
-    points: Vec<T>,
+    pub(crate) points: Vec<T>,
     gradients: Vec<T>,
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
@@ -263,6 +263,14 @@ impl<T: Float> Iterate<T> {
         for (z, &before) in self.z[..len].iter_mut().zip(&self.z_before) {
             *z += share * (*z - before);
         }
+        self.place(y);
+    }
+
+    /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
+    pub(crate) fn displace(&mut self, y: &State<T>, mut change: impl FnMut(usize, &mut [T])) {
+        let unknowns = self.unknowns();
+        let rows = self.z.chunks_exact_mut(self.stride).enumerate();
+        rows.take(unknowns).for_each(|(c, z)| change(c, z));
         self.place(y);
     }
 

@@ -15,10 +15,11 @@
 use crate::constraint::Constraint;
 use crate::newton::{ENERGY_STAGNATED, Failure};
 use crate::outcome::Counts;
+use crate::response::Response;
 use crate::slopes::Slopes;
 use crate::state::State;
 use crate::sweep::Iterate;
-use equip_autodiff::{Evaluate, Kinetic};
+use equip_autodiff::{Evaluate, Kinetic, Pattern};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
 
@@ -54,16 +55,31 @@ pub(crate) struct SweepTask<'a, T> {
     pub(crate) h: T,
     pub(crate) alphas: &'a [T],
     pub(crate) alpha_bound: T,
-    /// Whether the α's may move, if there is a constraint.
-    pub(crate) moves_alphas: bool,
+    /// Who moves the α's, if there is a constraint.
+    pub(crate) rule: Rule,
+}
+
+/// Who moves the α's of a step whose stages sweeps have found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rule {
+    /// Sweeps, by [`crate::slopes`], as soon as g stands out.
+    Slopes,
+    /// Sweeps, by [`crate::response`], when the stages have converged.
+    Response,
+    /// Newton.
+    Newton,
 }
 
 #[derive(Debug)]
 pub(crate) struct Sweeps<T: Float> {
     pub(crate) iterate: Iterate<T>,
     slopes: Slopes<T>,
+    /// Made when the α's are to move by it.
+    response: Option<Response<T>>,
     /// α of the step solved last.
     pub(crate) alphas: Vec<T>,
+    /// Their last move.
+    delta: Vec<T>,
     /// Sweeps of that step, and the last change of Z.
     made: u32,
     change: T,
@@ -92,11 +108,14 @@ impl<T: Float> Sweeps<T> {
         n: usize,
         kinetic: Option<Kinetic<T>>,
         start: &[T],
+        responds: Option<&Pattern>,
     ) -> Self {
         let iterate = Iterate::new(gauss, n, kinetic, start);
         let zero = T::int(0);
         Sweeps {
             slopes: Slopes::new(gauss, &iterate),
+            response: responds.map(|pattern| Response::new(gauss, &iterate, pattern)),
+            delta: vec![zero; gauss.stages() - 1],
             alphas: vec![zero; gauss.stages() - 1],
             made: 0,
             change: zero,
@@ -178,7 +197,8 @@ impl<T: Float> Sweeps<T> {
                 continue;
             };
             let uncertain = error * self.scale;
-            let early = task.moves_alphas && self.scale > zero && uncertain <= threshold;
+            let early =
+                task.rule == Rule::Slopes && self.scale > zero && uncertain <= threshold;
             if !settled && !early {
                 continue;
             }
@@ -203,7 +223,7 @@ impl<T: Float> Sweeps<T> {
                 if constraint.in_judging_floors() <= T::int(AT_FLOOR) {
                     return Ok(());
                 }
-                if !task.moves_alphas {
+                if task.rule == Rule::Newton {
                     return Err(Trouble::StagesOnly);
                 }
             }
@@ -211,6 +231,14 @@ impl<T: Float> Sweeps<T> {
                 last_out = out;
             }
             if out > one && (g.abs() > uncertain || settled) {
+                if alphas.moves == 0
+                    && let (Rule::Response, Some(response)) = (task.rule, &mut self.response)
+                {
+                    let step = (task.y, task.h);
+                    if !response.take(&self.iterate, energy, step, constraint, counts) {
+                        return Err(Trouble::StagesOnly);
+                    }
+                }
                 if !self.move_alphas(gauss, (g, uncertain + constraint.floor), &mut alphas, task) {
                     return Err(Trouble::NoAlpha);
                 }
@@ -279,14 +307,20 @@ impl<T: Float> Sweeps<T> {
         if alphas.moves == MAX_MOVES {
             return false;
         }
+        let by_response = self.response.as_ref().filter(|_| task.rule == Rule::Response);
         let start = alphas.t;
+        let mut by_base = T::int(0);
         match alphas.last {
-            None => {
-                if !self.slopes.take(&self.iterate, task.h) {
-                    return false;
+            None => match by_response {
+                Some(response) => {
+                    alphas.slope = response.slope;
+                    by_base = response.by_base;
                 }
-                alphas.slope = self.slopes.slope();
-            }
+                None if self.slopes.take(&self.iterate, task.h) => {
+                    alphas.slope = self.slopes.slope();
+                }
+                None => return false,
+            },
             Some((t, g_last, noise_last)) => {
                 let ratio = (g - g_last) / (alphas.t - t) / alphas.slope;
                 let clear = (g - g_last).abs() > T::int(8) * (noise + noise_last);
@@ -295,22 +329,27 @@ impl<T: Float> Sweeps<T> {
                 }
             }
         }
-        alphas.last = Some((alphas.t, g, noise));
-        alphas.t -= g / alphas.slope;
+        // What α⁰ has done to g is no response to t.
+        alphas.last = Some((alphas.t, g + by_base, noise));
+        alphas.t -= (g + by_base) / alphas.slope;
         alphas.moves += 1;
-        let within = alphas.t.abs() <= task.alpha_bound;
-        if within {
-            for ((alpha, &start), &d) in self.alphas.iter_mut().zip(task.alphas).zip(&self.slopes.d)
-            {
-                *alpha = start + alphas.t * d;
-            }
-            self.iterate.set_alphas(gauss, &self.alphas);
-            if alphas.moves == 1 {
-                self.iterate.mix_anew(task.y);
-            } else {
-                self.iterate.extrapolate(task.y, (alphas.t - start) / start);
-            }
+        let d = by_response.map_or(&self.slopes.d, |response| &response.d);
+        for (k, alpha) in self.alphas.iter_mut().enumerate() {
+            let base = by_response.map_or(T::int(0), |response| response.base[k]);
+            let moved = task.alphas[k] + base + alphas.t * d[k];
+            self.delta[k] = moved - *alpha;
+            *alpha = moved;
         }
-        within
+        let bound = task.alpha_bound;
+        if !(alphas.t.is_finite() && self.alphas.iter().all(|a| a.abs() <= bound)) {
+            return false;
+        }
+        self.iterate.set_alphas(gauss, &self.alphas);
+        match by_response {
+            Some(response) => response.follow(&mut self.iterate, task.y, &self.delta),
+            None if alphas.moves == 1 => self.iterate.mix_anew(task.y),
+            None => (self.iterate).extrapolate(task.y, (alphas.t - start) / start),
+        }
+        true
     }
 }
