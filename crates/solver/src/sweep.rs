@@ -48,6 +48,10 @@ pub(crate) struct Iterate<T: Float> {
     inverse_scale: Vec<T>,
     /// Z of this step began as a prolongation.
     is_prolonged: bool,
+    /// The last sweep moved Z by more than 1/8 of its size.
+    was_far: bool,
+    /// The next change of Z is relative to other sizes than the last.
+    pub(crate) was_remeasured: bool,
 }
 
 impl<T: Float> Iterate<T> {
@@ -82,6 +86,8 @@ impl<T: Float> Iterate<T> {
             scale: zeros(n),
             inverse_scale: zeros(n),
             is_prolonged: false,
+            was_far: false,
+            was_remeasured: false,
         }
     }
 
@@ -119,6 +125,7 @@ impl<T: Float> Iterate<T> {
             None => z.fill(T::int(0)),
         }
         self.is_prolonged = prolongation.is_some();
+        self.was_far = false;
         self.place(y);
         self.measure(y, 0..self.unknowns());
     }
@@ -211,14 +218,14 @@ impl<T: Float> Iterate<T> {
             energy.gradients_by_component(points, gradients, stride, s);
         }
         let change = self.mix(y);
-        if first {
-            let from = if self.is_prolonged {
-                self.unknowns()
-            } else {
-                0
-            };
+        if first || self.was_far {
+            // What was measured on stages that were far off is measured again.
+            let known = self.is_prolonged && !self.was_far;
+            let from = if known { self.unknowns() } else { 0 };
             self.measure(y, from..self.n);
         }
+        self.was_remeasured = self.was_far;
+        self.was_far = change.largest > T::ratio(1, 8);
         if change.sum.is_finite() {
             change.largest
         } else {

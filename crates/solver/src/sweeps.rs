@@ -5,8 +5,8 @@
 //! later moves use the slope observed. Sweeps go on until Z and g are at round-off.
 //!
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged; else Z = 0.
-//! *End.* The predicted error of the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is below ε; and |g| is at its
-//! floor, or stalls near it, or with α = 0 is within 4 floors.
+//! *End.* The predicted error of the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is below ε, or
+//! Δ does not shrink three times; and |g| is at its floor, or stalls near it, or with α = 0 is within 4 floors.
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, slopes that vanish. Newton takes the step then. It does
 //! so for all α's where they are to aim at the exact flow ([`crate::alpha`]), which takes Hessians: from the stages found here.
 //!
@@ -26,7 +26,7 @@ use equip_tableau::Gauss;
 /// Sweeps allowed in a step.
 const MAX_SWEEPS: u32 = 80;
 /// Contraction, in hundredths, at which Newton is the better choice.
-const SLOW_PERCENT: i64 = 50;
+const SLOW_PERCENT: i64 = 70;
 /// Changes of Z below this many ε are rounding if they do not shrink.
 const ROUNDING: i64 = 256;
 /// Errors of the end point below ε over this are of no account. With 4 angular momentum grows by 1e-17 a step in Kepler's problem, with
@@ -34,8 +34,12 @@ const ROUNDING: i64 = 256;
 const SETTLED: i64 = 64;
 /// Defects of the step with α = 0 up to this many floors are left to later steps: to remove less is to move by rounding.
 const AT_FLOOR: i64 = 4;
+/// Where sweeps contract badly rounding is blown up: so many that stagnate end the step.
+const STILL: u32 = 3;
 /// Moves of the α's allowed in a step.
-const MAX_MOVES: u32 = 12;
+const MAX_MOVES: u32 = 24;
+/// Before directions are taken g is to be known this well: they are taken from the stages as they are then.
+const CLEAR: i64 = 1024;
 
 /// Why a step is left to Newton.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,7 +154,7 @@ impl<T: Float> Sweeps<T> {
         self.begin(gauss, prolong, task);
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
         let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
-        let mut slow = 0;
+        let (mut slow, mut still) = (0, 0);
         self.rate = (self.rate / T::int(2)).max(T::ratio(1, 1000));
         let mut disturbed = false;
         let mut threshold = self.defect;
@@ -185,9 +189,11 @@ impl<T: Float> Sweeps<T> {
             let observed = last.is_finite() || change <= T::int(4) * eps;
             // Rounding, and sweeps contract well enough for it not to be blown up.
             let stagnates = rounding && !disturbed && change > last / T::int(2);
-            let settled =
-                (observed && error <= eps / T::int(SETTLED)) || (stagnates && error <= eps);
-            disturbed = false;
+            still = if stagnates { still + 1 } else { 0 };
+            let settled = (observed && error <= eps / T::int(SETTLED))
+                || (stagnates && error <= eps)
+                || still == STILL;
+            disturbed = self.iterate.was_remeasured;
             last = change;
             let Some(constraint) = constraint.as_deref_mut() else {
                 if settled {
@@ -197,9 +203,13 @@ impl<T: Float> Sweeps<T> {
                 continue;
             };
             let uncertain = error * self.scale;
-            let early =
-                task.rule == Rule::Slopes && self.scale > zero && uncertain <= threshold;
-            if !settled && !early {
+            let early = match task.rule {
+                Rule::Slopes => uncertain <= threshold,
+                Rule::Response if alphas.moves > 0 => true,
+                Rule::Response => error <= eps.sqrt() && T::int(CLEAR) * uncertain <= threshold,
+                Rule::Newton => false,
+            };
+            if !settled && !(early && self.scale > zero) {
                 continue;
             }
             self.iterate.end_point(task.y, next);
@@ -208,12 +218,15 @@ impl<T: Float> Sweeps<T> {
                 return Err(Trouble::Slow);
             }
             self.scale = constraint.scale;
-            threshold = T::INFINITY;
             let (g, out) = (constraint.defect, constraint.in_floors());
             if alphas.moves == 0 {
                 self.defect = g.abs();
                 constraint.without_alpha = g;
             }
+            threshold = match task.rule {
+                Rule::Response => g.abs(),
+                _ => T::INFINITY,
+            };
             if settled
                 && (out <= one || (out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2)))
             {
@@ -230,7 +243,16 @@ impl<T: Float> Sweeps<T> {
             if settled {
                 last_out = out;
             }
-            if out > one && (g.abs() > uncertain || settled) {
+            // Where the stages follow the α's a move too early costs nothing, if it is not all noise.
+            let stands_out = match task.rule {
+                Rule::Response if alphas.moves > 0 => T::int(2) * g.abs() > uncertain,
+                Rule::Response => {
+                    let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
+                    !at_floor && g.abs() > T::int(CLEAR) * uncertain
+                }
+                _ => g.abs() > uncertain,
+            };
+            if out > one && (stands_out || settled) {
                 if alphas.moves == 0
                     && let (Rule::Response, Some(response)) = (task.rule, &mut self.response)
                 {
