@@ -152,6 +152,7 @@ impl<T: Float> Sweeps<T> {
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
         self.begin(gauss, prolong, task);
+        let mut prolonged = prolong.is_some();
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
         let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
         let (mut slow, mut still) = (0, 0);
@@ -169,9 +170,6 @@ impl<T: Float> Sweeps<T> {
             counts.sweeps += 1;
             counts.gradients += self.iterate.s as u64;
             (self.made, self.change) = (self.made + 1, change);
-            if !change.is_finite() {
-                return Err(Trouble::Slow);
-            }
             let rounding = change <= T::int(ROUNDING) * eps;
             if last.is_finite() && !disturbed && last > T::int(ROUNDING) * eps {
                 let rate = change / last;
@@ -180,10 +178,17 @@ impl<T: Float> Sweeps<T> {
                 } else {
                     0
                 };
-                if slow > 2 || (rate > T::int(2) && slow > 1) {
+                self.rate = self.rate.max(rate).min(T::ratio(9, 10));
+            }
+            let grows = slow > 1 && change > T::int(2) * last;
+            if slow > 2 || grows || !change.is_finite() {
+                // Prolonged too far, perhaps.
+                if alphas.moves > 0 || !std::mem::take(&mut prolonged) {
                     return Err(Trouble::Slow);
                 }
-                self.rate = self.rate.max(rate).min(T::ratio(9, 10));
+                self.iterate.begin(gauss, (task.y, task.h), None);
+                (last, slow, self.rate) = (T::INFINITY, 0, T::ratio(1, 4));
+                continue;
             }
             let error = change * self.tail();
             let observed = last.is_finite() || change <= T::int(4) * eps;
