@@ -7,14 +7,15 @@
 //!
 //! and the other end by Σ δL_i. Both are iterated momenta first, then positions: for H = T(p) + U(q) that takes half the sweeps.
 //!
-//! ∇²H at the stages is taken as quotients of differences of ∇H, all stages at once, one for each group of columns that do not
-//! meet: right to √ε, which is enough for what only has to point the right way.
+//! ∇²H at the stages is taken, where stages are lanes, as quotients of differences of ∇H, all stages at once, one for each group of
+//! columns that do not meet: right to √ε, which is enough for what only has to point the right way. Else it is derived, point by point.
 //!
 //! *Layout.* As in [`crate::sweep`], with several right-hand sides: component c of side k of stage i stands at `(c·sides + k)·stride + i`.
 //!
 //! Cost: a gradient at all stages for each group of columns; a sweep of one side nnz·s + 2m s² products. Nothing is allocated.
 
 use crate::hessians::turned;
+use crate::outcome::Counts;
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel, mix_stages};
@@ -64,6 +65,8 @@ pub(crate) struct LinearSweeps<T: Float> {
     points: Vec<T>,
     gradients: Vec<T>,
     shifts: Vec<T>,
+    /// Entries at one point.
+    exact: Vec<T>,
     /// K δL, and δL.
     mixed: Vec<T>,
     dl: Vec<T>,
@@ -96,26 +99,77 @@ impl<T: Float> LinearSweeps<T> {
                 .map(|group| group.iter().map(|&c| Column::of(&pattern, c)).collect())
                 .collect(),
             entries: zeros(pattern.len() * stride),
-            pattern,
             k,
             k_back,
             points: zeros(n * stride),
             gradients: zeros(n * stride),
             shifts: zeros(n * stride),
+            exact: zeros(pattern.len()),
             mixed: zeros(n * sides * stride),
             dl: zeros(n * sides * stride),
             sums: zeros(n * sides),
             before: zeros(n * sides),
+            pattern,
         }
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged. Returns the number of evaluations of ∇H at one point, or
-    /// `None` if something is not finite.
+    /// Takes ∇²H at the stages of an iterate that has converged. Returns whether it is finite.
     pub(crate) fn take<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
         energy: &mut E,
-    ) -> Option<u64> {
+        counts: &mut Counts,
+    ) -> bool {
+        match T::as_doubles(&[]) {
+            Some(_) => self.take_quotients(iterate, energy, counts),
+            None => self.take_exactly(iterate, energy, counts),
+        }
+        let mut sum = T::int(0);
+        for entry in self.entries.chunks_exact_mut(self.stride) {
+            for (x, &hb) in entry.iter_mut().zip(&iterate.hb) {
+                *x *= hb;
+                sum += *x;
+            }
+        }
+        sum.is_finite()
+    }
+
+    /// How well ∇²H is known, and so all that is solved for.
+    pub(crate) fn accuracy(&self) -> T {
+        match T::as_doubles(&[]) {
+            Some(_) => T::EPSILON.sqrt() / T::int(16),
+            None => T::int(16) * T::EPSILON,
+        }
+    }
+
+    /// Point by point.
+    fn take_exactly<E: Evaluate<T>>(
+        &mut self,
+        iterate: &Iterate<T>,
+        energy: &mut E,
+        counts: &mut Counts,
+    ) {
+        let (n, stride) = (2 * self.m, self.stride);
+        for i in 0..self.s {
+            for (c, x) in self.points[..n].iter_mut().enumerate() {
+                *x = iterate.points[c * stride + i];
+            }
+            let entries = &mut self.exact[..];
+            energy.hessian(&self.points[..n], entries);
+            for (e, &x) in entries.iter().enumerate() {
+                self.entries[e * stride + i] = x;
+            }
+        }
+        counts.hessians += self.s as u64;
+    }
+
+    /// All points at once, by differences of ∇H.
+    fn take_quotients<E: Evaluate<T>>(
+        &mut self,
+        iterate: &Iterate<T>,
+        energy: &mut E,
+        counts: &mut Counts,
+    ) {
         let (s, stride) = (self.s, self.stride);
         self.entries.fill(T::int(0));
         let rows = match &iterate.kinetic {
@@ -174,14 +228,7 @@ impl<T: Float> LinearSweeps<T> {
             }
         }
         std::mem::swap(&mut self.gradients, &mut self.mixed);
-        let mut sum = T::int(0);
-        for entry in self.entries.chunks_exact_mut(stride) {
-            for (x, &hb) in entry.iter_mut().zip(&iterate.hb) {
-                *x *= hb;
-                sum += *x;
-            }
-        }
-        sum.is_finite().then_some(evaluations)
+        counts.gradients += evaluations;
     }
 
     /// Σ_i h b_i ∇²H(Y_i), entry by entry.

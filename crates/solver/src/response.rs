@@ -26,6 +26,8 @@ use equip_tableau::{Gauss, legendre_integrals_at};
 
 /// So many α's move.
 pub(crate) const LEADING: usize = 3;
+/// Defects of fewer floors are removed by least displacement.
+const LEAST: i64 = 64;
 /// Sweeps allowed to the local error.
 const MAX_FINER: usize = 40;
 
@@ -115,22 +117,23 @@ impl<T: Float> Response<T> {
         constraint: &mut Constraint<T>,
         counts: &mut Counts,
     ) -> bool {
-        let Some(gradients) = self.linear.take(iterate, energy) else {
+        if !self.linear.take(iterate, energy, counts) {
             return false;
-        };
-        counts.gradients += gradients;
+        }
         self.measure(iterate);
         // The error of the directions times what they are to bring about is to be round-off.
         let defect = constraint.defect.abs() / constraint.scale;
-        let tolerance =
-            (T::EPSILON / defect).clamp(T::EPSILON.sqrt() / T::int(16), T::ratio(1, 100));
+        let tolerance = (T::EPSILON / defect).clamp(self.linear.accuracy(), T::ratio(1, 100));
         self.displacements
             .begin(&self.sizes, &self.resolution, false);
         if !self.solve_forward(iterate, tolerance) {
             return false;
         }
         counts.alpha_solves += 2 * self.free as u64;
-        let aims = self.displacements.trusts_error()
+        // Of a defect that is hardly more than rounding so is the local error.
+        let is_known = constraint.in_floors() > T::int(LEAST);
+        let aims = is_known
+            && self.displacements.trusts_error()
             && match &mut self.finer {
                 Some(finer) => {
                     counts.local_errors += 1;
