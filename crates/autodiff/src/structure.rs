@@ -1,5 +1,7 @@
 //! What is known of H before any number is put in.
 
+use crate::colouring::Colouring;
+
 /// Structural non-zeros of a symmetric matrix, row by row: both triangles, columns ascending in each row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
@@ -31,6 +33,19 @@ impl Pattern {
     /// Whether the matrix is identically zero.
     pub fn is_empty(&self) -> bool {
         self.columns.is_empty()
+    }
+
+    /// Groups of columns no two of which have a row in common, with every column that has entries in one of them: all
+    /// columns of a group can be computed from one direction (Curtis, Powell, Reid 1974).
+    pub fn column_groups(&self) -> Vec<Vec<usize>> {
+        let Colouring { colours, of_column } = Colouring::new(self);
+        let mut groups = vec![Vec::new(); colours];
+        for (column, colour) in of_column.into_iter().enumerate() {
+            if let Some(colour) = colour {
+                groups[colour].push(column);
+            }
+        }
+        groups
     }
 
     /// Positions (in the order of the entries) and columns of row i.

@@ -35,6 +35,15 @@ impl<T> DerefMut for Aligned<T> {
     }
 }
 
+impl<'a, T> IntoIterator for &'a Aligned<T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
 /// Hands out slices one behind the other, as far as places in a page go.
 #[derive(Debug, Default)]
 pub(crate) struct Places {

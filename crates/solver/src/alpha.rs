@@ -143,7 +143,7 @@ impl<T: Float> Directions<T> {
         self.base_due = false;
         self.known = true;
         self.columns_known = false;
-        linearised.resolution(stages.n, &mut self.resolution);
+        linearised.resolution(&mut self.resolution);
         stages.sizes(&mut self.sizes);
         let plain = norm == Norm::Plain;
         (self.displacements).begin(&self.sizes, &self.resolution, plain);

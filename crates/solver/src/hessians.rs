@@ -111,26 +111,31 @@ impl<T: Float> StageHessians<T> {
         }
     }
 
-    /// How far each component is from being resolved by the step: 1 / (1 + ρ_j), where ρ_j = Σ_k |G_jk G_kj| with
-    /// G = J Σ_i h b_i ∇²H(Y_i). For an oscillator ρ = (hω)². Independent of the units of q and p, and the same
-    /// when the step is made backwards.
-    pub(crate) fn resolution(&self, n: usize, weights: &mut [T]) {
-        for (j, weight) in weights.iter_mut().enumerate() {
-            let (row, _) = turned::<T>(j, n);
-            let rho = self.pattern.row(row).fold(T::int(0), |sum, (position, k)| {
-                let (partner, _) = turned::<T>(k, n);
-                sum + (self.mean[position] * self.mean_entry(partner, j)).abs()
-            });
-            *weight = T::int(1) / (T::int(1) + rho);
-        }
+    /// How far each component is from being resolved by the step.
+    pub(crate) fn resolution(&self, weights: &mut [T]) {
+        resolution(&self.pattern, &self.mean, weights);
     }
+}
 
-    fn mean_entry(&self, row: usize, column: usize) -> T {
-        let range = self.pattern.row_starts[row]..self.pattern.row_starts[row + 1];
-        match self.pattern.columns[range.clone()].binary_search(&column) {
-            Ok(offset) => self.mean[range.start + offset],
+/// How far each component is from being resolved by the step: 1 / (1 + ρ_j), where ρ_j = Σ_k |G_jk G_kj| with
+/// G = J Σ_i h b_i ∇²H(Y_i), whose entries are `mean`. For an oscillator ρ = (hω)². Independent of the units of q and p, and the same
+/// when the step is made backwards.
+pub(crate) fn resolution<T: Float>(pattern: &Pattern, mean: &[T], weights: &mut [T]) {
+    let n = pattern.dimension();
+    let entry = |row: usize, column: usize| {
+        let range = pattern.row_starts[row]..pattern.row_starts[row + 1];
+        match pattern.columns[range.clone()].binary_search(&column) {
+            Ok(offset) => mean[range.start + offset],
             Err(_) => T::int(0),
         }
+    };
+    for (j, weight) in weights.iter_mut().enumerate() {
+        let (row, _) = turned::<T>(j, n);
+        let rho = pattern.row(row).fold(T::int(0), |sum, (position, k)| {
+            let (partner, _) = turned::<T>(k, n);
+            sum + (mean[position] * entry(partner, j)).abs()
+        });
+        *weight = T::int(1) / (T::int(1) + rho);
     }
 }
 

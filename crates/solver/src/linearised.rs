@@ -406,8 +406,8 @@ impl<T: Float> Linearised<T> {
     }
 
     /// How far each component is from being resolved by the step.
-    pub(crate) fn resolution(&self, n: usize, weights: &mut [T]) {
-        self.hessians.resolution(n, weights);
+    pub(crate) fn resolution(&self, weights: &mut [T]) {
+        self.hessians.resolution(weights);
     }
 
     /// x ← M⁻¹ x or M⁻ᵀ x by iteration with M̃. Returns whether it converged.

@@ -10,7 +10,7 @@ use crate::options::{OnNoAlpha, Settings, StageSolver};
 use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
 use crate::state::State;
-use crate::sweeps::{SweepTask, Sweeps, Trouble};
+use crate::sweeps::{Rule, SweepTask, Sweeps, Trouble};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
@@ -26,6 +26,7 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) counts: Counts,
     pub(crate) settings: Settings<T>,
     pub(crate) sweeps: Option<Sweeps<T>>,
+    rule: Rule,
     pub(crate) pause: Pause,
     pub(crate) guess: Guess<T>,
     /// α's a step starts from: zero, or the fixed ones.
@@ -71,10 +72,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
         let asked = settings.first_alpha.is_some();
         let zero = State::new(&vec![T::int(0); n], &[]);
+        let rule = rule(&settings, s, constraints.len());
+        let responds = (rule == Rule::Response).then_some(&structure.hessian);
         let sweeps = can_sweep(&settings, s, constraints.len())
-            .then(|| Sweeps::new(&gauss, n, energy.kinetic(), &start_alphas));
+            .then(|| Sweeps::new(&gauss, n, energy.kinetic(), &start_alphas, responds));
         Core {
             sweeps,
+            rule,
             pause: Pause::NONE,
             energy,
             newton: Newton::new(
@@ -255,7 +259,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             h,
             alphas: &self.start_alphas,
             alpha_bound: self.settings.alpha_bound,
-            moves_alphas: self.settings.stage_solver == StageSolver::Sweeps,
+            rule: self.rule,
         };
         let constraint = self.constraints.first_mut().filter(|_| constrained);
         let prolong = self.guess.prolongation(h);
@@ -384,6 +388,17 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 }
             }
         }
+    }
+}
+
+/// Who moves the α's of steps whose stages sweeps have found.
+fn rule<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> Rule {
+    match settings.stage_solver {
+        StageSolver::Sweeps => Rule::Slopes,
+        StageSolver::Automatic if constraints == 1 && settings.first_alpha == Some(1) && s > 2 => {
+            Rule::Response
+        }
+        _ => Rule::Newton,
     }
 }
 

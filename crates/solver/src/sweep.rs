@@ -40,7 +40,7 @@ pub(crate) struct Iterate<T: Float> {
     /// K is not the one a step starts from.
     k_has_moved: bool,
     /// h b_i.
-    hb: Aligned<T>,
+    pub(crate) hb: Aligned<T>,
     h: T,
     /// L of the last sweep.
     pub(crate) l: Aligned<T>,
@@ -50,13 +50,17 @@ pub(crate) struct Iterate<T: Float> {
     z: Aligned<T>,
     /// Z before the α's moved.
     z_before: Aligned<T>,
-    points: Aligned<T>,
+    pub(crate) points: Aligned<T>,
     gradients: Aligned<T>,
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
     inverse_scale: Vec<T>,
     /// Z of this step began as a prolongation.
     is_prolonged: bool,
+    /// The last sweep moved Z by more than 1/8 of its size.
+    was_far: bool,
+    /// The next change of Z is relative to other sizes than the last.
+    pub(crate) was_remeasured: bool,
 }
 
 impl<T: Float> Iterate<T> {
@@ -100,6 +104,8 @@ impl<T: Float> Iterate<T> {
             scale: vec![T::int(0); n],
             inverse_scale: vec![T::int(0); n],
             is_prolonged: false,
+            was_far: false,
+            was_remeasured: false,
         }
     }
 
@@ -136,7 +142,9 @@ impl<T: Float> Iterate<T> {
         if std::mem::take(&mut self.k_has_moved) {
             self.k.copy_from_slice(&self.k_start);
         }
-        std::mem::swap(&mut self.l, &mut self.l_before);
+        if prolongation.is_some() {
+            std::mem::swap(&mut self.l, &mut self.l_before);
+        }
         let unknowns = self.unknowns();
         let len = unknowns * self.stride;
         self.set.run(&mut Start {
@@ -151,6 +159,7 @@ impl<T: Float> Iterate<T> {
         });
         self.is_prolonged = prolongation.is_some();
         resolve(&mut self.scale, &mut self.inverse_scale, 0..unknowns);
+        self.was_far = false;
     }
 
     /// Stages from Z.
@@ -228,14 +237,14 @@ impl<T: Float> Iterate<T> {
                 self.mix(y)
             }
         };
-        if first {
-            let from = if self.is_prolonged {
-                self.unknowns()
-            } else {
-                0
-            };
+        if first || self.was_far {
+            // What was measured on stages that were far off is measured again.
+            let known = self.is_prolonged && !self.was_far;
+            let from = if known { self.unknowns() } else { 0 };
             self.measure(y, from..self.n);
         }
+        self.was_remeasured = self.was_far;
+        self.was_far = change > T::ratio(1, 8);
         change
     }
 
@@ -313,6 +322,14 @@ impl<T: Float> Iterate<T> {
         for (z, &before) in self.z[..len].iter_mut().zip(&*self.z_before) {
             *z += share * (*z - before);
         }
+        self.place(y);
+    }
+
+    /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
+    pub(crate) fn displace(&mut self, y: &State<T>, mut change: impl FnMut(usize, &mut [T])) {
+        let unknowns = self.unknowns();
+        let rows = self.z.chunks_exact_mut(self.stride).enumerate();
+        rows.take(unknowns).for_each(|(c, z)| change(c, z));
         self.place(y);
     }
 

@@ -5,8 +5,8 @@
 //! later moves use the slope observed. Sweeps go on until Z and g are at round-off.
 //!
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged; else Z = 0.
-//! *End.* The predicted error of the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is below ε; and |g| is at its
-//! floor, or stalls near it, or with α = 0 is within 4 floors.
+//! *End.* The predicted error of the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is below ε, or
+//! Δ does not shrink three times; and |g| is at its floor, or stalls near it, or with α = 0 is within 4 floors.
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, slopes that vanish. Newton takes the step then. It does
 //! so for all α's where they are to aim at the exact flow ([`crate::alpha`]), which takes Hessians: from the stages found here.
 //!
@@ -15,17 +15,18 @@
 use crate::constraint::Constraint;
 use crate::newton::{ENERGY_STAGNATED, Failure};
 use crate::outcome::Counts;
+use crate::response::Response;
 use crate::slopes::Slopes;
 use crate::state::State;
 use crate::sweep::Iterate;
-use equip_autodiff::{Evaluate, Kinetic};
+use equip_autodiff::{Evaluate, Kinetic, Pattern};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
 
 /// Sweeps allowed in a step.
 const MAX_SWEEPS: u32 = 80;
 /// Contraction, in hundredths, at which Newton is the better choice.
-const SLOW_PERCENT: i64 = 50;
+const SLOW_PERCENT: i64 = 70;
 /// Changes of Z below this many ε are rounding if they do not shrink.
 const ROUNDING: i64 = 256;
 /// Errors of the end point below ε over this are of no account. With 4 angular momentum grows by 1e-17 a step in Kepler's problem, with
@@ -33,8 +34,12 @@ const ROUNDING: i64 = 256;
 const SETTLED: i64 = 64;
 /// Defects of the step with α = 0 up to this many floors are left to later steps: to remove less is to move by rounding.
 const AT_FLOOR: i64 = 4;
+/// Where sweeps contract badly rounding is blown up: so many that stagnate end the step.
+const STILL: u32 = 3;
 /// Moves of the α's allowed in a step.
-const MAX_MOVES: u32 = 12;
+const MAX_MOVES: u32 = 24;
+/// Before directions are taken g is to be known this well: they are taken from the stages as they are then.
+const CLEAR: i64 = 1024;
 
 /// Why a step is left to Newton.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,16 +59,31 @@ pub(crate) struct SweepTask<'a, T> {
     pub(crate) h: T,
     pub(crate) alphas: &'a [T],
     pub(crate) alpha_bound: T,
-    /// Whether the α's may move, if there is a constraint.
-    pub(crate) moves_alphas: bool,
+    /// Who moves the α's, if there is a constraint.
+    pub(crate) rule: Rule,
+}
+
+/// Who moves the α's of a step whose stages sweeps have found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rule {
+    /// Sweeps, by [`crate::slopes`], as soon as g stands out.
+    Slopes,
+    /// Sweeps, by [`crate::response`], when the stages have converged.
+    Response,
+    /// Newton.
+    Newton,
 }
 
 #[derive(Debug)]
 pub(crate) struct Sweeps<T: Float> {
     pub(crate) iterate: Iterate<T>,
     slopes: Slopes<T>,
+    /// Made when the α's are to move by it.
+    response: Option<Response<T>>,
     /// α of the step solved last.
     pub(crate) alphas: Vec<T>,
+    /// Their last move.
+    delta: Vec<T>,
     /// Sweeps of that step, and the last change of Z.
     made: u32,
     change: T,
@@ -92,11 +112,14 @@ impl<T: Float> Sweeps<T> {
         n: usize,
         kinetic: Option<Kinetic<T>>,
         start: &[T],
+        responds: Option<&Pattern>,
     ) -> Self {
         let iterate = Iterate::new(gauss, n, kinetic, start);
         let zero = T::int(0);
         Sweeps {
             slopes: Slopes::new(gauss, &iterate),
+            response: responds.map(|pattern| Response::new(gauss, &iterate, pattern)),
+            delta: vec![zero; gauss.stages() - 1],
             alphas: vec![zero; gauss.stages() - 1],
             made: 0,
             change: zero,
@@ -129,9 +152,10 @@ impl<T: Float> Sweeps<T> {
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
         self.begin(gauss, prolong, task);
+        let mut prolonged = prolong.is_some();
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
         let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
-        let mut slow = 0;
+        let (mut slow, mut still) = (0, 0);
         self.rate = (self.rate / T::int(2)).max(T::ratio(1, 1000));
         let mut disturbed = false;
         let mut threshold = self.defect;
@@ -146,9 +170,6 @@ impl<T: Float> Sweeps<T> {
             counts.sweeps += 1;
             counts.gradients += self.iterate.s as u64;
             (self.made, self.change) = (self.made + 1, change);
-            if !change.is_finite() {
-                return Err(Trouble::Slow);
-            }
             let rounding = change <= T::int(ROUNDING) * eps;
             if last.is_finite() && !disturbed && last > T::int(ROUNDING) * eps {
                 let rate = change / last;
@@ -157,18 +178,27 @@ impl<T: Float> Sweeps<T> {
                 } else {
                     0
                 };
-                if slow > 2 || (rate > T::int(2) && slow > 1) {
+                self.rate = self.rate.max(rate).min(T::ratio(9, 10));
+            }
+            let grows = slow > 1 && change > T::int(2) * last;
+            if slow > 2 || grows || !change.is_finite() {
+                // Prolonged too far, perhaps.
+                if alphas.moves > 0 || !std::mem::take(&mut prolonged) {
                     return Err(Trouble::Slow);
                 }
-                self.rate = self.rate.max(rate).min(T::ratio(9, 10));
+                self.iterate.begin(gauss, (task.y, task.h), None);
+                (last, slow, self.rate) = (T::INFINITY, 0, T::ratio(1, 4));
+                continue;
             }
             let error = change * self.tail();
             let observed = last.is_finite() || change <= T::int(4) * eps;
             // Rounding, and sweeps contract well enough for it not to be blown up.
             let stagnates = rounding && !disturbed && change > last / T::int(2);
-            let settled =
-                (observed && error <= eps / T::int(SETTLED)) || (stagnates && error <= eps);
-            disturbed = false;
+            still = if stagnates { still + 1 } else { 0 };
+            let settled = (observed && error <= eps / T::int(SETTLED))
+                || (stagnates && error <= eps)
+                || still == STILL;
+            disturbed = self.iterate.was_remeasured;
             last = change;
             let Some(constraint) = constraint.as_deref_mut() else {
                 if settled {
@@ -178,8 +208,13 @@ impl<T: Float> Sweeps<T> {
                 continue;
             };
             let uncertain = error * self.scale;
-            let early = task.moves_alphas && self.scale > zero && uncertain <= threshold;
-            if !settled && !early {
+            let early = match task.rule {
+                Rule::Slopes => uncertain <= threshold,
+                Rule::Response if alphas.moves > 0 => true,
+                Rule::Response => error <= eps.sqrt() && T::int(CLEAR) * uncertain <= threshold,
+                Rule::Newton => false,
+            };
+            if !settled && !(early && self.scale > zero) {
                 continue;
             }
             self.iterate.end_point(task.y, next);
@@ -188,12 +223,15 @@ impl<T: Float> Sweeps<T> {
                 return Err(Trouble::Slow);
             }
             self.scale = constraint.scale;
-            threshold = T::INFINITY;
             let (g, out) = (constraint.defect, constraint.in_floors());
             if alphas.moves == 0 {
                 self.defect = g.abs();
                 constraint.without_alpha = g;
             }
+            threshold = match task.rule {
+                Rule::Response => g.abs(),
+                _ => T::INFINITY,
+            };
             if settled
                 && (out <= one || (out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2)))
             {
@@ -203,14 +241,31 @@ impl<T: Float> Sweeps<T> {
                 if constraint.in_judging_floors() <= T::int(AT_FLOOR) {
                     return Ok(());
                 }
-                if !task.moves_alphas {
+                if task.rule == Rule::Newton {
                     return Err(Trouble::StagesOnly);
                 }
             }
             if settled {
                 last_out = out;
             }
-            if out > one && (g.abs() > uncertain || settled) {
+            // Where the stages follow the α's a move too early costs nothing, if it is not all noise.
+            let stands_out = match task.rule {
+                Rule::Response if alphas.moves > 0 => T::int(2) * g.abs() > uncertain,
+                Rule::Response => {
+                    let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
+                    !at_floor && g.abs() > T::int(CLEAR) * uncertain
+                }
+                _ => g.abs() > uncertain,
+            };
+            if out > one && (stands_out || settled) {
+                if alphas.moves == 0
+                    && let (Rule::Response, Some(response)) = (task.rule, &mut self.response)
+                {
+                    let step = (task.y, task.h);
+                    if !response.take(&self.iterate, energy, step, constraint, counts) {
+                        return Err(Trouble::StagesOnly);
+                    }
+                }
                 if !self.move_alphas(gauss, (g, uncertain + constraint.floor), &mut alphas, task) {
                     return Err(Trouble::NoAlpha);
                 }
@@ -279,14 +334,23 @@ impl<T: Float> Sweeps<T> {
         if alphas.moves == MAX_MOVES {
             return false;
         }
+        let by_response = self
+            .response
+            .as_ref()
+            .filter(|_| task.rule == Rule::Response);
         let start = alphas.t;
+        let mut by_base = T::int(0);
         match alphas.last {
-            None => {
-                if !self.slopes.take(&self.iterate, task.h) {
-                    return false;
+            None => match by_response {
+                Some(response) => {
+                    alphas.slope = response.slope;
+                    by_base = response.by_base;
                 }
-                alphas.slope = self.slopes.slope();
-            }
+                None if self.slopes.take(&self.iterate, task.h) => {
+                    alphas.slope = self.slopes.slope();
+                }
+                None => return false,
+            },
             Some((t, g_last, noise_last)) => {
                 let ratio = (g - g_last) / (alphas.t - t) / alphas.slope;
                 let clear = (g - g_last).abs() > T::int(8) * (noise + noise_last);
@@ -295,22 +359,27 @@ impl<T: Float> Sweeps<T> {
                 }
             }
         }
-        alphas.last = Some((alphas.t, g, noise));
-        alphas.t -= g / alphas.slope;
+        // What α⁰ has done to g is no response to t.
+        alphas.last = Some((alphas.t, g + by_base, noise));
+        alphas.t -= (g + by_base) / alphas.slope;
         alphas.moves += 1;
-        let within = alphas.t.abs() <= task.alpha_bound;
-        if within {
-            for ((alpha, &start), &d) in self.alphas.iter_mut().zip(task.alphas).zip(&self.slopes.d)
-            {
-                *alpha = start + alphas.t * d;
-            }
-            self.iterate.set_alphas(gauss, &self.alphas);
-            if alphas.moves == 1 {
-                self.iterate.mix_anew(task.y);
-            } else {
-                self.iterate.extrapolate(task.y, (alphas.t - start) / start);
-            }
+        let d = by_response.map_or(&self.slopes.d, |response| &response.d);
+        for (k, alpha) in self.alphas.iter_mut().enumerate() {
+            let base = by_response.map_or(T::int(0), |response| response.base[k]);
+            let moved = task.alphas[k] + base + alphas.t * d[k];
+            self.delta[k] = moved - *alpha;
+            *alpha = moved;
         }
-        within
+        let bound = task.alpha_bound;
+        if !(alphas.t.is_finite() && self.alphas.iter().all(|a| a.abs() <= bound)) {
+            return false;
+        }
+        self.iterate.set_alphas(gauss, &self.alphas);
+        match by_response {
+            Some(response) => response.follow(&mut self.iterate, task.y, &self.delta),
+            None if alphas.moves == 1 => self.iterate.mix_anew(task.y),
+            None => (self.iterate).extrapolate(task.y, (alphas.t - start) / start),
+        }
+        true
     }
 }

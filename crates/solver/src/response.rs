@@ -1,0 +1,364 @@
+//! Which α's, where sweeps contract: as [`crate::alpha`] chooses them, but everything by sweeps.
+//!
+//! | needed | from |
+//! |---|---|
+//! | u_k = ∂y1/∂α_k and the X_k by which the stages follow | [`crate::linear_sweeps`] with r = T_k L |
+//! | u'_k = −Ψ⁻¹u_k, e' = −Ψ⁻¹e | the same with the end moved by −u_k, −e |
+//! | e, the local error of the step with α = 0 | sweeps with one stage more, from the polynomial of these stages |
+//!
+//! and from these α⁰ and D of [`crate::displacement`]: α = α⁰ + D t.
+//!
+//! Only α_1 … α_[`LEADING`] move: further ones disturb the stages the more for the same displacement of y1.
+//!
+//! Cost: about s/2 + 2 sweeps of s + 1 stages, as many gradients as ∇²H has groups of columns, and some 6 linear sweeps of
+//! each of 2·[`LEADING`] + 1 right-hand sides. Nothing is allocated.
+
+use crate::constraint::Constraint;
+use crate::displacement::{Displacements, dot};
+use crate::hessians;
+use crate::linear_sweeps::LinearSweeps;
+use crate::outcome::Counts;
+use crate::state::State;
+use crate::sweep::Iterate;
+use equip_autodiff::{Evaluate, Pattern};
+use equip_scalar::{Float, InstructionSet, mix_stages};
+use equip_tableau::{Gauss, legendre_integrals_at};
+
+/// So many α's move.
+pub(crate) const LEADING: usize = 3;
+/// Defects of fewer floors are removed by least displacement.
+const LEAST: i64 = 64;
+/// Sweeps allowed to the local error.
+const MAX_FINER: usize = 40;
+
+#[derive(Debug)]
+pub(crate) struct Response<T: Float> {
+    s: usize,
+    n: usize,
+    stride: usize,
+    /// Number of α's that move.
+    free: usize,
+    linear: LinearSweeps<T>,
+    /// T_k column by column.
+    t_columns: Vec<Vec<T>>,
+    /// Right-hand sides and solutions, and one T_k L.
+    rhs: Vec<T>,
+    x: Vec<T>,
+    back: Vec<T>,
+    t_l: Vec<T>,
+    finer: Option<Finer<T>>,
+    displacements: Displacements<T>,
+    mean: Vec<T>,
+    resolution: Vec<T>,
+    sizes: Vec<T>,
+    weights: Vec<T>,
+    /// u_k and u'_k, one after the other; e and e'.
+    ends: Vec<Vec<T>>,
+    starts: Vec<Vec<T>>,
+    error: Vec<T>,
+    error_start: Vec<T>,
+    /// α⁰ and D.
+    pub(crate) base: Vec<T>,
+    pub(crate) d: Vec<T>,
+    /// dg/dt, and what α⁰ does to g.
+    pub(crate) slope: T,
+    pub(crate) by_base: T,
+}
+
+impl<T: Float> Response<T> {
+    pub(crate) fn new(gauss: &Gauss<T>, iterate: &Iterate<T>, pattern: &Pattern) -> Self {
+        let (s, n, stride) = (iterate.s, iterate.n, iterate.stride);
+        let free = (s - 1).min(LEADING);
+        let zeros = |len: usize| vec![T::int(0); len];
+        let t_columns = (1..=free).map(|k| {
+            let mut columns = zeros(s * stride);
+            for (i, row) in gauss.skew_basis(k).chunks_exact(s).enumerate() {
+                for (j, &x) in row.iter().enumerate() {
+                    columns[j * stride + i] = x;
+                }
+            }
+            columns
+        });
+        Response {
+            s,
+            n,
+            stride,
+            free,
+            linear: LinearSweeps::new(gauss, stride, pattern.clone(), free + 1),
+            t_columns: t_columns.collect(),
+            rhs: zeros(n * (free + 1) * stride),
+            x: zeros(n * free * stride),
+            back: zeros(n * (free + 1) * stride),
+            t_l: zeros(n * stride),
+            finer: Finer::new(gauss, iterate),
+            displacements: Displacements::new(free + 1, n, 1),
+            mean: zeros(pattern.len()),
+            resolution: zeros(n),
+            sizes: zeros(n),
+            weights: zeros(n),
+            ends: vec![zeros(n); free],
+            starts: vec![zeros(n); free],
+            error: zeros(n),
+            error_start: zeros(n),
+            base: zeros(s - 1),
+            d: zeros(s - 1),
+            slope: T::int(0),
+            by_base: T::int(0),
+        }
+    }
+
+    /// Takes α⁰ and D at the converged stages of `iterate`, whose end point is `next`, where the constraint has been
+    /// evaluated. Returns whether they were found.
+    pub(crate) fn take<E: Evaluate<T>>(
+        &mut self,
+        iterate: &Iterate<T>,
+        energy: &mut E,
+        (y, h): (&State<T>, T),
+        constraint: &mut Constraint<T>,
+        counts: &mut Counts,
+    ) -> bool {
+        if !self.linear.take(iterate, energy, counts) {
+            return false;
+        }
+        self.measure(iterate);
+        // The error of the directions times what they are to bring about is to be round-off.
+        let defect = constraint.defect.abs() / constraint.scale;
+        let tolerance = (T::EPSILON / defect).clamp(self.linear.accuracy(), T::ratio(1, 100));
+        self.displacements
+            .begin(&self.sizes, &self.resolution, false);
+        if !self.solve_forward(iterate, tolerance) {
+            return false;
+        }
+        counts.alpha_solves += 2 * self.free as u64;
+        // Of a defect that is hardly more than rounding so is the local error.
+        let is_known = constraint.in_floors() > T::int(LEAST);
+        let aims = is_known
+            && self.displacements.trusts_error()
+            && match &mut self.finer {
+                Some(finer) => {
+                    counts.local_errors += 1;
+                    let found = finer.estimate(
+                        iterate,
+                        energy,
+                        (y, h),
+                        (&self.weights, tolerance),
+                        &mut self.error,
+                    );
+                    counts.gradients += finer.evaluations;
+                    found
+                }
+                None => false,
+            };
+        if !aims {
+            self.error.fill(T::int(0));
+        }
+        if !self.solve_back(tolerance) {
+            return false;
+        }
+        counts.gradients += 1;
+        constraint.evaluate_start(energy, y);
+        for (u, back) in self.ends.iter().zip(&self.starts) {
+            let slope = (dot(&constraint.gradient, u) - dot(&constraint.start_gradient, back))
+                / constraint.scale;
+            self.displacements.push(u, back, std::iter::once(slope));
+        }
+        if !self.displacements.factor() {
+            return false;
+        }
+        self.base.fill(T::int(0));
+        self.d.fill(T::int(0));
+        if aims {
+            self.displacements.aim(&self.error, &self.error_start);
+            self.displacements.base(&mut self.base[..self.free]);
+        }
+        self.displacements.direction(0, &mut self.d[..self.free]);
+        // Only the ratios matter.
+        let largest = self.d.iter().fold(T::int(0), |a, x| a.max(x.abs()));
+        if !(largest > T::int(0)) {
+            return false;
+        }
+        self.d.iter_mut().for_each(|d| *d /= largest);
+        let slopes = self.ends.iter().map(|u| dot(&constraint.gradient, u));
+        (self.slope, self.by_base) = (T::int(0), T::int(0));
+        for (v, (&d, &base)) in slopes.zip(self.d.iter().zip(&self.base)) {
+            self.slope += v * d;
+            self.by_base += v * base;
+        }
+        true
+    }
+
+    /// Moves Z by Σ δα_k X_k, δα being the change of the α's.
+    pub(crate) fn follow(&self, iterate: &mut Iterate<T>, y: &State<T>, delta: &[T]) {
+        let (free, stride) = (self.free, self.stride);
+        iterate.displace(y, |c, z| {
+            for (k, &delta) in delta.iter().enumerate().take(free) {
+                let x = &self.x[(c * free + k) * stride..][..stride];
+                z.iter_mut().zip(x).for_each(|(z, &x)| *z += delta * x);
+            }
+        });
+    }
+
+    /// Sizes of the components that are the same for the step made backwards, and how far each is resolved.
+    fn measure(&mut self, iterate: &Iterate<T>) {
+        let (s, stride) = (self.s, self.stride);
+        for (size, points) in self
+            .sizes
+            .iter_mut()
+            .zip(iterate.points.chunks_exact(stride))
+        {
+            *size = points[..s].iter().fold(T::int(0), |a, x| a.max(x.abs()));
+        }
+        let share = T::EPSILON.sqrt().sqrt();
+        for group in self.sizes.chunks_exact_mut(self.n / 2) {
+            let least = share * group.iter().fold(T::int(0), |a, &x| a.max(x));
+            group.iter_mut().for_each(|x| *x = x.max(least));
+        }
+        for (weight, &size) in self.weights.iter_mut().zip(&self.sizes) {
+            *weight = if size > T::int(0) {
+                T::int(1) / size
+            } else {
+                size
+            };
+        }
+        self.linear.mean_into(&mut self.mean);
+        hessians::resolution(&self.linear.pattern, &self.mean, &mut self.resolution);
+    }
+
+    /// X_k and u_k.
+    fn solve_forward(&mut self, iterate: &Iterate<T>, tolerance: T) -> bool {
+        let (free, stride, n) = (self.free, self.stride, self.n);
+        let len = n * free * stride;
+        for (k, t) in self.t_columns.iter().enumerate() {
+            mix_stages(
+                InstructionSet::best(),
+                t,
+                &iterate.l,
+                &mut self.t_l,
+                self.s,
+                stride,
+            );
+            for (c, t_l) in self.t_l.chunks_exact(stride).enumerate() {
+                self.rhs[(c * free + k) * stride..][..stride].copy_from_slice(t_l);
+            }
+        }
+        self.x[..len].copy_from_slice(&self.rhs[..len]);
+        let sides = (&self.rhs[..len], &mut self.x[..len]);
+        if !self.linear.solve(sides, &self.weights, tolerance) {
+            return false;
+        }
+        for (k, end) in self.ends.iter_mut().enumerate() {
+            for (c, u) in end.iter_mut().enumerate() {
+                *u = self.linear.sums[c * free + k];
+            }
+        }
+        true
+    }
+
+    /// u'_k, e'. X of the forward solution stays.
+    fn solve_back(&mut self, tolerance: T) -> bool {
+        let (sides, stride, n) = (self.free + 1, self.stride, self.n);
+        let mut x = std::mem::take(&mut self.back);
+        for c in 0..n {
+            let ends = self.ends.iter().chain(std::iter::once(&self.error));
+            for (k, u) in ends.enumerate() {
+                self.rhs[(c * sides + k) * stride..][..stride].fill(u[c]);
+            }
+        }
+        x.copy_from_slice(&self.rhs);
+        let solved = self
+            .linear
+            .solve_back((&self.rhs, &mut x), &self.weights, tolerance);
+        self.back = x;
+        if !solved {
+            return false;
+        }
+        let starts = self.starts.iter_mut().zip(&self.ends);
+        let pairs = starts.chain(std::iter::once((&mut self.error_start, &self.error)));
+        for (k, (start, end)) in pairs.enumerate() {
+            for (c, (start, &u)) in start.iter_mut().zip(end).enumerate() {
+                *start = self.linear.sums[c * sides + k] - u;
+            }
+        }
+        true
+    }
+}
+
+/// The step with one stage more, for the local error.
+#[derive(Debug)]
+struct Finer<T: Float> {
+    gauss: Gauss<T>,
+    iterate: Iterate<T>,
+    /// From the L_j of s stages to the Z_i of s + 1: row i at i·s.
+    prolongation: Vec<T>,
+    before: Vec<T>,
+    /// Evaluations of ∇H at one point, of the estimate made last.
+    evaluations: u64,
+}
+
+impl<T: Float> Finer<T> {
+    fn new(gauss: &Gauss<T>, iterate: &Iterate<T>) -> Option<Self> {
+        let (s, n) = (iterate.s, iterate.n);
+        let finer = Gauss::<T>::new(s + 1).ok()?;
+        let zeros = |len: usize| vec![T::int(0); len];
+        let mut prolongation = zeros((s + 1) * s);
+        let mut integrals = zeros(s);
+        for (row, &c) in prolongation.chunks_exact_mut(s).zip(finer.nodes()) {
+            legendre_integrals_at(c, &mut integrals);
+            for (j, x) in row.iter_mut().enumerate() {
+                let terms = integrals.iter().enumerate();
+                *x = terms.fold(T::int(0), |sum, (k, &i)| sum + i * gauss.legendre(k)[j]);
+            }
+        }
+        Some(Finer {
+            iterate: Iterate::new(&finer, n, iterate.kinetic.clone(), &zeros(s)),
+            gauss: finer,
+            prolongation,
+            before: zeros(n),
+            evaluations: 0,
+        })
+    }
+
+    /// e into `error`, to `tolerance`. Returns whether it was found.
+    fn estimate<E: Evaluate<T>>(
+        &mut self,
+        coarse: &Iterate<T>,
+        energy: &mut E,
+        (y, h): (&State<T>, T),
+        (weights, tolerance): (&[T], T),
+        error: &mut [T],
+    ) -> bool {
+        let (s, stride) = (coarse.s, coarse.stride);
+        self.evaluations = 0;
+        let (own, rows) = (self.iterate.stride, &self.prolongation);
+        self.iterate.begin(&self.gauss, (y, h), None);
+        self.iterate.displace(y, |c, z| {
+            let l = &coarse.l[c * stride..][..s];
+            for (z, row) in z[..own].iter_mut().zip(rows.chunks_exact(s)) {
+                *z = row
+                    .iter()
+                    .zip(l)
+                    .fold(T::int(0), |sum, (&e, &l)| sum + e * l);
+            }
+        });
+        for made in 0..MAX_FINER {
+            let change = self.iterate.sweep(energy, y, made == 0);
+            self.evaluations += (s + 1) as u64;
+            if !change.is_finite() {
+                return false;
+            }
+            self.before.copy_from_slice(error);
+            let (mut moved, mut size) = (T::int(0), T::int(0));
+            for (c, e) in error.iter_mut().enumerate() {
+                let sum = |l: &[T]| l.iter().fold(T::int(0), |sum, &l| sum + l);
+                *e = sum(&self.iterate.l[c * own..][..s + 1]) - sum(&coarse.l[c * stride..][..s]);
+                moved += ((*e - self.before[c]) * weights[c]).abs();
+                size += (*e * weights[c]).abs();
+            }
+            let noise = T::int(8) * T::EPSILON;
+            if made > 0 && (moved <= tolerance * size || moved <= noise) {
+                return true;
+            }
+        }
+        false
+    }
+}
