@@ -139,6 +139,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             self.inner.core.settings.on_no_alpha = OnNoAlpha::Refuse;
             match made {
                 Ok(outcome) => {
+                    self.inner.core.fetch_l();
                     let core = &self.inner.core;
                     let estimate =
                         self.decay

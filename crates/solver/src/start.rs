@@ -5,7 +5,7 @@
 //!
 //! Cost: s² products for each unknown component.
 
-use crate::mix::{lanes_of, placed, product_any};
+use crate::mix::{groups_of, lanes_of, placed, product_any};
 use equip_scalar::{Float, Kernel};
 use std::ops::Range;
 
@@ -45,7 +45,7 @@ impl<T: Float> Start<'_, T> {
             self.points.as_chunks_mut::<N>().0,
         );
         let l = self.l.as_chunks::<N>().0;
-        let groups = z.len() / components.max(1);
+        let groups = groups_of::<T, N>(s);
         for c in 0..components {
             let (hi, lo) = (self.hi[c], self.lo[c]);
             let mut size = [hi.abs(); N];
@@ -90,11 +90,10 @@ impl<T: Float> Sizes<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) {
         let points = self.points.as_chunks::<N>().0;
-        let groups = points.len() / self.hi.len().max(1);
-        let rows = points.chunks_exact(groups.max(1));
-        for ((scale, &hi), row) in self.scale.iter_mut().zip(self.hi).zip(rows) {
+        let groups = groups_of::<T, N>(self.s);
+        for (c, (scale, &hi)) in self.scale.iter_mut().zip(self.hi).enumerate() {
             let mut size = [hi.abs(); N];
-            for points in row {
+            for points in &points[c * groups..(c + 1) * groups] {
                 see(&mut size, points);
             }
             *scale = largest(size);
