@@ -47,6 +47,8 @@ pub(crate) struct Step<'a, T> {
     pub(crate) inverse_scale: &'a [T],
     pub(crate) gradients: &'a mut [T],
     pub(crate) l: &'a mut [T],
+    /// What the products read, if it is not L: room for as much.
+    pub(crate) folded: &'a mut [T],
     pub(crate) z: &'a mut [T],
     pub(crate) points: &'a mut [T],
     pub(crate) s: usize,

@@ -40,13 +40,20 @@ pub(crate) fn fill<T: Float>(u: impl Fn(usize, usize) -> T, k: &mut [T]) {
     }
 }
 
-/// K L for one component, `k` being P and Q.
+/// S and D.
 #[inline(always)]
-pub(crate) fn product<T: Float>(k: &[[[T; HALF]; HALF]; 2], l: &Row<T>) -> Row<T> {
-    let half = T::ratio(1, 2);
+pub(crate) fn folded<T: Float>(l: &Row<T>) -> Row<T> {
     let last = backwards(&l[1]);
-    let s: [T; HALF] = from_fn(|i| l[0][i] + last[i]);
-    let d: [T; HALF] = from_fn(|i| l[0][i] - last[i]);
+    [
+        from_fn(|i| l[0][i] + last[i]),
+        from_fn(|i| l[0][i] - last[i]),
+    ]
+}
+
+/// K L for one component from its S and D, `k` being P and Q.
+#[inline(always)]
+pub(crate) fn product<T: Float>(k: &[[[T; HALF]; HALF]; 2], [s, d]: &Row<T>) -> Row<T> {
+    let half = T::ratio(1, 2);
     let odd = sum_of(from_fn(|j| scaled(&k[0][j], s[j])));
     let even = sum_of(from_fn(|j| scaled(&k[1][j], d[j])));
     let mut whole = sum_of(from_fn(|j| [s[j]; HALF])).map(|x| x * half);
@@ -80,7 +87,7 @@ impl<T: Float> Half<'_, T> {
         for c in 0..m {
             let forces = rows.gradients[c];
             rows.l[c + m] = from_fn(|g| times(&rows.hb[g], &forces[g]).map(|x| -x));
-            let z = product(k, &rows.l[c + m]);
+            let z = product(k, &folded(&rows.l[c + m]));
             let p: Row<T> = from_fn(|g| placed(rows.hi[c + m], rows.lo[c + m], &z[g]));
             let (w, b) = (self.inverse_masses[c], self.offset[c]);
             rows.l[c] = from_fn(|g| times(&rows.hb[g], &p[g].map(|p| w * p + b)));
@@ -147,7 +154,7 @@ impl<'a, T: Float> Rows<'a, T> {
     #[inline(always)]
     fn advance(&mut self, c: usize, k: &[[[T; HALF]; HALF]; 2], change: &mut Moved<T, HALF>) {
         let (hi, lo) = (self.hi[c], self.lo[c]);
-        let before = std::mem::replace(&mut self.z[c], product(k, &self.l[c]));
+        let before = std::mem::replace(&mut self.z[c], product(k, &folded(&self.l[c])));
         self.points[c] = from_fn(|g| placed(hi, lo, &self.z[c][g]));
         for (z, before) in self.z[c].iter().zip(&before) {
             change.see(z, before, self.inverse_scale[c]);

@@ -3,7 +3,7 @@
 //! The same operations in the same order as in [`crate::mix`], bit for bit. What bounds a sweep is the chain of dependent operations, which is
 //! walked through for all components side by side: ∇U, then P ← p + K L_p, then Z_q ← K L_q.
 
-use crate::mix::{Half, Moved, Whole, placed, product};
+use crate::mix::{Half, Whole, placed, product};
 use crate::pairs::{self, HALF};
 use equip_autodiff::{Fused, Slopes};
 use equip_scalar::Lanes;
@@ -12,15 +12,21 @@ use std::array::from_fn;
 /// C components, each of G groups of N lanes.
 type Rows<const C: usize, const G: usize, const N: usize> = [[[f64; N]; G]; C];
 
-/// K L for one component.
+/// K L for one component, in two parts: what is read number by number is best read from memory, where the first part puts it.
 trait Mixes<const G: usize, const N: usize> {
-    fn product(&self, l: &[[f64; N]; G]) -> [[f64; N]; G];
+    fn folded(&self, l: &[[f64; N]; G]) -> [[f64; N]; G];
+    fn product(&self, folded: &[[f64; N]; G]) -> [[f64; N]; G];
 }
 
 /// K as it is, for one group of stages.
 struct Square<'a, const N: usize>(&'a [[f64; N]; N]);
 
 impl<const N: usize> Mixes<1, N> for Square<'_, N> {
+    #[inline(always)]
+    fn folded(&self, l: &[[f64; N]; 1]) -> [[f64; N]; 1] {
+        *l
+    }
+
     #[inline(always)]
     fn product(&self, l: &[[f64; N]; 1]) -> [[f64; N]; 1] {
         [product(self.0, &l[0])]
@@ -32,8 +38,13 @@ struct Blocks<'a>(&'a [[[f64; HALF]; HALF]; 2]);
 
 impl Mixes<2, HALF> for Blocks<'_> {
     #[inline(always)]
-    fn product(&self, l: &[[f64; HALF]; 2]) -> [[f64; HALF]; 2] {
-        pairs::product(self.0, l)
+    fn folded(&self, l: &[[f64; HALF]; 2]) -> [[f64; HALF]; 2] {
+        pairs::folded(l)
+    }
+
+    #[inline(always)]
+    fn product(&self, folded: &[[f64; HALF]; 2]) -> [[f64; HALF]; 2] {
+        pairs::product(self.0, folded)
     }
 }
 
@@ -96,28 +107,32 @@ fn half<const M: usize, const G: usize, const N: usize>(
     let (q, p) = step.points.split_at_mut(M * G * N);
     let (q, p) = (rows::<M, G, N>(q), rows::<M, G, N>(p));
     let (z, gradients) = (rows::<M, G, N>(step.z), rows::<M, G, N>(step.gradients));
+    let folded = rows::<M, G, N>(step.folded);
     let inverse_scale = row::<M>(step.inverse_scale);
 
+    let mut slopes = [[Lanes::splat(0.0); M]; G];
     for g in 0..G {
-        let slopes = forces.at(&from_fn(|c| Lanes(q[c][g])));
-        for c in 0..M {
-            gradients[c][g] = slopes[c].0;
-            l_p[c][g] = from_fn(|i| -(hb[g][i] * slopes[c].0[i]));
-        }
+        slopes[g] = forces.at(&from_fn(|c| Lanes(q[c][g])));
     }
     for c in 0..M {
-        let moved = k.product(&l_p[c]);
-        for g in 0..G {
-            p[c][g] = placed(hi[1][c], lo[1][c], &moved[g]);
-            l_q[c][g] = from_fn(|i| hb[g][i] * (w[c] * p[c][g][i] + b[c]));
-        }
+        let l: [[f64; N]; G] = from_fn(|g| from_fn(|i| -(hb[g][i] * slopes[g][c].0[i])));
+        folded[c] = k.folded(&l);
+        l_p[c] = l;
+        gradients[c] = from_fn(|g| slopes[g][c].0);
+    }
+    for c in 0..M {
+        let moved = k.product(&folded[c]);
+        let momenta: [[f64; N]; G] = from_fn(|g| placed(hi[1][c], lo[1][c], &moved[g]));
+        let l: [[f64; N]; G] = from_fn(|g| from_fn(|i| hb[g][i] * (w[c] * momenta[g][i] + b[c])));
+        folded[c] = k.folded(&l);
+        l_q[c] = l;
+        p[c] = momenta;
     }
     let before = *z;
     for c in 0..M {
-        z[c] = k.product(&l_q[c]);
-        for g in 0..G {
-            q[c][g] = placed(hi[0][c], lo[0][c], &z[c][g]);
-        }
+        let moved = k.product(&folded[c]);
+        q[c] = from_fn(|g| placed(hi[0][c], lo[0][c], &moved[g]));
+        z[c] = moved;
     }
     change(z, &before, inverse_scale)
 }
@@ -137,41 +152,51 @@ fn whole<const C: usize, const G: usize, const N: usize>(
         rows::<C, G, N>(step.points),
         rows::<C, G, N>(step.gradients),
     );
+    let folded = rows::<C, G, N>(step.folded);
     let inverse_scale = row::<C>(step.inverse_scale);
 
+    let mut slopes = [[Lanes::splat(0.0); C]; G];
     for g in 0..G {
-        let slopes = gradients.at(&from_fn(|c| Lanes(points[c][g])));
-        for c in 0..C / 2 {
-            let (dq, dp) = (slopes[c].0, slopes[c + C / 2].0);
-            (kept[c][g], kept[c + C / 2][g]) = (dq, dp);
-            l[c][g] = from_fn(|i| hb[g][i] * dp[i]);
-            l[c + C / 2][g] = from_fn(|i| -(hb[g][i] * dq[i]));
+        slopes[g] = gradients.at(&from_fn(|c| Lanes(points[c][g])));
+    }
+    for c in 0..C {
+        let from = (c + C / 2) % C;
+        let mut row: [[f64; N]; G] = from_fn(|g| from_fn(|i| hb[g][i] * slopes[g][from].0[i]));
+        if c >= C / 2 {
+            row = from_fn(|g| from_fn(|i| -row[g][i]));
         }
+        folded[c] = k.folded(&row);
+        l[c] = row;
+        kept[c] = from_fn(|g| slopes[g][c].0);
     }
     let before = *z;
     for c in 0..C {
-        z[c] = k.product(&l[c]);
-        for g in 0..G {
-            points[c][g] = placed(hi[c], lo[c], &z[c][g]);
-        }
+        let moved = k.product(&folded[c]);
+        points[c] = from_fn(|g| placed(hi[c], lo[c], &moved[g]));
+        z[c] = moved;
     }
     change(z, &before, inverse_scale)
 }
 
-/// Apart from the products: sums that go on from component to component would spoil their vectors.
+/// The largest change of Z relative to the sizes of the components, as an integer: of numbers that are not negative the larger has the
+/// larger bits, and what is not a number the largest. A maximum of integers is the same in any order, so the compiler may take vectors.
 #[inline(always)]
 fn change<const C: usize, const G: usize, const N: usize>(
     z: &Rows<C, G, N>,
     before: &Rows<C, G, N>,
     inverse_scale: &[f64; C],
 ) -> f64 {
-    let mut moved = Moved::new();
+    let mut most = 0;
     for c in 0..C {
         for g in 0..G {
-            moved.see(&z[c][g], &before[c][g], inverse_scale[c]);
+            for i in 0..N {
+                let moved = (z[c][g][i] - before[c][g][i]) * inverse_scale[c];
+                most = most.max(moved.abs().to_bits());
+            }
         }
     }
-    moved.reduce()
+    let most = f64::from_bits(most);
+    if most.is_finite() { most } else { f64::NAN }
 }
 
 #[inline(always)]

@@ -48,6 +48,8 @@ pub(crate) struct Iterate<T: Float> {
     pub(crate) l: Aligned<T>,
     /// L of the step before.
     l_before: Aligned<T>,
+    /// Room for S and D.
+    folded: Aligned<T>,
     /// K L of the last sweep.
     z: Aligned<T>,
     /// Z before the α's moved.
@@ -102,6 +104,7 @@ impl<T: Float> Iterate<T> {
             h: T::int(0),
             l: rows(),
             l_before: rows(),
+            folded: rows(),
             z: rows(),
             z_before: rows(),
             points: rows(),
@@ -274,6 +277,7 @@ impl<T: Float> Iterate<T> {
             inverse_scale: T::as_doubles(&self.inverse_scale)?,
             gradients: T::as_doubles_mut(&mut self.gradients)?,
             l: T::as_doubles_mut(&mut self.l)?,
+            folded: T::as_doubles_mut(&mut self.folded)?,
             z: T::as_doubles_mut(&mut self.z)?,
             points: T::as_doubles_mut(&mut self.points)?,
             s: self.s,
@@ -321,6 +325,7 @@ impl<T: Float> Iterate<T> {
             inverse_scale: &self.inverse_scale,
             gradients: &mut self.gradients,
             l: &mut self.l,
+            folded: &mut self.folded,
             z: &mut self.z,
             points: &mut self.points,
             s: self.s,
