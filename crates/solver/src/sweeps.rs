@@ -1,16 +1,19 @@
-//! System (7) without Hessians: sweeps Z ← K(α) L(Z), α's moved while the sweeps contract.
+//! System (7) by sweeps Z ← K(α) L(Z), α's moved while the sweeps contract: no factorisation.
 //!
 //! A sweep changes Z by Δ and, contracting by ρ, leaves an error of about Δρ/(1 − ρ). As soon as that is well below what the energy
-//! residual g of the last step was, g is evaluated and the α's move along the direction of [`crate::slopes`], by t = −g/(Σ v_k d_k);
-//! later moves use the slope observed. Sweeps go on until Z and g are at round-off.
+//! residual g of the last step was, g is evaluated and the α's move by t = −g/(dg/dt) along a direction; later moves use the
+//! slope observed. Sweeps go on until Z and g are at round-off. Two rules for the direction:
 //!
-//! *Start.* The polynomial of the last step's stage derivatives, prolonged; else Z = 0.
+//! * *Response* ([`crate::response`]): towards the exact flow, as Newton's. Z follows by the linearised response, so moves cost no sweep.
+//! * *Slopes* ([`crate::slopes`]): from Legendre coefficients, without any Hessian. The first move is followed by K L formed
+//!   anew, further ones by the observed change of Z.
+//!
+//! *Start.* The polynomial of the last step's stage derivatives, prolonged; else, or where sweeps from there do not contract, Z = 0.
 //! *End.* The predicted error of the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is below ε, or
 //! Δ does not shrink three times; and |g| is at its floor, or stalls near it, or with α = 0 is within 4 floors.
-//! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, slopes that vanish. Newton takes the step then. It does
-//! so for all α's where they are to aim at the exact flow ([`crate::alpha`]), which takes Hessians: from the stages found here.
+//! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found. Newton takes the step then.
 //!
-//! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step.
+//! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step; that of the direction.
 
 use crate::constraint::Constraint;
 use crate::newton::{ENERGY_STAGNATED, Failure};
