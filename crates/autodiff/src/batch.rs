@@ -84,7 +84,7 @@ pub(crate) fn gradient<E: Energy, S: Piecewise, const N: usize>(
 
 /// ∂H/∂q at p = 0; of a separable H it is the same at every p.
 #[inline(always)]
-fn force<E: Energy, S: Piecewise, const M: usize>(energy: &E, state: [S; M]) -> [S; M] {
+pub(crate) fn force<E: Energy, S: Piecewise, const M: usize>(energy: &E, state: [S; M]) -> [S; M] {
     let mut q = [Num(Dual::variable(state[0], 0)); M];
     for c in 1..M {
         q[c] = Num(Dual::variable(state[c], c));

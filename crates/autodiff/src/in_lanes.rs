@@ -61,14 +61,14 @@ impl Widths {
     fn run(&mut self, set: InstructionSet, tape: &Tape, batch: Batch) {
         if batch.stride <= 4 {
             let replay = &mut self.four;
-            set.run(Group {
+            set.run(&mut Group {
                 tape,
                 replay,
                 batch,
             });
         } else {
             let replay = &mut self.eight;
-            set.run(Group {
+            set.run(&mut Group {
                 tape,
                 replay,
                 batch,
@@ -88,7 +88,7 @@ impl<const L: usize> Kernel for Group<'_, L> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run(&mut self) {
         let Group {
             tape,
             replay,

@@ -27,6 +27,7 @@ mod derivative;
 mod dual;
 mod energy;
 mod error;
+mod fused;
 mod graph;
 mod hamiltonian;
 mod hessian;
@@ -63,6 +64,8 @@ pub use trace::{Trace, Var};
 
 #[doc(hidden)]
 pub use equip_scalar as scalar;
+#[doc(hidden)]
+pub use fused::{Fused, Slopes};
 
 /// Compiles the snippets of the page on constants.
 #[cfg(doctest)]

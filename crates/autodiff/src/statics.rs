@@ -6,6 +6,7 @@
 //! over lanes, 52 ns by the tape.
 
 use crate::batch::{self, Batch};
+use crate::fused::{Forces, Fused, Gradients, Joined};
 use crate::point::{Points, check_batch, require_separable};
 use crate::{
     BuildError, Energy, Evaluate, Kinetic, Recorded, RecordedEvaluator, Structure, System,
@@ -68,6 +69,7 @@ impl<E: Energy> System for Static<E> {
             points: Points::new(n),
             is_supplied: self.supplied_gradient(&vec![T::int(1); n], &mut vec![T::int(0); n]),
             state: vec![Num(T::int(0)); if n > LARGEST { n } else { 0 }],
+            set: InstructionSet::best(),
         }
     }
 }
@@ -82,6 +84,7 @@ pub struct StaticEvaluator<E, T: Float> {
     points: Points<T>,
     /// The energy brings its own gradient.
     is_supplied: bool,
+    set: InstructionSet,
 }
 
 impl<E, T: Float> Clone for StaticEvaluator<E, T> {
@@ -92,6 +95,7 @@ impl<E, T: Float> Clone for StaticEvaluator<E, T> {
             state: self.state.clone(),
             points: self.points.clone(),
             is_supplied: self.is_supplied,
+            set: self.set,
         }
     }
 }
@@ -111,6 +115,19 @@ macro_rules! by_length {
         const $n: usize = $value;
         $small
     }};
+}
+
+/// Runs the task with the number of components as a literal, or gives it back.
+macro_rules! fuse {
+    ($set:expr, $count:expr, $slopes:ident, $task:ident, [$($literal:literal)*]) => {
+        match $count {
+            $($literal => {
+                let mut joined = Joined::<_, _, $literal, N> { slopes: $slopes, task: $task };
+                Some($set.run(&mut joined))
+            })*
+            _ => None,
+        }
+    };
 }
 
 impl<E: Energy, T: Float> StaticEvaluator<E, T> {
@@ -242,11 +259,33 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
         }
     }
 
+    #[inline]
+    fn fuse_gradients<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
+        let n = 2 * self.route.structure().degrees_of_freedom;
+        if self.is_supplied {
+            return None;
+        }
+        let slopes = Gradients(&*self.route.energy);
+        fuse!(self.set, n, slopes, task, [2 4 6 8])
+    }
+
+    #[inline]
+    fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
+        let structure = self.route.structure();
+        require_separable(structure);
+        if self.is_supplied {
+            return None;
+        }
+        let slopes = Forces(&*self.route.energy);
+        fuse!(self.set, structure.degrees_of_freedom, slopes, task, [1 2 3 4])
+    }
+
     fn kinetic(&mut self) -> Option<Kinetic<T>> {
         self.tape.kinetic()
     }
 
     fn set_instruction_set(&mut self, set: InstructionSet) {
+        self.set = set;
         self.tape.set_instruction_set(set);
     }
 

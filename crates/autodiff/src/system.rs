@@ -1,6 +1,6 @@
 //! What an integrator asks of an energy.
 
-use crate::{Kinetic, Structure};
+use crate::{Fused, Kinetic, Structure};
 use equip_scalar::{Float, InstructionSet};
 
 /// A scalar energy with everything derived from it, in any float type.
@@ -72,6 +72,23 @@ pub trait Evaluate<T: Float> {
         stride: usize,
         count: usize,
     );
+
+    /// Runs `task` with ∇H in it as one kernel. `None` if that is not done: an energy that is not compiled, or too long, or brings
+    /// its own gradient, has none that could be inlined.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn fuse_gradients<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
+        let _ = task;
+        None
+    }
+
+    /// The same with ∇U, of a separable H only.
+    #[doc(hidden)]
+    #[inline(always)]
+    fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
+        let _ = task;
+        None
+    }
 
     /// T(p) of H = T(p) + U(q), if H is separable and T quadratic. Evaluates ∇²H once; allocates.
     fn kinetic(&mut self) -> Option<Kinetic<T>>;

@@ -10,11 +10,14 @@ use std::sync::OnceLock;
 
 /// A computation to be compiled for every instruction set. Mark `run`, and all it calls, `#[inline(always)]`: a function that
 /// is not inlined keeps the instructions of the plain build.
+///
+/// It is run where it stands: a struct of slices that is moved is copied in pieces larger than those it was just written in, and the
+/// processor waits for all earlier results before it reads them (100 cycles in a stage sweep).
 pub trait Kernel {
     /// What it returns.
     type Output;
     /// The computation.
-    fn run(self) -> Self::Output;
+    fn run(&mut self) -> Self::Output;
 }
 
 /// The widest vector instructions that are used. A value of this type is proof that the processor has them.
@@ -25,12 +28,12 @@ pub trait Kernel {
 /// impl Kernel for Sum<'_> {
 ///     type Output = f64;
 ///     #[inline(always)]
-///     fn run(self) -> f64 {
+///     fn run(&mut self) -> f64 {
 ///         self.0.iter().sum()
 ///     }
 /// }
 /// for set in InstructionSet::available() {
-///     assert_eq!(set.run(Sum(&[0.1, 0.2])), 0.1 + 0.2);
+///     assert_eq!(set.run(&mut Sum(&[0.1, 0.2])), 0.1 + 0.2);
 /// }
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -92,7 +95,7 @@ impl InstructionSet {
 
     /// Runs the kernel with these instructions.
     #[inline(always)]
-    pub fn run<K: Kernel>(self, kernel: K) -> K::Output {
+    pub fn run<K: Kernel>(self, kernel: &mut K) -> K::Output {
         match self.0 {
             Level::Portable => kernel.run(),
             #[cfg(target_arch = "x86_64")]
@@ -109,17 +112,17 @@ mod x86_64 {
     use super::{Kernel, Level};
 
     #[target_feature(enable = "avx2")]
-    fn avx2<K: Kernel>(kernel: K) -> K::Output {
+    fn avx2<K: Kernel>(kernel: &mut K) -> K::Output {
         kernel.run()
     }
 
     #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-    fn avx512<K: Kernel>(kernel: K) -> K::Output {
+    fn avx512<K: Kernel>(kernel: &mut K) -> K::Output {
         kernel.run()
     }
 
     #[inline(always)]
-    pub(super) fn run<K: Kernel>(level: Level, kernel: K) -> K::Output {
+    pub(super) fn run<K: Kernel>(level: Level, kernel: &mut K) -> K::Output {
         match level {
             Level::Portable => kernel.run(),
             // SAFETY: the level is private and made in `InstructionSet::avx2` only, after the processor was asked.

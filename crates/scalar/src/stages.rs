@@ -34,7 +34,7 @@ pub fn mix_stages<T: Float>(
     );
     let k = &k[..stages * stride];
     match (T::as_doubles(k), T::as_doubles(l), T::as_doubles_mut(z)) {
-        (Some(k), Some(l), Some(z)) => set.run(Mix {
+        (Some(k), Some(l), Some(z)) => set.run(&mut Mix {
             k,
             l,
             z,
@@ -78,7 +78,7 @@ impl Kernel for Mix<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run(&mut self) {
         // Literal lengths let the compiler keep K in registers.
         let stages = self.stages;
         match self.stride {
@@ -92,7 +92,7 @@ impl Kernel for Mix<'_> {
 impl Mix<'_> {
     /// One group of N lanes and S columns.
     #[inline(always)]
-    fn columns<const N: usize, const S: usize>(self) {
+    fn columns<const N: usize, const S: usize>(&mut self) {
         let Some(columns) = self.k.as_chunks::<N>().0.first_chunk::<S>() else {
             return;
         };
@@ -111,14 +111,9 @@ impl Mix<'_> {
     }
 
     #[inline(always)]
-    fn any(self) {
-        let Mix {
-            k,
-            l,
-            z,
-            stages,
-            stride,
-        } = self;
+    fn any(&mut self) {
+        let Mix { k, l, z, .. } = self;
+        let (stages, stride) = (self.stages, self.stride);
         for (l, z) in l.chunks_exact(stride).zip(z.chunks_exact_mut(stride)) {
             for at in (0..stride).step_by(8) {
                 let mut sum = Lanes::<8>::load(&k[at..stride]) * Lanes::splat(l[0]);

@@ -26,7 +26,7 @@ struct Everything<const N: usize>([f64; N], [f64; N]);
 impl<const N: usize> Kernel for Everything<N> {
     type Output = [Lanes<N>; 40];
     #[inline(always)]
-    fn run(self) -> Self::Output {
+    fn run(&mut self) -> Self::Output {
         everything(Lanes(self.0), Lanes(self.1))
     }
 }
@@ -64,7 +64,7 @@ fn compare<const N: usize>(set: InstructionSet) {
         for start in 0..numbers.len() - N {
             let mut x = [0.0; N];
             x.copy_from_slice(&numbers[start..start + N]);
-            let results = set.run(Everything(x, [y; N]));
+            let results = set.run(&mut Everything(x, [y; N]));
             for lane in 0..N {
                 // The exponent must not be known when compiling: powers by repeated products are what is compared.
                 let expected = everything(std::hint::black_box(x[lane]), std::hint::black_box(y));

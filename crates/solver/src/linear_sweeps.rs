@@ -260,13 +260,7 @@ impl<T: Float> LinearSweeps<T> {
         solved
     }
 
-    fn sweep(
-        &mut self,
-        k: &[T],
-        (r, x): (&[T], &mut [T]),
-        weights: &[T],
-        tolerance: T,
-    ) -> bool {
+    fn sweep(&mut self, k: &[T], (r, x): (&[T], &mut [T]), weights: &[T], tolerance: T) -> bool {
         let (s, stride, m) = (self.s, self.stride, self.m);
         let len = x.len();
         let sides = len / (2 * m * stride);
@@ -275,7 +269,7 @@ impl<T: Float> LinearSweeps<T> {
             // δL_p = −h b ∂²H/∂q∂y X, then the momenta; δL_q = h b ∂²H/∂p∂y X, then the positions.
             for (rows, at) in [(0, half), (m, 0)] {
                 let dl = &mut self.dl[at..at + half];
-                self.set.run(Times {
+                self.set.run(&mut Times {
                     pattern: &self.pattern,
                     entries: &self.entries,
                     rows: (rows, m),
@@ -292,7 +286,11 @@ impl<T: Float> LinearSweeps<T> {
                 }
             }
             self.before[..len / stride].copy_from_slice(&self.sums[..len / stride]);
-            for (sum, dl) in self.sums.iter_mut().zip(self.dl[..len].chunks_exact(stride)) {
+            for (sum, dl) in self
+                .sums
+                .iter_mut()
+                .zip(self.dl[..len].chunks_exact(stride))
+            {
                 *sum = dl[..s].iter().fold(T::int(0), |sum, &x| sum + x);
             }
             if made + 1 >= MIN_SWEEPS {
@@ -341,7 +339,7 @@ impl<T: Float> Kernel for Times<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
+    fn run(&mut self) {
         match (self.stride, T::as_doubles(&[])) {
             (4, Some(_)) => self.lanes::<4>(),
             (stride, Some(_)) if stride % 8 == 0 => self.lanes::<8>(),
@@ -352,7 +350,7 @@ impl<T: Float> Kernel for Times<'_, T> {
 
 impl<T: Float> Times<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(self) {
+    fn lanes<const N: usize>(&mut self) {
         let (sides, groups) = (self.sides, self.stride / N);
         let entries = self.entries.as_chunks::<N>().0;
         let x = self.x.as_chunks::<N>().0;

@@ -5,6 +5,7 @@
 //!
 //! Cost: s² products for each component that K is applied to.
 
+use crate::start::largest;
 use equip_scalar::{Float, Kernel};
 
 /// Lanes that `s` stages of this float are padded to.
@@ -13,6 +14,16 @@ pub(crate) fn stride_for<T: Float>(s: usize) -> usize {
         None => s,
         Some(_) if s <= 4 => 4,
         Some(_) => s.next_multiple_of(8),
+    }
+}
+
+/// Lanes that are worked on together.
+#[inline(always)]
+pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
+    match T::as_doubles(&[]) {
+        None => 1,
+        Some(_) if s <= 4 => 4,
+        Some(_) => 8,
     }
 }
 
@@ -27,24 +38,18 @@ pub(crate) struct Step<'a, T> {
     pub(crate) lo: &'a [T],
     /// 1 over the sizes of the components.
     pub(crate) inverse_scale: &'a [T],
-    pub(crate) gradients: &'a [T],
+    pub(crate) gradients: &'a mut [T],
     pub(crate) l: &'a mut [T],
     pub(crate) z: &'a mut [T],
     pub(crate) points: &'a mut [T],
     pub(crate) s: usize,
 }
 
-/// Largest change of Z relative to the sizes of the components, and a sum that is not finite if any of them is not.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Change<T> {
-    pub(crate) largest: T,
-    pub(crate) sum: T,
-}
-
-/// Z ← K L with L = h b J∇H, all components.
+/// Z ← K L with L = h b J∇H, all components. Gives the largest change of Z relative to the sizes of the components; not finite if
+/// anything is not.
 pub(crate) struct Whole<'a, T>(pub(crate) Step<'a, T>);
 
-/// L_p = −h b ∇U, P = p + K L_p, L_q = h b (M⁻¹ P + b), Z_q ← K L_q, with a diagonal M⁻¹.
+/// L_p = −h b ∇U, P = p + K L_p, L_q = h b (M⁻¹ P + b), Z_q ← K L_q, with a diagonal M⁻¹. Gives the change of Z_q.
 pub(crate) struct Half<'a, T> {
     pub(crate) step: Step<'a, T>,
     pub(crate) inverse_masses: &'a [T],
@@ -52,11 +57,11 @@ pub(crate) struct Half<'a, T> {
 }
 
 impl<T: Float> Kernel for Whole<'_, T> {
-    type Output = Change<T>;
+    type Output = T;
 
     #[inline(always)]
-    fn run(self) -> Change<T> {
-        match self.0.lanes() {
+    fn run(&mut self) -> T {
+        match lanes_of::<T>(self.0.s) {
             4 => self.lanes::<4>(),
             8 => self.lanes::<8>(),
             _ => self.lanes::<1>(),
@@ -66,7 +71,7 @@ impl<T: Float> Kernel for Whole<'_, T> {
 
 impl<T: Float> Whole<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(self) -> Change<T> {
+    fn lanes<const N: usize>(&mut self) -> T {
         let mut step = self.0.views::<N>();
         let (n, groups) = (step.hi.len(), step.hb.len());
         let m = n / 2;
@@ -84,11 +89,11 @@ impl<T: Float> Whole<'_, T> {
 }
 
 impl<T: Float> Kernel for Half<'_, T> {
-    type Output = Change<T>;
+    type Output = T;
 
     #[inline(always)]
-    fn run(self) -> Change<T> {
-        match self.step.lanes() {
+    fn run(&mut self) -> T {
+        match lanes_of::<T>(self.step.s) {
             4 => self.lanes::<4>(),
             8 => self.lanes::<8>(),
             _ => self.lanes::<1>(),
@@ -98,7 +103,7 @@ impl<T: Float> Kernel for Half<'_, T> {
 
 impl<T: Float> Half<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(self) -> Change<T> {
+    fn lanes<const N: usize>(&mut self) -> T {
         let mut step = self.step.views::<N>();
         let (n, groups) = (step.hi.len(), step.hb.len());
         let m = n / 2;
@@ -120,19 +125,9 @@ impl<T: Float> Half<'_, T> {
     }
 }
 
-impl<'a, T: Float> Step<'a, T> {
-    /// Lanes worked on together.
+impl<T: Float> Step<'_, T> {
     #[inline(always)]
-    fn lanes(&self) -> usize {
-        match stride_for::<T>(self.s) {
-            4 => 4,
-            stride if stride % 8 == 0 && T::as_doubles(&[]).is_some() => 8,
-            _ => 1,
-        }
-    }
-
-    #[inline(always)]
-    fn views<const N: usize>(self) -> Views<'a, T, N> {
+    fn views<const N: usize>(&mut self) -> Views<'_, T, N> {
         Views {
             k: self.k.as_chunks().0,
             hb: self.hb.as_chunks().0,
@@ -166,34 +161,12 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
     /// Σ_j K_ij L_j for the stages of group g, of the component whose L begins at `row`.
     #[inline(always)]
     fn mixed(&self, row: usize, g: usize) -> [T; N] {
-        if N > 1
-            && self.hb.len() == 1
-            && let Some(columns) = self.k.first_chunk::<N>()
-        {
-            // One group: the padding of K is zero, and all lengths are literals. Two sums halve the chain of additions.
-            let l = &self.l[row];
-            let (mut even, mut odd) = (scaled(&columns[0], l[0]), scaled(&columns[1], l[1]));
-            for j in (2..N).step_by(2) {
-                add(&mut even, &scaled(&columns[j], l[j]));
-                add(&mut odd, &scaled(&columns[j + 1], l[j + 1]));
-            }
-            add(&mut even, &odd);
-            return even;
-        }
-        let groups = self.hb.len();
-        let l = self.l[row..row + groups].as_flattened();
-        let mut sum = scaled(&self.k[g], l[0]);
-        for (j, &l) in l.iter().enumerate().take(self.s).skip(1) {
-            add(&mut sum, &scaled(&self.k[j * groups + g], l));
-        }
-        sum
+        product_any(self.k, &self.l[row..row + self.hb.len()], g, self.s)
     }
 
-    /// y0 + Z of a component.
     #[inline(always)]
     fn placed(&self, c: usize, z: &[T; N]) -> [T; N] {
-        let (hi, lo) = (self.hi[c], self.lo[c]);
-        z.map(|z| hi + (z + lo))
+        placed(self.hi[c], self.lo[c], z)
     }
 
     /// Z ← K L and the stages, for one component.
@@ -210,14 +183,14 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
 }
 
 /// Changes of Z, lane by lane. Z of the padding is zero.
-struct Moved<T, const N: usize> {
+pub(crate) struct Moved<T, const N: usize> {
     largest: [T; N],
     sum: [T; N],
 }
 
 impl<T: Float, const N: usize> Moved<T, N> {
     #[inline(always)]
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let zeros = [T::int(0); N];
         Moved {
             largest: zeros,
@@ -226,7 +199,7 @@ impl<T: Float, const N: usize> Moved<T, N> {
     }
 
     #[inline(always)]
-    fn see(&mut self, z: &[T; N], before: &[T; N], inverse_scale: T) {
+    pub(crate) fn see(&mut self, z: &[T; N], before: &[T; N], inverse_scale: T) {
         for i in 0..N {
             let moved = (z[i] - before[i]).abs() * inverse_scale;
             let most = self.largest[i];
@@ -236,13 +209,67 @@ impl<T: Float, const N: usize> Moved<T, N> {
     }
 
     #[inline(always)]
-    fn reduce(&self) -> Change<T> {
-        let zero = T::int(0);
-        Change {
-            largest: (self.largest.iter()).fold(zero, |a, &x| if x > a { x } else { a }),
-            sum: self.sum.iter().fold(zero, |a, &x| a + x),
+    pub(crate) fn reduce(&self) -> T {
+        let mut sum = self.sum;
+        let mut count = N;
+        while count > 1 {
+            count /= 2;
+            for i in 0..count {
+                sum[i] += sum[i + count];
+            }
+        }
+        if sum[0].is_finite() {
+            largest(self.largest)
+        } else {
+            T::NAN
         }
     }
+}
+
+/// Σ_j K_ij L_j for the stages of group g, L standing in as many groups.
+#[inline(always)]
+pub(crate) fn product_any<T: Float, const N: usize>(
+    k: &[[T; N]],
+    l: &[[T; N]],
+    g: usize,
+    s: usize,
+) -> [T; N] {
+    if N > 1
+        && let [l] = l
+        && let Some(columns) = k.first_chunk::<N>()
+    {
+        // The padding of K is zero.
+        return product(columns, l);
+    }
+    let groups = l.len();
+    let l = l.as_flattened();
+    let mut sum = scaled(&k[g], l[0]);
+    for (j, &l) in l.iter().enumerate().take(s).skip(1) {
+        add(&mut sum, &scaled(&k[j * groups + g], l));
+    }
+    sum
+}
+
+/// Σ_j K_ij L_j for one group of stages, by literal lengths. The first and the last term are added first, and so on inwards: the
+/// sum is short, and the same for the step made backwards.
+#[inline(always)]
+pub(crate) fn product<T: Float, const N: usize>(columns: &[[T; N]; N], l: &[T; N]) -> [T; N] {
+    let mut terms: [[T; N]; N] = std::array::from_fn(|j| scaled(&columns[j], l[j]));
+    let mut count = N;
+    while count > 1 {
+        count /= 2;
+        for j in 0..count {
+            let other = terms[2 * count - 1 - j];
+            add(&mut terms[j], &other);
+        }
+    }
+    terms[0]
+}
+
+/// y0 + Z of a component, y0 = hi + lo.
+#[inline(always)]
+pub(crate) fn placed<T: Float, const N: usize>(hi: T, lo: T, z: &[T; N]) -> [T; N] {
+    std::array::from_fn(|i| hi + (z[i] + lo))
 }
 
 #[inline(always)]

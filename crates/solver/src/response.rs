@@ -334,7 +334,10 @@ impl<T: Float> Finer<T> {
         self.iterate.displace(y, |c, z| {
             let l = &coarse.l[c * stride..][..s];
             for (z, row) in z[..own].iter_mut().zip(rows.chunks_exact(s)) {
-                *z = row.iter().zip(l).fold(T::int(0), |sum, (&e, &l)| sum + e * l);
+                *z = row
+                    .iter()
+                    .zip(l)
+                    .fold(T::int(0), |sum, (&e, &l)| sum + e * l);
             }
         });
         for made in 0..MAX_FINER {

@@ -1,6 +1,7 @@
 //! The state y = (q, p) with the part that rounding would lose, and the compensated update.
 
-use equip_scalar::Float;
+use crate::mix::lanes_of;
+use equip_scalar::{Float, InstructionSet, Kernel};
 
 /// A state carried to about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,24 +50,71 @@ impl<T: Float> State<T> {
         }
     }
 
-    /// The same for increments stored component by component: x_i of component c at `c·stride + i`, i < `s`.
+    /// The same for increments stored component by component as for [`crate::mix`], the places from `s` on being zero: floats that have
+    /// vectors add up half against half, so that the chain of additions is short.
     pub(crate) fn advance_by_component(
         &self,
+        set: InstructionSet,
         increments: &[T],
         s: usize,
-        stride: usize,
         next: &mut Self,
     ) {
-        let zero = T::int(0);
-        for (j, x) in increments.chunks_exact(stride).enumerate() {
-            let (sum, lost) = x[..s].iter().fold((zero, self.lo[j]), |(sum, lost), &x| {
-                let (sum, e) = T::two_sum(sum, x);
-                (sum, lost + e)
-            });
-            let (y, e) = T::two_sum(self.hi[j], sum);
-            let (hi, lo) = T::two_sum(y, e + lost);
-            next.hi[j] = hi;
-            next.lo[j] = lo;
+        set.run(&mut Advance {
+            from: self,
+            increments,
+            s,
+            next,
+        });
+    }
+}
+
+struct Advance<'a, T> {
+    from: &'a State<T>,
+    increments: &'a [T],
+    s: usize,
+    next: &'a mut State<T>,
+}
+
+impl<T: Float> Kernel for Advance<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        match lanes_of::<T>(self.s) {
+            4 => self.lanes::<4>(),
+            8 => self.lanes::<8>(),
+            _ => self.lanes::<1>(),
+        }
+    }
+}
+
+impl<T: Float> Advance<'_, T> {
+    #[inline(always)]
+    fn lanes<const N: usize>(&mut self) {
+        let State { hi, lo } = &mut *self.next;
+        let start = self.from.hi.iter().zip(&self.from.lo);
+        let increments = self.increments.as_chunks::<N>().0;
+        let rows = increments.chunks_exact((increments.len() / hi.len().max(1)).max(1));
+        for (((hi, lo), row), (&hi0, &lo0)) in hi.iter_mut().zip(lo).zip(rows).zip(start) {
+            let (mut sum, mut lost) = (row[0], [T::int(0); N]);
+            for x in &row[1..] {
+                for i in 0..N {
+                    let (s, e) = T::two_sum(sum[i], x[i]);
+                    sum[i] = s;
+                    lost[i] += e;
+                }
+            }
+            let mut count = N;
+            while count > 1 {
+                count /= 2;
+                for i in 0..count {
+                    let (s, e) = T::two_sum(sum[i], sum[i + count]);
+                    sum[i] = s;
+                    lost[i] = (lost[i] + lost[i + count]) + e;
+                }
+            }
+            let (y, e) = T::two_sum(hi0, sum[0]);
+            (*hi, *lo) = T::two_sum(y, e + (lost[0] + lo0));
         }
     }
 }

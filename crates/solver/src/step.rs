@@ -395,9 +395,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 fn rule<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> Rule {
     match settings.stage_solver {
         StageSolver::Sweeps => Rule::Slopes,
-        StageSolver::Automatic
-            if constraints == 1 && settings.first_alpha == Some(1) && s > 2 =>
-        {
+        StageSolver::Automatic if constraints == 1 && settings.first_alpha == Some(1) && s > 2 => {
             Rule::Response
         }
         _ => Rule::Newton,

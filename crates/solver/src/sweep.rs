@@ -13,10 +13,13 @@
 //!
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated.
 
-use crate::mix::{Change, Half, Step, Whole, stride_for};
+use crate::aligned::{Aligned, Places};
+use crate::columns::Columns;
+use crate::mix::{Half, Step, Whole, stride_for};
+use crate::start::{Sizes, Start, resolve};
 use crate::state::State;
 use equip_autodiff::{Evaluate, Kinetic};
-use equip_scalar::{Float, InstructionSet, mix_stages};
+use equip_scalar::{Float, InstructionSet};
 use equip_tableau::Gauss;
 use std::ops::Range;
 
@@ -28,21 +31,27 @@ pub(crate) struct Iterate<T: Float> {
     pub(crate) n: usize,
     /// T(p), if it is quadratic with a diagonal M⁻¹.
     pub(crate) kinetic: Option<Kinetic<T>>,
-    set: InstructionSet,
-    /// K(α) and K(0), column by column.
-    k: Vec<T>,
-    k_start: Vec<T>,
+    pub(crate) set: InstructionSet,
+    /// How K is made in vector instructions, of floats that have them.
+    columns: Option<Columns<T>>,
+    /// K(α) and K of the α's a step starts from, column by column.
+    k: Aligned<T>,
+    k_start: Aligned<T>,
+    /// K is not the one a step starts from.
+    k_has_moved: bool,
     /// h b_i.
-    pub(crate) hb: Vec<T>,
+    pub(crate) hb: Aligned<T>,
     h: T,
     /// L of the last sweep.
-    pub(crate) l: Vec<T>,
+    pub(crate) l: Aligned<T>,
+    /// L of the step before.
+    l_before: Aligned<T>,
     /// K L of the last sweep.
-    z: Vec<T>,
+    z: Aligned<T>,
     /// Z before the α's moved.
-    z_before: Vec<T>,
-    pub(crate) points: Vec<T>,
-    gradients: Vec<T>,
+    z_before: Aligned<T>,
+    pub(crate) points: Aligned<T>,
+    gradients: Aligned<T>,
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
     inverse_scale: Vec<T>,
@@ -64,27 +73,36 @@ impl<T: Float> Iterate<T> {
     ) -> Self {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
-        let zeros = |len: usize| vec![T::int(0); len];
+        let set = InstructionSet::best();
         // One column for each place of L, also the padding: all zero there.
-        let mut k = zeros(stride * stride);
-        gauss.skew_columns_into(alphas, stride, &mut k);
+        let mut places = Places::default();
+        let mut k = places.zeros(stride * stride);
+        let mut k_start = places.zeros(stride * stride);
+        gauss.skew_columns_into(alphas, stride, &mut k_start);
+        k.copy_from_slice(&k_start);
+        let columns = T::as_doubles(&[]).map(|_| Columns::new(gauss, stride));
+        let hb = places.zeros(stride);
+        let mut rows = || places.zeros(n * stride);
         Iterate {
             s,
             stride,
             n,
             kinetic: kinetic.filter(|kinetic| kinetic.diagonal().is_some()),
-            set: InstructionSet::best(),
-            k_start: k.clone(),
+            set,
+            columns,
             k,
-            hb: zeros(stride),
+            k_start,
+            k_has_moved: false,
+            hb,
             h: T::int(0),
-            l: zeros(n * stride),
-            z: zeros(n * stride),
-            z_before: zeros(n * stride),
-            points: zeros(n * stride),
-            gradients: zeros(n * stride),
-            scale: zeros(n),
-            inverse_scale: zeros(n),
+            l: rows(),
+            l_before: rows(),
+            z: rows(),
+            z_before: rows(),
+            points: rows(),
+            gradients: rows(),
+            scale: vec![T::int(0); n],
+            inverse_scale: vec![T::int(0); n],
             is_prolonged: false,
             was_far: false,
             was_remeasured: false,
@@ -101,7 +119,11 @@ impl<T: Float> Iterate<T> {
 
     /// K for these α's.
     pub(crate) fn set_alphas(&mut self, gauss: &Gauss<T>, alphas: &[T]) {
-        gauss.skew_columns_into(alphas, self.stride, &mut self.k);
+        match &self.columns {
+            Some(columns) => columns.fill(self.set, alphas, &mut self.k),
+            None => gauss.skew_columns_into(alphas, self.stride, &mut self.k),
+        }
+        self.k_has_moved = true;
     }
 
     /// A step of size `h` begins at `y` with the α's to start from: Z = E L_old, E column by column, or zero without it.
@@ -117,17 +139,27 @@ impl<T: Float> Iterate<T> {
                 *hb = h * b;
             }
         }
-        self.k.copy_from_slice(&self.k_start);
-        let len = self.unknowns() * self.stride;
-        let (z, l) = (&mut self.z[..len], &self.l[..len]);
-        match prolongation {
-            Some(e) => mix_stages(self.set, e, l, z, self.s, self.stride),
-            None => z.fill(T::int(0)),
+        if std::mem::take(&mut self.k_has_moved) {
+            self.k.copy_from_slice(&self.k_start);
         }
+        if prolongation.is_some() {
+            std::mem::swap(&mut self.l, &mut self.l_before);
+        }
+        let unknowns = self.unknowns();
+        let len = unknowns * self.stride;
+        self.set.run(&mut Start {
+            prolongation,
+            l: &self.l_before[..len],
+            hi: &y.hi[..unknowns],
+            lo: &y.lo[..unknowns],
+            z: &mut self.z[..len],
+            points: &mut self.points[..len],
+            scale: &mut self.scale[..unknowns],
+            s: self.s,
+        });
         self.is_prolonged = prolongation.is_some();
+        resolve(&mut self.scale, &mut self.inverse_scale, 0..unknowns);
         self.was_far = false;
-        self.place(y);
-        self.measure(y, 0..self.unknowns());
     }
 
     /// Stages from Z.
@@ -146,32 +178,16 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// Measures components: max(|y_c|, max_i |Y_ic|), no less than ε^(3/4) of the largest position or momentum: the
-    /// front of a wave that runs into a chain at rest is not resolved to its own last bit.
+    /// Measures components by their stages.
     fn measure(&mut self, y: &State<T>, components: Range<usize>) {
-        let (s, stride, m) = (self.s, self.stride, self.n / 2);
-        let root = T::EPSILON.sqrt();
-        for c in components.clone() {
-            let points = &self.points[c * stride..][..s];
-            self.scale[c] = largest(points).max(y.hi[c].abs());
-        }
-        for group in [0..m, m..self.n] {
-            let group = group.start.max(components.start)..group.end.min(components.end);
-            if group.is_empty() {
-                continue;
-            }
-            let scale = &mut self.scale[group.clone()];
-            let largest = largest(scale);
-            let least = if largest > T::int(0) {
-                largest * root * root.sqrt()
-            } else {
-                T::int(1)
-            };
-            for (x, inverse) in scale.iter_mut().zip(&mut self.inverse_scale[group]) {
-                *x = x.max(least);
-                *inverse = T::int(1) / *x;
-            }
-        }
+        let stride = self.stride;
+        self.set.run(&mut Sizes {
+            hi: &y.hi[components.clone()],
+            points: &self.points[components.start * stride..components.end * stride],
+            scale: &mut self.scale[components.clone()],
+            s: self.s,
+        });
+        resolve(&mut self.scale, &mut self.inverse_scale, components);
     }
 
     /// Takes over L of a step that was solved stage by stage, blocks of length n.
@@ -209,6 +225,57 @@ impl<T: Float> Iterate<T> {
     /// One sweep from the step's start `y`. Returns the largest change of Z relative to the sizes of the components; not finite if
     /// anything is not. In the `first` sweep of a step what was not known before is measured.
     pub(crate) fn sweep<E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>, first: bool) -> T {
+        let fused = match self.stride {
+            4 => self.fuse::<4, E>(energy, y),
+            8 => self.fuse::<8, E>(energy, y),
+            _ => None,
+        };
+        let change = match fused {
+            Some(change) => change,
+            None => {
+                self.evaluate(energy);
+                self.mix(y)
+            }
+        };
+        if first || self.was_far {
+            // What was measured on stages that were far off is measured again.
+            let known = self.is_prolonged && !self.was_far;
+            let from = if known { self.unknowns() } else { 0 };
+            self.measure(y, from..self.n);
+        }
+        self.was_remeasured = self.was_far;
+        self.was_far = change > T::ratio(1, 8);
+        change
+    }
+
+    /// The whole sweep as one kernel, if there is one for this energy in this float type.
+    #[inline(always)]
+    fn fuse<const N: usize, E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>) -> Option<T> {
+        let step = Step {
+            k: T::as_doubles(&self.k)?,
+            hb: T::as_doubles(&self.hb)?,
+            hi: T::as_doubles(&y.hi)?,
+            lo: T::as_doubles(&y.lo)?,
+            inverse_scale: T::as_doubles(&self.inverse_scale)?,
+            gradients: T::as_doubles_mut(&mut self.gradients)?,
+            l: T::as_doubles_mut(&mut self.l)?,
+            z: T::as_doubles_mut(&mut self.z)?,
+            points: T::as_doubles_mut(&mut self.points)?,
+            s: self.s,
+        };
+        let change = match &self.kinetic {
+            None => energy.fuse_gradients::<N, _>(&mut Whole(step)),
+            Some(kinetic) => energy.fuse_forces::<N, _>(&mut Half {
+                step,
+                inverse_masses: T::as_doubles(kinetic.diagonal()?)?,
+                offset: T::as_doubles(kinetic.offset())?,
+            }),
+        };
+        change.map(T::exact)
+    }
+
+    /// ∇H, or ∇U, at the stages.
+    fn evaluate<E: Evaluate<T>>(&mut self, energy: &mut E) {
         let (s, stride) = (self.s, self.stride);
         let len = self.unknowns() * stride;
         let (points, gradients) = (&self.points[..len], &mut self.gradients[..len]);
@@ -217,45 +284,30 @@ impl<T: Float> Iterate<T> {
         } else {
             energy.gradients_by_component(points, gradients, stride, s);
         }
-        let change = self.mix(y);
-        if first || self.was_far {
-            // What was measured on stages that were far off is measured again.
-            let known = self.is_prolonged && !self.was_far;
-            let from = if known { self.unknowns() } else { 0 };
-            self.measure(y, from..self.n);
-        }
-        self.was_remeasured = self.was_far;
-        self.was_far = change.largest > T::ratio(1, 8);
-        if change.sum.is_finite() {
-            change.largest
-        } else {
-            T::NAN
-        }
     }
 
     /// L from the gradients, Z ← K L, and the stages; P and L_q on the way, where momenta are not unknowns.
-    fn mix(&mut self, y: &State<T>) -> Change<T> {
-        let (set, s) = (self.set, self.s);
+    fn mix(&mut self, y: &State<T>) -> T {
         let step = Step {
             k: &self.k,
             hb: &self.hb,
             hi: &y.hi,
             lo: &y.lo,
             inverse_scale: &self.inverse_scale,
-            gradients: &self.gradients,
+            gradients: &mut self.gradients,
             l: &mut self.l,
             z: &mut self.z,
             points: &mut self.points,
-            s,
+            s: self.s,
         };
-        let Some(kinetic) = &self.kinetic else {
-            return set.run(Whole(step));
-        };
-        set.run(Half {
-            step,
-            inverse_masses: kinetic.diagonal().unwrap_or_default(),
-            offset: kinetic.offset(),
-        })
+        match &self.kinetic {
+            None => self.set.run(&mut Whole(step)),
+            Some(kinetic) => self.set.run(&mut Half {
+                step,
+                inverse_masses: kinetic.diagonal().unwrap_or_default(),
+                offset: kinetic.offset(),
+            }),
+        }
     }
 
     /// After K has changed for the first time in the step: Z ← K L with the gradients there are. What Z was is kept.
@@ -267,7 +319,7 @@ impl<T: Float> Iterate<T> {
     /// After K has changed again, by `share` of the first change: Z moves by this share of how it has moved since.
     pub(crate) fn extrapolate(&mut self, y: &State<T>, share: T) {
         let len = self.unknowns() * self.stride;
-        for (z, &before) in self.z[..len].iter_mut().zip(&self.z_before) {
+        for (z, &before) in self.z[..len].iter_mut().zip(&*self.z_before) {
             *z += share * (*z - before);
         }
         self.place(y);
@@ -283,15 +335,6 @@ impl<T: Float> Iterate<T> {
 
     /// y1 = y0 + Σ L_i.
     pub(crate) fn end_point(&self, y: &State<T>, next: &mut State<T>) {
-        y.advance_by_component(&self.l, self.s, self.stride, next);
+        y.advance_by_component(self.set, &self.l, self.s, next);
     }
-}
-
-/// max |x_i|.
-#[inline(always)]
-fn largest<T: Float>(x: &[T]) -> T {
-    x.iter().fold(T::int(0), |a, x| {
-        let x = x.abs();
-        if x > a { x } else { a }
-    })
 }

@@ -129,7 +129,7 @@ impl<T: Float> Sweeps<T> {
             rate: T::ratio(1, 2),
             defect: zero,
             scale: zero,
-            prolongation: vec![zero; gauss.stages() * iterate.stride],
+            prolongation: vec![zero; iterate.stride * iterate.stride],
             made_for: (zero, zero),
             iterate,
         }
@@ -337,7 +337,10 @@ impl<T: Float> Sweeps<T> {
         if alphas.moves == MAX_MOVES {
             return false;
         }
-        let by_response = self.response.as_ref().filter(|_| task.rule == Rule::Response);
+        let by_response = self
+            .response
+            .as_ref()
+            .filter(|_| task.rule == Rule::Response);
         let start = alphas.t;
         let mut by_base = T::int(0);
         match alphas.last {
