@@ -35,8 +35,17 @@ pub(crate) struct Core<T: Float, E> {
     unconstrained: Outcome,
     /// Mid points of halved steps, one per level.
     middles: Vec<State<T>>,
+    /// ∇H where the next step starts.
+    start: KnownGradient<T>,
     /// The parts of the step, if dense output is wanted.
     pub(crate) parts: Parts<T>,
+}
+
+/// A gradient of H and where it was taken.
+#[derive(Debug)]
+struct KnownGradient<T> {
+    y: Vec<T>,
+    gradient: Vec<T>,
 }
 
 /// Steps that Newton makes before sweeps are tried again: 1, 2, 4, … 64 while they fail.
@@ -101,6 +110,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 Outcome::NotAsked
             },
             middles: vec![zero; settings.max_halvings as usize],
+            start: KnownGradient {
+                y: vec![T::NAN; n],
+                gradient: vec![T::int(0); n],
+            },
             parts: Parts::new(),
             stages: Stages::new(gauss, n),
             settings,
@@ -139,7 +152,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ) -> Result<Outcome, IntegrateError<T>> {
         let failure = match self.attempt(y, h, next) {
             Ok(outcome) => {
-                self.constraints.iter_mut().for_each(Constraint::accept);
+                self.accept(next);
                 self.parts.add(y, t, h, &self.stages);
                 return Ok(outcome);
             }
@@ -155,6 +168,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         match failure {
             Failure::NoAlpha => self.without_alpha(y, t, h, next),
             other => Err(self.error(other, t, h)),
+        }
+    }
+
+    /// The constraints have been evaluated at the end point `next`, which is accepted.
+    fn accept(&mut self, next: &State<T>) {
+        self.constraints.iter_mut().for_each(Constraint::accept);
+        if let Some(energy) = self.constraints.first() {
+            self.start.y.copy_from_slice(&next.hi);
+            self.start.gradient.copy_from_slice(&energy.gradient);
         }
     }
 
@@ -202,7 +224,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.counts.gradients += 1;
             constraint.evaluate(&mut self.energy, next, sizes);
         }
-        self.constraints.iter_mut().for_each(Constraint::accept);
+        self.accept(next);
         let at_floor = worst(&self.constraints, Constraint::in_judging_floors);
         if at_floor <= T::int(ENERGY_STAGNATED) {
             return Ok(Outcome::AtFloor);
@@ -254,15 +276,21 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.pause.left -= 1;
             return Err(Trouble::Slow);
         }
+        if !self.constraints.is_empty() && self.start.y != y.hi {
+            self.start.y.copy_from_slice(&y.hi);
+            self.energy.gradient(&y.hi, &mut self.start.gradient);
+            self.counts.gradients += 1;
+        }
         let task = SweepTask {
             y,
             h,
             alphas: &self.start_alphas,
             alpha_bound: self.settings.alpha_bound,
+            last: self.guess.prolongation(h),
+            known: (!self.constraints.is_empty()).then_some(self.start.gradient.as_slice()),
             rule: self.rule,
         };
         let constraint = self.constraints.first_mut().filter(|_| constrained);
-        let prolong = self.guess.prolongation(h);
         if !self.guess.is_swept() {
             sweeps.iterate.take_l(self.guess.last().0);
         }
@@ -270,7 +298,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             &self.stages.gauss,
             &mut self.energy,
             constraint,
-            prolong,
             (next, &task),
             &mut self.counts,
         );
@@ -284,6 +311,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
             Err(trouble) => {
                 self.counts.taken_over += 1;
+                self.guess.is_not_swept();
                 if trouble == Trouble::StagesOnly {
                     // They contracted.
                     self.pause = Pause::NONE;

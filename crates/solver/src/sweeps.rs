@@ -20,6 +20,7 @@ use crate::newton::{ENERGY_STAGNATED, Failure};
 use crate::outcome::Counts;
 use crate::response::Response;
 use crate::slopes::Slopes;
+use crate::start::Prolongation;
 use crate::state::State;
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Kinetic, Pattern};
@@ -62,6 +63,10 @@ pub(crate) struct SweepTask<'a, T> {
     pub(crate) h: T,
     pub(crate) alphas: &'a [T],
     pub(crate) alpha_bound: T,
+    /// Where this step starts in the one whose L is in the iterate, its size over that of it, and that, if there is one.
+    pub(crate) last: Option<[T; 3]>,
+    /// ∇H(y), if it is known.
+    pub(crate) known: Option<&'a [T]>,
     /// Who moves the α's, if there is a constraint.
     pub(crate) rule: Rule,
 }
@@ -94,9 +99,7 @@ pub(crate) struct Sweeps<T: Float> {
     rate: T,
     defect: T,
     scale: T,
-    /// E of the prolongation, column by column, and what it was made for.
-    prolongation: Vec<T>,
-    made_for: (T, T),
+    prolongation: Prolongation<T>,
 }
 
 /// Progress of the α's in a step: α = α_start + t d.
@@ -129,8 +132,7 @@ impl<T: Float> Sweeps<T> {
             rate: T::ratio(1, 2),
             defect: zero,
             scale: zero,
-            prolongation: vec![zero; iterate.stride * iterate.stride],
-            made_for: (zero, zero),
+            prolongation: Prolongation::new(iterate.stride),
             iterate,
         }
     }
@@ -143,19 +145,16 @@ impl<T: Float> Sweeps<T> {
     }
 
     /// Solves for Z, and for the α's if there is a constraint; on success `next` is the end point.
-    ///
-    /// `prolong` is where this step starts in the one whose L is in the iterate, and its size over that of it.
     pub(crate) fn solve<E: Evaluate<T>>(
         &mut self,
         gauss: &Gauss<T>,
         energy: &mut E,
         mut constraint: Option<&mut Constraint<T>>,
-        prolong: Option<(T, T)>,
         (next, task): (&mut State<T>, &SweepTask<'_, T>),
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
-        self.begin(gauss, prolong, task);
-        let mut prolonged = prolong.is_some();
+        self.begin(gauss, task);
+        let mut prolonged = task.last.is_some();
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
         let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
         let (mut slow, mut still) = (0, 0);
@@ -189,7 +188,7 @@ impl<T: Float> Sweeps<T> {
                 if alphas.moves > 0 || !std::mem::take(&mut prolonged) {
                     return Err(Trouble::Slow);
                 }
-                self.iterate.begin(gauss, (task.y, task.h), None);
+                self.iterate.begin(gauss, (task.y, task.h));
                 (last, slow, self.rate) = (T::INFINITY, 0, T::ratio(1, 4));
                 continue;
             }
@@ -289,20 +288,14 @@ impl<T: Float> Sweeps<T> {
         share / (T::int(1) - rate)
     }
 
-    fn begin(&mut self, gauss: &Gauss<T>, prolong: Option<(T, T)>, task: &SweepTask<'_, T>) {
-        if let Some(made_for) = prolong
-            && made_for != self.made_for
-        {
-            let stride = self.iterate.stride;
-            crate::guess::fill_prolongation(gauss, made_for.0, made_for.1, |i, j, e| {
-                self.prolongation[j * stride + i] = e;
-            });
-            self.made_for = made_for;
-        }
-        let prolongation = prolong.map(|_| self.prolongation.as_slice());
+    fn begin(&mut self, gauss: &Gauss<T>, task: &SweepTask<'_, T>) {
         self.alphas.copy_from_slice(task.alphas);
         self.made = 0;
-        self.iterate.begin(gauss, (task.y, task.h), prolongation);
+        self.iterate.begin(gauss, (task.y, task.h));
+        if let Some(last) = task.last {
+            self.prolongation.make(gauss, last, task.known.is_some());
+            self.iterate.prolong(task.y, &self.prolongation, task.known);
+        }
     }
 
     /// The trouble of the step solved last, for a run that has sweeps only.
