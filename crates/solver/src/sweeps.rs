@@ -349,7 +349,8 @@ impl<T: Float> Sweeps<T> {
             },
             Some((t, g_last, noise_last)) => {
                 let ratio = (g - g_last) / (alphas.t - t) / alphas.slope;
-                let clear = (g - g_last).abs() > T::int(8) * (noise + noise_last);
+                let margin = if by_response.is_some() { 2 } else { 8 };
+                let clear = (g - g_last).abs() > T::int(margin) * (noise + noise_last);
                 if clear && ratio > T::ratio(1, 4) && ratio < T::int(4) {
                     alphas.slope *= ratio;
                 }
