@@ -10,19 +10,22 @@ mod problem;
 mod python;
 mod race;
 mod rust_peers;
+mod scenes;
 mod table;
 mod task;
+mod versions;
 
 use clap::Parser;
 use contestant::Contestant;
 use equip::prelude::*;
-use ours::Ours;
+use ours::{Ours, Sizes, Solver, Variant};
 use problem::{ByHand, Problem};
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use task::{NAMES, Task, WithTask};
+use scenes::NAMES;
+use task::{Task, WithTask};
 
 /// equip beside other integrators: CPU time to reach an accuracy, interleaved on one core
 #[derive(Debug, Parser)]
@@ -38,17 +41,52 @@ struct Args {
     /// Contestants whose name contains one of these, like heyoka or "equip closure"
     #[arg(long)]
     only: Vec<String>,
-    /// Stages of ours
-    #[arg(long, value_delimiter = ',', default_values_t = [4, 6, 8, 10])]
+    /// Stages of ours; four more in double-double
+    #[arg(long, value_delimiter = ',', default_values_t = [4, 6, 8, 10, 12, 16])]
     stages: Vec<usize>,
+    /// How our stages are solved
+    #[arg(long, value_delimiter = ',', default_values = ["automatic", "sweeps"])]
+    solver: Vec<Solver>,
+    /// How our steps are chosen; each scene leaves out what is hopeless there
+    #[arg(long, value_delimiter = ',', default_values = ["equal", "variable"])]
+    steps: Vec<Sizes>,
     /// Where to write peers.csv and peers.json
     #[arg(long, default_value = "out")]
     out: PathBuf,
 }
 
+impl Args {
+    /// The variants of EQUIP to be run on a task.
+    fn variants(&self, task: &Task) -> Vec<Variant> {
+        let add = if task.extended() { 4 } else { 0 };
+        let mut all = Vec::new();
+        for &sizes in self.steps.iter().filter(|s| task.sizes.contains(s)) {
+            for &solver in &self.solver {
+                all.extend(self.stages.iter().map(|s| Variant {
+                    stages: s + add,
+                    sizes,
+                    solver,
+                }));
+            }
+        }
+        all
+    }
+}
+
+fn ours<H: System + 'static, T: Float>(
+    system: &Rc<H>,
+    route: &'static str,
+    variant: Variant,
+    task: &Task,
+) -> Box<dyn Contestant> {
+    Box::new(Ours::<H, T>::new(system, route, variant, task))
+}
+
 struct Run {
     args: Args,
     worker: Option<Rc<RefCell<python::Worker>>>,
+    /// Programs and their versions.
+    versions: Value,
     csv: String,
     scenes: Vec<Value>,
 }
@@ -65,26 +103,23 @@ impl WithTask for Run {
             .check_gradient(&[task.q.clone(), task.p.clone()].concat())
             .map_err(|e| e.to_string())?;
         let mut all: Vec<Box<dyn Contestant>> = Vec::new();
-        let extended = task.targets[0] < 1e-6;
-        if !extended {
+        if !task.extended() {
             all.extend(rust_peers::contestants(&problem, &task));
+            if task.sizes.contains(&Sizes::Equal) {
+                all.extend(composition::contestants(&problem, &task));
+            }
         }
         if let Some(worker) = &self.worker {
             all.extend(python::contestants(worker, &task));
         }
-        let add = if extended { 4 } else { 0 };
-        for s in self.args.stages.iter().map(|s| s + add) {
-            if extended {
-                all.push(Box::new(Ours::<_, DoubleDouble>::new(
-                    &closure, "closure", s, &task,
-                )));
-                all.push(Box::new(Ours::<_, DoubleDouble>::new(
-                    &compiled, "trait", s, &task,
-                )));
+        for variant in self.args.variants(&task) {
+            if task.extended() {
+                all.push(ours::<_, DoubleDouble>(&closure, "closure", variant, &task));
+                all.push(ours::<_, DoubleDouble>(&compiled, "trait", variant, &task));
             } else {
-                all.push(Box::new(Ours::<_, f64>::new(&closure, "closure", s, &task)));
-                all.push(Box::new(Ours::<_, f64>::new(&compiled, "trait", s, &task)));
-                all.push(Box::new(Ours::<_, f64>::new(&by_hand, "by hand", s, &task)));
+                all.push(ours::<_, f64>(&closure, "closure", variant, &task));
+                all.push(ours::<_, f64>(&compiled, "trait", variant, &task));
+                all.push(ours::<_, f64>(&by_hand, "by hand", variant, &task));
             }
         }
         let wanted = &self.args.only;
@@ -107,7 +142,7 @@ impl Run {
         std::fs::create_dir_all(&self.args.out).map_err(text)?;
         let csv = format!("{}{}", table::HEADER, self.csv);
         std::fs::write(self.args.out.join("peers.csv"), csv).map_err(text)?;
-        let document = json!({"version": 1, "cpu": cpu(), "scenes": self.scenes});
+        let document = json!({"version": 1, "cpu": cpu(), "versions": self.versions, "scenes": self.scenes});
         let document = serde_json::to_string_pretty(&document).map_err(|e| e.to_string())?;
         std::fs::write(self.args.out.join("peers.json"), document + "\n").map_err(text)
     }
@@ -133,6 +168,8 @@ fn main() -> Result<(), String> {
             None
         }
     };
+    let versions = versions::of_all(worker.as_ref());
+    eprintln!("{versions}");
     let chosen = |name: &&&str| {
         args.scenes.is_empty() || args.scenes.iter().any(|s| name.contains(s.as_str()))
     };
@@ -140,11 +177,12 @@ fn main() -> Result<(), String> {
     let mut run = Run {
         args,
         worker,
+        versions,
         csv: String::new(),
         scenes: Vec::new(),
     };
     for name in names {
-        task::visit(name, &mut run)?;
+        scenes::visit(name, &mut run)?;
     }
     Ok(())
 }

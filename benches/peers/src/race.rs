@@ -10,10 +10,10 @@
 use crate::contestant::Contestant;
 use crate::task::Task;
 
-/// Seconds a single run may take.
+/// Seconds a single run should take at most.
 const CAP: f64 = 3.0;
 /// A climb ends when it is slower by this factor than the quickest so far at the last target that anyone reaches.
-const FAR_BEHIND: f64 = 60.0;
+const FAR_BEHIND: f64 = 30.0;
 /// Contestants slower by this factor at a target are not timed again there.
 const HOPELESS: f64 = 20.0;
 /// Bisections at each target.
@@ -102,7 +102,8 @@ impl Lane {
     }
 
     fn climb(&mut self, task: &Task, cap: f64) {
-        let (mut best, mut worse, mut failed, mut slow) = (f64::INFINITY, 0, 0, 0);
+        let (mut best, mut before) = (f64::INFINITY, f64::INFINITY);
+        let (mut worse, mut failed, mut slow) = (0, 0, 0);
         for setting in self.contestant.ladder().settings() {
             let Some(tried) = self.try_setting(setting, task) else {
                 // Coarse settings may well fail.
@@ -121,9 +122,15 @@ impl Lane {
             };
             best = best.min(tried.error);
             let floor = best < 1e-7 && worse >= 7;
-            // Coarse settings may be slow where steps fail and are halved; finer ones then are faster.
-            slow = if tried.median() > cap { slow + 1 } else { 0 };
-            if slow >= 4 || tried.median() > CAP || best <= 0.01 * last || floor {
+            // Coarse settings may be slow where steps fail and are halved; as long as finer ones are faster, there is hope.
+            let time = tried.median();
+            slow = match time {
+                time if time <= cap || time < 0.9 * before => 0,
+                time if time > CAP => slow + 2,
+                _ => slow + 1,
+            };
+            before = time;
+            if slow >= 4 || best <= 0.01 * last || floor {
                 break;
             }
         }

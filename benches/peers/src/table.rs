@@ -17,11 +17,16 @@ pub struct Best {
     pub rounds: usize,
 }
 
+/// A method of ours in two parts: how H is given and steps are chosen; stages and how they are solved.
+fn variant(method: &str) -> (&str, &str) {
+    method.split_once(": ").unwrap_or(("", method))
+}
+
 /// Groups contestants for the table: ours by the way H is given, peers by program.
 fn group(lane: &Lane) -> String {
     let method = lane.contestant.method();
     match lane.contestant.program() {
-        "equip" => format!("equip {}", method.split(',').next().unwrap_or_default()),
+        "equip" => format!("equip {}", variant(&method).0),
         program => program.to_owned(),
     }
 }
@@ -75,13 +80,13 @@ pub fn text(task: &Task, lanes: &[Lane]) -> String {
         "\n{} (reference within {:.0e}); CPU milliseconds to an error of",
         task.title, task.uncertainty
     );
-    let _ = write!(out, "{:<16}", "");
+    let _ = write!(out, "{:<24}", "");
     for target in task.targets {
-        let _ = write!(out, "{:>34}", format!("{target:.0e}"));
+        let _ = write!(out, "{:>36}", format!("{target:.0e}"));
     }
     let _ = writeln!(out);
     for name in groups(lanes) {
-        let _ = write!(out, "{name:<16}");
+        let _ = write!(out, "{name:<24}");
         for &target in task.targets {
             let cell = match (best(lanes, &name, target), best_peer(lanes, target)) {
                 (None, _) => "–".to_owned(),
@@ -90,11 +95,7 @@ pub fn text(task: &Task, lanes: &[Lane]) -> String {
                         .filter(|_| best.program == "equip")
                         .map(|p| best.ms.0 / p.ms.0);
                     let ratio = ratio.map_or(String::new(), |r| format!(" ({r:.2})"));
-                    let method = best
-                        .method
-                        .replace("closure, ", "")
-                        .replace("trait, ", "")
-                        .replace("by hand, ", "");
+                    let (_, method) = variant(&best.method);
                     format!(
                         "{:.3}{ratio} {method} {:.3}",
                         best.ms.0,
@@ -102,7 +103,7 @@ pub fn text(task: &Task, lanes: &[Lane]) -> String {
                     )
                 }
             };
-            let _ = write!(out, "{cell:>34}");
+            let _ = write!(out, "{cell:>36}");
         }
         let _ = writeln!(out);
     }

@@ -1,6 +1,6 @@
 //! The methods of the report, and how one run of each is made and measured.
 
-use super::composition::{Composition, KAHAN_LI, SOFRONIOU_SPALETTA, Scheme, VERLET};
+use super::composition::Composition;
 use super::dop853::Dop853;
 use super::flow::Flow;
 use super::subject::Subject;
@@ -8,6 +8,9 @@ use cpu_time::ThreadTime;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Equip, Gauss, Invariant, Method, StageSolver};
+use equip_tableau::composition::{
+    Composition as Scheme, KAHAN_LI, SOFRONIOU_SPALETTA, VERLET,
+};
 
 /// A method of the report.
 #[derive(Debug, Clone, Copy, PartialEq)]
