@@ -20,11 +20,11 @@ use contestant::Contestant;
 use equip::prelude::*;
 use ours::{Ours, Sizes, Solver, Variant};
 use problem::{ByHand, Problem};
+use scenes::NAMES;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use scenes::NAMES;
 use task::{Task, WithTask};
 
 /// equip beside other integrators: CPU time to reach an accuracy, interleaved on one core
@@ -50,6 +50,9 @@ struct Args {
     /// How our steps are chosen; each scene leaves out what is hopeless there
     #[arg(long, value_delimiter = ',', default_values = ["equal", "variable"])]
     steps: Vec<Sizes>,
+    /// Fewer variants of ours, fewer rounds: closure and trait by sweeps with 6, 8 and 12 stages, three rounds
+    #[arg(long)]
+    quick: bool,
     /// Where to write peers.csv and peers.json
     #[arg(long, default_value = "out")]
     out: PathBuf,
@@ -119,7 +122,9 @@ impl WithTask for Run {
             } else {
                 all.push(ours::<_, f64>(&closure, "closure", variant, &task));
                 all.push(ours::<_, f64>(&compiled, "trait", variant, &task));
-                all.push(ours::<_, f64>(&by_hand, "by hand", variant, &task));
+                if !self.args.quick {
+                    all.push(ours::<_, f64>(&by_hand, "by hand", variant, &task));
+                }
             }
         }
         let wanted = &self.args.only;
@@ -142,7 +147,8 @@ impl Run {
         std::fs::create_dir_all(&self.args.out).map_err(text)?;
         let csv = format!("{}{}", table::HEADER, self.csv);
         std::fs::write(self.args.out.join("peers.csv"), csv).map_err(text)?;
-        let document = json!({"version": 1, "cpu": cpu(), "versions": self.versions, "scenes": self.scenes});
+        let document =
+            json!({"version": 1, "cpu": cpu(), "versions": self.versions, "scenes": self.scenes});
         let document = serde_json::to_string_pretty(&document).map_err(|e| e.to_string())?;
         std::fs::write(self.args.out.join("peers.json"), document + "\n").map_err(text)
     }
@@ -157,7 +163,10 @@ fn cpu() -> String {
 }
 
 fn main() -> Result<(), String> {
-    let args = Args::parse();
+    let mut args = Args::parse();
+    if args.quick {
+        (args.stages, args.solver, args.rounds) = (vec![6, 8, 12], vec![Solver::Sweeps], 3);
+    }
     clock::pin(args.core)
         .map_err(|e| format!("core {}: {e}; choose another with --core", args.core))?;
     let home = Path::new(env!("CARGO_MANIFEST_DIR"));

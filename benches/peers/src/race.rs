@@ -7,7 +7,7 @@
 //!
 //! A setting *reaches* a target if its error and that of the next finer setting tried are within it: a lucky hit alone does not.
 
-use crate::contestant::Contestant;
+use crate::contestant::{Contestant, Knob};
 use crate::task::Task;
 
 /// Seconds a single run should take at most.
@@ -71,6 +71,13 @@ impl Lane {
         (0..self.tried.len())
             .filter(|&i| reaches(i))
             .min_by(|a, b| time(a).total_cmp(&time(b)))
+    }
+
+    /// Index of the setting that is the tolerance `tolerance`, if the contestant has one.
+    pub fn at_tolerance(&self, tolerance: f64) -> Option<usize> {
+        let same = |t: &Tried| (t.setting / tolerance).ln().abs() < 0.1;
+        let found = self.tried.iter().position(same);
+        found.filter(|_| self.contestant.ladder().knob == Knob::Tolerance)
     }
 
     fn try_setting(&mut self, setting: f64, task: &Task) -> Option<&Tried> {
@@ -198,6 +205,10 @@ pub fn race(
         let time = |&(k, i): &(usize, usize)| lanes[k].tried[i].median();
         let least = reached.iter().map(time).fold(f64::INFINITY, f64::min);
         again.extend(reached.iter().filter(|run| time(run) <= HOPELESS * least));
+    }
+    if let Some(tolerance) = task.tolerance {
+        let found = |k: usize| Some((k, lanes[k].at_tolerance(tolerance)?));
+        again.extend((0..lanes.len()).filter_map(found));
     }
     again.sort_unstable();
     again.dedup();

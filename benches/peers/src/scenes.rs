@@ -82,6 +82,7 @@ fn draft(
         reference: Vec::new(),
         uncertainty: 0.0,
         targets: DOUBLE,
+        tolerance: None,
     }
 }
 
@@ -196,7 +197,7 @@ fn outer_solar_system(name: &'static str, visitor: &mut impl WithTask) -> Result
     visitor.with(OuterSolarSystem { planets: 5 }, task)
 }
 
-/// Errors to be reached in the Pythagorean problem: close encounters magnify those of a double's last digit to about 1e-5.
+/// Errors to be reached in the Pythagorean problem: close encounters magnify a double's last digit to some 1e-3.
 const ENCOUNTERS: &[f64] = &[1e-1, 1e-2, 1e-3, 1e-4];
 
 fn pythagorean(name: &'static str, visitor: &mut impl WithTask) -> Result<(), String> {
@@ -213,6 +214,7 @@ fn pythagorean(name: &'static str, visitor: &mut impl WithTask) -> Result<(), St
         masses: (0..task.q.len()).map(pythagorean_mass).collect(),
         sizes: VARIABLE,
         targets: ENCOUNTERS,
+        tolerance: Some(1e-14),
         ..task
     };
     visitor.with(Pythagorean, encounters(task, &scene)?)

@@ -42,24 +42,33 @@ pub fn groups(lanes: &[Lane]) -> Vec<String> {
     names
 }
 
-/// The quickest of a group.
-pub fn best(lanes: &[Lane], name: &str, target: f64) -> Option<Best> {
+impl Best {
+    fn of(lane: &Lane, i: usize) -> Self {
+        let tried = &lane.tried[i];
+        let (median, low, high) = tried.spread();
+        Best {
+            program: lane.contestant.program().into(),
+            method: lane.contestant.method(),
+            setting: tried.setting,
+            error: tried.error,
+            ms: (1e3 * median, 1e3 * low, 1e3 * high),
+            rounds: tried.seconds.len().saturating_sub(1).max(1),
+        }
+    }
+}
+
+/// The quickest of a group by what `which` picks of every contestant.
+fn quickest(lanes: &[Lane], name: &str, which: impl Fn(&Lane) -> Option<usize>) -> Option<Best> {
     lanes
         .iter()
         .filter(|lane| group(lane) == name)
-        .filter_map(|lane| {
-            let tried = &lane.tried[lane.quickest(target)?];
-            let (median, low, high) = tried.spread();
-            Some(Best {
-                program: lane.contestant.program().into(),
-                method: lane.contestant.method(),
-                setting: tried.setting,
-                error: tried.error,
-                ms: (1e3 * median, 1e3 * low, 1e3 * high),
-                rounds: tried.seconds.len().saturating_sub(1).max(1),
-            })
-        })
+        .filter_map(|lane| Some(Best::of(lane, which(lane)?)))
         .min_by(|a, b| a.ms.0.total_cmp(&b.ms.0))
+}
+
+/// The quickest of a group to reach an error.
+pub fn best(lanes: &[Lane], name: &str, target: f64) -> Option<Best> {
+    quickest(lanes, name, |lane| lane.quickest(target))
 }
 
 /// The quickest that is not ours.
@@ -106,6 +115,20 @@ pub fn text(task: &Task, lanes: &[Lane]) -> String {
             let _ = write!(out, "{cell:>36}");
         }
         let _ = writeln!(out);
+    }
+    if let Some(tolerance) = task.tolerance {
+        let _ = writeln!(out, "at tolerance {tolerance:.0e}:");
+        for lane in lanes {
+            let Some(at) = lane.at_tolerance(tolerance).map(|i| Best::of(lane, i)) else {
+                continue;
+            };
+            let name = format!("{} {}", at.program, at.method);
+            let _ = writeln!(
+                out,
+                "  {name:<44}{:>10.3} ms, error {:.1e}",
+                at.ms.0, at.error,
+            );
+        }
     }
     for lane in lanes {
         let least = lane
@@ -193,6 +216,14 @@ pub fn json(task: &Task, lanes: &[Lane]) -> Value {
                 "points": lane.tried.iter().map(point).collect::<Vec<_>>()})
         })
         .collect();
+    let at_tolerance = task.tolerance.map(|tolerance| {
+        let rows = lanes.iter().filter_map(|lane| {
+            let at = Best::of(lane, lane.at_tolerance(tolerance)?);
+            Some(json!({"program": group(lane), "method": at.method, "error": at.error, "milliseconds": at.ms.0,
+                "least": at.ms.1, "most": at.ms.2}))
+        });
+        json!({"tolerance": tolerance, "rows": rows.collect::<Vec<_>>()})
+    });
     json!({"scene": task.name, "title": task.title, "end": task.end, "targets": task.targets,
-        "reference_within": task.uncertainty, "programs": reached, "curves": curves})
+        "reference_within": task.uncertainty, "programs": reached, "curves": curves, "at_tolerance": at_tolerance})
 }

@@ -32,6 +32,8 @@ pub struct Task {
     pub uncertainty: f64,
     /// Errors to be reached.
     pub targets: &'static [f64],
+    /// A tolerance at which the programs that have one are compared besides.
+    pub tolerance: Option<f64>,
 }
 
 /// Errors to be reached in `f64`.
@@ -58,10 +60,7 @@ impl Task {
 
     /// Whether it is about bodies that attract each other.
     pub fn gravity(&self) -> bool {
-        matches!(
-            self.system,
-            "kepler" | "outer-solar-system" | "pythagorean"
-        )
+        matches!(self.system, "kepler" | "outer-solar-system" | "pythagorean")
     }
 
     /// Whether it is for number types beyond `f64`.
