@@ -1,8 +1,7 @@
 //! Decimals: every finite `DoubleDouble` survives printing and parsing, and parsing rounds correctly.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-use common::{RM, Random, big, consts};
+use crate::common::{RM, Random, big, consts};
 use equip_scalar::{DoubleDouble, Float};
 
 fn same(x: DoubleDouble, y: DoubleDouble) -> bool {

@@ -104,7 +104,11 @@ mod tests {
     /// Σγ = 1, and Σγ^k = 0 for odd k below the order: necessary for it. Orders are measured where the methods run.
     #[test]
     fn odd_power_sums_vanish() {
-        for (scheme, bound) in [(VERLET, 1e-31), (KAHAN_LI, 3e-25), (SOFRONIOU_SPALETTA, 2e-31)] {
+        for (scheme, bound) in [
+            (VERLET, 1e-31),
+            (KAHAN_LI, 3e-25),
+            (SOFRONIOU_SPALETTA, 2e-31),
+        ] {
             assert_eq!(scheme.gammas::<D>().len(), scheme.stages());
             for k in (1..scheme.order as i32).step_by(2) {
                 let off = power_sum(&scheme, k);

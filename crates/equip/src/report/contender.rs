@@ -8,9 +8,7 @@ use cpu_time::ThreadTime;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Equip, Gauss, Invariant, Method, StageSolver};
-use equip_tableau::composition::{
-    Composition as Scheme, KAHAN_LI, SOFRONIOU_SPALETTA, VERLET,
-};
+use equip_tableau::composition::{Composition as Scheme, KAHAN_LI, SOFRONIOU_SPALETTA, VERLET};
 
 /// A method of the report.
 #[derive(Debug, Clone, Copy, PartialEq)]
