@@ -4,6 +4,7 @@ mod agreement;
 mod allocations;
 mod extremes;
 mod failures;
+mod growth;
 mod invariants;
 mod kept;
 mod long;

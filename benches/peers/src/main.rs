@@ -17,6 +17,7 @@ mod versions;
 
 use clap::Parser;
 use contestant::Contestant;
+use equip::autodiff::Static;
 use equip::prelude::*;
 use ours::{Ours, Sizes, Solver, Variant};
 use problem::{ByHand, Problem};
@@ -96,51 +97,76 @@ struct Run {
 
 impl WithTask for Run {
     fn with<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String> {
-        let m = task.q.len();
-        let text = |e: BuildError| e.to_string();
-        let by_closure = problem.clone();
-        let closure = Rc::new(Hamiltonian::new(m, |q, p| by_closure.energy(q, p)).map_err(text)?);
-        let compiled = Rc::new(Hamiltonian::from_energy(problem.clone()).map_err(text)?);
-        let by_hand = Rc::new(Hamiltonian::from_energy(ByHand(problem.clone())).map_err(text)?);
+        let mut all = self.peers(&task);
+        all.extend(rust_peers::contestants(&problem, &task));
+        if task.sizes.contains(&Sizes::Equal) {
+            all.extend(composition::contestants(&problem, &task));
+        }
+        let (closure, compiled) = both_routes(&problem)?;
+        let by_hand = Hamiltonian::from_energy(ByHand(problem)).map_err(|e| e.to_string())?;
         by_hand
             .check_gradient(&[task.q.clone(), task.p.clone()].concat())
             .map_err(|e| e.to_string())?;
-        let mut all: Vec<Box<dyn Contestant>> = Vec::new();
-        if !task.extended() {
-            all.extend(rust_peers::contestants(&problem, &task));
-            if task.sizes.contains(&Sizes::Equal) {
-                all.extend(composition::contestants(&problem, &task));
-            }
-        }
-        if let Some(worker) = &self.worker {
-            all.extend(python::contestants(worker, &task));
-        }
+        let by_hand = Rc::new(by_hand);
         for variant in self.args.variants(&task) {
-            if task.extended() {
-                all.push(ours::<_, DoubleDouble>(&closure, "closure", variant, &task));
-                all.push(ours::<_, DoubleDouble>(&compiled, "trait", variant, &task));
-            } else {
-                all.push(ours::<_, f64>(&closure, "closure", variant, &task));
-                all.push(ours::<_, f64>(&compiled, "trait", variant, &task));
-                if !self.args.quick {
-                    all.push(ours::<_, f64>(&by_hand, "by hand", variant, &task));
-                }
+            all.push(ours::<_, f64>(&closure, "closure", variant, &task));
+            all.push(ours::<_, f64>(&compiled, "trait", variant, &task));
+            if !self.args.quick {
+                all.push(ours::<_, f64>(&by_hand, "by hand", variant, &task));
             }
         }
+        self.race(&task, all)
+    }
+
+    fn with_extended<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String> {
+        let mut all = self.peers(&task);
+        let (closure, compiled) = both_routes(&problem)?;
+        for variant in self.args.variants(&task) {
+            all.push(ours::<_, DoubleDouble>(&closure, "closure", variant, &task));
+            all.push(ours::<_, DoubleDouble>(&compiled, "trait", variant, &task));
+        }
+        self.race(&task, all)
+    }
+}
+
+/// H given as a closure, and by the trait.
+#[expect(
+    clippy::type_complexity,
+    reason = "the two routes have names of their own nowhere else"
+)]
+fn both_routes<P: Problem>(
+    problem: &P,
+) -> Result<(Rc<Hamiltonian>, Rc<Hamiltonian<Static<P>>>), String> {
+    let by_closure = problem.clone();
+    let m = problem.degrees_of_freedom();
+    let closure = Hamiltonian::new(m, |q, p| by_closure.energy(q, p));
+    let compiled = Hamiltonian::from_energy(problem.clone());
+    Ok((
+        Rc::new(closure.map_err(|e| e.to_string())?),
+        Rc::new(compiled.map_err(|e| e.to_string())?),
+    ))
+}
+
+impl Run {
+    /// The Python peers, if there are any.
+    fn peers(&self, task: &Task) -> Vec<Box<dyn Contestant>> {
+        let worker = self.worker.as_ref();
+        worker.map_or_else(Vec::new, |worker| python::contestants(worker, task))
+    }
+
+    fn race(&mut self, task: &Task, mut all: Vec<Box<dyn Contestant>>) -> Result<(), String> {
         let wanted = &self.args.only;
         all.retain(|c| {
             let name = format!("{} {}", c.program(), c.method());
             wanted.is_empty() || wanted.iter().any(|w| name.contains(w.as_str()))
         });
-        let lanes = race::race(&task, all, self.args.rounds, |text| eprintln!("{text}"));
-        print!("{}", table::text(&task, &lanes));
-        self.csv.push_str(&table::csv(&task, &lanes));
-        self.scenes.push(table::json(&task, &lanes));
+        let lanes = race::race(task, all, self.args.rounds, |text| eprintln!("{text}"));
+        print!("{}", table::text(task, &lanes));
+        self.csv.push_str(&table::csv(task, &lanes));
+        self.scenes.push(table::json(task, &lanes));
         self.write()
     }
-}
 
-impl Run {
     /// Writes what there is; after every scene, so that an end before the last one loses little.
     fn write(&self) -> Result<(), String> {
         let text = |e: std::io::Error| format!("{}: {e}", self.args.out.display());

@@ -158,7 +158,11 @@ fn kepler(
         e: Constant::Decimal(text),
         mu: Constant::from(1.0),
     };
-    visitor.with(problem, task)
+    if task.extended() {
+        visitor.with_extended(problem, task)
+    } else {
+        visitor.with(problem, task)
+    }
 }
 
 fn henon_heiles_regular(name: &'static str, visitor: &mut impl WithTask) -> Result<(), String> {

@@ -76,4 +76,10 @@ pub trait WithTask {
     /// # Errors
     /// What went wrong, in words.
     fn with<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String>;
+
+    /// The same for tasks beyond `f64`: apart, so that only they are compiled for it.
+    ///
+    /// # Errors
+    /// What went wrong, in words.
+    fn with_extended<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String>;
 }

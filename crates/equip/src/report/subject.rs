@@ -160,10 +160,10 @@ impl<T: Float> Subject<T> {
             .map(|(n, v)| format!("{n} = {v}"))
             .collect();
         let title = format!(
-            "{}, {}, t = {:.6}",
+            "{}, {}, t = {}",
             instance.scene().title,
             parameters.join(", "),
-            end.to_f64()
+            (1e6 * end.to_f64()).round() / 1e6
         );
         Ok(Subject {
             name: entry.name,
