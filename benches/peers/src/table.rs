@@ -91,7 +91,7 @@ pub fn text(task: &Task, lanes: &[Lane]) -> String {
     );
     let _ = write!(out, "{:<24}", "");
     for target in task.targets {
-        let _ = write!(out, "{:>36}", format!("{target:.0e}"));
+        let _ = write!(out, "{:>42}", format!("{target:.0e}"));
     }
     let _ = writeln!(out);
     for name in groups(lanes) {
@@ -112,7 +112,7 @@ pub fn text(task: &Task, lanes: &[Lane]) -> String {
                     )
                 }
             };
-            let _ = write!(out, "{cell:>36}");
+            let _ = write!(out, "{cell:>42}");
         }
         let _ = writeln!(out);
     }
