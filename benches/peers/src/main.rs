@@ -54,7 +54,7 @@ struct Args {
     /// Fewer variants of ours, fewer rounds: closure and trait by sweeps with 6, 8 and 12 stages, three rounds
     #[arg(long)]
     quick: bool,
-    /// Where to write peers.csv and peers.json
+    /// Where to write peers.csv, peers.json and peers.md
     #[arg(long, default_value = "out")]
     out: PathBuf,
 }
@@ -92,6 +92,7 @@ struct Run {
     /// Programs and their versions.
     versions: Value,
     csv: String,
+    markdown: String,
     scenes: Vec<Value>,
 }
 
@@ -163,6 +164,7 @@ impl Run {
         let lanes = race::race(task, all, self.args.rounds, |text| eprintln!("{text}"));
         print!("{}", table::text(task, &lanes));
         self.csv.push_str(&table::csv(task, &lanes));
+        self.markdown.push_str(&table::markdown(task, &lanes));
         self.scenes.push(table::json(task, &lanes));
         self.write()
     }
@@ -172,6 +174,8 @@ impl Run {
         let text = |e: std::io::Error| format!("{}: {e}", self.args.out.display());
         std::fs::create_dir_all(&self.args.out).map_err(text)?;
         let csv = format!("{}{}", table::HEADER, self.csv);
+        let table = format!("{}{}", table::MARKDOWN_HEADER, self.markdown);
+        std::fs::write(self.args.out.join("peers.md"), table).map_err(text)?;
         std::fs::write(self.args.out.join("peers.csv"), csv).map_err(text)?;
         let document =
             json!({"version": 1, "cpu": cpu(), "versions": self.versions, "scenes": self.scenes});
@@ -214,6 +218,7 @@ fn main() -> Result<(), String> {
         worker,
         versions,
         csv: String::new(),
+        markdown: String::new(),
         scenes: Vec::new(),
     };
     for name in names {

@@ -227,3 +227,43 @@ pub fn json(task: &Task, lanes: &[Lane]) -> Value {
     json!({"scene": task.name, "title": task.title, "end": task.end, "targets": task.targets,
         "reference_within": task.uncertainty, "programs": reached, "curves": curves, "at_tolerance": at_tolerance})
 }
+
+/// Header of the table for documents.
+pub const MARKDOWN_HEADER: &str = "| scene, errors | equip, trait | equip, closure | heyoka | quickest other program | trait / quickest |\n\
+    |---|---|---|---|---|---|\n";
+
+/// One scene as a row of a table for documents: milliseconds to each target, joined by strokes.
+pub fn markdown(task: &Task, lanes: &[Lane]) -> String {
+    let joined = |cell: &dyn Fn(f64) -> Option<String>| {
+        let cells = task.targets.iter().map(|&t| cell(t));
+        let cells: Vec<_> = cells.map(|c| c.unwrap_or("–".into())).collect();
+        cells.join(" / ")
+    };
+    // By either kind of steps.
+    let ours = |route: &str, target: f64| {
+        let names = groups(lanes);
+        let names = names.iter().filter(|n| n.starts_with(route));
+        let best = names.filter_map(|n| best(lanes, n, target));
+        best.min_by(|a, b| a.ms.0.total_cmp(&b.ms.0))
+    };
+    let trait_way = |t: f64| ours("equip trait", t);
+    let ms = |best: Best| digits(best.ms.0);
+    let peer = |t: f64| best_peer(lanes, t);
+    let targets: Vec<String> = task.targets.iter().map(|t| format!("{t:.0e}")).collect();
+    format!(
+        "| {}, to {} | {} | {} | {} | {} | {} |\n",
+        task.title,
+        targets.join(" / "),
+        joined(&|t| trait_way(t).map(ms)),
+        joined(&|t| ours("equip closure", t).map(ms)),
+        joined(&|t| best(lanes, "heyoka", t).map(ms)),
+        joined(&|t| peer(t).map(|b| format!("{} {}", b.program, digits(b.ms.0)))),
+        joined(&|t| Some(format!("{:.2}", trait_way(t)?.ms.0 / peer(t)?.ms.0))),
+    )
+}
+
+/// Three digits.
+fn digits(x: f64) -> String {
+    let decimals = (2.0 - x.log10().floor()).clamp(0.0, 4.0) as usize;
+    format!("{x:.decimals$}")
+}

@@ -92,6 +92,23 @@ impl Axis {
             .collect()
     }
 
+    /// Where 2 and 5 times the powers of ten are, with these numbers, if the axis is logarithmic and so short that it needs them.
+    fn twos_and_fives(&self) -> Vec<(f64, String)> {
+        if !self.logarithmic || self.high - self.low > 2.8 {
+            return Vec::new();
+        }
+        let decades = (self.low.floor() as i32).max(-3)..=(self.high.floor() as i32).min(3);
+        decades
+            .flat_map(|d| [2, 5].map(|k| (k, d)))
+            .map(|(k, d)| {
+                let places = (-d).max(0) as usize;
+                let value = f64::from(k) * 10_f64.powi(d);
+                (value.log10(), format!("{value:.places$}"))
+            })
+            .filter(|(x, _)| (self.low..self.high).contains(x))
+            .collect()
+    }
+
     /// Ticks at multiples of 1, 2 or 5 times a power of ten (of whole decades if logarithmic), at most about `count`.
     fn ticks(&self, count: f64) -> (f64, impl Iterator<Item = f64>) {
         let rough = (self.high - self.low) / count;
@@ -153,6 +170,10 @@ impl Panel {
         for x in self.x.between_decades() {
             let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
             svg.line((x, self.top), (x, bottom), FINE_GRID, 1.0);
+        }
+        for (x, text) in self.x.twos_and_fives() {
+            let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
+            svg.text((x, bottom + 17.0), 11, Anchor::Middle, FAINT, &text);
         }
         let (unit, ticks) = self.x.ticks(self.width / 80.0);
         for tick in ticks {

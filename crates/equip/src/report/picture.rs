@@ -195,7 +195,7 @@ pub(super) fn draw(title: &str, labels: &[Labels], lines: &[Line]) -> String {
         for line in lines {
             let (look, points) = (&line.look, shown(line));
             for p in points.iter().filter(|p| p.most > p.least) {
-                svg.line(at(p.least, p), at(p.most, p), &look.colour, 0.8);
+                svg.line(at(p.least, p), at(p.most, p), &look.colour, 0.5);
             }
             let places = points.iter().map(|p| at(p.x, p));
             svg.dashed(places.clone(), &look.colour, look.width, look.dashes);
