@@ -1,4 +1,7 @@
-"""REBOUND: IAS15 with its precision parameter, WHFast with a fixed step. For bodies under gravity only."""
+"""REBOUND: IAS15 with its precision parameter, WHFast with a fixed step. For bodies under gravity only.
+
+WHFast is run at its best: synchronised at the end only, with the symplectic corrector of order 17, and with the kernel named after it.
+"""
 
 import rebound
 
@@ -25,11 +28,15 @@ class Runner:
             for i, mass in enumerate(self.masses):
                 q, v = dict(zip("xyz", self.q[d * i :][:d])), dict(zip(("vx", "vy", "vz"), self.v[d * i :][:d]))
                 simulation.add(m=mass, **q, **v)
-        simulation.integrator = self.variant.lower()
-        if self.variant == "IAS15":
+        integrator, _, kernel = self.variant.partition(" ")
+        simulation.integrator = integrator.lower()
+        if integrator == "IAS15":
             simulation.integrator.epsilon = self.setting
             simulation.dt = 1e-3 * self.end_time
         else:
+            simulation.integrator.safe_mode = 0
+            simulation.integrator.corrector = 17
+            simulation.integrator.kernel = kernel or "default"
             simulation.dt = self.end_time / self.setting
         self.simulation = simulation
 

@@ -144,7 +144,9 @@ pub fn contestants(worker: &Rc<RefCell<Worker>>, task: &Task) -> Vec<Box<dyn Con
         add("rebound", "IAS15", tolerances(1, 12));
     }
     if task.system == "outer-solar-system" {
-        add("rebound", "WHFast", Ladder::steps(400.0, 40_000.0));
+        for variant in ["WHFast", "WHFast lazy", "WHFast modifiedkick"] {
+            add("rebound", variant, Ladder::steps(200.0, 40_000.0));
+        }
     }
     add("scipy", "DOP853", tolerances(6, 13));
     all
