@@ -108,7 +108,7 @@ impl Lane {
         }
     }
 
-    fn climb(&mut self, task: &Task, cap: f64) {
+    fn climb(&mut self, task: &Task, (cap, hardest): (f64, f64)) {
         let (mut best, mut before) = (f64::INFINITY, f64::INFINITY);
         let (mut worse, mut failed, mut slow) = (0, 0, 0);
         for setting in self.contestant.ladder().settings() {
@@ -131,6 +131,8 @@ impl Lane {
             let floor = best < 1e-7 && worse >= 7;
             // Coarse settings may be slow where steps fail and are halved; as long as finer ones are faster, there is hope.
             let time = tried.median();
+            // What is more accurate than all others so far may take its time.
+            let cap = if tried.error > hardest { cap } else { CAP };
             slow = match time {
                 time if time <= cap || time < 0.9 * before => 0,
                 time if time > CAP => slow + 2,
@@ -161,16 +163,19 @@ impl Lane {
     }
 }
 
-/// Seconds a run may take, given what the contestants so far took.
-fn cap(task: &Task, lanes: &[Lane]) -> f64 {
-    let quickest = |target: &f64| {
+/// Seconds a run may take that misses an error, and that error: the hardest one that a contestant so far reaches.
+fn cap(task: &Task, lanes: &[Lane]) -> (f64, f64) {
+    let quickest = |&target: &f64| {
         let times = lanes
             .iter()
-            .filter_map(|lane| Some(lane.tried[lane.quickest(*target)?].median()));
-        times.reduce(f64::min)
+            .filter_map(|lane| Some(lane.tried[lane.quickest(target)?].median()));
+        Some((times.reduce(f64::min)?, target))
     };
-    let hardest = task.targets.iter().rev().find_map(quickest);
-    hardest.map_or(CAP, |seconds| CAP.min(FAR_BEHIND * seconds))
+    match task.targets.iter().rev().find_map(quickest) {
+        // Number types of different widths are too far apart for this.
+        Some((seconds, target)) if !task.extended() => (CAP.min(FAR_BEHIND * seconds), target),
+        _ => (CAP, 0.0),
+    }
 }
 
 /// Runs the race, peers first; `say` is told what is being done.

@@ -29,8 +29,8 @@ fn a_chain_is_linear_in_its_length() {
     assert_eq!([one.2, two.2, four.2], [3; 3]);
     // p², q₊ − q, its square, half of it, its fourth power, a twelfth of it, their sum, and the two sums.
     assert_eq!(two.0 - one.0, 9 * 1000);
-    // What a mass adds to one gradient.
-    assert_eq!(two.3 - one.3, 9 * 1000);
+    // What a mass adds to one gradient: the forces of the springs are shared by the masses at their ends.
+    assert!(two.3 - one.3 <= 5 * 1000, "{}", two.3 - one.3);
 }
 
 /// The gradient of n bodies in terms of their n(n − 1)/2 pairs.
@@ -49,10 +49,11 @@ fn bodies_are_linear_in_their_pairs() {
         });
         h.unwrap().gradient_operations()
     };
-    let (ten, twenty, forty) = (counts(10), counts(20), counts(40));
-    // a n(n − 1)/2 + b n + c.
-    let [a, b] = [0, 0];
-    assert_eq!((ten, twenty, forty), (a, b, 0));
+    for n in [10, 20, 40] {
+        // 23 a pair; 3 components of the forces on each body are sums of n − 1 terms, not n.
+        let pairs = n * (n - 1) / 2;
+        assert!(counts(n) <= 23 * pairs, "n = {n}: {}", counts(n));
+    }
 }
 
 #[test]
