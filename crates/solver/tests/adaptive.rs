@@ -244,7 +244,7 @@ fn pythagorean_to_ten() {
 }
 
 #[test]
-#[ignore = "long: cargo test --release -p equip-solver --test adaptive -- --ignored --nocapture encounters"]
+#[ignore = "long: cargo test --release -p equip-solver --test all -- --ignored --nocapture adaptive::encounters"]
 fn pythagorean_through_its_close_encounters() {
     let scene = equip_scenes::find("pythagorean").unwrap();
     let scene = scene.instance(&[]).unwrap();
@@ -276,7 +276,7 @@ fn pythagorean_through_its_close_encounters() {
 }
 
 #[test]
-#[ignore = "long: cargo test --release -p equip-solver --test adaptive -- --ignored --nocapture long"]
+#[ignore = "long: cargo test --release -p equip-solver --test all -- --ignored --nocapture adaptive::long"]
 fn long_kepler() {
     // Measured: 1.9e-10 with 25.0 steps, and 2.1e-10 with 38; headroom for other rounding 100.
     for (e, periods, most_steps) in [("0.9", 1000, 40.0), ("0.99", 100, 60.0)] {
@@ -292,7 +292,7 @@ fn long_kepler() {
 }
 
 #[test]
-#[ignore = "long: cargo test --release -p equip-solver --test adaptive -- --ignored --nocapture growth"]
+#[ignore = "long: cargo test --release -p equip-solver --test all -- --ignored --nocapture adaptive::growth"]
 fn growth_of_errors() {
     // The table of docs/which-steps.md.
     for e in ["0.6", "0.9", "0.99", "0.999"] {

@@ -151,7 +151,7 @@ fn a_bad_sigma_is_refused() {
 }
 
 #[test]
-#[ignore = "long: cargo test --release -p equip-solver --test reversible -- --ignored --nocapture long"]
+#[ignore = "long: cargo test --release -p equip-solver --test all -- --ignored --nocapture reversible::long"]
 fn long_runs_beside_the_tolerance() {
     // The direction of the pericentre and the position, after 10⁴ and 10⁵ revolutions of e = 0.6.
     let scene = kepler("0.6");
