@@ -63,6 +63,9 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     if args.refuse {
         integrator = integrator.on_no_alpha(OnNoAlpha::Refuse);
     }
+    if args.lyapunov {
+        integrator = integrator.chaos();
+    }
     for invariant in instance.invariants() {
         integrator =
             integrator.invariant(Invariant::new(invariant.name, invariant.quantity.clone()));
@@ -82,6 +85,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     watch.out.clone_from(&args.out);
     watch.every = args.every;
     watch.plot.clone_from(&args.plot);
+    watch.follows_chaos = args.lyapunov;
     let mut from = None;
     if let Some(path) = &args.checkpoint {
         let every =
@@ -159,7 +163,7 @@ fn picture<T: Float>(
         let end = finished.run.certificate().end;
         Comparison::new(args.stages, h, finished.instance, end, progress)
     });
-    let text = draw(finished, &watch.path, &watch.energy, comparison.as_ref());
+    let text = draw(finished, watch, comparison.as_ref());
     file.write_all(text.as_bytes())
         .map_err(|source| Fault::Write {
             path: path.clone(),

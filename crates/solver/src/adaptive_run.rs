@@ -46,7 +46,7 @@ impl<T: Float> Adaptive<T> {
         let (t0, t1) = interval.into_inner();
         self.base.check_times(t0, t1)?;
         let stepper = self.start(system, q0, p0, t0)?;
-        self.drive(system, stepper, t1, observer)
+        self.drive(system, stepper, t1, None, observer)
     }
 
     /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at the checkpoint; its certificate is that of the
@@ -64,7 +64,7 @@ impl<T: Float> Adaptive<T> {
     ) -> Result<Run<T>, RunFailure<T>> {
         let stepper = self.resume(system, checkpoint)?;
         self.base.check_times(stepper.inner.t0, end)?;
-        self.drive(system, stepper, end, observer)
+        self.drive(system, stepper, end, Some(checkpoint), observer)
     }
 
     /// A fixed step that would have met the tolerance everywhere between `t0` and `t1`: the smallest of the steps that the tolerance asks for there.
@@ -92,6 +92,7 @@ impl<T: Float> Adaptive<T> {
         system: &H,
         mut stepper: AdaptiveStepper<T, H::Evaluator<T>>,
         end: T,
+        from: Option<&Checkpoint>,
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
         let (times, now) = (&self.base.output_times, stepper.time());
@@ -100,6 +101,7 @@ impl<T: Float> Adaptive<T> {
             record: self.base.record,
             outputs: None,
             dense: DenseWatch::new(system, &self.base, times, &mut stepper.inner)?,
+            chaos: (self.base).watch_chaos(system, &mut stepper.inner, from)?,
         };
         drive(&mut Until { stepper, end }, watchers, observer)
     }

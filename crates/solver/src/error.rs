@@ -160,6 +160,18 @@ pub enum IntegrateError<T: Float> {
         /// Its size.
         step: T,
     },
+    /// No step of which the integral rule of reversible control holds was found.
+    #[error(
+        "no size was found at t = {time} for which h Σ b_i/σ(Y_i) = ε, the last one {step:e} misses it by {miss:e}; take a smaller ε, a smoother σ, or `StepRule::Explicit`"
+    )]
+    StepRuleNotMet {
+        /// Start of the step.
+        time: T,
+        /// The size tried last.
+        step: T,
+        /// By how much of ε it misses the rule.
+        miss: T,
+    },
     /// Step control wants a step below the smallest one allowed, or below the resolution of time.
     #[error(
         "the tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity of H, or the tolerance is too small: loosen it or lower `min_step`"
