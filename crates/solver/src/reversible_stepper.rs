@@ -17,6 +17,8 @@ use std::ops::RangeInclusive;
 
 /// Tries to meet the integral rule.
 const MOST_TRIES: u32 = 25;
+/// A size that meets it within so many units of the last place meets it.
+const ROUND_OFF: i64 = 16;
 
 /// A run with reversible steps that is made step by step.
 #[derive(Debug)]
@@ -233,39 +235,52 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         Ok(self.inner.view())
     }
 
-    /// The size for which h Σ b_i/σ(Y_i) = ε, by a secant from `h`, and the outcome of the step of this size, which is made.
-    ///
-    /// What is left of the rule's error does to the step backwards what it does to the step itself; the two differ by that times the local error, so
-    /// that ε^{2/3} of the numbers is close enough.
-    fn meet_rule(&mut self, mut h: T) -> Result<(T, Outcome), IntegrateError<T>> {
-        let time = self.inner.time();
-        let close = T::EPSILON.cbrt();
-        let close = close * close;
-        let mut last: Option<(T, T)> = None;
-        let mut miss = T::INFINITY;
+    /// The size for which h Σ b_i/σ(Y_i) = ε, by a secant from `h`, and the outcome of the step of this size, which is made. To round-off: what is left of the
+    /// rule's error a step backwards takes as a shift in time.
+    fn meet_rule(&mut self, h: T) -> Result<(T, Outcome), IntegrateError<T>> {
+        let mut secant = Secant {
+            h,
+            slope: T::int(1) / h,
+            last: None,
+        };
+        // α's change the stages as little as the end point: they need not be there until the size nearly is.
+        let constraints = std::mem::take(&mut self.inner.core.constraints);
+        if !constraints.is_empty() {
+            let near = self.search(&mut secant, T::EPSILON.cbrt());
+            self.inner.core.constraints = constraints;
+            let (_, miss) = near?;
+            self.inner.core.guess.refuse();
+            secant.step(miss);
+        }
+        let (outcome, _) = self.search(&mut secant, T::int(ROUND_OFF) * T::EPSILON)?;
+        Ok((secant.h, outcome))
+    }
+
+    /// Makes steps until one misses the rule by at most `close` of ε or as little as rounding lets it; its outcome and miss.
+    fn search(
+        &mut self,
+        secant: &mut Secant<T>,
+        close: T,
+    ) -> Result<(Outcome, T), IntegrateError<T>> {
+        let (near, mut before) = (T::EPSILON.cbrt(), T::INFINITY);
         for _ in 0..MOST_TRIES {
-            if !(h > T::int(0)) || !h.is_finite() {
-                break;
+            let outcome = self.inner.attempt(secant.h)?;
+            let miss = secant.h * self.mean_density()? / self.epsilon - T::int(1);
+            let stagnates = miss.abs() <= near * near && miss.abs() > before / T::int(4);
+            if miss.abs() <= close || stagnates {
+                return Ok((outcome, miss));
             }
-            let outcome = self.inner.attempt(h)?;
-            miss = h * self.mean_density()? / self.epsilon - T::int(1);
-            if miss.abs() <= close {
-                return Ok((h, outcome));
-            }
+            before = miss.abs();
             self.inner.core.guess.refuse();
             if let Some(steps) = &mut self.inner.variable {
                 steps.rejected += 1;
             }
-            let secant = last.map(|(size, before)| h - miss * (h - size) / (miss - before));
-            let bounds = [h / T::int(2), h * T::int(2)];
-            let next = secant.filter(|next| *next > bounds[0] && *next < bounds[1]);
-            last = Some((h, miss));
-            h = next.unwrap_or_else(|| (h / (T::int(1) + miss)).max(bounds[0]).min(bounds[1]));
+            secant.step(miss);
         }
         Err(IntegrateError::StepRuleNotMet {
-            time,
-            step: h,
-            miss,
+            time: self.inner.time(),
+            step: secant.h,
+            miss: before,
         })
     }
 
@@ -351,5 +366,30 @@ impl<T: Float, E: Evaluate<T>> Schedule<T, E> for ReversibleStepper<T, E> {
 
     fn advance(&mut self) -> Result<(), IntegrateError<T>> {
         ReversibleStepper::advance(self).map(|_| ())
+    }
+}
+
+/// A root of the rule on the way: size, slope of what it misses, and the size and the miss before.
+#[derive(Debug)]
+struct Secant<T> {
+    h: T,
+    slope: T,
+    last: Option<(T, T)>,
+}
+
+impl<T: Float> Secant<T> {
+    /// The next size, at most twice or half the last one.
+    fn step(&mut self, miss: T) {
+        let h = self.h;
+        if let Some((size, before)) = self.last {
+            // Sizes that hardly differ tell nothing new of the slope.
+            let slope = (miss - before) / (h - size);
+            if (h - size).abs() > T::EPSILON.cbrt() * h && slope > T::int(0) {
+                self.slope = slope;
+            }
+        }
+        self.last = Some((h, miss));
+        let two = T::int(2);
+        self.h = (h - miss / self.slope).max(h / two).min(h * two);
     }
 }

@@ -23,6 +23,9 @@ use equip_scalar::Float;
 /// Most unknowns 2m for which A² is made.
 const MOST_UNKNOWNS: usize = 512;
 
+/// The difference that stands for the rate of the automatic density spans 1/32 of its time either way: long enough for rounding not to add up in the sizes.
+const SHARE: i64 = 32;
+
 #[derive(Debug)]
 pub(crate) struct StepDensity<T: Float> {
     source: Source<T>,
@@ -113,7 +116,7 @@ impl<T: Float> StepDensity<T> {
         energy.hessian_vector(y, &self.f, &mut self.slope);
         turn(&self.slope, &mut self.second);
         let now = self.source.at(y, energy, counts)?;
-        let delta = T::EPSILON.sqrt().sqrt() / now;
+        let delta = T::ratio(1, SHARE) / now;
         let mut end = |delta: T| {
             let half = delta * delta / T::int(2);
             for (j, x) in self.point.iter_mut().enumerate() {
