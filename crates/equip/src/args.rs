@@ -65,6 +65,7 @@ pub(crate) struct ScenesArgs {
         equip run pendulum --precision dd --stages 8 --step 1/10 --until 50\n  \
         equip run kepler --e 0.9 --stages 8 --tolerance 1e-12 --periods 1000 --checkpoint kepler.checkpoint\n  \
         equip run henon-heiles --energy 1/8 --q2 -0.25 --p2 0 --stages 6 --tolerance 1e-10 --until 10000 --lyapunov\n  \
+        equip run kepler --e 0.3 --periods 100 --target-error 1e-8\n  \
         equip run kepler --json | jq .energy.max_defect\n\n\
         `equip run SCENE --help` lists the parameters of that scene."
 )]
@@ -105,6 +106,15 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) tolerance: Option<String>,
+    /// A fixed step for which the largest error of a position or momentum at the end is about ERROR, found by trial runs over one period of the scene (or
+    /// the whole run if that is shorter than two); from there errors are taken to grow linearly, as they do for regular motion
+    #[arg(
+        long,
+        value_name = "ERROR",
+        conflicts_with_all = ["step", "steps_per_period", "tolerance"],
+        help_heading = "Method"
+    )]
+    pub(crate) target_error: Option<String>,
     /// Time to end at; the scene's suggestion if not given
     #[arg(
         long,

@@ -6,5 +6,5 @@ pub use equip_solver::{
     Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, ChaosIndicators, Checkpoint, Counts,
     Direction, Equip, Event, FixedStep, Gauss, IntegrateError, Invariant, Method, Observer,
     Occurrence, OnNoAlpha, Outcome, Record, Reversible, ReversibleStepper, Run, RunFailure,
-    StageSolver, Step, StepView, Stepper, TangentMap, Trajectory, VariableSteps,
+    StageSolver, Step, StepRule, StepView, Stepper, TangentMap, Target, Trajectory, VariableSteps,
 };
