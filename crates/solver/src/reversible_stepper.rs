@@ -23,7 +23,7 @@ const ROUND_OFF: i64 = 16;
 /// A run with reversible steps that is made step by step.
 #[derive(Debug)]
 pub struct ReversibleStepper<T: Float, E> {
-    inner: Stepper<T, E>,
+    pub(crate) inner: Stepper<T, E>,
     sigma: StepDensity<T>,
     rule: StepRule,
     epsilon: T,

@@ -16,6 +16,7 @@ use crate::error::IntegrateError;
 use crate::hessians::StageHessians;
 use crate::linearisation::Linearisation;
 use crate::outcome::Counts;
+use crate::reversible_stepper::ReversibleStepper;
 use crate::stages::Stages;
 use crate::stepper::Stepper;
 use equip_autodiff::{Evaluate, System};
@@ -32,9 +33,11 @@ pub trait Steps<T: Float, E>: sealed::Inner<T, E> {}
 
 impl<T: Float, E: Evaluate<T>> Steps<T, E> for Stepper<T, E> {}
 impl<T: Float, E: Evaluate<T>> Steps<T, E> for AdaptiveStepper<T, E> {}
+impl<T: Float, E: Evaluate<T>> Steps<T, E> for ReversibleStepper<T, E> {}
 
 mod sealed {
     use crate::adaptive_stepper::AdaptiveStepper;
+    use crate::reversible_stepper::ReversibleStepper;
     use crate::stepper::Stepper;
     use equip_scalar::Float;
 
@@ -54,6 +57,16 @@ mod sealed {
     }
 
     impl<T: Float, E> Inner<T, E> for AdaptiveStepper<T, E> {
+        fn inner(&self) -> &Stepper<T, E> {
+            &self.inner
+        }
+
+        fn inner_mut(&mut self) -> &mut Stepper<T, E> {
+            &mut self.inner
+        }
+    }
+
+    impl<T: Float, E> Inner<T, E> for ReversibleStepper<T, E> {
         fn inner(&self) -> &Stepper<T, E> {
             &self.inner
         }

@@ -257,7 +257,7 @@ fn what_a_pericentre_leaves_is_repaired() {
         c.counts.steps,
         c.energy_in_floors.unwrap()
     );
-    // Measured XXX. Without fewer α's a fifth of the steps is carried.
+    // Measured 8.2e-13, 1.5e-15, none of 1832, 7.84. Without fewer α's a fifth of the steps is carried.
     assert!(carried <= c.counts.steps / 500);
     assert!(c.energy_in_floors.unwrap() <= 8.0);
     assert!(error(&scene, &made) < 1e-11);
@@ -298,10 +298,13 @@ fn pythagorean_through_its_close_encounters() {
             let c = made.certificate();
             let energy = c.energy.as_ref().unwrap();
             println!(
-                "{tolerance:e}, {method}: q {errors:.1e?}, {} steps, energy {:.1e} ({:.1?} floors), end {:.1e}, {} carried",
+                "{tolerance:e}, {method}: q {:.1e} {:.1e} {:.1e}, {} steps, energy {:.1e} ({:.1} floors), end {:.1e}, {} carried",
+                errors[0],
+                errors[1],
+                errors[2],
                 c.counts.steps,
                 energy.max,
-                c.energy_in_floors,
+                c.energy_in_floors.unwrap_or(0.0),
                 energy.end,
                 c.counts.outcome(Outcome::Carried)
             );

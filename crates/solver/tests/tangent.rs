@@ -104,13 +104,14 @@ fn order_and_chaos_of_henon_heiles() {
             "chaotic, t = {t:e}: {x:?}, λt/2 = {:.1}",
             x.lyapunov * t / 2.0
         );
-        // Measured 0.98 to 1.07: MEGNO forgets the start, λ(t) does not.
+        // Measured 0.98 to 0.99, on another trajectory 1.03 and 1.07.
         let ratio = x.megno / (x.lyapunov * t / 2.0);
         assert!((0.8..1.25).contains(&ratio), "{ratio}");
     }
-    // λ(t) of a chaotic orbit wanders: measured 0.076, 0.053 and XXX, and 0.043 at t = 10⁵.
+    // λ(t) of a chaotic orbit wanders, and any rounding leads to another one: measured 0.076, 0.056 and 0.050; on another trajectory 0.076, 0.053, and
+    // 0.043 at t = 10⁵.
     let found = chaotic[2].lyapunov;
-    assert!((found - 0.047).abs() < 0.25 * 0.047, "{found}");
+    assert!((found - 0.047).abs() < 0.35 * 0.047, "{found}");
     let regular = indicators("0.483", "0", &times[..2]);
     for (t, x) in times.iter().zip(&regular) {
         println!("regular, t = {t:e}: {x:?}");
