@@ -10,6 +10,7 @@ use crate::observer::{NoObserver, Observer};
 use crate::options::Record;
 use crate::run::{Run, RunFailure};
 use crate::stepper::Stepper;
+use crate::tangent_chaos::Chaos;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
@@ -101,7 +102,7 @@ impl<T: Float> Adaptive<T> {
             record: self.base.record,
             outputs: None,
             dense: DenseWatch::new(system, &self.base, times, &mut stepper.inner)?,
-            chaos: (self.base).watch_chaos(system, &mut stepper.inner, from)?,
+            chaos: Chaos::of_run(system, &self.base, &mut stepper.inner, from)?,
         };
         drive(&mut Until { stepper, end }, watchers, observer)
     }

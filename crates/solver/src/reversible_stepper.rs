@@ -11,6 +11,7 @@ use crate::reversible::{Reversible, StepRule};
 use crate::run::{Run, RunFailure};
 use crate::step_density::StepDensity;
 use crate::stepper::{StepView, Stepper};
+use crate::tangent_chaos::Chaos;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
@@ -172,7 +173,7 @@ impl<T: Float> Reversible<T> {
             record: self.base.record,
             outputs: None,
             dense: DenseWatch::new(system, &self.base, times, &mut stepper.inner)?,
-            chaos: (self.base).watch_chaos(system, &mut stepper.inner, from)?,
+            chaos: Chaos::of_run(system, &self.base, &mut stepper.inner, from)?,
         };
         stepper.end = end;
         drive(&mut stepper, watchers, observer)

@@ -140,19 +140,9 @@ impl<T: Float> FixedStep<T> {
             record: self.record,
             outputs,
             dense: DenseWatch::new(system, self, &[], &mut stepper)?,
-            chaos: self.watch_chaos(system, &mut stepper, from)?,
+            chaos: Chaos::of_run(system, self, &mut stepper, from)?,
         };
         drive(&mut OnGrid { stepper, grid }, watchers, observer)
-    }
-
-    /// The deviation to follow, if one is asked for.
-    pub(crate) fn watch_chaos<H: System>(
-        &self,
-        system: &H,
-        stepper: &mut Stepper<T, H::Evaluator<T>>,
-        from: Option<&Checkpoint>,
-    ) -> Result<Option<Chaos<T, H::Evaluator<T>>>, IntegrateError<T>> {
-        (self.chaos.then(|| Chaos::of_run(system, stepper, from))).transpose()
     }
 
     /// The interval, and the output times in it.

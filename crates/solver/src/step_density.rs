@@ -38,7 +38,7 @@ pub(crate) struct StepDensity<T: Float> {
 #[derive(Debug)]
 enum Source<T: Float> {
     /// σ.
-    Given(<Hamiltonian as System>::Evaluator<T>),
+    Given(Box<<Hamiltonian as System>::Evaluator<T>>),
     Automatic {
         pattern: Pattern,
         entries: Vec<T>,
@@ -63,7 +63,7 @@ impl<T: Float> StepDensity<T> {
                     found: sigma.degrees_of_freedom(),
                 });
             }
-            Some(sigma) => Source::Given(sigma.evaluator::<T>()),
+            Some(sigma) => Source::Given(Box::new(sigma.evaluator::<T>())),
             None if n > MOST_UNKNOWNS => {
                 return Err(IntegrateError::Option {
                     option: "degrees of freedom",

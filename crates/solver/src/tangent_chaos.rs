@@ -10,6 +10,7 @@
 
 use crate::checkpoint::{ChaosMemory, Checkpoint, Exact};
 use crate::error::IntegrateError;
+use crate::options::FixedStep;
 use crate::stepper::Stepper;
 use crate::tangent::{Steps, TangentMap};
 use equip_autodiff::{Evaluate, System};
@@ -128,15 +129,19 @@ pub(crate) fn any_deviation<T: Float>(n: usize) -> Vec<T> {
 }
 
 impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
-    /// What a whole run follows, from its start or from the checkpoint it goes on from.
+    /// What a whole run with `options` follows, if it follows anything, from its start or from the checkpoint it goes on from.
     ///
     /// # Errors
     /// A checkpoint of a run that followed no deviation.
     pub(crate) fn of_run<H: System<Evaluator<T> = E>>(
         system: &H,
+        options: &FixedStep<T>,
         stepper: &mut Stepper<T, E>,
         from: Option<&Checkpoint>,
-    ) -> Result<Self, IntegrateError<T>> {
+    ) -> Result<Option<Self>, IntegrateError<T>> {
+        if !options.chaos {
+            return Ok(None);
+        }
         let mut chaos = Chaos::new(system, stepper, &any_deviation(stepper.y.hi.len()));
         if let Some(from) = from {
             let Some(memory) = &from.chaos else {
@@ -153,7 +158,7 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
             chaos.weighted = weighted.read()?;
             chaos.sum = sum.read()?;
         }
-        Ok(chaos)
+        Ok(Some(chaos))
     }
 
     pub(crate) fn memory(&self) -> ChaosMemory {
