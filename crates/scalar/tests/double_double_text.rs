@@ -69,7 +69,8 @@ fn parsing_is_correctly_rounded() {
         }
         assert_eq!(x.hi(), text.parse().unwrap_or(f64::NAN), "{text}");
         let distance = exact.sub(&big(x), 2400, RM).abs();
-        let half_unit = crate::common::double(&distance) <= x.lo().abs() * f64::EPSILON * 0.5 + 3e-324;
+        let half_unit =
+            crate::common::double(&distance) <= x.lo().abs() * f64::EPSILON * 0.5 + 3e-324;
         assert!(half_unit, "{text} gave {x:?}");
     }
 }

@@ -83,6 +83,7 @@ pub struct FixedStep<T: Float> {
     pub(crate) output_times: Vec<T>,
     pub(crate) dense: bool,
     pub(crate) events: Vec<Event<T>>,
+    pub(crate) chaos: bool,
 }
 
 /// Options after validation, in the form the step wants them.
@@ -135,6 +136,7 @@ impl<T: Float> FixedStep<T> {
             output_times: Vec::new(),
             dense: false,
             events: Vec::new(),
+            chaos: false,
         }
     }
 
@@ -232,6 +234,15 @@ impl<T: Float> FixedStep<T> {
     #[must_use]
     pub fn event(mut self, event: Event<T>) -> Self {
         self.events.push(event);
+        self
+    }
+
+    /// Carry a small deviation along: the certificate then has the largest Lyapunov exponent and MEGNO
+    /// ([`ChaosIndicators`](crate::ChaosIndicators)), and observers see them grow. The steps do not change by a single bit; each costs s Hessians and a few
+    /// sweeps more.
+    #[must_use]
+    pub fn chaos(mut self) -> Self {
+        self.chaos = true;
         self
     }
 

@@ -37,6 +37,8 @@ pub(crate) struct Core<T: Float, E> {
     middles: Vec<State<T>>,
     /// ∇H where the next step starts.
     start: KnownGradient<T>,
+    /// Whether a step for which no admissible α was found is tried with fewer of them before it is carried.
+    pub(crate) last_resort: bool,
     /// The parts of the step, if dense output is wanted.
     pub(crate) parts: Parts<T>,
 }
@@ -114,6 +116,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 y: vec![T::NAN; n],
                 gradient: vec![T::int(0); n],
             },
+            last_resort: true,
             parts: Parts::new(),
             stages: Stages::new(gauss, n),
             settings,
@@ -158,8 +161,20 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
             Err(failure) => failure,
         };
-        // A defect of a few floors that no α removes is round-off.
-        if failure == Failure::NoAlpha && nearly_met(&self.constraints) {
+        // A defect of a few floors that no α removes is round-off, …
+        let round_off = failure == Failure::NoAlpha && nearly_met(&self.constraints);
+        // … but one that only an earlier step may call so is worth another try here.
+        let wanted = if round_off {
+            self.has_inherited()
+        } else {
+            self.last_resort && level == self.settings.max_halvings
+        };
+        if failure == Failure::NoAlpha && wanted && self.with_fewer_alphas(y, h, next) {
+            self.constraints.iter_mut().for_each(Constraint::accept);
+            self.parts.add(y, t, h, &self.stages);
+            return Ok(Outcome::Solved);
+        }
+        if round_off {
             return self.without_alpha(y, t, h, next);
         }
         if level < self.settings.max_halvings {
@@ -212,7 +227,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ) -> Result<Outcome, IntegrateError<T>> {
         let swept = self.sweep(y, h, false, next).is_ok();
         if !swept {
-            self.solve(y, h, false, Norm::Plain, next)
+            self.solve(y, h, false, (Norm::Plain, 0), next)
                 .map_err(|failure| self.error(failure, t, h))?;
         }
         let sizes = match &self.sweeps {
@@ -226,13 +241,32 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
         self.accept(next);
         let at_floor = worst(&self.constraints, Constraint::in_judging_floors);
-        if at_floor <= T::int(ENERGY_STAGNATED) {
+        // With all of the 8 floors that are promised: nothing more is evaluated.
+        if at_floor <= T::int(ENERGY_STAGNATED + 1) {
             return Ok(Outcome::AtFloor);
         }
         match self.settings.on_no_alpha {
             OnNoAlpha::Carry => Ok(Outcome::Carried),
             OnNoAlpha::Refuse => Err(self.error(Failure::NoAlpha, t, h)),
         }
+    }
+
+    /// The last α's move the energy least for what they move the end point, and so are the first to be asked for; in a step that is well resolved they move it
+    /// so little that they meet their bound over a defect which an earlier step has left. The others need not: the step without the last α, without the last
+    /// two, … Returns whether one was found.
+    fn with_fewer_alphas(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> bool {
+        let most = self.free_alphas().saturating_sub(self.constraints.len());
+        (1..=most).any(|left_out| {
+            let solved = self.solve(y, h, true, (Norm::Resolved, left_out), next);
+            solved.is_ok()
+        })
+    }
+
+    /// Whether a defect with α = 0 is beyond the step's own floor, and so round-off of an earlier step only.
+    fn has_inherited(&self) -> bool {
+        let most = T::int(ENERGY_STAGNATED);
+        let beyond = |c: &Constraint<T>| c.without_alpha.abs() > most * c.floor;
+        self.constraints.iter().any(beyond)
     }
 
     /// One try at the full size: by sweeps if they contract, else by Newton, the α's by the norm that spares the slow motion,
@@ -244,10 +278,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             {
                 return Err(sweeps.failure(trouble));
             }
-            let mut solved = self.solve(y, h, constrained, Norm::Resolved, next);
+            let mut solved = self.solve(y, h, constrained, (Norm::Resolved, 0), next);
             let again = self.free_alphas() > 1 && !nearly_met(&self.constraints);
             if solved == Err(Failure::NoAlpha) && again {
-                solved = self.solve(y, h, constrained, Norm::Plain, next);
+                solved = self.solve(y, h, constrained, (Norm::Plain, 0), next);
             }
             solved?;
         }
@@ -341,7 +375,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         y: &State<T>,
         h: T,
         constrained: bool,
-        norm: Norm,
+        (norm, left_out): (Norm, usize),
         next: &mut State<T>,
     ) -> Result<(), Failure<T>> {
         let task = StepTask {
@@ -349,6 +383,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             h,
             constrained,
             first: self.settings.first_alpha.unwrap_or(1),
+            end: self.stages.count() - left_out,
             norm,
             alpha_bound: self.settings.alpha_bound,
             max_iterations: self.settings.max_iterations,

@@ -11,6 +11,7 @@ mod extended;
 mod memory;
 mod reversible;
 mod stage_solvers;
+mod suggest;
 mod tangent;
 
 /// A file of tests that is not named above would be left out in silence.
