@@ -110,7 +110,7 @@ fn kepler_1000_periods() {
 // Long ones.
 
 #[test]
-#[ignore = "a minute: 80 000 steps for the pericentre; run with `--test agreement -- --ignored`"]
+#[ignore = "a minute: 80 000 steps for the pericentre; run with `--test all agreement:: -- --ignored`"]
 fn kepler_with_eccentricity_nine_tenths_in_f64() {
     // Measured 9.8.
     let h = std::f64::consts::TAU / 800.0;
@@ -118,7 +118,7 @@ fn kepler_with_eccentricity_nine_tenths_in_f64() {
 }
 
 #[test]
-#[ignore = "a minute: 12 800 steps in double-double; run with `--test agreement -- --ignored`"]
+#[ignore = "a minute: 12 800 steps in double-double; run with `--test all agreement:: -- --ignored`"]
 fn fpu_in_double_double() {
     // Measured 26.3, in 68 s with simplified Newton.
     assert!(digits("fpu_hlw", Equip::stages(13), dd(1, 64)) > 22.0);
@@ -131,14 +131,14 @@ fn outer_solar_system_in_double_double() {
 }
 
 #[test]
-#[ignore = "a minute of small steps; run with `--test agreement -- --ignored`"]
+#[ignore = "a minute of small steps; run with `--test all agreement:: -- --ignored`"]
 fn arenstorf_in_double_double() {
     // Measured 26.3; the reference has 26 digits.
     assert!(digits("arenstorf", Equip::stages(12), dd(1, 2000)) > 25.8);
 }
 
 #[test]
-#[ignore = "minutes: 40 000 steps for the pericentre; run with `--test agreement -- --ignored`"]
+#[ignore = "minutes: 40 000 steps for the pericentre; run with `--test all agreement:: -- --ignored`"]
 fn kepler_with_eccentricity_nine_tenths() {
     // Measured 8.0 with 100 steps per period; from the order, 24, expected 22.4 with 400. Not yet run.
     let h = DoubleDouble::TAU / dd(400, 1);
@@ -146,7 +146,7 @@ fn kepler_with_eccentricity_nine_tenths() {
 }
 
 #[test]
-#[ignore = "1.2 digits at h = 1e-3: a fixed step that resolves the close encounters takes minutes; run with `--test agreement -- --ignored`"]
+#[ignore = "1.2 digits at h = 1e-3: a fixed step that resolves the close encounters takes minutes; run with `--test all agreement:: -- --ignored`"]
 fn pythagorean_until_10() {
     assert!(digits("pythagorean", Equip::stages(8), 1.0 / 16384.0) > 6.0);
 }

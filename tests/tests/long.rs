@@ -165,13 +165,13 @@ fn kepler_a_hundred_thousand_steps() {
 }
 
 #[test]
-#[ignore = "long: run with cargo test -p equip-tests --release --test long -- --ignored"]
+#[ignore = "long: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
 fn kepler_ten_million_steps_with_3_stages() {
     kepler_keeps_both(3, 160, 10_000_000);
 }
 
 #[test]
-#[ignore = "long: run with cargo test -p equip-tests --release --test long -- --ignored"]
+#[ignore = "long: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
 fn kepler_ten_million_steps_with_4_stages() {
     kepler_keeps_both(4, 100, 10_000_000);
 }
@@ -218,13 +218,13 @@ fn outer_solar_system_keeps_both(days: f64) {
 }
 
 #[test]
-#[ignore = "long: run with cargo test -p equip-tests --release --test long -- --ignored"]
+#[ignore = "long: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
 fn outer_solar_system_a_million_days() {
     outer_solar_system_keeps_both(1e6);
 }
 
 #[test]
-#[ignore = "long, hours: run with cargo test -p equip-tests --release --test long -- --ignored"]
+#[ignore = "long, hours: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
 fn outer_solar_system_a_hundred_million_days() {
     outer_solar_system(Gauss::stages(6), 100.0, 1e8).walks_at_random();
     outer_solar_system(Equip::stages(6), 100.0, 1e8).keeps_both();

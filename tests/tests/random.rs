@@ -1,6 +1,6 @@
 //! Random Hamiltonians, starts, numbers of stages, steps over six decades: every run ends well.
 //!
-//! One case: `EQUIP_RANDOM_SEED=17 cargo test -p equip-tests --test random -- --nocapture`.
+//! One case: `EQUIP_RANDOM_SEED=17 cargo test -p equip-tests --test all random:: -- --nocapture`.
 //! More cases: `EQUIP_RANDOM_CASES=100000`.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 

@@ -51,7 +51,22 @@ def fput_beta(parameters, _n):
     return list(zip(q, p)) + [(p[i], f[i + 1] - f[i]) for i in range(n)]
 
 
+def pythagorean(masses, _n):
+    q = hy.make_vars(*[f"q{i}" for i in range(6)])
+    v = hy.make_vars(*[f"v{i}" for i in range(6)])
+    acceleration = [[] for _ in range(6)]
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        d = [q[2 * i + k] - q[2 * j + k] for k in range(2)]
+        inverse_cube = hy.sum([d[0] ** 2, d[1] ** 2]) ** (-1.5)
+        for k in range(2):
+            pull = d[k] * inverse_cube
+            acceleration[2 * i + k].append(-masses[j] * pull)
+            acceleration[2 * j + k].append(masses[i] * pull)
+    return list(zip(q, v)) + [(u, hy.sum(a)) for u, a in zip(v, acceleration)]
+
+
 SYSTEMS = {
+    "pythagorean": pythagorean,
     "kepler": kepler,
     "henon-heiles": henon_heiles,
     "spring-pendulum": spring_pendulum,

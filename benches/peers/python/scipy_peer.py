@@ -83,7 +83,27 @@ def outer_solar_system(parameters):
     return slope
 
 
+def pythagorean(masses):
+    pairs = ((0, 1), (0, 2), (1, 2))
+
+    def slope(_t, y):
+        y = y.tolist()
+        a = [0.0] * 6
+        for i, j in pairs:
+            u, v = y[2 * i] - y[2 * j], y[2 * i + 1] - y[2 * j + 1]
+            r2 = u * u + v * v
+            pull = 1.0 / (r2 * math.sqrt(r2))
+            a[2 * i] -= masses[j] * pull * u
+            a[2 * i + 1] -= masses[j] * pull * v
+            a[2 * j] += masses[i] * pull * u
+            a[2 * j + 1] += masses[i] * pull * v
+        return y[6:] + a
+
+    return slope
+
+
 SYSTEMS = {
+    "pythagorean": pythagorean,
     "kepler": kepler,
     "henon-heiles": henon_heiles,
     "spring-pendulum": spring_pendulum,

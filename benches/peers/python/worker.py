@@ -1,6 +1,7 @@
 """The Python peers: reads one request a line, runs it, answers one line.
 
 Request: {"key", "peer", "variant", "system", "parameters", "q", "v", "end", "setting", "turn", "repeats"}.
+         {"peer": "versions"} asks for the versions alone.
 Answer:  {"seconds", "q", "v", "steps"} or {"error"}; numbers of the state as decimal text.
 
 Integrators are built once for each key and setting: what compiling takes is not timed. Timed is the CPU time of this
@@ -10,6 +11,10 @@ thread over the call that propagates, less what the same call takes when there i
 import json
 import sys
 from time import thread_time
+
+import heyoka
+import rebound
+import scipy
 
 import heyoka_peer
 import rebound_peer
@@ -25,7 +30,13 @@ def timed(run):
     return thread_time() - begun
 
 
+def versions():
+    return {"heyoka": heyoka.__version__, "rebound": rebound.__version__, "scipy": scipy.__version__}
+
+
 def answer(request):
+    if request["peer"] == "versions":
+        return versions()
     key = (request["key"], request["setting"])
     if key not in built:
         built[key] = PEERS[request["peer"]].build(request)

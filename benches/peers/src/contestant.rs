@@ -21,19 +21,19 @@ pub struct Ladder {
 }
 
 impl Ladder {
-    /// Tolerances 10^−`from`, …, in halves of a decade, down to 10^−`to`.
+    /// Tolerances 10^−`from`, …, decade by decade, down to 10^−`to`.
     pub fn tolerances(from: i32, to: i32) -> Self {
         Ladder {
             knob: Knob::Tolerance,
             first: 10_f64.powi(-from),
-            factor: 0.1_f64.sqrt(),
-            count: 2 * (to - from) + 1,
+            factor: 0.1,
+            count: to - from + 1,
         }
     }
 
-    /// Numbers of steps from `fewest`, each a fifth more than the one before, up to `most`.
+    /// Numbers of steps from `fewest`, each by 2/5 larger than the one before, up to `most`.
     pub fn steps(fewest: f64, most: f64) -> Self {
-        let factor = 1.2_f64;
+        let factor = 1.4_f64;
         Ladder {
             knob: Knob::Steps,
             first: fewest,

@@ -10,19 +10,23 @@ mod problem;
 mod python;
 mod race;
 mod rust_peers;
+mod scenes;
 mod table;
 mod task;
+mod versions;
 
 use clap::Parser;
 use contestant::Contestant;
+use equip::autodiff::Static;
 use equip::prelude::*;
-use ours::Ours;
+use ours::{Ours, Sizes, Solver, Variant};
 use problem::{ByHand, Problem};
+use scenes::NAMES;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use task::{NAMES, Task, WithTask};
+use task::{Task, WithTask};
 
 /// equip beside other integrators: CPU time to reach an accuracy, interleaved on one core
 #[derive(Debug, Parser)]
@@ -38,76 +42,143 @@ struct Args {
     /// Contestants whose name contains one of these, like heyoka or "equip closure"
     #[arg(long)]
     only: Vec<String>,
-    /// Stages of ours
-    #[arg(long, value_delimiter = ',', default_values_t = [4, 6, 8, 10])]
+    /// Stages of ours; four more in double-double
+    #[arg(long, value_delimiter = ',', default_values_t = [4, 6, 8, 10, 12, 16])]
     stages: Vec<usize>,
-    /// Where to write peers.csv and peers.json
+    /// How our stages are solved
+    #[arg(long, value_delimiter = ',', default_values = ["automatic", "sweeps"])]
+    solver: Vec<Solver>,
+    /// How our steps are chosen; each scene leaves out what is hopeless there
+    #[arg(long, value_delimiter = ',', default_values = ["equal", "variable"])]
+    steps: Vec<Sizes>,
+    /// Fewer variants of ours, fewer rounds: closure and trait by sweeps with 6, 8 and 12 stages, three rounds
+    #[arg(long)]
+    quick: bool,
+    /// Where to write peers.csv, peers.json and peers.md
     #[arg(long, default_value = "out")]
     out: PathBuf,
+}
+
+impl Args {
+    /// The variants of EQUIP to be run on a task.
+    fn variants(&self, task: &Task) -> Vec<Variant> {
+        let add = if task.extended() { 4 } else { 0 };
+        let mut all = Vec::new();
+        for &sizes in self.steps.iter().filter(|s| task.sizes.contains(s)) {
+            for &solver in &self.solver {
+                all.extend(self.stages.iter().map(|s| Variant {
+                    stages: s + add,
+                    sizes,
+                    solver,
+                }));
+            }
+        }
+        all
+    }
+}
+
+fn ours<H: System + 'static, T: Float>(
+    system: &Rc<H>,
+    route: &'static str,
+    variant: Variant,
+    task: &Task,
+) -> Box<dyn Contestant> {
+    Box::new(Ours::<H, T>::new(system, route, variant, task))
 }
 
 struct Run {
     args: Args,
     worker: Option<Rc<RefCell<python::Worker>>>,
+    /// Programs and their versions.
+    versions: Value,
     csv: String,
+    markdown: String,
     scenes: Vec<Value>,
 }
 
 impl WithTask for Run {
     fn with<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String> {
-        let m = task.q.len();
-        let text = |e: BuildError| e.to_string();
-        let by_closure = problem.clone();
-        let closure = Rc::new(Hamiltonian::new(m, |q, p| by_closure.energy(q, p)).map_err(text)?);
-        let compiled = Rc::new(Hamiltonian::from_energy(problem.clone()).map_err(text)?);
-        let by_hand = Rc::new(Hamiltonian::from_energy(ByHand(problem.clone())).map_err(text)?);
+        let mut all = self.peers(&task);
+        all.extend(rust_peers::contestants(&problem, &task));
+        if task.sizes.contains(&Sizes::Equal) {
+            all.extend(composition::contestants(&problem, &task));
+        }
+        let (closure, compiled) = both_routes(&problem)?;
+        let by_hand = Hamiltonian::from_energy(ByHand(problem)).map_err(|e| e.to_string())?;
         by_hand
             .check_gradient(&[task.q.clone(), task.p.clone()].concat())
             .map_err(|e| e.to_string())?;
-        let mut all: Vec<Box<dyn Contestant>> = Vec::new();
-        let extended = task.targets[0] < 1e-6;
-        if !extended {
-            all.extend(rust_peers::contestants(&problem, &task));
-        }
-        if let Some(worker) = &self.worker {
-            all.extend(python::contestants(worker, &task));
-        }
-        let add = if extended { 4 } else { 0 };
-        for s in self.args.stages.iter().map(|s| s + add) {
-            if extended {
-                all.push(Box::new(Ours::<_, DoubleDouble>::new(
-                    &closure, "closure", s, &task,
-                )));
-                all.push(Box::new(Ours::<_, DoubleDouble>::new(
-                    &compiled, "trait", s, &task,
-                )));
-            } else {
-                all.push(Box::new(Ours::<_, f64>::new(&closure, "closure", s, &task)));
-                all.push(Box::new(Ours::<_, f64>::new(&compiled, "trait", s, &task)));
-                all.push(Box::new(Ours::<_, f64>::new(&by_hand, "by hand", s, &task)));
+        let by_hand = Rc::new(by_hand);
+        for variant in self.args.variants(&task) {
+            all.push(ours::<_, f64>(&closure, "closure", variant, &task));
+            all.push(ours::<_, f64>(&compiled, "trait", variant, &task));
+            if !self.args.quick {
+                all.push(ours::<_, f64>(&by_hand, "by hand", variant, &task));
             }
         }
+        self.race(&task, all)
+    }
+
+    fn with_extended<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String> {
+        let mut all = self.peers(&task);
+        let (closure, compiled) = both_routes(&problem)?;
+        for variant in self.args.variants(&task) {
+            all.push(ours::<_, DoubleDouble>(&closure, "closure", variant, &task));
+            all.push(ours::<_, DoubleDouble>(&compiled, "trait", variant, &task));
+        }
+        self.race(&task, all)
+    }
+}
+
+/// H given as a closure, and by the trait.
+#[expect(
+    clippy::type_complexity,
+    reason = "the two routes have names of their own nowhere else"
+)]
+fn both_routes<P: Problem>(
+    problem: &P,
+) -> Result<(Rc<Hamiltonian>, Rc<Hamiltonian<Static<P>>>), String> {
+    let by_closure = problem.clone();
+    let m = problem.degrees_of_freedom();
+    let closure = Hamiltonian::new(m, |q, p| by_closure.energy(q, p));
+    let compiled = Hamiltonian::from_energy(problem.clone());
+    Ok((
+        Rc::new(closure.map_err(|e| e.to_string())?),
+        Rc::new(compiled.map_err(|e| e.to_string())?),
+    ))
+}
+
+impl Run {
+    /// The Python peers, if there are any.
+    fn peers(&self, task: &Task) -> Vec<Box<dyn Contestant>> {
+        let worker = self.worker.as_ref();
+        worker.map_or_else(Vec::new, |worker| python::contestants(worker, task))
+    }
+
+    fn race(&mut self, task: &Task, mut all: Vec<Box<dyn Contestant>>) -> Result<(), String> {
         let wanted = &self.args.only;
         all.retain(|c| {
             let name = format!("{} {}", c.program(), c.method());
             wanted.is_empty() || wanted.iter().any(|w| name.contains(w.as_str()))
         });
-        let lanes = race::race(&task, all, self.args.rounds, |text| eprintln!("{text}"));
-        print!("{}", table::text(&task, &lanes));
-        self.csv.push_str(&table::csv(&task, &lanes));
-        self.scenes.push(table::json(&task, &lanes));
+        let lanes = race::race(task, all, self.args.rounds, |text| eprintln!("{text}"));
+        print!("{}", table::text(task, &lanes));
+        self.csv.push_str(&table::csv(task, &lanes));
+        self.markdown.push_str(&table::markdown(task, &lanes));
+        self.scenes.push(table::json(task, &lanes));
         self.write()
     }
-}
 
-impl Run {
     /// Writes what there is; after every scene, so that an end before the last one loses little.
     fn write(&self) -> Result<(), String> {
         let text = |e: std::io::Error| format!("{}: {e}", self.args.out.display());
         std::fs::create_dir_all(&self.args.out).map_err(text)?;
         let csv = format!("{}{}", table::HEADER, self.csv);
+        let table = format!("{}{}", table::MARKDOWN_HEADER, self.markdown);
+        std::fs::write(self.args.out.join("peers.md"), table).map_err(text)?;
         std::fs::write(self.args.out.join("peers.csv"), csv).map_err(text)?;
-        let document = json!({"version": 1, "cpu": cpu(), "scenes": self.scenes});
+        let document =
+            json!({"version": 1, "cpu": cpu(), "versions": self.versions, "scenes": self.scenes});
         let document = serde_json::to_string_pretty(&document).map_err(|e| e.to_string())?;
         std::fs::write(self.args.out.join("peers.json"), document + "\n").map_err(text)
     }
@@ -122,7 +193,10 @@ fn cpu() -> String {
 }
 
 fn main() -> Result<(), String> {
-    let args = Args::parse();
+    let mut args = Args::parse();
+    if args.quick {
+        (args.stages, args.solver, args.rounds) = (vec![6, 8, 12], vec![Solver::Sweeps], 3);
+    }
     clock::pin(args.core)
         .map_err(|e| format!("core {}: {e}; choose another with --core", args.core))?;
     let home = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -133,6 +207,8 @@ fn main() -> Result<(), String> {
             None
         }
     };
+    let versions = versions::of_all(worker.as_ref());
+    eprintln!("{versions}");
     let chosen = |name: &&&str| {
         args.scenes.is_empty() || args.scenes.iter().any(|s| name.contains(s.as_str()))
     };
@@ -140,11 +216,13 @@ fn main() -> Result<(), String> {
     let mut run = Run {
         args,
         worker,
+        versions,
         csv: String::new(),
+        markdown: String::new(),
         scenes: Vec::new(),
     };
     for name in names {
-        task::visit(name, &mut run)?;
+        scenes::visit(name, &mut run)?;
     }
     Ok(())
 }

@@ -2,37 +2,48 @@
 
 use equip::prelude::*;
 use equip::scenes::energies::{
-    Fpu, FputBeta, HenonHeiles, Kepler, OuterSolarSystem, SpringPendulum,
+    Fpu, FputBeta, HenonHeiles, Kepler, OuterSolarSystem, Pythagorean, SpringPendulum,
 };
 
-/// An energy with y' = (∂H/∂p, −∂H/∂q) written by hand, in any float type.
+/// An energy Σ p²/(2m) + U(q) with its derivatives written by hand, in any float type.
 pub trait Problem: Energy + Clone + 'static {
-    /// q' and p' at (q, p).
-    fn derivative<T: Float>(&self, q: &[T], p: &[T], velocity: &mut [T], force: &mut [T]);
+    /// p' = −∇U at q.
+    fn force<T: Float>(&self, q: &[T], force: &mut [T]);
 
-    /// The same for states in one piece.
+    /// q' = p/m.
+    #[inline(always)]
+    fn velocity<T: Float>(&self, p: &[T], velocity: &mut [T]) {
+        velocity.copy_from_slice(p);
+    }
+
+    /// q += by · p/m.
+    #[inline(always)]
+    fn drift<T: Float>(&self, q: &mut [T], p: &[T], by: T) {
+        q.iter_mut().zip(p).for_each(|(q, &p)| *q += by * p);
+    }
+
+    /// (q', p') of a state in one piece.
     #[inline(always)]
     fn slope<T: Float>(&self, y: &[T], dy: &mut [T]) {
         let m = y.len() / 2;
         let ((q, p), (velocity, force)) = (y.split_at(m), dy.split_at_mut(m));
-        self.derivative(q, p, velocity, force);
+        self.velocity(p, velocity);
+        self.force(q, force);
     }
 }
 
 impl Problem for Kepler {
     #[inline(always)]
-    fn derivative<T: Float>(&self, q: &[T], p: &[T], velocity: &mut [T], force: &mut [T]) {
+    fn force<T: Float>(&self, q: &[T], force: &mut [T]) {
         let r2 = q[0] * q[0] + q[1] * q[1];
         let pull = T::int(-1) / (r2 * r2.sqrt());
-        velocity.copy_from_slice(p);
         (force[0], force[1]) = (pull * q[0], pull * q[1]);
     }
 }
 
 impl Problem for HenonHeiles {
     #[inline(always)]
-    fn derivative<T: Float>(&self, q: &[T], p: &[T], velocity: &mut [T], force: &mut [T]) {
-        velocity.copy_from_slice(p);
+    fn force<T: Float>(&self, q: &[T], force: &mut [T]) {
         let product = q[0] * q[1];
         force[0] = -q[0] - (product + product);
         force[1] = -q[1] - q[0] * q[0] + q[1] * q[1];
@@ -41,10 +52,9 @@ impl Problem for HenonHeiles {
 
 impl Problem for SpringPendulum {
     #[inline(always)]
-    fn derivative<T: Float>(&self, q: &[T], p: &[T], velocity: &mut [T], force: &mut [T]) {
+    fn force<T: Float>(&self, q: &[T], force: &mut [T]) {
         let r = (q[0] * q[0] + q[1] * q[1]).sqrt();
         let pull = self.k.to::<T>() * (r - T::int(1)) / r;
-        velocity.copy_from_slice(p);
         force[0] = -pull * q[0];
         force[1] = -pull * q[1] - self.g.to::<T>();
     }
@@ -52,10 +62,9 @@ impl Problem for SpringPendulum {
 
 impl Problem for Fpu {
     #[inline(always)]
-    fn derivative<T: Float>(&self, q: &[T], p: &[T], velocity: &mut [T], force: &mut [T]) {
+    fn force<T: Float>(&self, q: &[T], force: &mut [T]) {
         let m = self.m;
         let (slow, fast) = q.split_at(m);
-        velocity.copy_from_slice(p);
         let omega = self.omega.to::<T>();
         let stiffness = omega * omega;
         for i in 0..m {
@@ -81,8 +90,7 @@ impl Problem for Fpu {
 
 impl Problem for FputBeta {
     #[inline(always)]
-    fn derivative<T: Float>(&self, q: &[T], p: &[T], velocity: &mut [T], force: &mut [T]) {
-        velocity.copy_from_slice(p);
+    fn force<T: Float>(&self, q: &[T], force: &mut [T]) {
         let beta = self.beta.to::<T>();
         let spring = |d: T| d + beta * (d * d * d);
         let mut left = spring(q[0]);
@@ -93,6 +101,45 @@ impl Problem for FputBeta {
         }
         let last = self.n - 1;
         force[last] = spring(-q[last]) - left;
+    }
+}
+
+/// Masses of the Pythagorean problem, in the order of its bodies.
+const PYTHAGOREAN: [i32; 3] = [5, 4, 3];
+
+/// The mass that goes with a component of the Pythagorean problem.
+pub fn pythagorean_mass(component: usize) -> f64 {
+    f64::from(PYTHAGOREAN[component / 2])
+}
+
+impl Problem for Pythagorean {
+    #[inline(always)]
+    fn force<T: Float>(&self, q: &[T], force: &mut [T]) {
+        force.fill(T::int(0));
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            let (x, y) = (q[2 * i] - q[2 * j], q[2 * i + 1] - q[2 * j + 1]);
+            let r2 = x * x + y * y;
+            let product = T::int(i64::from(PYTHAGOREAN[i] * PYTHAGOREAN[j]));
+            let pull = product / (r2 * r2.sqrt());
+            for (k, d) in [x, y].into_iter().enumerate() {
+                force[2 * i + k] -= pull * d;
+                force[2 * j + k] += pull * d;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn velocity<T: Float>(&self, p: &[T], velocity: &mut [T]) {
+        for (k, (v, &p)) in velocity.iter_mut().zip(p).enumerate() {
+            *v = p * T::ratio(1, i64::from(PYTHAGOREAN[k / 2]));
+        }
+    }
+
+    #[inline(always)]
+    fn drift<T: Float>(&self, q: &mut [T], p: &[T], by: T) {
+        for (k, (q, &p)) in q.iter_mut().zip(p).enumerate() {
+            *q += by * (p * T::ratio(1, i64::from(PYTHAGOREAN[k / 2])));
+        }
     }
 }
 
@@ -114,13 +161,16 @@ pub fn outer_mass<T: Float>(component: usize) -> T {
     T::exact(GM[component / 3]) / T::exact(G)
 }
 
+/// 1/m that goes with a component of the outer solar system.
+#[inline(always)]
+fn outer_inverse_mass<T: Float>(component: usize) -> T {
+    T::exact(G) / T::exact(GM[component / 3])
+}
+
 impl Problem for OuterSolarSystem {
     #[inline(always)]
-    fn derivative<T: Float>(&self, q: &[T], p: &[T], velocity: &mut [T], force: &mut [T]) {
-        for k in 0..3 * GM.len() {
-            velocity[k] = p[k] / outer_mass(k);
-            force[k] = T::int(0);
-        }
+    fn force<T: Float>(&self, q: &[T], force: &mut [T]) {
+        force.fill(T::int(0));
         for i in 0..GM.len() {
             for j in 0..i {
                 let d = [0, 1, 2].map(|k| q[3 * i + k] - q[3 * j + k]);
@@ -132,6 +182,20 @@ impl Problem for OuterSolarSystem {
                     force[3 * j + k] += pull * d;
                 }
             }
+        }
+    }
+
+    #[inline(always)]
+    fn velocity<T: Float>(&self, p: &[T], velocity: &mut [T]) {
+        for (k, (v, &p)) in velocity.iter_mut().zip(p).enumerate() {
+            *v = p * outer_inverse_mass(k);
+        }
+    }
+
+    #[inline(always)]
+    fn drift<T: Float>(&self, q: &mut [T], p: &[T], by: T) {
+        for (k, (q, &p)) in q.iter_mut().zip(p).enumerate() {
+            *q += by * (p * outer_inverse_mass(k));
         }
     }
 }
@@ -152,7 +216,8 @@ impl<P: Problem> Energy for ByHand<P> {
 
     #[inline(always)]
     fn gradient<T: Float>(&self, q: &[T], p: &[T], dq: &mut [T], dp: &mut [T]) -> bool {
-        self.0.derivative(q, p, dp, dq);
+        self.0.velocity(p, dp);
+        self.0.force(q, dq);
         dq.iter_mut().for_each(|x| *x = -*x);
         true
     }

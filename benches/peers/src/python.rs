@@ -47,6 +47,14 @@ impl Worker {
         })
     }
 
+    /// The Python programs with their versions.
+    ///
+    /// # Errors
+    /// If the worker is gone.
+    pub fn versions(&mut self) -> Result<Value, String> {
+        self.ask(&json!({"peer": "versions"}))
+    }
+
     fn ask(&mut self, request: &Value) -> Result<Value, String> {
         let input = self.input.as_mut().ok_or("the worker was closed")?;
         writeln!(input, "{request}").map_err(|e| format!("the worker is gone: {e}"))?;
@@ -90,11 +98,10 @@ impl Remote {
         variant: &'static str,
         ladder: Ladder,
     ) -> Box<dyn Contestant> {
-        let outer = task.system == "outer-solar-system";
-        let parameters = if outer {
-            crate::problem::GM.to_vec()
-        } else {
-            task.parameters.clone()
+        let parameters = match task.system {
+            "outer-solar-system" => crate::problem::GM.to_vec(),
+            "pythagorean" => task.masses.iter().step_by(2).copied().collect(),
+            _ => task.parameters.clone(),
         };
         let velocities = task.velocities();
         let request = json!({
@@ -126,21 +133,20 @@ pub fn contestants(worker: &Rc<RefCell<Worker>>, task: &Task) -> Vec<Box<dyn Con
     let mut all = Vec::new();
     let mut add =
         |peer, variant, ladder| all.push(Remote::boxed(worker, task, peer, variant, ladder));
-    if task.targets[0] < 1e-6 {
+    if task.extended() {
         add("heyoka", "long double", tolerances(10, 20));
         add("heyoka", "real128", tolerances(10, 34));
         return all;
     }
     add("heyoka", "default", tolerances(5, 17));
-    // Compiling a thousand masses takes a minute for each tolerance.
-    if task.q.len() < 100 {
-        add("heyoka", "high accuracy", tolerances(9, 17));
-    }
+    add("heyoka", "high accuracy", tolerances(9, 17));
     if task.gravity() {
         add("rebound", "IAS15", tolerances(1, 12));
     }
     if task.system == "outer-solar-system" {
-        add("rebound", "WHFast", Ladder::steps(400.0, 40_000.0));
+        for variant in ["WHFast", "WHFast lazy", "WHFast modifiedkick"] {
+            add("rebound", variant, Ladder::steps(200.0, 40_000.0));
+        }
     }
     add("scipy", "DOP853", tolerances(6, 13));
     all

@@ -7,13 +7,13 @@
 //!
 //! A setting *reaches* a target if its error and that of the next finer setting tried are within it: a lucky hit alone does not.
 
-use crate::contestant::Contestant;
+use crate::contestant::{Contestant, Knob};
 use crate::task::Task;
 
-/// Seconds a single run may take.
+/// Seconds a single run should take at most.
 const CAP: f64 = 3.0;
 /// A climb ends when it is slower by this factor than the quickest so far at the last target that anyone reaches.
-const FAR_BEHIND: f64 = 60.0;
+const FAR_BEHIND: f64 = 30.0;
 /// Contestants slower by this factor at a target are not timed again there.
 const HOPELESS: f64 = 20.0;
 /// Bisections at each target.
@@ -73,6 +73,13 @@ impl Lane {
             .min_by(|a, b| time(a).total_cmp(&time(b)))
     }
 
+    /// Index of the setting that is the tolerance `tolerance`, if the contestant has one.
+    pub fn at_tolerance(&self, tolerance: f64) -> Option<usize> {
+        let same = |t: &Tried| (t.setting / tolerance).ln().abs() < 0.1;
+        let found = self.tried.iter().position(same);
+        found.filter(|_| self.contestant.ladder().knob == Knob::Tolerance)
+    }
+
     fn try_setting(&mut self, setting: f64, task: &Task) -> Option<&Tried> {
         match self.contestant.run(setting) {
             Ok(ran) => {
@@ -101,8 +108,9 @@ impl Lane {
         }
     }
 
-    fn climb(&mut self, task: &Task, cap: f64) {
-        let (mut best, mut worse, mut failed, mut slow) = (f64::INFINITY, 0, 0, 0);
+    fn climb(&mut self, task: &Task, (cap, hardest): (f64, f64)) {
+        let (mut best, mut before) = (f64::INFINITY, f64::INFINITY);
+        let (mut worse, mut failed, mut slow) = (0, 0, 0);
         for setting in self.contestant.ladder().settings() {
             let Some(tried) = self.try_setting(setting, task) else {
                 // Coarse settings may well fail.
@@ -121,9 +129,17 @@ impl Lane {
             };
             best = best.min(tried.error);
             let floor = best < 1e-7 && worse >= 7;
-            // Coarse settings may be slow where steps fail and are halved; finer ones then are faster.
-            slow = if tried.median() > cap { slow + 1 } else { 0 };
-            if slow >= 4 || tried.median() > CAP || best <= 0.01 * last || floor {
+            // Coarse settings may be slow where steps fail and are halved; as long as finer ones are faster, there is hope.
+            let time = tried.median();
+            // What is more accurate than all others so far may take its time.
+            let cap = if tried.error > hardest { cap } else { CAP };
+            slow = match time {
+                time if time <= cap || time < 0.9 * before => 0,
+                time if time > CAP => slow + 2,
+                _ => slow + 1,
+            };
+            before = time;
+            if slow >= 4 || best <= 0.01 * last || floor {
                 break;
             }
         }
@@ -147,16 +163,19 @@ impl Lane {
     }
 }
 
-/// Seconds a run may take, given what the contestants so far took.
-fn cap(task: &Task, lanes: &[Lane]) -> f64 {
-    let quickest = |target: &f64| {
+/// Seconds a run may take that misses an error, and that error: the hardest one that a contestant so far reaches.
+fn cap(task: &Task, lanes: &[Lane]) -> (f64, f64) {
+    let quickest = |&target: &f64| {
         let times = lanes
             .iter()
-            .filter_map(|lane| Some(lane.tried[lane.quickest(*target)?].median()));
-        times.reduce(f64::min)
+            .filter_map(|lane| Some(lane.tried[lane.quickest(target)?].median()));
+        Some((times.reduce(f64::min)?, target))
     };
-    let hardest = task.targets.iter().rev().find_map(quickest);
-    hardest.map_or(CAP, |seconds| CAP.min(FAR_BEHIND * seconds))
+    match task.targets.iter().rev().find_map(quickest) {
+        // Number types of different widths are too far apart for this.
+        Some((seconds, target)) if !task.extended() => (CAP.min(FAR_BEHIND * seconds), target),
+        _ => (CAP, 0.0),
+    }
 }
 
 /// Runs the race, peers first; `say` is told what is being done.
@@ -191,6 +210,10 @@ pub fn race(
         let time = |&(k, i): &(usize, usize)| lanes[k].tried[i].median();
         let least = reached.iter().map(time).fold(f64::INFINITY, f64::min);
         again.extend(reached.iter().filter(|run| time(run) <= HOPELESS * least));
+    }
+    if let Some(tolerance) = task.tolerance {
+        let found = |k: usize| Some((k, lanes[k].at_tolerance(tolerance)?));
+        again.extend((0..lanes.len()).filter_map(found));
     }
     again.sort_unstable();
     again.dedup();

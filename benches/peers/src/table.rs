@@ -17,11 +17,16 @@ pub struct Best {
     pub rounds: usize,
 }
 
+/// A method of ours in two parts: how H is given and steps are chosen; stages and how they are solved.
+fn variant(method: &str) -> (&str, &str) {
+    method.split_once(": ").unwrap_or(("", method))
+}
+
 /// Groups contestants for the table: ours by the way H is given, peers by program.
 fn group(lane: &Lane) -> String {
     let method = lane.contestant.method();
     match lane.contestant.program() {
-        "equip" => format!("equip {}", method.split(',').next().unwrap_or_default()),
+        "equip" => format!("equip {}", variant(&method).0),
         program => program.to_owned(),
     }
 }
@@ -37,24 +42,33 @@ pub fn groups(lanes: &[Lane]) -> Vec<String> {
     names
 }
 
-/// The quickest of a group.
-pub fn best(lanes: &[Lane], name: &str, target: f64) -> Option<Best> {
+impl Best {
+    fn of(lane: &Lane, i: usize) -> Self {
+        let tried = &lane.tried[i];
+        let (median, low, high) = tried.spread();
+        Best {
+            program: lane.contestant.program().into(),
+            method: lane.contestant.method(),
+            setting: tried.setting,
+            error: tried.error,
+            ms: (1e3 * median, 1e3 * low, 1e3 * high),
+            rounds: tried.seconds.len().saturating_sub(1).max(1),
+        }
+    }
+}
+
+/// The quickest of a group by what `which` picks of every contestant.
+fn quickest(lanes: &[Lane], name: &str, which: impl Fn(&Lane) -> Option<usize>) -> Option<Best> {
     lanes
         .iter()
         .filter(|lane| group(lane) == name)
-        .filter_map(|lane| {
-            let tried = &lane.tried[lane.quickest(target)?];
-            let (median, low, high) = tried.spread();
-            Some(Best {
-                program: lane.contestant.program().into(),
-                method: lane.contestant.method(),
-                setting: tried.setting,
-                error: tried.error,
-                ms: (1e3 * median, 1e3 * low, 1e3 * high),
-                rounds: tried.seconds.len().saturating_sub(1).max(1),
-            })
-        })
+        .filter_map(|lane| Some(Best::of(lane, which(lane)?)))
         .min_by(|a, b| a.ms.0.total_cmp(&b.ms.0))
+}
+
+/// The quickest of a group to reach an error.
+pub fn best(lanes: &[Lane], name: &str, target: f64) -> Option<Best> {
+    quickest(lanes, name, |lane| lane.quickest(target))
 }
 
 /// The quickest that is not ours.
@@ -75,13 +89,13 @@ pub fn text(task: &Task, lanes: &[Lane]) -> String {
         "\n{} (reference within {:.0e}); CPU milliseconds to an error of",
         task.title, task.uncertainty
     );
-    let _ = write!(out, "{:<16}", "");
+    let _ = write!(out, "{:<24}", "");
     for target in task.targets {
-        let _ = write!(out, "{:>34}", format!("{target:.0e}"));
+        let _ = write!(out, "{:>42}", format!("{target:.0e}"));
     }
     let _ = writeln!(out);
     for name in groups(lanes) {
-        let _ = write!(out, "{name:<16}");
+        let _ = write!(out, "{name:<24}");
         for &target in task.targets {
             let cell = match (best(lanes, &name, target), best_peer(lanes, target)) {
                 (None, _) => "–".to_owned(),
@@ -90,11 +104,7 @@ pub fn text(task: &Task, lanes: &[Lane]) -> String {
                         .filter(|_| best.program == "equip")
                         .map(|p| best.ms.0 / p.ms.0);
                     let ratio = ratio.map_or(String::new(), |r| format!(" ({r:.2})"));
-                    let method = best
-                        .method
-                        .replace("closure, ", "")
-                        .replace("trait, ", "")
-                        .replace("by hand, ", "");
+                    let (_, method) = variant(&best.method);
                     format!(
                         "{:.3}{ratio} {method} {:.3}",
                         best.ms.0,
@@ -102,9 +112,23 @@ pub fn text(task: &Task, lanes: &[Lane]) -> String {
                     )
                 }
             };
-            let _ = write!(out, "{cell:>34}");
+            let _ = write!(out, "{cell:>42}");
         }
         let _ = writeln!(out);
+    }
+    if let Some(tolerance) = task.tolerance {
+        let _ = writeln!(out, "at tolerance {tolerance:.0e}:");
+        for lane in lanes {
+            let Some(at) = lane.at_tolerance(tolerance).map(|i| Best::of(lane, i)) else {
+                continue;
+            };
+            let name = format!("{} {}", at.program, at.method);
+            let _ = writeln!(
+                out,
+                "  {name:<44}{:>10.3} ms, error {:.1e}",
+                at.ms.0, at.error,
+            );
+        }
     }
     for lane in lanes {
         let least = lane
@@ -192,6 +216,54 @@ pub fn json(task: &Task, lanes: &[Lane]) -> Value {
                 "points": lane.tried.iter().map(point).collect::<Vec<_>>()})
         })
         .collect();
+    let at_tolerance = task.tolerance.map(|tolerance| {
+        let rows = lanes.iter().filter_map(|lane| {
+            let at = Best::of(lane, lane.at_tolerance(tolerance)?);
+            Some(json!({"program": group(lane), "method": at.method, "error": at.error, "milliseconds": at.ms.0,
+                "least": at.ms.1, "most": at.ms.2}))
+        });
+        json!({"tolerance": tolerance, "rows": rows.collect::<Vec<_>>()})
+    });
     json!({"scene": task.name, "title": task.title, "end": task.end, "targets": task.targets,
-        "reference_within": task.uncertainty, "programs": reached, "curves": curves})
+        "reference_within": task.uncertainty, "programs": reached, "curves": curves, "at_tolerance": at_tolerance})
+}
+
+/// Header of the table for documents.
+pub const MARKDOWN_HEADER: &str = "| scene, errors | equip, trait | equip, closure | heyoka | quickest other program | trait / quickest |\n\
+    |---|---|---|---|---|---|\n";
+
+/// One scene as a row of a table for documents: milliseconds to each target, joined by strokes.
+pub fn markdown(task: &Task, lanes: &[Lane]) -> String {
+    let joined = |cell: &dyn Fn(f64) -> Option<String>| {
+        let cells = task.targets.iter().map(|&t| cell(t));
+        let cells: Vec<_> = cells.map(|c| c.unwrap_or("–".into())).collect();
+        cells.join(" / ")
+    };
+    // By either kind of steps.
+    let ours = |route: &str, target: f64| {
+        let names = groups(lanes);
+        let names = names.iter().filter(|n| n.starts_with(route));
+        let best = names.filter_map(|n| best(lanes, n, target));
+        best.min_by(|a, b| a.ms.0.total_cmp(&b.ms.0))
+    };
+    let trait_way = |t: f64| ours("equip trait", t);
+    let ms = |best: Best| digits(best.ms.0);
+    let peer = |t: f64| best_peer(lanes, t);
+    let targets: Vec<String> = task.targets.iter().map(|t| format!("{t:.0e}")).collect();
+    format!(
+        "| {}, to {} | {} | {} | {} | {} | {} |\n",
+        task.title,
+        targets.join(" / "),
+        joined(&|t| trait_way(t).map(ms)),
+        joined(&|t| ours("equip closure", t).map(ms)),
+        joined(&|t| best(lanes, "heyoka", t).map(ms)),
+        joined(&|t| peer(t).map(|b| format!("{} {}", b.program, digits(b.ms.0)))),
+        joined(&|t| Some(format!("{:.2}", trait_way(t)?.ms.0 / peer(t)?.ms.0))),
+    )
+}
+
+/// Three digits.
+fn digits(x: f64) -> String {
+    let decimals = (2.0 - x.log10().floor()).clamp(0.0, 4.0) as usize;
+    format!("{x:.decimals$}")
 }

@@ -10,7 +10,8 @@ use equip_autodiff::{BuildError, Energy, Hamiltonian, System};
 use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar};
 use equip_scenes::energies::{FputBeta, HenonHeiles, Kepler, Ring};
 use equip_scenes::find;
-use equip_solver::{Equip, Gauss, IntegrateError, Method};
+use equip_solver::{Equip, Gauss, IntegrateError, Method, StageSolver};
+use std::collections::BTreeSet;
 use std::error::Error;
 use std::time::Instant;
 
@@ -33,15 +34,34 @@ struct Row<'a> {
     run: Box<dyn Fn() -> Result<Measured, Box<dyn Error>> + 'a>,
 }
 
+/// A method, and how its stages are solved.
+type Way = (Method, StageSolver);
+
+/// EQUIP by sweeps.
+fn equip(stages: usize) -> Way {
+    (Equip::stages(stages), StageSolver::Sweeps)
+}
+
+/// EQUIP with its stages solved as it comes.
+fn automatic(stages: usize) -> Way {
+    (Equip::stages(stages), StageSolver::Automatic)
+}
+
+/// Gauss by sweeps.
+fn gauss(stages: usize) -> Way {
+    (Gauss::stages(stages), StageSolver::Sweeps)
+}
+
 /// `steps` steps of size h from the start.
 fn run<T: Float, H: System>(
     system: &H,
-    method: Method,
+    (method, solver): Way,
     h: T,
     steps: u64,
     start: (&[T], &[T]),
 ) -> Result<Measured, IntegrateError<T>> {
-    let mut stepper = method.step(h).start(system, start.0, start.1, T::int(0))?;
+    let options = method.step(h).stage_solver(solver);
+    let mut stepper = options.start(system, start.0, start.1, T::int(0))?;
     let begun = Instant::now();
     for _ in 0..steps {
         stepper.advance()?;
@@ -59,7 +79,7 @@ fn run<T: Float, H: System>(
 fn row<'a, T: Float, H: System>(
     name: String,
     system: &'a H,
-    method: Method,
+    method: Way,
     h: T,
     steps: u64,
     start: (Vec<T>, Vec<T>),
@@ -71,7 +91,12 @@ fn row<'a, T: Float, H: System>(
     }
 }
 
-fn table(title: &str, rows: &[Row<'_>], counts_only: bool) -> Result<(), Box<dyn Error>> {
+/// Prints a table and returns nanoseconds a step and unknown of its rows.
+fn table(
+    title: &str,
+    rows: &[Row<'_>],
+    counts_only: bool,
+) -> Result<Vec<(String, f64)>, Box<dyn Error>> {
     let rounds = if counts_only { 1 } else { ROUNDS };
     let mut seconds = vec![Vec::new(); rows.len()];
     let mut last = Vec::new();
@@ -90,8 +115,12 @@ fn table(title: &str, rows: &[Row<'_>], counts_only: bool) -> Result<(), Box<dyn
         format!("{:>12}{:>14}", "us a step", "ns / unknown")
     };
     println!("{:<36}{:>14}{:>14}{times}", "", "gradients", "iterations");
+    let mut per_unknown = Vec::new();
     for ((row, measured), seconds) in rows.iter().zip(&last).zip(&mut seconds) {
         seconds.sort_by(f64::total_cmp);
+        let step = seconds[seconds.len() / 2];
+        let nanoseconds = 1e9 * step / row.unknowns as f64;
+        per_unknown.push((row.name.clone(), nanoseconds));
         let per_step = |count: u64| count as f64 / measured.steps.max(1) as f64;
         print!(
             "{:<36}{:>14.2}{:>14.2}",
@@ -100,16 +129,31 @@ fn table(title: &str, rows: &[Row<'_>], counts_only: bool) -> Result<(), Box<dyn
             per_step(measured.iterations)
         );
         if !counts_only {
-            let step = seconds[seconds.len() / 2];
-            print!(
-                "{:>12.2}{:>14.2}",
-                1e6 * step,
-                1e9 * step / row.unknowns as f64
-            );
+            print!("{:>12.2}{nanoseconds:>14.2}", 1e6 * step);
         }
         println!();
     }
-    Ok(())
+    Ok(per_unknown)
+}
+
+/// Prints the largest time an unknown over the smallest, for each method: 1 where the cost is linear in n.
+fn linearity(per_unknown: &[(String, f64)], counts_only: bool) {
+    let methods = per_unknown
+        .iter()
+        .filter_map(|(name, _)| name.split(", n = ").next());
+    let methods: BTreeSet<&str> = methods.filter(|_| !counts_only).collect();
+    for method in methods {
+        let rows = per_unknown
+            .iter()
+            .filter(|(name, _)| name.split(", n = ").next() == Some(method));
+        let (low, high) = rows.fold((f64::INFINITY, 0.0_f64), |(l, h), (_, ns)| {
+            (l.min(*ns), h.max(*ns))
+        });
+        println!(
+            "{method}: most over least time an unknown {:.2}",
+            high / low
+        );
+    }
 }
 
 /// FPUT chains, whose cost should grow like n.
@@ -131,8 +175,9 @@ fn chains(counts_only: bool) -> Result<(), Box<dyn Error>> {
         let start: (Vec<f64>, Vec<f64>) = ((1..=n).map(mode).collect(), vec![0.0; n]);
         let steps = (20_000 / n as u64).clamp(4, 200);
         for (name, method) in [
-            ("EQUIP(4)", Equip::stages(4)),
-            ("Gauss(4)", Gauss::stages(4)),
+            ("EQUIP(4)", equip(4)),
+            ("EQUIP(4) automatic", automatic(4)),
+            ("Gauss(4)", gauss(4)),
         ] {
             rows.push(row(
                 format!("{name}, n = {n}"),
@@ -144,11 +189,9 @@ fn chains(counts_only: bool) -> Result<(), Box<dyn Error>> {
             ));
         }
     }
-    table(
-        "FPUT-β chain of n masses, h = 0.2, tape",
-        &rows,
-        counts_only,
-    )
+    let title = "FPUT-β chain of n masses, h = 0.2, tape";
+    linearity(&table(title, &rows, counts_only)?, counts_only);
+    Ok(())
 }
 
 /// Bodies in a ring: n(n − 1)/2 pairs.
@@ -173,8 +216,9 @@ fn bodies(counts_only: bool) -> Result<(), Box<dyn Error>> {
     let mut rows = Vec::new();
     for (n, h, start, system) in &systems {
         for (name, method) in [
-            ("EQUIP(4)", Equip::stages(4)),
-            ("Gauss(4)", Gauss::stages(4)),
+            ("EQUIP(4)", equip(4)),
+            ("EQUIP(4) automatic", automatic(4)),
+            ("Gauss(4)", gauss(4)),
         ] {
             rows.push(row(
                 format!("{name}, n = {n}"),
@@ -186,7 +230,8 @@ fn bodies(counts_only: bool) -> Result<(), Box<dyn Error>> {
             ));
         }
     }
-    table("n bodies in a ring, tape", &rows, counts_only)
+    table("n bodies in a ring, tape", &rows, counts_only)?;
+    Ok(())
 }
 
 /// Stages and precision on two small systems.
@@ -202,7 +247,7 @@ fn stages(counts_only: bool) -> Result<(), Box<dyn Error>> {
     })?;
     let mut rows = Vec::new();
     for s in [2, 3, 4, 6, 8, 10, 12, 16] {
-        for (name, method) in [("EQUIP", Equip::stages(s)), ("Gauss", Gauss::stages(s))] {
+        for (name, method) in [("EQUIP", equip(s)), ("Gauss", gauss(s))] {
             // About as many stages a period for every s.
             let h = 0.04 * s as f64;
             let start = (vec![0.4, 0.0], vec![0.0, 2.0]);
@@ -229,7 +274,7 @@ fn stages(counts_only: bool) -> Result<(), Box<dyn Error>> {
 
     let mut rows = Vec::new();
     for s in [4, 8, 12] {
-        let method = Equip::stages(s);
+        let method = equip(s);
         let h = 0.02 * s as f64;
         rows.push(row(
             format!("f64, EQUIP({s})"),
@@ -250,7 +295,8 @@ fn stages(counts_only: bool) -> Result<(), Box<dyn Error>> {
             start,
         ));
     }
-    table("precision, Kepler e = 0.6, trait", &rows, counts_only)
+    table("precision, Kepler e = 0.6, trait", &rows, counts_only)?;
+    Ok(())
 }
 
 /// A chain with its gradient by hand.
@@ -297,7 +343,7 @@ fn routes(counts_only: bool) -> Result<(), Box<dyn Error>> {
     by_hand.check_gradient(&[start.0.clone(), start.1.clone()].concat())?;
     let mut rows = Vec::new();
     for s in [4, 8] {
-        let method = Equip::stages(s);
+        let method = equip(s);
         rows.push(row(
             format!("closure (tape), s = {s}"),
             &tape,
@@ -327,7 +373,8 @@ fn routes(counts_only: bool) -> Result<(), Box<dyn Error>> {
         "FPUT-β chain of 512 masses, three ways to give H",
         &rows,
         counts_only,
-    )
+    )?;
+    Ok(())
 }
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -76,6 +76,18 @@ impl Hamiltonian<Recorded> {
     pub fn operations(&self) -> usize {
         self.route.operations()
     }
+
+    /// The same for one evaluation of ∇H.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// let h = Hamiltonian::new(1, |q, p| p[0] * p[0] + q[0].cos())?;
+    /// assert_eq!(h.gradient_operations(), 3); // 2 p, sin q, −sin q
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn gradient_operations(&self) -> usize {
+        self.route.gradient_operations()
+    }
 }
 
 impl<R: System> System for Hamiltonian<R> {

@@ -77,6 +77,10 @@ impl Recorded {
     pub(crate) fn operations(&self) -> usize {
         self.shared.energy.operations()
     }
+
+    pub(crate) fn gradient_operations(&self) -> usize {
+        self.shared.gradient.operations()
+    }
 }
 
 impl System for Recorded {

@@ -1,4 +1,4 @@
-//! Evaluations allocate nothing. Its own file: the allocator is one per program.
+//! Evaluations allocate nothing. The allocator of this program counts, for every thread by itself.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System, Var, hamiltonian};
 use equip_scalar::{DoubleDouble, Float};

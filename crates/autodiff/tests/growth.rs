@@ -2,9 +2,7 @@
 //! the building of the largest systems.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::Chain;
+use crate::common::Chain;
 use equip_autodiff::{Energy, Evaluate, Hamiltonian, System, Var};
 use std::time::{Duration, Instant};
 
@@ -16,14 +14,46 @@ fn chain(m: usize) -> Hamiltonian {
 fn a_chain_is_linear_in_its_length() {
     let counts = |m| {
         let h = chain(m);
-        (h.operations(), h.structure().hessian.len(), h.colours())
+        let gradient = h.gradient_operations();
+        (
+            h.operations(),
+            h.structure().hessian.len(),
+            h.colours(),
+            gradient,
+        )
     };
     let (one, two, four) = (counts(1000), counts(2000), counts(4000));
     assert_eq!(four.0 - two.0, 2 * (two.0 - one.0));
     assert_eq!(four.1 - two.1, 2 * (two.1 - one.1));
+    assert_eq!(four.3 - two.3, 2 * (two.3 - one.3));
     assert_eq!([one.2, two.2, four.2], [3; 3]);
     // p², q₊ − q, its square, half of it, its fourth power, a twelfth of it, their sum, and the two sums.
     assert_eq!(two.0 - one.0, 9 * 1000);
+    // What a mass adds to one gradient: the forces of the springs are shared by the masses at their ends.
+    assert!(two.3 - one.3 <= 5 * 1000, "{}", two.3 - one.3);
+}
+
+/// The gradient of n bodies in terms of their n(n − 1)/2 pairs.
+#[test]
+fn bodies_are_linear_in_their_pairs() {
+    let counts = |n: usize| {
+        let h = Hamiltonian::new(3 * n, |q, p| {
+            let mut h = p.iter().map(|p| p.powi(2)).sum::<Var>() / 2.0;
+            for i in 0..n {
+                for j in 0..i {
+                    let r2: Var = (0..3).map(|k| (q[3 * i + k] - q[3 * j + k]).powi(2)).sum();
+                    h -= 1.0 / r2.sqrt();
+                }
+            }
+            h
+        });
+        h.unwrap().gradient_operations()
+    };
+    for n in [10, 20, 40] {
+        // 23 a pair; 3 components of the forces on each body are sums of n − 1 terms, not n.
+        let pairs = n * (n - 1) / 2;
+        assert!(counts(n) <= 23 * pairs, "n = {n}: {}", counts(n));
+    }
 }
 
 #[test]

@@ -1,9 +1,7 @@
 //! Gradients at many points at once: every bit of the gradient at one point, whatever the instructions.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{
+use crate::common::{
     Chain, ChargedParticle, DoublePendulum, HenonHeiles, Kepler, Pendulum, Pythagorean, Random,
     same_bits,
 };

@@ -3,9 +3,7 @@
 // Matrix code reads best with its indices.
 #![allow(clippy::unwrap_used, clippy::needless_range_loop)]
 
-mod common;
-
-use common::{Random, same_bits, widened};
+use crate::common::{Random, same_bits, widened};
 use equip_autodiff::{Energy, Evaluate, Hamiltonian, System};
 use equip_scalar::{DoubleDouble, FirstOrder, Float, Num, Scalar, SecondOrder, ratio};
 use std::ops::Range;

@@ -1,9 +1,7 @@
 //! Random expressions: the replayed value has every bit of the energy evaluated directly.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Random, same_bits, widened};
+use crate::common::{Random, same_bits, widened};
 use equip_autodiff::{Energy, Evaluate, Hamiltonian, System};
 use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};
 

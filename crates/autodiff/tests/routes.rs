@@ -1,9 +1,7 @@
 //! Known systems: both routes agree, and their structure is what it is on paper.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{
+use crate::common::{
     Chain, ChargedParticle, DoublePendulum, HenonHeiles, Kepler, Pendulum, Pythagorean, Random,
     widened,
 };

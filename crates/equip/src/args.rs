@@ -37,6 +37,8 @@ pub(crate) enum Command {
     Run(Box<RunArgs>),
     /// Draw the Poincaré section of Hénon and Heiles
     Section(SectionArgs),
+    /// Draw how the error of Kepler's problem grows with time, EQUIP beside Gauss
+    Growth(GrowthArgs),
     /// Run the catalogue of stiff and extreme cases, and judge every row
     Check(CheckArgs),
     /// Error against run time of EQUIP, Gauss and classical methods: a page, pictures and tables
@@ -62,6 +64,8 @@ pub(crate) struct ScenesArgs {
         equip run henon-heiles --stages 4 --step 0.25 --until 1000 --method gauss\n  \
         equip run pendulum --precision dd --stages 8 --step 1/10 --until 50\n  \
         equip run kepler --e 0.9 --stages 8 --tolerance 1e-12 --periods 1000 --checkpoint kepler.checkpoint\n  \
+        equip run henon-heiles --energy 1/8 --q2 -0.25 --p2 0 --stages 6 --tolerance 1e-10 --until 10000 --lyapunov\n  \
+        equip run kepler --e 0.3 --periods 100 --target-error 1e-8\n  \
         equip run kepler --json | jq .energy.max_defect\n\n\
         `equip run SCENE --help` lists the parameters of that scene."
 )]
@@ -102,6 +106,15 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) tolerance: Option<String>,
+    /// A fixed step for which the largest error of a position or momentum at the end is about ERROR, found by trial runs over one period of the scene (or
+    /// the whole run if that is shorter than two); from there errors are taken to grow linearly, as they do for regular motion
+    #[arg(
+        long,
+        value_name = "ERROR",
+        conflicts_with_all = ["step", "steps_per_period", "tolerance"],
+        help_heading = "Method"
+    )]
+    pub(crate) target_error: Option<String>,
     /// Time to end at; the scene's suggestion if not given
     #[arg(
         long,
@@ -125,6 +138,10 @@ pub(crate) struct RunArgs {
     /// End the run with an error at the first step for which no α keeps the energy
     #[arg(long, help_heading = "Method")]
     pub(crate) refuse: bool,
+    /// Carry a small deviation along and print the largest Lyapunov exponent and MEGNO (2 for regular motion, λt/2 for chaotic);
+    /// with --out two more columns, with --plot two more panels
+    #[arg(long, visible_alias = "megno", help_heading = "Output")]
+    pub(crate) lyapunov: bool,
     /// Write the steps to FILE.csv: t, q, p, energy defect, outcome, with digits that read back exactly
     #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
     pub(crate) out: Option<PathBuf>,
@@ -197,6 +214,51 @@ pub(crate) struct SectionArgs {
     )]
     pub(crate) plot: PathBuf,
     /// Write orbit, q2 and p2 of every crossing
+    #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
+    pub(crate) csv: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Both methods have variable steps under the same control. The error is the largest of a component of position and momentum, against the closed \
+        form, 0.3 revolutions after the N-th. The table has N = 1, 10, 100, …, the picture more of them.\n\n\
+        Examples:\n  \
+        equip growth\n  \
+        equip growth --eccentricities 0.6,0.99 --tolerances 1e-10 --revolutions 10000 --csv growth.csv"
+)]
+pub(crate) struct GrowthArgs {
+    /// Eccentricities, one panel each
+    #[arg(
+        long,
+        value_name = "E,E,…",
+        value_delimiter = ',',
+        default_value = "0.6,0.9,0.99,0.999"
+    )]
+    pub(crate) eccentricities: Vec<String>,
+    /// Tolerances of the variable steps
+    #[arg(
+        long,
+        value_name = "TOL,TOL,…",
+        value_delimiter = ',',
+        default_value = "1e-12,1e-14",
+        help_heading = "Method"
+    )]
+    pub(crate) tolerances: Vec<String>,
+    /// Revolutions to make
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub(crate) revolutions: u64,
+    /// Stages s: the order is 2s
+    #[arg(long, short, default_value_t = 8, help_heading = "Method")]
+    pub(crate) stages: usize,
+    /// Where to draw
+    #[arg(
+        long,
+        value_name = "FILE.svg",
+        default_value = "growth.svg",
+        help_heading = "Output"
+    )]
+    pub(crate) plot: PathBuf,
+    /// Write the errors, all that are drawn
     #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
     pub(crate) csv: Option<PathBuf>,
 }

@@ -1,9 +1,11 @@
 //! [`Rows`]: the steps of a run as a table of comma-separated values.
 //!
 //! One header row `t,q1,…,qm,p1,…,pm,energy_defect,outcome`, then one row per step kept. Numbers have as many digits
-//! as read back to the same number; all are in the units of the scene. The energy defect is H − H_ref.
+//! as read back to the same number; all are in the units of the scene. The energy defect is H − H_ref. Where a deviation is followed there are two more
+//! columns, `lyapunov,megno`, empty in the first row.
 
 use equip_scalar::Float;
+use equip_solver::ChaosIndicators;
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -16,6 +18,7 @@ pub(crate) struct Rows<W: Write> {
     out: W,
     every: u64,
     last: Option<u64>,
+    with_chaos: bool,
 }
 
 /// One row of the table.
@@ -27,6 +30,7 @@ pub(crate) struct Row<'a, T> {
     pub(crate) p: &'a [T],
     pub(crate) energy_defect: Option<T>,
     pub(crate) outcome: &'a str,
+    pub(crate) chaos: Option<ChaosIndicators<T>>,
 }
 
 impl Rows<BufWriter<File>> {
@@ -35,6 +39,7 @@ impl Rows<BufWriter<File>> {
         path: &Path,
         every: u64,
         (index, time): (u64, T),
+        with_chaos: bool,
     ) -> io::Result<Self> {
         let text = std::fs::read_to_string(path)?;
         let mut length = 0;
@@ -55,6 +60,7 @@ impl Rows<BufWriter<File>> {
             out: BufWriter::new(file),
             every,
             last: None,
+            with_chaos,
         })
     }
 }
@@ -65,18 +71,25 @@ impl<W: Write> Rows<W> {
     }
 
     /// Writes the header and the initial state.
-    pub(crate) fn start<T: Float>(mut out: W, every: u64, q: &[T], p: &[T]) -> io::Result<Self> {
+    pub(crate) fn start<T: Float>(
+        mut out: W,
+        every: u64,
+        (q, p): (&[T], &[T]),
+        with_chaos: bool,
+    ) -> io::Result<Self> {
         write!(out, "t")?;
         for name in ["q", "p"] {
             for i in 1..=q.len() {
                 write!(out, ",{name}{i}")?;
             }
         }
-        writeln!(out, ",energy_defect,outcome")?;
+        let more = if with_chaos { ",lyapunov,megno" } else { "" };
+        writeln!(out, ",energy_defect,outcome{more}")?;
         let mut rows = Rows {
             out,
             every,
             last: None,
+            with_chaos,
         };
         let zero = T::int(0);
         rows.write(Row {
@@ -86,6 +99,7 @@ impl<W: Write> Rows<W> {
             p,
             energy_defect: Some(zero),
             outcome: START,
+            chaos: None,
         })?;
         Ok(rows)
     }
@@ -117,7 +131,16 @@ impl<W: Write> Rows<W> {
             None => write!(self.out, ",")?,
         }
         // Labels may hold a comma.
-        writeln!(self.out, ",\"{}\"", row.outcome)?;
+        write!(self.out, ",\"{}\"", row.outcome)?;
+        match row.chaos {
+            Some(chaos) => {
+                let [lyapunov, megno] = [chaos.lyapunov, chaos.megno].map(digits);
+                write!(self.out, ",{lyapunov},{megno}")?;
+            }
+            None if self.with_chaos => write!(self.out, ",,")?,
+            None => {}
+        }
+        writeln!(self.out)?;
         self.last = Some(row.index);
         Ok(())
     }
@@ -157,8 +180,9 @@ mod tests {
             p: &[2.0],
             energy_defect: None,
             outcome: "a, b",
+            chaos: None,
         };
-        let mut rows = Rows::start(&mut file, 2, &[0.5], &[2.0]).unwrap();
+        let mut rows = Rows::start(&mut file, 2, (&[0.5], &[2.0]), false).unwrap();
         for index in 1..=3 {
             rows.step(row(index)).unwrap();
         }

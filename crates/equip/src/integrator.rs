@@ -27,6 +27,13 @@ impl<T: Float> Integrator<T> {
         }
     }
 
+    pub(crate) fn chaos(self) -> Self {
+        match self {
+            Integrator::Fixed(x) => Integrator::Fixed(x.chaos()),
+            Integrator::Variable(x) => Integrator::Variable(x.chaos()),
+        }
+    }
+
     /// From the scene's start at time 0, or from the checkpoint, to `end`.
     pub(crate) fn integrate(
         &self,

@@ -53,6 +53,12 @@ struct Sizes {
 }
 
 #[derive(Debug, Serialize)]
+struct Chaos {
+    lyapunov: Number,
+    megno: Number,
+}
+
+#[derive(Debug, Serialize)]
 struct AtEnd {
     q: Vec<Number>,
     p: Vec<Number>,
@@ -84,6 +90,7 @@ struct Document<'a> {
     invariants: Vec<Quantity>,
     outcomes: BTreeMap<&'static str, u64>,
     alpha_range: Vec<[Number; 2]>,
+    chaos: Option<Chaos>,
     work: Work,
     end_state: AtEnd,
     end_state_error: Option<Against>,
@@ -127,6 +134,10 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             .iter()
             .map(|&(low, high)| [Number::new(low), Number::new(high)])
             .collect(),
+        chaos: certificate.chaos.map(|chaos| Chaos {
+            lyapunov: Number::new(chaos.lyapunov),
+            megno: Number::new(chaos.megno),
+        }),
         work: Work {
             newton_iterations: counts.newton_iterations,
             factorisations: counts.factorisations,

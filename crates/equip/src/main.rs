@@ -6,6 +6,8 @@ mod check;
 mod comparison;
 mod csv;
 mod fault;
+mod growth;
+mod growth_picture;
 mod integrator;
 mod json;
 mod panel;
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Run(args) => run::run(&args),
         Command::Section(args) => section::section(&args),
+        Command::Growth(args) => growth::growth(&args),
         Command::Check(args) => check::check(&args),
         Command::Report(args) => report::report(&args),
     };

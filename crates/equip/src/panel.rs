@@ -2,7 +2,8 @@
 
 use crate::svg::{Anchor, FAINT, INK, Svg};
 
-const GRID: &str = "#e4e4e4";
+const GRID: &str = "#e0e0e0";
+const FINE_GRID: &str = "#f4f4f4";
 
 /// An axis from `low` to `high`; a logarithmic one holds decimal logarithms.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +53,22 @@ impl Axis {
         }
     }
 
+    /// Logarithmic, from a little below `low` to a little above `high`, both positive; at least one decade is within.
+    pub(crate) fn powers(low: f64, high: f64, label: &str) -> Self {
+        let (low, high) = (low.log10(), high.log10());
+        let margin = 0.04 * (high - low).max(1.0);
+        let (mut low, mut high) = (low - margin, high + margin);
+        if low.ceil() >= high.floor() {
+            (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
+        }
+        Axis {
+            low,
+            high,
+            logarithmic: true,
+            label: label.into(),
+        }
+    }
+
     fn widen(&mut self, factor: f64) {
         let (middle, half) = ((self.low + self.high) / 2.0, (self.high - self.low) / 2.0);
         (self.low, self.high) = (middle - half * factor, middle + half * factor);
@@ -63,19 +80,45 @@ impl Axis {
         ((x - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
     }
 
+    /// Where 2, 3, … 9 times the powers of ten are, if the axis is logarithmic and short enough for them.
+    fn between_decades(&self) -> Vec<f64> {
+        if !self.logarithmic || self.high - self.low > 5.5 {
+            return Vec::new();
+        }
+        let decades = self.low.floor() as i32..=self.high.floor() as i32;
+        decades
+            .flat_map(|d| (2..10).map(move |k| f64::from(d) + f64::from(k).log10()))
+            .filter(|x| (self.low..self.high).contains(x))
+            .collect()
+    }
+
+    /// Where 2 and 5 times the powers of ten are, with these numbers, if the axis is logarithmic and so short that it needs them.
+    fn twos_and_fives(&self) -> Vec<(f64, String)> {
+        if !self.logarithmic || self.high - self.low > 2.8 {
+            return Vec::new();
+        }
+        let decades = (self.low.floor() as i32).max(-3)..=(self.high.floor() as i32).min(3);
+        decades
+            .flat_map(|d| [2, 5].map(|k| (k, d)))
+            .map(|(k, d)| {
+                let places = (-d).max(0) as usize;
+                let value = f64::from(k) * 10_f64.powi(d);
+                (value.log10(), format!("{value:.places$}"))
+            })
+            .filter(|(x, _)| (self.low..self.high).contains(x))
+            .collect()
+    }
+
     /// Ticks at multiples of 1, 2 or 5 times a power of ten (of whole decades if logarithmic), at most about `count`.
     fn ticks(&self, count: f64) -> (f64, impl Iterator<Item = f64>) {
         let rough = (self.high - self.low) / count;
         let power = 10_f64.powf(rough.log10().floor());
-        let unit = [1.0, 2.0, 5.0, 10.0]
-            .map(|k| k * power)
-            .into_iter()
-            .find(|&u| u >= rough * 0.999);
-        let unit = unit.unwrap_or(rough);
         let unit = if self.logarithmic {
-            unit.max(1.0)
+            rough.ceil().max(1.0)
         } else {
-            unit
+            let units = [1.0, 2.0, 5.0, 10.0].map(|k| k * power);
+            let unit = units.into_iter().find(|&u| u >= rough * 0.999);
+            unit.unwrap_or(rough)
         };
         let (first, last) = (
             (self.low / unit - 1e-9).ceil(),
@@ -124,6 +167,14 @@ impl Panel {
     /// Grid, ticks, frame and labels.
     pub(crate) fn draw_axes(&self, svg: &mut Svg) {
         let (right, bottom) = (self.left + self.width, self.top + self.height);
+        for x in self.x.between_decades() {
+            let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
+            svg.line((x, self.top), (x, bottom), FINE_GRID, 1.0);
+        }
+        for (x, text) in self.x.twos_and_fives() {
+            let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
+            svg.text((x, bottom + 17.0), 11, Anchor::Middle, FAINT, &text);
+        }
         let (unit, ticks) = self.x.ticks(self.width / 80.0);
         for tick in ticks {
             let x = self.left + self.width * (tick - self.x.low) / (self.x.high - self.x.low);
@@ -202,5 +253,18 @@ mod tests {
                 vec![-16.0, -14.0, -12.0, -10.0, -8.0, -6.0, -4.0, -2.0]
             )
         );
+    }
+
+    #[test]
+    fn a_power_of_ten_is_always_within() {
+        for (low, high) in [(2.0, 3.0), (5.0, 5.0), (0.3, 40.0), (1e-17, 1e-16)] {
+            let axis = Axis::powers(low, high, "");
+            let (_, ticks) = axis.ticks(5.0);
+            assert!(ticks.count() > 0, "{axis:?}");
+            assert!(
+                axis.low < low.log10() && axis.high > high.log10(),
+                "{axis:?}"
+            );
+        }
     }
 }

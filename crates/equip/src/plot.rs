@@ -1,10 +1,12 @@
-//! The picture of a run: orbit or phase portrait on the left, the energy defect over time on the right.
+//! The picture of a run: orbit or phase portrait on the left, the energy defect over time on the right; below them Lyapunov exponent and MEGNO if they were
+//! asked for.
 
 use crate::comparison::Comparison;
 use crate::panel::{Axis, Panel};
 use crate::run::Finished;
 use crate::samples::{Envelope, Path};
 use crate::svg::{Anchor, FAINT, INK, Svg};
+use crate::watch::Watch;
 use equip_scalar::Float;
 use equip_scenes::{Instance, View};
 
@@ -17,6 +19,8 @@ const WIDTH: u32 = 1040;
 const HEIGHT: u32 = 480;
 const TOP: f64 = 108.0;
 const SIDE: f64 = 300.0;
+/// What the panels of the chaos indicators add.
+const MORE: u32 = 390;
 /// Up to this many steps, each is marked by a dot.
 const FEW: usize = 1500;
 
@@ -32,11 +36,11 @@ pub(crate) fn components(instance: &Instance) -> Vec<usize> {
 /// The picture as the text of an SVG file.
 pub(crate) fn draw<T: Float>(
     finished: &Finished<'_, T>,
-    path: &Path,
-    energy: &Envelope,
+    watch: &Watch<'_, T>,
     comparison: Option<&Comparison>,
 ) -> String {
-    let mut svg = Svg::new(WIDTH, HEIGHT);
+    let more = if watch.follows_chaos { MORE } else { 0 };
+    let mut svg = Svg::new(WIDTH, HEIGHT + more);
     let (instance, certificate) = (finished.instance, finished.run.certificate());
     svg.text((28.0, 36.0), 20, Anchor::Start, INK, instance.scene().title);
     let mut facts: Vec<_> = instance
@@ -58,7 +62,7 @@ pub(crate) fn draw<T: Float>(
     );
     match instance.view() {
         View::Profile => profile(&mut svg, finished),
-        view => paths(&mut svg, instance, path, &view),
+        view => paths(&mut svg, instance, &watch.path, &view),
     }
     let scale = certificate
         .energy
@@ -73,7 +77,10 @@ pub(crate) fn draw<T: Float>(
     let name = certificate.method.to_string();
     let name = name.split(',').next().unwrap_or_default();
     let end = certificate.end.to_f64();
-    energies(&mut svg, energy, name, comparison, end, floor);
+    energies(&mut svg, &watch.energy, name, comparison, end, floor);
+    if watch.follows_chaos {
+        chaos(&mut svg, &watch.chaos, end);
+    }
     svg.finish()
 }
 
@@ -213,6 +220,45 @@ fn energies(
         legend(svg, left, colour, label);
         left += 60.0 + 8.0 * label.chars().count() as f64;
     }
+}
+
+/// λ(t), which falls like ln t/t for regular motion, and MEGNO, which stays near 2.
+fn chaos(svg: &mut Svg, seen: &Path, end: f64) {
+    let positive = || seen.pairs(0).filter(|&(t, x)| t > 0.0 && x > 0.0);
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::MIN_POSITIVE), |(low, high), x| {
+            (low.min(x), high.max(x))
+        })
+    };
+    let (first, last) = range(&mut positive().map(|point| point.0));
+    let (low, high) = range(&mut positive().map(|point| point.1));
+    let top = TOP + f64::from(MORE);
+    let exponent = Panel {
+        top,
+        x: Axis::decades(first.min(last), last, "time t"),
+        y: Axis::decades(low.min(high), high, "Lyapunov exponent \u{3bb}(t)"),
+        ..left_panel(Axis::between(0.0, 1.0, ""), Axis::between(0.0, 1.0, ""))
+    };
+    exponent.draw_axes(svg);
+    let points = positive().map(|point| exponent.at(point));
+    svg.polyline(points, COLOURS[0], 1.5);
+    let values = seen.pairs(1).map(|point| point.1).chain([0.0, 2.0]);
+    let megno = Panel {
+        left: 560.0,
+        top,
+        width: 448.0,
+        height: SIDE,
+        x: Axis::between(0.0, end, "time t"),
+        y: Axis::around(values, "MEGNO, mean over time"),
+    };
+    megno.draw_axes(svg);
+    svg.polyline(
+        [(0.0, 2.0), (end, 2.0)].map(|p| megno.at(p)).into_iter(),
+        FAINT,
+        1.0,
+    );
+    let points = seen.pairs(1).map(|point| megno.at(point));
+    svg.polyline(points, COLOURS[0], 1.5);
 }
 
 fn legend(svg: &mut Svg, left: f64, colour: &str, label: &str) {

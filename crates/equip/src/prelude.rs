@@ -3,8 +3,8 @@
 pub use equip_autodiff::{BuildError, Energy, Hamiltonian, System, Var, hamiltonian};
 pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};
 pub use equip_solver::{
-    Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, Checkpoint, Counts, Direction, Equip,
-    Event, FixedStep, Gauss, IntegrateError, Invariant, Method, Observer, Occurrence, OnNoAlpha,
-    Outcome, Record, Reversible, ReversibleStepper, Run, RunFailure, StageSolver, Step, StepView,
-    Stepper, TangentMap, Trajectory, VariableSteps,
+    Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, ChaosIndicators, Checkpoint, Counts,
+    Direction, Equip, Event, FixedStep, Gauss, IntegrateError, Invariant, Method, Observer,
+    Occurrence, OnNoAlpha, Outcome, Record, Reversible, ReversibleStepper, Run, RunFailure,
+    StageSolver, Step, StepRule, StepView, Stepper, TangentMap, Target, Trajectory, VariableSteps,
 };

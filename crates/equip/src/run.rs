@@ -13,7 +13,7 @@ use crate::{json, plot};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
 use equip_solver::{
-    Alphas, Equip, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run,
+    Alphas, Equip, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run, Target,
 };
 use std::io::{Write, stdout};
 use std::time::Duration;
@@ -53,6 +53,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
 fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     let (h, end) = time_scale::<T>(args, instance)?;
     let method = method::<T>(args)?;
+    let h = match &args.target_error {
+        None => h,
+        Some(text) => step_for(number("--target-error", text)?, instance, method, end)?,
+    };
     let mut integrator = match &args.tolerance {
         None => Integrator::Fixed(method.step(h).record(Record::Ends)),
         Some(text) => {
@@ -62,6 +66,9 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     };
     if args.refuse {
         integrator = integrator.on_no_alpha(OnNoAlpha::Refuse);
+    }
+    if args.lyapunov {
+        integrator = integrator.chaos();
     }
     for invariant in instance.invariants() {
         integrator =
@@ -82,6 +89,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     watch.out.clone_from(&args.out);
     watch.every = args.every;
     watch.plot.clone_from(&args.plot);
+    watch.follows_chaos = args.lyapunov;
     let mut from = None;
     if let Some(path) = &args.checkpoint {
         let every =
@@ -159,7 +167,7 @@ fn picture<T: Float>(
         let end = finished.run.certificate().end;
         Comparison::new(args.stages, h, finished.instance, end, progress)
     });
-    let text = draw(finished, &watch.path, &watch.energy, comparison.as_ref());
+    let text = draw(finished, watch, comparison.as_ref());
     file.write_all(text.as_bytes())
         .map_err(|source| Fault::Write {
             path: path.clone(),
@@ -192,6 +200,23 @@ fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), F
         (None, None) => T::exact(instance.suggested_end()),
     };
     Ok((h, end))
+}
+
+/// The step for an error at the end, from trial runs over a period.
+fn step_for<T: Float>(target: T, instance: &Instance, method: Method, end: T) -> Result<T, Fault> {
+    let period = instance.period::<T>();
+    let whole = end < T::int(2) * period;
+    let (stretch, target) = if whole {
+        (end, target)
+    } else {
+        (period, target * (period / end))
+    };
+    let (q, p) = instance.initial::<T>();
+    let interval = T::int(0)..=stretch;
+    let wanted = Target::Trajectory(target);
+    method
+        .suggest_step(instance.hamiltonian(), &q, &p, interval, wanted)
+        .map_err(Fault::start)
 }
 
 fn method<T: Float>(args: &RunArgs) -> Result<Method, Fault> {

@@ -33,6 +33,15 @@ impl Anchor {
     }
 }
 
+/// The shape of a mark.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Mark {
+    Disc,
+    Square,
+    Diamond,
+    Triangle,
+}
+
 impl Svg {
     pub(crate) fn new(width: u32, height: u32) -> Self {
         Svg {
@@ -141,6 +150,62 @@ impl Svg {
         self.push(format_args!(
             r#"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{diameter}" stroke-linecap="round"/>"#
         ));
+    }
+
+    /// Filled marks of the given radius.
+    pub(crate) fn marks(
+        &mut self,
+        points: impl Iterator<Item = (f64, f64)>,
+        mark: Mark,
+        radius: f64,
+        colour: &str,
+    ) {
+        let mut path = String::new();
+        for (x, y) in points {
+            let _ = match mark {
+                Mark::Disc => write!(path, "M{x:.1} {y:.1}h0"),
+                Mark::Square => {
+                    let r = 0.88 * radius;
+                    write!(
+                        path,
+                        "M{:.1} {:.1}h{:.1}v{:.1}h{:.1}z",
+                        x - r,
+                        y - r,
+                        2.0 * r,
+                        2.0 * r,
+                        -2.0 * r
+                    )
+                }
+                Mark::Diamond => {
+                    let r = 1.25 * radius;
+                    write!(
+                        path,
+                        "M{:.1} {y:.1}l{r:.1} {:.1}l{r:.1} {r:.1}l{:.1} {r:.1}z",
+                        x - r,
+                        -r,
+                        -r
+                    )
+                }
+                Mark::Triangle => {
+                    let r = 1.2 * radius;
+                    write!(
+                        path,
+                        "M{x:.1} {:.1}l{r:.1} {:.1}h{:.1}z",
+                        y - r,
+                        1.8 * r,
+                        -2.0 * r
+                    )
+                }
+            };
+        }
+        if mark == Mark::Disc {
+            let width = 2.0 * radius;
+            self.push(format_args!(
+                r#"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="round"/>"#
+            ));
+        } else {
+            self.push(format_args!(r#"<path d="{path}" fill="{colour}"/>"#));
+        }
     }
 
     pub(crate) fn finish(self) -> String {

@@ -21,6 +21,9 @@ pub(crate) struct Watch<'a, T> {
     pub(crate) plot: Option<PathBuf>,
     pub(crate) path: Path,
     pub(crate) energy: Envelope,
+    /// Whether there are Lyapunov exponents to see, and what was seen of them: t, λ, t, MEGNO.
+    pub(crate) follows_chaos: bool,
+    pub(crate) chaos: Path,
     pub(crate) progress: Progress,
     rows: Option<Rows<BufWriter<File>>>,
     pub(crate) drawing: Option<File>,
@@ -41,6 +44,8 @@ impl<'a, T: Float> Watch<'a, T> {
             plot: None,
             path,
             energy: Envelope::default(),
+            follows_chaos: false,
+            chaos: Path::new(vec![0, 1, 2, 3]),
             progress,
             rows: None,
             drawing: None,
@@ -66,9 +71,13 @@ impl<'a, T: Float> Watch<'a, T> {
         if let Some(path) = &self.out {
             self.rows = Some(
                 match self.resumed {
-                    Some(step) if path.exists() => Rows::go_on(path, self.every, step),
-                    _ => File::create(path)
-                        .and_then(|file| Rows::start(BufWriter::new(file), self.every, q, p)),
+                    Some(step) if path.exists() => {
+                        Rows::go_on(path, self.every, step, self.follows_chaos)
+                    }
+                    _ => File::create(path).and_then(|file| {
+                        let file = BufWriter::new(file);
+                        Rows::start(file, self.every, (q, p), self.follows_chaos)
+                    }),
                 }
                 .map_err(|e| write(path, e))?,
             );
@@ -85,6 +94,10 @@ impl<'a, T: Float> Watch<'a, T> {
         if let Some(defect) = view.energy_defect {
             self.energy.see(view.time.to_f64(), defect.to_f64());
         }
+        if let Some(chaos) = &view.chaos {
+            let seen = [view.time, chaos.lyapunov, view.time, chaos.megno];
+            self.chaos.see(view.index, |i| seen[i].to_f64());
+        }
         if let (Some(rows), Some(path)) = (&mut self.rows, &self.out) {
             let row = Row {
                 index: view.index,
@@ -93,6 +106,7 @@ impl<'a, T: Float> Watch<'a, T> {
                 p: view.p,
                 energy_defect: view.energy_defect,
                 outcome: view.outcome.label(),
+                chaos: view.chaos,
             };
             rows.step(row).map_err(|source| Fault::Write {
                 path: path.clone(),
@@ -145,6 +159,7 @@ impl<'a, T: Float> Watch<'a, T> {
                 p,
                 energy_defect: run.energy_defects().last().copied(),
                 outcome: run.outcomes().last().map_or("", |outcome| outcome.label()),
+                chaos: run.certificate().chaos,
             };
             rows.finish(last).map_err(|source| Fault::Write {
                 path: path.clone(),

@@ -47,6 +47,7 @@ fn help_teaches() {
         &["run", "--help"],
         &["scenes", "--help"],
         &["report", "--help"],
+        &["growth", "--help"],
     ] {
         assert!(stdout(arguments).contains("Examples:"), "{arguments:?}");
     }
@@ -351,6 +352,121 @@ fn variable_steps_follow_a_tolerance() {
     let json = stdout(&["run", "kepler", "--tolerance", "1e-8", "--json"]);
     assert!(json.contains("\"variable_steps\": {"), "{json}");
     failure(2, &["run", "kepler", "--tolerance", "1"]);
+}
+
+#[test]
+fn a_deviation_is_followed() {
+    let (out, plot) = (file("chaos.csv"), file("chaos.svg"));
+    let run = |energy: &str, q2: &str, more: &[&str]| {
+        let common = [
+            "run",
+            "henon-heiles",
+            "--stages",
+            "6",
+            "--tolerance",
+            "1e-9",
+        ];
+        let orbit = [
+            "--energy", energy, "--q2", q2, "--p2", "0", "--until", "1000",
+        ];
+        stdout(&[&common[..], &orbit, more].concat())
+    };
+    let written = [
+        "--lyapunov",
+        "--out",
+        out.to_str().unwrap(),
+        "--plot",
+        plot.to_str().unwrap(),
+    ];
+    let text = run("1/8", "-0.25", &written);
+    assert!(
+        text.contains("Lyapunov exponent") && text.contains("MEGNO"),
+        "{text}"
+    );
+    let rows = table(&out);
+    assert!(rows[0].join(",").ends_with("outcome,lyapunov,megno"));
+    assert!(rows.iter().all(|row| row.len() == rows[0].len()));
+    // Measured 0.076 and 37.
+    let last: Vec<f64> = rows.last().unwrap()[7..]
+        .iter()
+        .map(|x| x.parse().unwrap())
+        .collect();
+    assert!(last[0] > 0.03 && last[1] > 15.0, "{last:?}");
+    let picture = std::fs::read_to_string(&plot).unwrap();
+    well_formed(&picture);
+    assert!(picture.contains("MEGNO"));
+    // The other name of the option; a regular orbit.
+    let json = run("1/8", "0.483", &["--megno", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let megno = json["chaos"]["megno"].as_f64().unwrap();
+    assert!((megno - 2.0).abs() < 0.3, "{megno}");
+    assert!(!run("1/8", "0.483", &[]).contains("MEGNO"));
+}
+
+#[test]
+fn growth_is_drawn() {
+    let (plot, csv) = (file("growth.svg"), file("growth.csv"));
+    let text = stdout(&[
+        "growth",
+        "--eccentricities",
+        "0.6,0.9",
+        "--tolerances",
+        "1e-12",
+        "--revolutions",
+        "30",
+        "--plot",
+        plot.to_str().unwrap(),
+        "--csv",
+        csv.to_str().unwrap(),
+    ]);
+    assert_eq!(
+        text.lines()
+            .filter(|line| line.contains("| EQUIP |"))
+            .count(),
+        2
+    );
+    well_formed(&std::fs::read_to_string(&plot).unwrap());
+    let rows = table(&csv);
+    let last = |method: &str| -> f64 {
+        let of_method = |row: &&Vec<String>| row[0] == "0.9" && row[2] == method;
+        let row = rows.iter().rfind(of_method).unwrap();
+        assert_eq!(row[3], "30.3");
+        row[4].parse().unwrap()
+    };
+    // Measured 1e-11 and 2e-9.
+    assert!(last("EQUIP") < 1e-10 && last("Gauss") > 10.0 * last("EQUIP"));
+    failure(2, &["growth", "--tolerances", "no"]);
+    failure(
+        2,
+        &["growth", "--eccentricities", "2", "--revolutions", "1"],
+    );
+}
+
+#[test]
+fn a_step_is_found_for_an_error() {
+    let json = stdout(&[
+        "run",
+        "kepler",
+        "--e",
+        "0.3",
+        "--stages",
+        "6",
+        "--periods",
+        "50.3",
+        "--target-error",
+        "1e-8",
+        "--json",
+    ]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let error = json["end_state_error"]["q"].as_f64().unwrap();
+    // Measured 3.5e-9; errors do not grow quite linearly in the first period.
+    assert!(error < 5e-8 && error > 1e-10, "{error}");
+    failure(
+        2,
+        &["run", "kepler", "--target-error", "1e-8", "--step", "0.1"],
+    );
+    let text = failure(2, &["run", "kepler", "--target-error", "1e-20"]);
+    assert!(text.contains("take a larger target"), "{text}");
 }
 
 #[test]

@@ -1,9 +1,8 @@
 //! + − × ÷ √ and the error-free sum of `DoubleDouble` against exact arithmetic, and the rules for special values.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
+use crate::common::{BITS, RM, Random, Worst, big, error};
 use astro_float::BigFloat;
-use common::{BITS, RM, Random, Worst, big, error};
 use equip_scalar::{DoubleDouble, Float};
 
 const COUNT: usize = 30_000;

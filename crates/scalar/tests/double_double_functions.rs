@@ -4,9 +4,8 @@
 //! thirds; 8 is what the documentation promises.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
+use crate::common::{BITS, RM, Random, Worst, big, consts, error};
 use astro_float::{BigFloat, Consts};
-use common::{BITS, RM, Random, Worst, big, consts, error};
 use equip_scalar::DoubleDouble;
 
 const COUNT: usize = 10_000;

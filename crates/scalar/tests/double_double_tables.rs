@@ -1,9 +1,8 @@
 //! The published constants of `DoubleDouble`, recomputed at 400 bits.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
+use crate::common::{RM, big, consts, double};
 use astro_float::BigFloat;
-use common::{RM, big, consts, double};
 use equip_scalar::DoubleDouble;
 
 const BITS: usize = 400;

@@ -1,8 +1,7 @@
 //! Decimals: every finite `DoubleDouble` survives printing and parsing, and parsing rounds correctly.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-use common::{RM, Random, big, consts};
+use crate::common::{RM, Random, big, consts};
 use equip_scalar::{DoubleDouble, Float};
 
 fn same(x: DoubleDouble, y: DoubleDouble) -> bool {
@@ -70,7 +69,8 @@ fn parsing_is_correctly_rounded() {
         }
         assert_eq!(x.hi(), text.parse().unwrap_or(f64::NAN), "{text}");
         let distance = exact.sub(&big(x), 2400, RM).abs();
-        let half_unit = common::double(&distance) <= x.lo().abs() * f64::EPSILON * 0.5 + 3e-324;
+        let half_unit =
+            crate::common::double(&distance) <= x.lo().abs() * f64::EPSILON * 0.5 + 3e-324;
         assert!(half_unit, "{text} gave {x:?}");
     }
 }

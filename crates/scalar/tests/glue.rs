@@ -1,8 +1,7 @@
 //! `DoubleDouble` under num-traits, num-dual, approx and nalgebra, and the dual numbers over it and over `f64`.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod common;
-use common::Random;
+use crate::common::Random;
 use equip_scalar::{Constant, DoubleDouble, FirstOrder, Float, Num, Scalar, SecondOrder, ratio};
 use nalgebra::{ComplexField, DMatrix, DVector, RealField};
 

@@ -1,9 +1,7 @@
 //! Every scene builds, says of itself what is true, and refuses what it cannot do in words that help.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{every_instance, gradient, start};
+use crate::common::{every_instance, gradient, start};
 use equip_autodiff::System;
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::{Instance, SceneError, View, all, find};

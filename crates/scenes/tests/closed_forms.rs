@@ -1,9 +1,7 @@
 //! Closed forms satisfy the equations of motion, keep H, start at the start and have the stated period.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{gradient, start, value};
+use crate::common::{gradient, start, value};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::{Instance, find};
 

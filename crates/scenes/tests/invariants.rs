@@ -1,9 +1,7 @@
 //! {I, H} = ∇Iᵀ J ∇H vanishes to round-off at seeded random states, and the flags say what is true.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{every_instance, gradient, random_state};
+use crate::common::{every_instance, gradient, random_state};
 use equip_autodiff::System;
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::{InvariantKind, find};

@@ -1,9 +1,7 @@
 //! Stored references: dimensions, energies at both ends, agreement with the closed forms.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{start, value};
+use crate::common::{start, value};
 use equip_autodiff::System;
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::{Instance, find, reference_names};

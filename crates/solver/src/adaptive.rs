@@ -153,6 +153,13 @@ impl<T: Float> Adaptive<T> {
         self
     }
 
+    /// See [`FixedStep::chaos`].
+    #[must_use]
+    pub fn chaos(mut self) -> Self {
+        self.base = self.base.chaos();
+        self
+    }
+
     /// See [`FixedStep::event`].
     #[must_use]
     pub fn event(mut self, event: Event<T>) -> Self {

@@ -10,6 +10,7 @@ use crate::observer::{NoObserver, Observer};
 use crate::options::Record;
 use crate::run::{Run, RunFailure};
 use crate::stepper::Stepper;
+use crate::tangent_chaos::Chaos;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
@@ -46,7 +47,7 @@ impl<T: Float> Adaptive<T> {
         let (t0, t1) = interval.into_inner();
         self.base.check_times(t0, t1)?;
         let stepper = self.start(system, q0, p0, t0)?;
-        self.drive(system, stepper, t1, observer)
+        self.drive(system, stepper, t1, None, observer)
     }
 
     /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at the checkpoint; its certificate is that of the
@@ -64,7 +65,7 @@ impl<T: Float> Adaptive<T> {
     ) -> Result<Run<T>, RunFailure<T>> {
         let stepper = self.resume(system, checkpoint)?;
         self.base.check_times(stepper.inner.t0, end)?;
-        self.drive(system, stepper, end, observer)
+        self.drive(system, stepper, end, Some(checkpoint), observer)
     }
 
     /// A fixed step that would have met the tolerance everywhere between `t0` and `t1`: the smallest of the steps that the tolerance asks for there.
@@ -92,6 +93,7 @@ impl<T: Float> Adaptive<T> {
         system: &H,
         mut stepper: AdaptiveStepper<T, H::Evaluator<T>>,
         end: T,
+        from: Option<&Checkpoint>,
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
         let (times, now) = (&self.base.output_times, stepper.time());
@@ -100,6 +102,7 @@ impl<T: Float> Adaptive<T> {
             record: self.base.record,
             outputs: None,
             dense: DenseWatch::new(system, &self.base, times, &mut stepper.inner)?,
+            chaos: Chaos::of_run(system, &self.base, &mut stepper.inner, from)?,
         };
         drive(&mut Until { stepper, end }, watchers, observer)
     }

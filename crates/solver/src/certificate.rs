@@ -3,6 +3,7 @@
 use crate::invariant::Defect;
 use crate::method::{Alphas, Family, Method};
 use crate::outcome::{Counts, Outcome};
+use crate::tangent_chaos::ChaosIndicators;
 use equip_scalar::Float;
 use std::fmt;
 
@@ -27,6 +28,8 @@ pub struct Certificate<T> {
     pub invariants: Vec<Defect<T>>,
     /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for.
     pub alpha_range: Vec<(T, T)>,
+    /// Lyapunov exponent and MEGNO, if a deviation was followed.
+    pub chaos: Option<ChaosIndicators<T>>,
     /// Counts of work and of outcomes.
     pub counts: Counts,
     /// Extra steps made for output times; their work is not in `counts`.
@@ -131,6 +134,13 @@ impl<T: Float> Certificate<T> {
                 &label,
                 format!("max {:.2e}, end {:.2e}", defect.max, defect.end),
             );
+        }
+        if let Some(ChaosIndicators { lyapunov, megno }) = self.chaos {
+            line(
+                "Lyapunov exponent",
+                format!("{lyapunov:.3e} per unit of time"),
+            );
+            line("MEGNO", format!("{megno:.3}"));
         }
         for outcome in Outcome::ALL {
             let count = counts.outcome(outcome);

@@ -67,6 +67,9 @@ pub struct Checkpoint {
     /// The floors that the constraints have inherited.
     pub(crate) inherited: Vec<Exact>,
     pub(crate) control: Option<ControlMemory>,
+    /// The deviation that is followed.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) chaos: Option<ChaosMemory>,
 }
 
 impl Checkpoint {
@@ -109,6 +112,15 @@ pub(crate) struct ControlMemory {
     pub(crate) largest: Exact,
     pub(crate) rejected: u64,
     pub(crate) failed: u64,
+}
+
+/// A deviation and what has been summed of it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct ChaosMemory {
+    pub(crate) start: Exact,
+    pub(crate) sums: [Exact; 3],
+    pub(crate) deviation: Vec<Exact>,
 }
 
 /// A number by the bits of its parts: hexadecimal, separated by colons, the largest part first.

@@ -144,6 +144,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
                 .map(|c| Exact::of(c.inherited))
                 .collect(),
             control: None,
+            chaos: None,
             energy_now: Exact::of(self.core.energy.value(&self.y.hi)),
         }
     }

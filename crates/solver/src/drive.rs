@@ -7,7 +7,8 @@ use crate::grid::Outputs;
 use crate::observer::Observer;
 use crate::options::Record;
 use crate::run::{Run, RunFailure};
-use crate::stepper::Stepper;
+use crate::stepper::{StepView, Stepper};
+use crate::tangent_chaos::Chaos;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
@@ -33,6 +34,7 @@ pub(crate) struct Watchers<'a, T: Float, E> {
     /// Output by extra steps: fixed steps only, with the time of the next grid point.
     pub(crate) outputs: Option<Outputs<'a, T, E>>,
     pub(crate) dense: Option<DenseWatch<T, E>>,
+    pub(crate) chaos: Option<Chaos<T, E>>,
 }
 
 /// Makes the run.
@@ -72,16 +74,25 @@ fn watch<T: Float, E: Evaluate<T>>(
         let time_low = steps.time_low();
         steps.advance()?;
         let stepper = steps.stepper();
+        if let Some(chaos) = &mut watchers.chaos {
+            chaos.see(stepper)?;
+            run.certificate.chaos = Some(chaos.indicators());
+        }
         if let Some(dense) = &mut watchers.dense
             && let ControlFlow::Break((time, y)) = dense.see(stepper, time_low, run)?
         {
             run.end_at(time, y, stepper);
             return Ok(());
         }
-        let view = stepper.view();
+        let view = StepView {
+            chaos: run.certificate.chaos,
+            ..stepper.view()
+        };
         let mut stop = observer.step(&view) == ControlFlow::Break(());
         if observer.wants_checkpoint() {
-            stop |= observer.checkpoint(steps.checkpoint()) == ControlFlow::Break(());
+            let mut checkpoint = steps.checkpoint();
+            checkpoint.chaos = watchers.chaos.as_ref().map(Chaos::memory);
+            stop |= observer.checkpoint(checkpoint) == ControlFlow::Break(());
         }
         let view = steps.stepper().view();
         if stop || steps.is_done() || watchers.record.keeps(view.index) {

@@ -160,6 +160,42 @@ pub enum IntegrateError<T: Float> {
         /// Its size.
         step: T,
     },
+    /// Rounding leaves more of an error than the target that a step is asked for.
+    #[error(
+        "the error stays at {reached:e} however small the step (that of {step:e} is no worse), and {target:e} is asked for: take a larger target, a shorter interval or a number type of more digits"
+    )]
+    TargetBelowRoundOff {
+        /// The target.
+        target: T,
+        /// The smallest error of a trial.
+        reached: T,
+        /// A step that reaches it.
+        step: T,
+    },
+    /// No trial has reached the target that a step is asked for.
+    #[error(
+        "no step down to {step:e} reaches the target {target:e} (the last trial had the error {error:e}); take more stages, a larger target or a shorter interval, or variable steps"
+    )]
+    TargetNotReached {
+        /// The target.
+        target: T,
+        /// Error of the last trial.
+        error: T,
+        /// The smallest step tried.
+        step: T,
+    },
+    /// No step of which the integral rule of reversible control holds was found.
+    #[error(
+        "no size was found at t = {time} for which h Σ b_i/σ(Y_i) = ε, the last one {step:e} misses it by {miss:e}; take a smaller ε, a smoother σ, or `StepRule::Explicit`"
+    )]
+    StepRuleNotMet {
+        /// Start of the step.
+        time: T,
+        /// The size tried last.
+        step: T,
+        /// By how much of ε it misses the rule.
+        miss: T,
+    },
     /// Step control wants a step below the smallest one allowed, or below the resolution of time.
     #[error(
         "the tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity of H, or the tolerance is too small: loosen it or lower `min_step`"

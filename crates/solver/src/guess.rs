@@ -111,7 +111,18 @@ impl<T: Float> Guess<T> {
     fn fill_matrix(&mut self, gauss: &Gauss<T>, ratio: T) {
         let s = gauss.stages();
         let start = self.start();
-        fill_prolongation(gauss, start, ratio, |i, j, e| self.matrix[i * s + j] = e);
+        // One scratch row: the integrals of P_0 … P_{s−1} from 0; from 0 to 1 only that of P_0 is not zero.
+        let mut integrals = [T::int(0); crate::MAX_STAGES];
+        let integrals = &mut integrals[..s];
+        for (i, &c) in gauss.nodes().iter().enumerate() {
+            legendre_integrals_at(start + ratio * c, integrals);
+            integrals[0] -= start;
+            for j in 0..s {
+                let terms = integrals.iter().enumerate();
+                let e = terms.fold(T::int(0), |sum, (k, &x)| sum + x * gauss.legendre(k)[j]);
+                self.matrix[i * s + j] = e;
+            }
+        }
         self.ratio = ratio;
     }
 
@@ -120,9 +131,14 @@ impl<T: Float> Guess<T> {
         T::int(i64::from(!self.refused))
     }
 
-    /// Where the new step starts in the step made last, and its size over that of it, if there is one.
-    pub(crate) fn prolongation(&self, h: T) -> Option<(T, T)> {
-        (self.h != T::int(0)).then(|| (self.start(), h / self.h))
+    /// Where the new step starts in the step made last, its size over that of it, and that, if there is one.
+    pub(crate) fn prolongation(&self, h: T) -> Option<[T; 3]> {
+        (self.h != T::int(0)).then(|| [self.start(), h / self.h, self.h])
+    }
+
+    /// Sweeps no longer have its L: they have begun another step, which they did not finish.
+    pub(crate) fn is_not_swept(&mut self) {
+        self.is_swept = false;
     }
 
     /// Remembers an accepted step that sweeps have made, who keep its L in their own order until it is fetched.
@@ -144,35 +160,8 @@ impl<T: Float> Guess<T> {
         }
     }
 
-    /// Sweeps have begun another step, which they did not finish: what they have is no use.
-    pub(crate) fn is_lost(&mut self) {
-        self.is_swept = false;
-    }
-
     /// The Z that is in the stages already is the guess of this step.
     pub(crate) fn is_made(&mut self) {
         self.made = true;
-    }
-}
-
-/// Gives the entries (i, j) of Σ_k (∫_a^{a + r c_i} P_k) P_k(c_j), a = `start`, r = `ratio`, to `set`.
-pub(crate) fn fill_prolongation<T: Float>(
-    gauss: &Gauss<T>,
-    start: T,
-    ratio: T,
-    mut set: impl FnMut(usize, usize, T),
-) {
-    let s = gauss.stages();
-    // One scratch row: the integrals of P_0 … P_{s−1} from 0; from 0 to 1 only that of P_0 is not zero.
-    let mut integrals = [T::int(0); crate::MAX_STAGES];
-    let integrals = &mut integrals[..s];
-    for (i, &c) in gauss.nodes().iter().enumerate() {
-        legendre_integrals_at(start + ratio * c, integrals);
-        integrals[0] -= start;
-        for j in 0..s {
-            let terms = integrals.iter().enumerate();
-            let e = terms.fold(T::int(0), |sum, (k, &x)| sum + x * gauss.legendre(k)[j]);
-            set(i, j, e);
-        }
     }
 }

@@ -61,7 +61,9 @@ mod stages;
 mod start;
 mod state;
 mod step;
+mod step_density;
 mod stepper;
+mod suggest;
 mod sweep;
 mod sweeps;
 mod tangent;
@@ -81,12 +83,13 @@ pub use newton::NewtonRecord;
 pub use observer::{NoObserver, Observer};
 pub use options::{FixedStep, OnNoAlpha, Record, StageSolver};
 pub use outcome::{Counts, Outcome};
-pub use reversible::Reversible;
+pub use reversible::{Reversible, StepRule};
 pub use reversible_stepper::ReversibleStepper;
 pub use run::{Run, RunFailure};
 pub use stepper::{Step, StepView, Stepper};
+pub use suggest::Target;
 pub use tangent::{Steps, TangentMap};
-pub use tangent_chaos::Chaos;
+pub use tangent_chaos::{Chaos, ChaosIndicators};
 pub use time_dependent::Extended;
 
 /// Most stages a method may have.

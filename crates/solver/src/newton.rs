@@ -61,8 +61,9 @@ pub(crate) struct StepTask<'a, T> {
     pub(crate) h: T,
     /// Whether the constraints are to be met; if not, the α's stay where they are.
     pub(crate) constrained: bool,
-    /// Free are α_first … α_{s−1}.
+    /// Free are α_first … α_{end − 1}; end is s unless the last ones are left out.
     pub(crate) first: usize,
+    pub(crate) end: usize,
     pub(crate) norm: Norm,
     pub(crate) alpha_bound: T,
     pub(crate) max_iterations: u32,
@@ -336,7 +337,7 @@ impl<T: Float> Newton<T> {
         let first = !self.directions.are_known();
         // The error of the directions times the displacement: what a step backwards would not undo.
         let defect = worst(at.constraints, |c| c.predicted.abs() / c.scale);
-        let choice = at.stages.count() > task.first + 1;
+        let choice = task.end > task.first + 1;
         let stale = first && choice && !task.pure && T::int(16) * last * defect > T::EPSILON;
         if self.directions.columns_are_due()
             && !(self.linearised).prepare_columns(at.stages, at.energy, (task.h, stale), at.counts)
@@ -344,7 +345,7 @@ impl<T: Float> Newton<T> {
             return Moved::NotAtAll;
         }
         if !self.directions.are_known() {
-            let free = task.first..at.stages.count();
+            let free = task.first..task.end;
             for c in at.constraints.iter_mut() {
                 at.counts.gradients += 1;
                 c.evaluate_start(at.energy, task.y);

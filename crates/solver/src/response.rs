@@ -330,7 +330,7 @@ impl<T: Float> Finer<T> {
         let (s, stride) = (coarse.s, coarse.stride);
         self.evaluations = 0;
         let (own, rows) = (self.iterate.stride, &self.prolongation);
-        self.iterate.begin(&self.gauss, (y, h), None);
+        self.iterate.begin(&self.gauss, (y, h));
         self.iterate.displace(y, |c, z| {
             let l = &coarse.l[c * stride..][..s];
             for (z, row) in z[..own].iter_mut().zip(rows.chunks_exact(s)) {

@@ -6,24 +6,33 @@ use crate::dense_watch::DenseWatch;
 use crate::drive::{Schedule, Watchers, drive};
 use crate::error::IntegrateError;
 use crate::observer::{NoObserver, Observer};
-use crate::reversible::Reversible;
+use crate::outcome::Outcome;
+use crate::reversible::{Reversible, StepRule};
 use crate::run::{Run, RunFailure};
+use crate::step_density::StepDensity;
 use crate::stepper::{StepView, Stepper};
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use crate::tangent_chaos::Chaos;
+use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
+
+/// Tries to meet the integral rule.
+const MOST_TRIES: u32 = 25;
+/// A size that meets it within so many units of the last place meets it.
+const ROUND_OFF: i64 = 16;
 
 /// A run with reversible steps that is made step by step.
 #[derive(Debug)]
 pub struct ReversibleStepper<T: Float, E> {
-    inner: Stepper<T, E>,
-    sigma: <Hamiltonian as System>::Evaluator<T>,
+    pub(crate) inner: Stepper<T, E>,
+    sigma: StepDensity<T>,
+    rule: StepRule,
     epsilon: T,
     /// z of the last step.
     density: T,
     time_low: T,
     end: T,
-    slopes: [Vec<T>; 2],
+    point: Vec<T>,
 }
 
 impl<T: Float> Reversible<T> {
@@ -40,11 +49,13 @@ impl<T: Float> Reversible<T> {
     ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
         self.validate()?;
         let inner = self.base.start(system, q0, p0, t0)?;
-        let mut stepper = self.around(inner)?;
-        let sigma = stepper.sigma.value(&stepper.inner.y.hi);
+        let mut stepper = self.around(system, inner)?;
+        let core = &mut stepper.inner.core;
+        let density =
+            (stepper.sigma).at(&stepper.inner.y.hi, &mut core.energy, &mut core.counts)?;
         let half = stepper.change()? / T::int(2);
         // Half a change behind the start, so that the first whole one leads to z_{1/2}.
-        stepper.density = T::int(1) / sigma - half;
+        stepper.density = density - half;
         Ok(stepper)
     }
 
@@ -58,7 +69,7 @@ impl<T: Float> Reversible<T> {
         checkpoint: &Checkpoint,
     ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
         let inner = (self.base).resume_as(system, checkpoint, self.fingerprint())?;
-        let mut stepper = self.around(inner)?;
+        let mut stepper = self.around(system, inner)?;
         let Some(memory) = &checkpoint.control else {
             return Err(IntegrateError::CheckpointDamaged {
                 what: "the memory of step control",
@@ -73,20 +84,14 @@ impl<T: Float> Reversible<T> {
         Ok(stepper)
     }
 
-    fn around<E: Evaluate<T>>(
+    fn around<H: System>(
         &self,
-        mut inner: Stepper<T, E>,
-    ) -> Result<ReversibleStepper<T, E>, IntegrateError<T>> {
+        system: &H,
+        mut inner: Stepper<T, H::Evaluator<T>>,
+    ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
         let n = inner.y.hi.len();
-        let (expected, found) = (n / 2, self.sigma.degrees_of_freedom());
-        if expected != found {
-            return Err(IntegrateError::WrongLength {
-                what: "sigma",
-                expected,
-                found,
-            });
-        }
         inner.fingerprint = self.fingerprint();
+        inner.core.wants_z = true;
         inner.variable = Some(VariableSteps {
             tolerance: self.epsilon,
             smallest: T::INFINITY,
@@ -95,12 +100,13 @@ impl<T: Float> Reversible<T> {
             failed: 0,
         });
         Ok(ReversibleStepper {
-            sigma: self.sigma.evaluator::<T>(),
+            sigma: StepDensity::new(system, self.sigma.as_ref())?,
+            rule: self.rule,
             epsilon: self.epsilon,
             density: T::int(0),
             time_low: T::int(0),
             end: T::INFINITY,
-            slopes: [vec![T::int(0); n], vec![T::int(0); n]],
+            point: vec![T::int(0); n],
             inner,
         })
     }
@@ -134,7 +140,7 @@ impl<T: Float> Reversible<T> {
         let (t0, t1) = interval.into_inner();
         self.base.check_times(t0, t1)?;
         let stepper = self.start(system, q0, p0, t0)?;
-        self.drive(system, stepper, t1, observer)
+        self.drive(system, stepper, t1, None, observer)
     }
 
     /// Goes on with the run that `checkpoint` was made of, to time `end`; see
@@ -151,7 +157,7 @@ impl<T: Float> Reversible<T> {
     ) -> Result<Run<T>, RunFailure<T>> {
         let stepper = self.resume(system, checkpoint)?;
         self.base.check_times(stepper.inner.t0, end)?;
-        self.drive(system, stepper, end, observer)
+        self.drive(system, stepper, end, Some(checkpoint), observer)
     }
 
     fn drive<H: System>(
@@ -159,6 +165,7 @@ impl<T: Float> Reversible<T> {
         system: &H,
         mut stepper: ReversibleStepper<T, H::Evaluator<T>>,
         end: T,
+        from: Option<&Checkpoint>,
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
         let (times, now) = (&self.base.output_times, stepper.inner.time());
@@ -167,6 +174,7 @@ impl<T: Float> Reversible<T> {
             record: self.base.record,
             outputs: None,
             dense: DenseWatch::new(system, &self.base, times, &mut stepper.inner)?,
+            chaos: Chaos::of_run(system, &self.base, &mut stepper.inner, from)?,
         };
         stepper.end = end;
         drive(&mut stepper, watchers, observer)
@@ -176,24 +184,10 @@ impl<T: Float> Reversible<T> {
 impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// ε G at the present state.
     fn change(&mut self) -> Result<T, IntegrateError<T>> {
-        let [sigma_slope, slope] = &mut self.slopes;
+        let core = &mut self.inner.core;
         let y = &self.inner.y.hi;
-        let sigma = self.sigma.gradient(y, sigma_slope);
-        if !(sigma > T::int(0)) || !sigma.is_finite() {
-            return Err(IntegrateError::Option {
-                option: "sigma",
-                value: sigma,
-                expected: "positive and finite along the whole run",
-            });
-        }
-        self.inner.core.counts.gradients += 1;
-        self.inner.core.energy.gradient(y, slope);
-        let m = y.len() / 2;
-        // ∇σ · J∇H.
-        let product = (0..m).fold(T::int(0), |sum, j| {
-            sum + (sigma_slope[j] * slope[m + j] - sigma_slope[m + j] * slope[j])
-        });
-        Ok(-(self.epsilon * product / sigma))
+        let rate = self.sigma.rate(y, &mut core.energy, &mut core.counts)?;
+        Ok(self.epsilon * rate)
     }
 
     /// Makes the next step.
@@ -201,10 +195,16 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// # Errors
     /// When the step cannot be made, or σ or the density is no longer positive; the state then is that before the step.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        let density = self.density + self.change()?;
+        let mut density = self.density + self.change()?;
         let (now, low) = (self.inner.time(), self.time_low);
-        let h = self.epsilon / density;
         let left = (self.end - now) - low;
+        let mut h = self.epsilon / density;
+        let mut made = None;
+        if self.rule == StepRule::Integral && left > h {
+            let (met, outcome) = self.meet_rule(h)?;
+            (h, density) = (met, self.epsilon / met);
+            made = Some(outcome);
+        }
         let cut = left <= h;
         let h = if cut { left } else { h };
         let (sum, lost) = T::two_sum(now, h);
@@ -217,7 +217,14 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         if !(density > T::int(0)) || !(time > now) {
             return Err(IntegrateError::StepBelowTimeResolution { step: h, time: now });
         }
-        let outcome = self.inner.attempt(h)?;
+        let outcome = match made {
+            Some(outcome) if !cut => outcome,
+            Some(_) => {
+                self.inner.core.guess.refuse();
+                self.inner.attempt(h)?
+            }
+            None => self.inner.attempt(h)?,
+        };
         self.density = density;
         self.time_low = time_low;
         if let Some(steps) = &mut self.inner.variable {
@@ -228,6 +235,70 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         }
         self.inner.accept(time, h, outcome);
         Ok(self.inner.view())
+    }
+
+    /// The size for which h Σ b_i/σ(Y_i) = ε, by a secant from `h`, and the outcome of the step of this size, which is made. To round-off: what is left of the
+    /// rule's error a step backwards takes as a shift in time.
+    fn meet_rule(&mut self, h: T) -> Result<(T, Outcome), IntegrateError<T>> {
+        let mut secant = Secant {
+            h,
+            slope: T::int(1) / h,
+            last: None,
+        };
+        // α's change the stages as little as the end point: they need not be there until the size nearly is.
+        let constraints = std::mem::take(&mut self.inner.core.constraints);
+        if !constraints.is_empty() {
+            let near = self.search(&mut secant, T::EPSILON.cbrt());
+            self.inner.core.constraints = constraints;
+            let (_, miss) = near?;
+            self.inner.core.guess.refuse();
+            secant.step(miss);
+        }
+        let (outcome, _) = self.search(&mut secant, T::int(ROUND_OFF) * T::EPSILON)?;
+        Ok((secant.h, outcome))
+    }
+
+    /// Makes steps until one misses the rule by at most `close` of ε or as little as rounding lets it; its outcome and miss.
+    fn search(
+        &mut self,
+        secant: &mut Secant<T>,
+        close: T,
+    ) -> Result<(Outcome, T), IntegrateError<T>> {
+        let (near, mut before) = (T::EPSILON.cbrt(), T::INFINITY);
+        for _ in 0..MOST_TRIES {
+            let outcome = self.inner.attempt(secant.h)?;
+            let miss = secant.h * self.mean_density()? / self.epsilon - T::int(1);
+            let stagnates = miss.abs() <= near * near && miss.abs() > before / T::int(4);
+            if miss.abs() <= close || stagnates {
+                return Ok((outcome, miss));
+            }
+            before = miss.abs();
+            self.inner.core.guess.refuse();
+            if let Some(steps) = &mut self.inner.variable {
+                steps.rejected += 1;
+            }
+            secant.step(miss);
+        }
+        Err(IntegrateError::StepRuleNotMet {
+            time: self.inner.time(),
+            step: secant.h,
+            miss: before,
+        })
+    }
+
+    /// Σ b_i/σ(Y_i) over the stages of the step just tried.
+    fn mean_density(&mut self) -> Result<T, IntegrateError<T>> {
+        let Stepper { core, y, .. } = &mut self.inner;
+        let n = self.point.len();
+        let mut sum = T::int(0);
+        for (i, &b) in core.stages.gauss.weights().iter().enumerate() {
+            let z = &core.stages.z[i * n..][..n];
+            for (j, x) in self.point.iter_mut().enumerate() {
+                *x = y.hi[j] + (z[j] + y.lo[j]);
+            }
+            sum += b * (self.sigma).at(&self.point, &mut core.energy, &mut core.counts)?;
+        }
+        Ok(sum)
     }
 
     /// Turns the momenta round: the steps from here on are the steps so far, backwards, while time goes on. For an H that is even in p.
@@ -297,5 +368,30 @@ impl<T: Float, E: Evaluate<T>> Schedule<T, E> for ReversibleStepper<T, E> {
 
     fn advance(&mut self) -> Result<(), IntegrateError<T>> {
         ReversibleStepper::advance(self).map(|_| ())
+    }
+}
+
+/// A root of the rule on the way: size, slope of what it misses, and the size and the miss before.
+#[derive(Debug)]
+struct Secant<T> {
+    h: T,
+    slope: T,
+    last: Option<(T, T)>,
+}
+
+impl<T: Float> Secant<T> {
+    /// The next size, at most twice or half the last one.
+    fn step(&mut self, miss: T) {
+        let h = self.h;
+        if let Some((size, before)) = self.last {
+            // Sizes that hardly differ tell nothing new of the slope.
+            let slope = (miss - before) / (h - size);
+            if (h - size).abs() > T::EPSILON.cbrt() * h && slope > T::int(0) {
+                self.slope = slope;
+            }
+        }
+        self.last = Some((h, miss));
+        let two = T::int(2);
+        self.h = (h - miss / self.slope).max(h / two).min(h * two);
     }
 }

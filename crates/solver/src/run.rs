@@ -12,6 +12,7 @@ use crate::observer::{NoObserver, Observer};
 use crate::options::FixedStep;
 use crate::outcome::Outcome;
 use crate::stepper::{StepView, Stepper};
+use crate::tangent_chaos::Chaos;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
@@ -86,7 +87,7 @@ impl<T: Float> FixedStep<T> {
         let grid = Grid::new(t0, t1, self.h)?;
         self.check_times(t0, t1)?;
         let stepper = self.start(system, q0, p0, t0)?;
-        self.drive(system, stepper, grid, observer)
+        self.drive(system, stepper, grid, None, observer)
     }
 
     /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at the checkpoint; its certificate is that of the
@@ -110,7 +111,7 @@ impl<T: Float> FixedStep<T> {
             .into());
         }
         self.check_times(stepper.t0, end)?;
-        self.drive(system, stepper, grid, observer)
+        self.drive(system, stepper, grid, Some(checkpoint), observer)
     }
 
     fn drive<H: System>(
@@ -118,6 +119,7 @@ impl<T: Float> FixedStep<T> {
         system: &H,
         mut stepper: Stepper<T, H::Evaluator<T>>,
         grid: Grid<T>,
+        from: Option<&Checkpoint>,
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
         // The steps for output have a workspace of their own: the run must not feel them.
@@ -138,6 +140,7 @@ impl<T: Float> FixedStep<T> {
             record: self.record,
             outputs,
             dense: DenseWatch::new(system, self, &[], &mut stepper)?,
+            chaos: Chaos::of_run(system, self, &mut stepper, from)?,
         };
         drive(&mut OnGrid { stepper, grid }, watchers, observer)
     }
@@ -216,10 +219,11 @@ impl<T: Float> Run<T> {
     }
 
     pub(crate) fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
-        let output_steps = self.certificate.output_steps;
+        let (output_steps, chaos) = (self.certificate.output_steps, self.certificate.chaos);
         let certificate = stepper.certificate();
         self.certificate = Certificate {
             output_steps,
+            chaos,
             end: self.ended.unwrap_or(certificate.end),
             ..certificate
         };

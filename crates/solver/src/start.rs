@@ -1,29 +1,91 @@
-//! Where a swept step begins: the guess Z = E L_old, the stages, and the sizes of the components.
+//! Where a swept step begins: the gradients at its stages as the last step foretells them, and the sizes of the components.
+//!
+//! The polynomial of degree s − 1 through the gradients at the stages of the last step, and of degree s if the gradient at the start of this one is
+//! known, is continued to the nodes of this step (project note, section 6):
+//!
+//! $$ \nabla H(Y_i) \approx \sum_j E_{ij} L_j + \rho_i \nabla H(y_0), \qquad \rho_i = P_s(\tau_i)/P_s(a), \quad \tau_i = a + r c_i, $$
+//!
+//! P_s vanishing at the old nodes, a being where this step starts in the last one. What follows from them is a sweep without evaluations. With the velocities known from
+//! the momenta and the gradient at the start known from the energy, a step takes 0.8 sweeps less than from Z = ∫ of the last step's derivatives.
 //!
 //! The size of a component is max(|y_c|, max_i |Y_ic|), no less than ε^(3/4) of the largest position or momentum: the
 //! front of a wave that runs into a chain at rest is not resolved to its own last bit.
 //!
 //! Cost: s² products for each unknown component.
 
-use crate::mix::{groups_of, lanes_of, placed, product_any};
+use crate::mix::{groups_of, lanes_of, product_any};
 use equip_scalar::{Float, Kernel};
+use equip_tableau::{Gauss, legendre_at};
 use std::ops::Range;
 
-/// Z = E L, or 0 without E, and the stages Y = y0 + Z; the largest |Y| of each component goes to `scale`. As many components as `z` has.
-pub(crate) struct Start<'a, T> {
-    /// E, column by column.
-    pub(crate) prolongation: Option<&'a [T]>,
-    /// L of the step before.
+/// E and ρ, column by column.
+#[derive(Debug)]
+pub(crate) struct Prolongation<T> {
+    pub(crate) e: Vec<T>,
+    pub(crate) rho: Vec<T>,
+    stride: usize,
+    /// Where the step starts in the last one, its size over that, the size of that, and whether the gradient at the start is known.
+    made_for: Option<([T; 3], bool)>,
+}
+
+impl<T: Float> Prolongation<T> {
+    pub(crate) fn new(stride: usize) -> Self {
+        Prolongation {
+            e: vec![T::int(0); stride * stride],
+            rho: vec![T::int(0); stride],
+            stride,
+            made_for: None,
+        }
+    }
+
+    /// For a step that starts at `start` in the last one of size `h`, `ratio` times as long.
+    pub(crate) fn make(&mut self, gauss: &Gauss<T>, [start, ratio, h]: [T; 3], known: bool) {
+        let made_for = Some(([start, ratio, h], known));
+        if self.made_for == made_for {
+            return;
+        }
+        self.made_for = made_for;
+        let s = gauss.stages();
+        let mut at_start = [T::int(0); crate::MAX_STAGES + 1];
+        let mut at_node = [T::int(0); crate::MAX_STAGES + 1];
+        legendre_at(start, &mut at_start[..=s]);
+        for (i, &c) in gauss.nodes().iter().enumerate() {
+            legendre_at(start + ratio * c, &mut at_node[..=s]);
+            let rho = if known {
+                at_node[s] / at_start[s]
+            } else {
+                T::int(0)
+            };
+            for j in 0..s {
+                let terms = at_node.iter().zip(&at_start).take(s).enumerate();
+                let sum = terms.fold(T::int(0), |sum, (k, (&p, &a))| {
+                    sum + (p - rho * a) * gauss.legendre(k)[j]
+                });
+                // L_p = −h b ∂H/∂q.
+                self.e[j * self.stride + i] = -sum / h;
+            }
+            self.rho[i] = rho;
+        }
+    }
+}
+
+/// Gradients as they are foretold.
+pub(crate) struct Foretell<'a, T> {
+    /// E and ρ.
+    pub(crate) e: &'a [T],
+    pub(crate) rho: &'a [T],
+    /// L of the last step, all components.
     pub(crate) l: &'a [T],
-    pub(crate) hi: &'a [T],
-    pub(crate) lo: &'a [T],
-    pub(crate) z: &'a mut [T],
-    pub(crate) points: &'a mut [T],
-    pub(crate) scale: &'a mut [T],
+    /// ∇H at the start of the step, if it is known.
+    pub(crate) known: Option<&'a [T]>,
+    pub(crate) gradients: &'a mut [T],
+    /// Degrees of freedom, and gradients wanted: those by the positions, or all.
+    pub(crate) m: usize,
+    pub(crate) wanted: usize,
     pub(crate) s: usize,
 }
 
-impl<T: Float> Kernel for Start<'_, T> {
+impl<T: Float> Kernel for Foretell<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -36,36 +98,31 @@ impl<T: Float> Kernel for Start<'_, T> {
     }
 }
 
-impl<T: Float> Start<'_, T> {
+impl<T: Float> Foretell<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) {
-        let (s, components) = (self.s, self.hi.len());
-        let (z, points) = (
-            self.z.as_chunks_mut::<N>().0,
-            self.points.as_chunks_mut::<N>().0,
-        );
+        let (s, m) = (self.s, self.m);
+        let (e, rho) = (self.e.as_chunks::<N>().0, self.rho.as_chunks::<N>().0);
         let l = self.l.as_chunks::<N>().0;
-        let groups = groups_of::<T, N>(s);
-        for c in 0..components {
-            let (hi, lo) = (self.hi[c], self.lo[c]);
-            let mut size = [hi.abs(); N];
-            let row = c * groups..(c + 1) * groups;
-            for g in 0..groups {
-                let guess = match self.prolongation {
-                    Some(e) => product_any(e.as_chunks::<N>().0, &l[row.clone()], g, s),
-                    None => [T::int(0); N],
-                };
-                let placed = placed(hi, lo, &guess);
-                see(&mut size, &placed);
-                z[row.start + g] = guess;
-                points[row.start + g] = placed;
+        let gradients = self.gradients.as_chunks_mut::<N>().0;
+        let groups = rho.len();
+        for c in 0..self.wanted {
+            let (from, by_position) = if c < m { (c + m, true) } else { (c - m, false) };
+            let row = &l[from * groups..(from + 1) * groups];
+            let at_start = self.known.map_or(T::int(0), |known| known[c]);
+            for (g, rho) in rho.iter().enumerate() {
+                let mut guess = product_any(e, row, g, s);
+                for i in 0..N {
+                    let x = if by_position { guess[i] } else { -guess[i] };
+                    guess[i] = x + rho[i] * at_start;
+                }
+                gradients[c * groups + g] = guess;
             }
-            self.scale[c] = largest(size);
         }
     }
 }
 
-/// The same sizes for stages that are there already.
+/// The largest |Y| of each component, over y0 and the stages.
 pub(crate) struct Sizes<'a, T> {
     pub(crate) hi: &'a [T],
     pub(crate) points: &'a [T],

@@ -35,8 +35,21 @@ pub(crate) struct Core<T: Float, E> {
     unconstrained: Outcome,
     /// Mid points of halved steps, one per level.
     middles: Vec<State<T>>,
+    /// ∇H where the next step starts.
+    start: KnownGradient<T>,
+    /// Whether a step for which no admissible α was found is tried with fewer of them before it is carried.
+    pub(crate) last_resort: bool,
     /// The parts of the step, if dense output is wanted.
     pub(crate) parts: Parts<T>,
+    /// Somebody reads Z from the stages after each step.
+    pub(crate) wants_z: bool,
+}
+
+/// A gradient of H and where it was taken.
+#[derive(Debug)]
+struct KnownGradient<T> {
+    y: Vec<T>,
+    gradient: Vec<T>,
 }
 
 /// Steps that Newton makes before sweeps are tried again: 1, 2, 4, … 64 while they fail.
@@ -101,7 +114,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 Outcome::NotAsked
             },
             middles: vec![zero; settings.max_halvings as usize],
+            start: KnownGradient {
+                y: vec![T::NAN; n],
+                gradient: vec![T::int(0); n],
+            },
+            last_resort: true,
             parts: Parts::new(),
+            wants_z: false,
             stages: Stages::new(gauss, n),
             settings,
         }
@@ -139,14 +158,26 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ) -> Result<Outcome, IntegrateError<T>> {
         let failure = match self.attempt(y, h, next) {
             Ok(outcome) => {
-                self.constraints.iter_mut().for_each(Constraint::accept);
+                self.accept(next);
                 self.add_part(y, t, h);
                 return Ok(outcome);
             }
             Err(failure) => failure,
         };
-        // A defect of a few floors that no α removes is round-off.
-        if failure == Failure::NoAlpha && nearly_met(&self.constraints) {
+        // A defect of a few floors that no α removes is round-off, …
+        let round_off = failure == Failure::NoAlpha && nearly_met(&self.constraints);
+        // … but one that only an earlier step may call so is worth another try here.
+        let wanted = if round_off {
+            self.has_inherited()
+        } else {
+            self.last_resort && level == self.settings.max_halvings
+        };
+        if failure == Failure::NoAlpha && wanted && self.with_fewer_alphas(y, h, next) {
+            self.constraints.iter_mut().for_each(Constraint::accept);
+            self.parts.add(y, t, h, &self.stages);
+            return Ok(Outcome::Solved);
+        }
+        if round_off {
             return self.without_alpha(y, t, h, next);
         }
         if level < self.settings.max_halvings {
@@ -155,6 +186,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         match failure {
             Failure::NoAlpha => self.without_alpha(y, t, h, next),
             other => Err(self.error(other, t, h)),
+        }
+    }
+
+    /// The constraints have been evaluated at the end point `next`, which is accepted.
+    fn accept(&mut self, next: &State<T>) {
+        self.constraints.iter_mut().for_each(Constraint::accept);
+        if let Some(energy) = self.constraints.first() {
+            self.start.y.copy_from_slice(&next.hi);
+            self.start.gradient.copy_from_slice(&energy.gradient);
         }
     }
 
@@ -190,7 +230,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ) -> Result<Outcome, IntegrateError<T>> {
         let swept = self.sweep(y, h, false, next).is_ok();
         if !swept {
-            self.solve(y, h, false, Norm::Plain, next)
+            self.solve(y, h, false, (Norm::Plain, 0), next)
                 .map_err(|failure| self.error(failure, t, h))?;
         }
         self.add_part(y, t, h);
@@ -202,15 +242,34 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.counts.gradients += 1;
             constraint.evaluate(&mut self.energy, next, sizes);
         }
-        self.constraints.iter_mut().for_each(Constraint::accept);
+        self.accept(next);
         let at_floor = worst(&self.constraints, Constraint::in_judging_floors);
-        if at_floor <= T::int(ENERGY_STAGNATED) {
+        // With all of the 8 floors that are promised: nothing more is evaluated.
+        if at_floor <= T::int(ENERGY_STAGNATED + 1) {
             return Ok(Outcome::AtFloor);
         }
         match self.settings.on_no_alpha {
             OnNoAlpha::Carry => Ok(Outcome::Carried),
             OnNoAlpha::Refuse => Err(self.error(Failure::NoAlpha, t, h)),
         }
+    }
+
+    /// The last α's move the energy least for what they move the end point, and so are the first to be asked for; in a step that is well resolved they move it
+    /// so little that they meet their bound over a defect which an earlier step has left. The others need not: the step without the last α, without the last
+    /// two, … Returns whether one was found.
+    fn with_fewer_alphas(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> bool {
+        let most = self.free_alphas().saturating_sub(self.constraints.len());
+        (1..=most).any(|left_out| {
+            let solved = self.solve(y, h, true, (Norm::Resolved, left_out), next);
+            solved.is_ok()
+        })
+    }
+
+    /// Whether a defect with α = 0 is beyond the step's own floor, and so round-off of an earlier step only.
+    fn has_inherited(&self) -> bool {
+        let most = T::int(ENERGY_STAGNATED);
+        let beyond = |c: &Constraint<T>| c.without_alpha.abs() > most * c.floor;
+        self.constraints.iter().any(beyond)
     }
 
     /// One try at the full size: by sweeps if they contract, else by Newton, the α's by the norm that spares the slow motion,
@@ -222,10 +281,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             {
                 return Err(sweeps.failure(trouble));
             }
-            let mut solved = self.solve(y, h, constrained, Norm::Resolved, next);
+            let mut solved = self.solve(y, h, constrained, (Norm::Resolved, 0), next);
             let again = self.free_alphas() > 1 && !nearly_met(&self.constraints);
             if solved == Err(Failure::NoAlpha) && again {
-                solved = self.solve(y, h, constrained, Norm::Plain, next);
+                solved = self.solve(y, h, constrained, (Norm::Plain, 0), next);
             }
             solved?;
         }
@@ -254,15 +313,21 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.pause.left -= 1;
             return Err(Trouble::Slow);
         }
+        if !self.constraints.is_empty() && self.start.y != y.hi {
+            self.start.y.copy_from_slice(&y.hi);
+            self.energy.gradient(&y.hi, &mut self.start.gradient);
+            self.counts.gradients += 1;
+        }
         let task = SweepTask {
             y,
             h,
             alphas: &self.start_alphas,
             alpha_bound: self.settings.alpha_bound,
+            last: self.guess.prolongation(h),
+            known: (!self.constraints.is_empty()).then_some(self.start.gradient.as_slice()),
             rule: self.rule,
         };
         let constraint = self.constraints.first_mut().filter(|_| constrained);
-        let prolong = self.guess.prolongation(h);
         if !self.guess.is_swept() {
             sweeps.iterate.take_l(self.guess.last().0);
         }
@@ -270,7 +335,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             &self.stages.gauss,
             &mut self.energy,
             constraint,
-            prolong,
             (next, &task),
             &mut self.counts,
         );
@@ -279,11 +343,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 self.pause = Pause::NONE;
                 self.stages.note_alphas(&sweeps.alphas);
                 self.guess.remember_swept(h);
+                if self.wants_z {
+                    sweeps.iterate.give_z(y, &mut self.stages.z);
+                }
             }
             Err(trouble) => {
                 self.counts.taken_over += 1;
                 self.guess.fetch(|l| sweeps.iterate.give_l_before(l));
-                self.guess.is_lost();
+                self.guess.is_not_swept();
                 if trouble == Trouble::StagesOnly {
                     // They contracted.
                     self.pause = Pause::NONE;
@@ -332,7 +399,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         y: &State<T>,
         h: T,
         constrained: bool,
-        norm: Norm,
+        (norm, left_out): (Norm, usize),
         next: &mut State<T>,
     ) -> Result<(), Failure<T>> {
         let task = StepTask {
@@ -340,6 +407,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             h,
             constrained,
             first: self.settings.first_alpha.unwrap_or(1),
+            end: self.stages.count() - left_out,
             norm,
             alpha_bound: self.settings.alpha_bound,
             max_iterations: self.settings.max_iterations,

@@ -10,6 +10,7 @@ use crate::options::FixedStep;
 use crate::outcome::{Counts, Outcome};
 use crate::state::State;
 use crate::step::Core;
+use crate::tangent_chaos::ChaosIndicators;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
@@ -36,6 +37,8 @@ pub struct StepView<'a, T> {
     pub alphas: &'a [T],
     /// How it ended.
     pub outcome: Outcome,
+    /// Lyapunov exponent and MEGNO so far, if the run follows a deviation.
+    pub chaos: Option<ChaosIndicators<T>>,
 }
 
 /// An accepted step that owns its state, as the iterator gives it.
@@ -294,6 +297,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             energy_floor: self.floor,
             alphas: &self.core.stages.alphas,
             outcome: self.last.1,
+            chaos: None,
         }
     }
 
@@ -332,6 +336,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             energy_in_floors: self.in_floors,
             invariants: self.watched.iter().map(|w| w.defect.clone()).collect(),
             alpha_range: self.alpha_range.clone(),
+            chaos: None,
             counts: self.core.counts,
             output_steps: 0,
             seconds: self.begun.elapsed().as_secs_f64(),

@@ -18,7 +18,7 @@ use crate::columns::{Columns, length_of};
 use crate::mix::{Half, Step, Whole, stride_for};
 use crate::pairs::{HALF, has_pairs};
 use crate::small::ByPairs;
-use crate::start::{Sizes, Start, resolve};
+use crate::start::{Foretell, Prolongation, Sizes, resolve};
 use crate::state::State;
 use equip_autodiff::{Evaluate, Kinetic};
 use equip_scalar::{Float, InstructionSet};
@@ -59,7 +59,7 @@ pub(crate) struct Iterate<T: Float> {
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
     inverse_scale: Vec<T>,
-    /// Z of this step began as a prolongation.
+    /// This step began from foretold gradients: all components have been measured.
     is_prolonged: bool,
     /// The last sweep moved Z by more than 1/8 of its size.
     was_far: bool,
@@ -134,13 +134,8 @@ impl<T: Float> Iterate<T> {
         self.k_has_moved = true;
     }
 
-    /// A step of size `h` begins at `y` with the α's to start from: Z = E L_old, E column by column, or zero without it.
-    pub(crate) fn begin(
-        &mut self,
-        gauss: &Gauss<T>,
-        (y, h): (&State<T>, T),
-        prolongation: Option<&[T]>,
-    ) {
+    /// A step of size `h` begins at `y` with the α's to start from, at Z = 0.
+    pub(crate) fn begin(&mut self, gauss: &Gauss<T>, (y, h): (&State<T>, T)) {
         if self.h != h {
             self.h = h;
             for (hb, &b) in self.hb.iter_mut().zip(gauss.weights()) {
@@ -150,24 +145,36 @@ impl<T: Float> Iterate<T> {
         if std::mem::take(&mut self.k_has_moved) {
             self.k.copy_from_slice(&self.k_start);
         }
-        if prolongation.is_some() {
-            std::mem::swap(&mut self.l, &mut self.l_before);
-        }
-        let unknowns = self.unknowns();
-        let len = unknowns * self.stride;
-        self.set.run(&mut Start {
-            prolongation,
-            l: &self.l_before[..len],
-            hi: &y.hi[..unknowns],
-            lo: &y.lo[..unknowns],
-            z: &mut self.z[..len],
-            points: &mut self.points[..len],
-            scale: &mut self.scale[..unknowns],
+        let len = self.unknowns() * self.stride;
+        self.z[..len].fill(T::int(0));
+        self.place(y);
+        self.measure(y, 0..self.unknowns());
+        self.is_prolonged = false;
+        self.was_far = false;
+    }
+
+    /// After [`begin`](Self::begin): from the gradients that the L of the last step foretells.
+    pub(crate) fn prolong(
+        &mut self,
+        y: &State<T>,
+        prolongation: &Prolongation<T>,
+        known: Option<&[T]>,
+    ) {
+        let wanted = self.unknowns();
+        std::mem::swap(&mut self.l, &mut self.l_before);
+        self.set.run(&mut Foretell {
+            e: &prolongation.e,
+            rho: &prolongation.rho,
+            l: &self.l_before,
+            known,
+            gradients: &mut self.gradients,
+            m: self.n / 2,
+            wanted,
             s: self.s,
         });
-        self.is_prolonged = prolongation.is_some();
-        resolve(&mut self.scale, &mut self.inverse_scale, 0..unknowns);
-        self.was_far = false;
+        self.mix(y);
+        self.measure(y, 0..self.n);
+        self.is_prolonged = true;
     }
 
     /// Stages from Z.
@@ -255,11 +262,9 @@ impl<T: Float> Iterate<T> {
                 self.mix(y)
             }
         };
-        if first || self.was_far {
-            // What was measured on stages that were far off is measured again.
-            let known = self.is_prolonged && !self.was_far;
-            let from = if known { self.unknowns() } else { 0 };
-            self.measure(y, from..self.n);
+        // What was measured on stages that were far off is measured again.
+        if self.was_far || (first && !self.is_prolonged) {
+            self.measure(y, 0..self.n);
         }
         self.was_remeasured = self.was_far;
         self.was_far = change > T::ratio(1, 8);

@@ -1,22 +1,26 @@
-//! System (7) without Hessians: sweeps Z ← K(α) L(Z), α's moved while the sweeps contract.
+//! System (7) by sweeps Z ← K(α) L(Z), α's moved while the sweeps contract: no factorisation.
 //!
 //! A sweep changes Z by Δ and, contracting by ρ, leaves an error of about Δρ/(1 − ρ). As soon as that is well below what the energy
-//! residual g of the last step was, g is evaluated and the α's move along the direction of [`crate::slopes`], by t = −g/(Σ v_k d_k);
-//! later moves use the slope observed. Sweeps go on until Z and g are at round-off.
+//! residual g of the last step was, g is evaluated and the α's move by t = −g/(dg/dt) along a direction; later moves use the
+//! slope observed. Sweeps go on until Z and g are at round-off. Two rules for the direction:
 //!
-//! *Start.* The polynomial of the last step's stage derivatives, prolonged; else Z = 0.
+//! * *Response* ([`crate::response`]): towards the exact flow, as Newton's. Z follows by the linearised response, so moves cost no sweep.
+//! * *Slopes* ([`crate::slopes`]): from Legendre coefficients, without any Hessian. The first move is followed by K L formed
+//!   anew, further ones by the observed change of Z.
+//!
+//! *Start.* The polynomial of the last step's stage derivatives, prolonged; else, or where sweeps from there do not contract, Z = 0.
 //! *End.* The predicted error of the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is below ε, or
 //! Δ does not shrink three times; and |g| is at its floor, or stalls near it, or with α = 0 is within 4 floors.
-//! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, slopes that vanish. Newton takes the step then. It does
-//! so for all α's where they are to aim at the exact flow ([`crate::alpha`]), which takes Hessians: from the stages found here.
+//! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found. Newton takes the step then.
 //!
-//! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step.
+//! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step; that of the direction.
 
 use crate::constraint::Constraint;
 use crate::newton::{ENERGY_STAGNATED, Failure};
 use crate::outcome::Counts;
 use crate::response::Response;
 use crate::slopes::Slopes;
+use crate::start::Prolongation;
 use crate::state::State;
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Kinetic, Pattern};
@@ -59,6 +63,10 @@ pub(crate) struct SweepTask<'a, T> {
     pub(crate) h: T,
     pub(crate) alphas: &'a [T],
     pub(crate) alpha_bound: T,
+    /// Where this step starts in the one whose L is in the iterate, its size over that of it, and that, if there is one.
+    pub(crate) last: Option<[T; 3]>,
+    /// ∇H(y), if it is known.
+    pub(crate) known: Option<&'a [T]>,
     /// Who moves the α's, if there is a constraint.
     pub(crate) rule: Rule,
 }
@@ -91,9 +99,7 @@ pub(crate) struct Sweeps<T: Float> {
     rate: T,
     defect: T,
     scale: T,
-    /// E of the prolongation, column by column, and what it was made for.
-    prolongation: Vec<T>,
-    made_for: (T, T),
+    prolongation: Prolongation<T>,
 }
 
 /// Progress of the α's in a step: α = α_start + t d.
@@ -126,8 +132,7 @@ impl<T: Float> Sweeps<T> {
             rate: T::ratio(1, 2),
             defect: zero,
             scale: zero,
-            prolongation: vec![zero; iterate.stride * iterate.stride],
-            made_for: (zero, zero),
+            prolongation: Prolongation::new(iterate.stride),
             iterate,
         }
     }
@@ -140,19 +145,16 @@ impl<T: Float> Sweeps<T> {
     }
 
     /// Solves for Z, and for the α's if there is a constraint; on success `next` is the end point.
-    ///
-    /// `prolong` is where this step starts in the one whose L is in the iterate, and its size over that of it.
     pub(crate) fn solve<E: Evaluate<T>>(
         &mut self,
         gauss: &Gauss<T>,
         energy: &mut E,
         mut constraint: Option<&mut Constraint<T>>,
-        prolong: Option<(T, T)>,
         (next, task): (&mut State<T>, &SweepTask<'_, T>),
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
-        self.begin(gauss, prolong, task);
-        let mut prolonged = prolong.is_some();
+        self.begin(gauss, task);
+        let mut prolonged = task.last.is_some();
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
         let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
         let (mut slow, mut still) = (0, 0);
@@ -186,7 +188,7 @@ impl<T: Float> Sweeps<T> {
                 if alphas.moves > 0 || !std::mem::take(&mut prolonged) {
                     return Err(Trouble::Slow);
                 }
-                self.iterate.begin(gauss, (task.y, task.h), None);
+                self.iterate.begin(gauss, (task.y, task.h));
                 (last, slow, self.rate) = (T::INFINITY, 0, T::ratio(1, 4));
                 continue;
             }
@@ -286,20 +288,14 @@ impl<T: Float> Sweeps<T> {
         share / (T::int(1) - rate)
     }
 
-    fn begin(&mut self, gauss: &Gauss<T>, prolong: Option<(T, T)>, task: &SweepTask<'_, T>) {
-        if let Some(made_for) = prolong
-            && made_for != self.made_for
-        {
-            let stride = self.iterate.stride;
-            crate::guess::fill_prolongation(gauss, made_for.0, made_for.1, |i, j, e| {
-                self.prolongation[j * stride + i] = e;
-            });
-            self.made_for = made_for;
-        }
-        let prolongation = prolong.map(|_| self.prolongation.as_slice());
+    fn begin(&mut self, gauss: &Gauss<T>, task: &SweepTask<'_, T>) {
         self.alphas.copy_from_slice(task.alphas);
         self.made = 0;
-        self.iterate.begin(gauss, (task.y, task.h), prolongation);
+        self.iterate.begin(gauss, (task.y, task.h));
+        if let Some(last) = task.last {
+            self.prolongation.make(gauss, last, task.known.is_some());
+            self.iterate.prolong(task.y, &self.prolongation, task.known);
+        }
     }
 
     /// The trouble of the step solved last, for a run that has sweeps only.
@@ -353,7 +349,8 @@ impl<T: Float> Sweeps<T> {
             },
             Some((t, g_last, noise_last)) => {
                 let ratio = (g - g_last) / (alphas.t - t) / alphas.slope;
-                let clear = (g - g_last).abs() > T::int(8) * (noise + noise_last);
+                let margin = if by_response.is_some() { 2 } else { 8 };
+                let clear = (g - g_last).abs() > T::int(margin) * (noise + noise_last);
                 if clear && ratio > T::ratio(1, 4) && ratio < T::int(4) {
                     alphas.slope *= ratio;
                 }

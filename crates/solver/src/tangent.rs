@@ -7,7 +7,8 @@
 //! This is the derivative of the step at fixed α, a symplectic map to rounding. What the solved α adds, ∂α/∂y0, is of the size of the step's
 //! error and is left out.
 //!
-//! Cost per step: s Hessians and one factorisation of size s·2m, dense; per deviation one solve.
+//! Cost per step: s Hessians; per deviation sweeps δZ ← K(α)∘B (δy0 + δZ) of 2 s nnz + s² n operations each, as many as the stages themselves take. Where
+//! these do not contract (about hω > 1), one dense factorisation of size s·2m per step, made only then.
 
 use crate::adaptive_stepper::AdaptiveStepper;
 use crate::dense::Part;
@@ -15,20 +16,28 @@ use crate::error::IntegrateError;
 use crate::hessians::StageHessians;
 use crate::linearisation::Linearisation;
 use crate::outcome::Counts;
+use crate::reversible_stepper::ReversibleStepper;
 use crate::stages::Stages;
 use crate::stepper::Stepper;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use nalgebra::DVector;
 
+/// Sweeps for a deviation before a factorisation is made; the stages take up to 20.
+const MOST_SWEEPS: u32 = 60;
+/// Increments below this many units of the last place are round-off.
+const ROUND_OFF: i64 = 64;
+
 /// A run whose steps can be followed by a [`TangentMap`].
 pub trait Steps<T: Float, E>: sealed::Inner<T, E> {}
 
 impl<T: Float, E: Evaluate<T>> Steps<T, E> for Stepper<T, E> {}
 impl<T: Float, E: Evaluate<T>> Steps<T, E> for AdaptiveStepper<T, E> {}
+impl<T: Float, E: Evaluate<T>> Steps<T, E> for ReversibleStepper<T, E> {}
 
 mod sealed {
     use crate::adaptive_stepper::AdaptiveStepper;
+    use crate::reversible_stepper::ReversibleStepper;
     use crate::stepper::Stepper;
     use equip_scalar::Float;
 
@@ -48,6 +57,16 @@ mod sealed {
     }
 
     impl<T: Float, E> Inner<T, E> for AdaptiveStepper<T, E> {
+        fn inner(&self) -> &Stepper<T, E> {
+            &self.inner
+        }
+
+        fn inner_mut(&mut self) -> &mut Stepper<T, E> {
+            &mut self.inner
+        }
+    }
+
+    impl<T: Float, E> Inner<T, E> for ReversibleStepper<T, E> {
         fn inner(&self) -> &Stepper<T, E> {
             &self.inner
         }
@@ -80,11 +99,16 @@ pub struct TangentMap<T: Float, E> {
     energy: E,
     stages: Stages<T>,
     hessians: StageHessians<T>,
-    linearised: Linearisation<T>,
+    /// Made when sweeps first fail.
+    linearised: Option<Linearisation<T>>,
+    /// Whether it is that of the present part.
+    is_factored: bool,
     /// B_j δy0, block by block.
     turned: Vec<T>,
     x: DVector<T>,
     part: Vec<T>,
+    /// B_j (δy0 + δZ_j), block by block.
+    products: Vec<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
@@ -97,10 +121,12 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
             energy: system.evaluator::<T>(),
             stages: Stages::new(core.stages.gauss.clone(), n),
             hessians: StageHessians::new(s, system.structure().hessian.clone()),
-            linearised: Linearisation::new(s, n),
+            linearised: None,
+            is_factored: false,
             turned: vec![T::int(0); s * n],
             x: DVector::zeros(s * n),
             part: vec![T::int(0); n],
+            products: vec![T::int(0); s * n],
         }
     }
 
@@ -120,15 +146,15 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
         let n = self.stages.n;
         assert_eq!(deviations.len() % n, 0, "a deviation has 2m components");
         for part in run.inner().core.parts.all() {
-            self.linearise(part)?;
+            self.linearise(part);
             for deviation in deviations.chunks_exact_mut(n) {
-                self.carry_over_part(deviation);
+                self.carry_over_part(deviation, part)?;
             }
         }
         Ok(())
     }
 
-    fn linearise(&mut self, part: &Part<T>) -> Result<(), IntegrateError<T>> {
+    fn linearise(&mut self, part: &Part<T>) {
         let stages = &mut self.stages;
         let (s, n) = (stages.count(), stages.n);
         stages.set_alphas(&part.alphas);
@@ -146,35 +172,31 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
         let mut counts = Counts::default();
         self.hessians
             .take(&self.stages, &mut self.energy, part.h, &mut counts);
-        self.linearised
-            .refresh(&self.stages, &self.hessians)
-            .map_err(|_| IntegrateError::Singular {
-                time: part.time,
-                step: part.h,
-                halvings: 0,
-            })
+        self.is_factored = false;
     }
 
-    fn carry_over_part(&mut self, deviation: &mut [T]) {
+    fn carry_over_part(
+        &mut self,
+        deviation: &mut [T],
+        part: &Part<T>,
+    ) -> Result<(), IntegrateError<T>> {
         let (stages, n) = (&self.stages, self.stages.n);
         let s = stages.count();
-        let units = |x: &mut [T], divide: bool| {
-            for (x, &scale) in x.iter_mut().zip(&stages.scale) {
-                *x = if divide { *x / scale } else { *x * scale };
-            }
-        };
-        units(deviation, true);
+        for (x, &scale) in deviation.iter_mut().zip(&stages.scale) {
+            *x /= scale;
+        }
         for (j, out) in self.turned.chunks_exact_mut(n).enumerate() {
             self.hessians.turn(stages, j, deviation, out);
         }
-        for i in 0..s {
-            for j in 0..n {
-                self.x[i * n + j] = (0..s).fold(T::int(0), |sum, k| {
-                    sum + entry(stages, i, k) * self.turned[k * n + j]
-                });
+        self.x.fill(T::int(0));
+        if self.is_factored || !self.sweep() {
+            self.factor(part)?;
+            mix(&self.stages, &self.turned, self.x.as_mut_slice());
+            if let Some(linearised) = &self.linearised {
+                linearised.solve(&mut self.x);
             }
         }
-        self.linearised.solve(&mut self.x);
+        let stages = &self.stages;
         for i in 0..s {
             let z = &self.x.as_slice()[i * n..][..n];
             self.hessians.turn(stages, i, z, &mut self.part);
@@ -183,8 +205,72 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
                 *x += *a + *b;
             }
         }
-        units(deviation, false);
+        for (x, &scale) in deviation.iter_mut().zip(&stages.scale) {
+            *x *= scale;
+        }
+        Ok(())
     }
+
+    /// Sweeps from δZ = `x` until the increments are round-off; false if they do not contract.
+    fn sweep(&mut self) -> bool {
+        let n = self.stages.n;
+        let mut before = T::INFINITY;
+        for _ in 0..MOST_SWEEPS {
+            let blocks = self.products.chunks_exact_mut(n).enumerate();
+            for (i, product) in blocks {
+                let z = &self.x.as_slice()[i * n..][..n];
+                self.hessians.turn(&self.stages, i, z, product);
+                let turned = &self.turned[i * n..][..n];
+                product.iter_mut().zip(turned).for_each(|(x, &t)| *x += t);
+            }
+            let (change, size) = mix(&self.stages, &self.products, self.x.as_mut_slice());
+            if change <= T::EPSILON * size {
+                return true;
+            }
+            if !(change < before) {
+                // Increments that no longer fall are round-off, or there is no contraction.
+                return change <= T::int(ROUND_OFF) * T::EPSILON * size;
+            }
+            before = change;
+        }
+        false
+    }
+
+    /// Factorises the linearised stages of `part`, unless that is done.
+    fn factor(&mut self, part: &Part<T>) -> Result<(), IntegrateError<T>> {
+        if self.is_factored {
+            return Ok(());
+        }
+        let (s, n) = (self.stages.count(), self.stages.n);
+        let linearised = (self.linearised).get_or_insert_with(|| Linearisation::new(s, n));
+        linearised
+            .refresh(&self.stages, &self.hessians)
+            .map_err(|_| IntegrateError::Singular {
+                time: part.time,
+                step: part.h,
+                halvings: 0,
+            })?;
+        self.is_factored = true;
+        Ok(())
+    }
+}
+
+/// x ← K(α) `products`, block by block; returns the largest change of x and the largest x.
+fn mix<T: Float>(stages: &Stages<T>, products: &[T], x: &mut [T]) -> (T, T) {
+    let (s, n) = (stages.count(), stages.n);
+    let (mut change, mut size) = (T::int(0), T::int(0));
+    for i in 0..s {
+        for j in 0..n {
+            let sum = (0..s).fold(T::int(0), |sum, k| {
+                sum + entry(stages, i, k) * products[k * n + j]
+            });
+            let x = &mut x[i * n + j];
+            change = change.max((sum - *x).abs());
+            size = size.max(sum.abs());
+            *x = sum;
+        }
+    }
+    (change, size)
 }
 
 /// K(α)_ij.

@@ -8,12 +8,24 @@
 //!
 //! The integral is a sum over the steps, the growth of each at its middle: an error of O(h²) of the growth, which does not matter here.
 
+use crate::checkpoint::{ChaosMemory, Checkpoint, Exact};
 use crate::error::IntegrateError;
+use crate::options::FixedStep;
+use crate::stepper::Stepper;
 use crate::tangent::{Steps, TangentMap};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 
-/// Lyapunov exponent and MEGNO along a run.
+/// What a deviation carried along tells of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChaosIndicators<T> {
+    /// λ(t), per unit of time.
+    pub lyapunov: T,
+    /// The mean of MEGNO over time.
+    pub megno: T,
+}
+
+/// Lyapunov exponent and MEGNO along a run that is made step by step; [`FixedStep::chaos`](crate::FixedStep::chaos) is the option for a whole run.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -97,8 +109,63 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
         self.sum / (self.time - self.start)
     }
 
+    /// λ(t) and MEGNO.
+    pub fn indicators(&self) -> ChaosIndicators<T> {
+        ChaosIndicators {
+            lyapunov: self.lyapunov(),
+            megno: self.megno(),
+        }
+    }
+
     /// The deviation, at length 1.
     pub fn deviation(&self) -> &[T] {
         &self.deviation
+    }
+}
+
+/// A deviation for runs whose user gave none: no component vanishes, and none is a multiple of another.
+pub(crate) fn any_deviation<T: Float>(n: usize) -> Vec<T> {
+    (1..=n).map(|j| T::int(j as i64).sin()).collect()
+}
+
+impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
+    /// What a whole run with `options` follows, if it follows anything, from its start or from the checkpoint it goes on from.
+    ///
+    /// # Errors
+    /// A checkpoint of a run that followed no deviation.
+    pub(crate) fn of_run<H: System<Evaluator<T> = E>>(
+        system: &H,
+        options: &FixedStep<T>,
+        stepper: &mut Stepper<T, E>,
+        from: Option<&Checkpoint>,
+    ) -> Result<Option<Self>, IntegrateError<T>> {
+        if !options.chaos {
+            return Ok(None);
+        }
+        let mut chaos = Chaos::new(system, stepper, &any_deviation(stepper.y.hi.len()));
+        if let Some(from) = from {
+            let Some(memory) = &from.chaos else {
+                return Err(IntegrateError::CheckpointMismatch {
+                    what: "deviation",
+                    stored: "none followed".to_owned(),
+                    now: "followed".to_owned(),
+                });
+            };
+            Exact::read_all(&memory.deviation, &mut chaos.deviation, "the deviation")?;
+            chaos.start = memory.start.read()?;
+            let [growth, weighted, sum] = &memory.sums;
+            chaos.growth = growth.read()?;
+            chaos.weighted = weighted.read()?;
+            chaos.sum = sum.read()?;
+        }
+        Ok(Some(chaos))
+    }
+
+    pub(crate) fn memory(&self) -> ChaosMemory {
+        ChaosMemory {
+            start: Exact::of(self.start),
+            sums: [self.growth, self.weighted, self.sum].map(Exact::of),
+            deviation: Exact::all(&self.deviation),
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Memory of a chain grows linearly, and steps allocate nothing. A binary of its own: the allocator counts.
+//! Memory of a chain grows linearly, and steps allocate nothing. The allocator of this program counts, for every thread by itself.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_solver::{Equip, Gauss, Method, StageSolver};

@@ -7,9 +7,10 @@
 //! | [`legendre_at`], [`legendre_integrals_at`], [`legendre_derivatives_at`] | the polynomials P_k anywhere |
 //! | [`Tableau`] | A, b, c of any Runge–Kutta method; [`Gauss::tableau`] and [`hbvm()`] make them |
 //! | [`conditions`] | defects of B(p), C(η), D(ζ), symplecticity, symmetry |
+//! | [`composition`] | coefficients of symmetric compositions, from the literature |
 //! | [`trees`], [`order()`] | rooted trees, order conditions, the order of a tableau |
 //!
-//! Nothing is pasted in as decimals: every coefficient is computed in the float type it is used in.
+//! Nothing of the Gauss family is pasted in as decimals: every coefficient is computed in the float type it is used in.
 //!
 //! The formulas are those of L. Brugnano, F. Iavernaro, D. Trigiante, "Energy and quadratic invariants preserving
 //! integrators of Gaussian type", AIP Conf. Proc. 1281 (2010) ("the paper") and its long version arXiv:1005.1930.
@@ -25,6 +26,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod composition;
 pub mod conditions;
 mod error;
 mod gauss;

@@ -6,82 +6,7 @@
 use super::flow::Flow;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-
-/// A composition: order, name, and γ_1 … γ_⌈r/2⌉ as decimals, r odd.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Scheme {
-    pub(super) name: &'static str,
-    pub(super) order: u32,
-    half: &'static [&'static str],
-}
-
-impl Scheme {
-    /// Gradients a step.
-    pub(super) fn stages(&self) -> usize {
-        2 * self.half.len() - 1
-    }
-
-    fn gammas<T: Float>(&self) -> Vec<T> {
-        let read = |text: &&str| T::decimal(text).unwrap_or(T::NAN);
-        let half: Vec<T> = self.half.iter().map(read).collect();
-        half.iter()
-            .chain(half.iter().rev().skip(1))
-            .copied()
-            .collect()
-    }
-}
-
-/// Störmer–Verlet.
-pub(super) const VERLET: Scheme = Scheme {
-    name: "Störmer–Verlet",
-    order: 2,
-    half: &["1"],
-};
-
-/// s17odr8a, [Kahan, Li, Composition constants for raising the orders of unconventional schemes for ordinary differential equations,
-/// Math. Comp. 66 (1997); Hairer, Lubich, Wanner, V.3.2].
-pub(super) const KAHAN_LI: Scheme = Scheme {
-    name: "Kahan–Li 8",
-    order: 8,
-    half: &[
-        "0.13020248308889008087881763",
-        "0.56116298177510838456196441",
-        "-0.38947496264484728640807860",
-        "0.15884190655515560089621075",
-        "-0.39590389413323757733623154",
-        "0.18453964097831570709183254",
-        "0.25837438768632204729397911",
-        "0.29501172360931029887096624",
-        "-0.60550853383003451169892108",
-    ],
-};
-
-/// Order 10 with 35 stages, [Sofroniou, Spaletta, Derivation of symmetric composition constants for symmetric integrators, Optim. Methods
-/// Softw. 20 (2005)].
-pub(super) const SOFRONIOU_SPALETTA: Scheme = Scheme {
-    name: "Sofroniou–Spaletta 10",
-    order: 10,
-    half: &[
-        "0.078795722521686419263907679337684",
-        "0.31309610341510852776481247192647",
-        "0.027918383235078066109520273275299",
-        "-0.22959284159390709415121339679655",
-        "0.13096206107716486317465685927961",
-        "-0.26973340565451071434460973222411",
-        "0.074973343155891435666137105641410",
-        "0.11199342399981020488957508073640",
-        "0.36613344954622675119314812353150",
-        "-0.39910563013603589787862981058340",
-        "0.10308739852747107731580277001372",
-        "0.41143087395589023782070411897608",
-        "-0.0048663605831352617621956593099771",
-        "-0.39203335370863990644808193642610",
-        "0.051942502962449647037182904015976",
-        "0.050665090759924496335874344156866",
-        "0.049674370639729879054568800279461",
-        "0.049317735759594537917680008339338",
-    ],
-};
+use equip_tableau::composition::Composition as Scheme;
 
 /// A run of a composition.
 #[derive(Debug)]
@@ -159,8 +84,9 @@ impl<T: Float, E: Evaluate<T>> Composition<T, E> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Composition, Flow, KAHAN_LI, SOFRONIOU_SPALETTA, Scheme, VERLET};
+    use super::{Composition, Flow, Scheme};
     use equip_scalar::{DoubleDouble, Float};
+    use equip_tableau::composition::{KAHAN_LI, SOFRONIOU_SPALETTA, VERLET};
 
     type D = DoubleDouble;
 
@@ -196,18 +122,6 @@ mod tests {
                 "{}: {order:.2} from {coarse:e}, {fine:e}",
                 scheme.name
             );
-        }
-    }
-
-    #[test]
-    fn the_gammas_sum_to_one() {
-        for scheme in [VERLET, KAHAN_LI, SOFRONIOU_SPALETTA] {
-            let sum = scheme
-                .gammas::<D>()
-                .into_iter()
-                .fold(D::int(0), |s, g| s + g);
-            // Measured 1.5e-32 at most, round-off of the sum; headroom of 6.
-            assert!((sum - D::int(1)).to_f64().abs() < 1e-31, "{}", scheme.name);
         }
     }
 

@@ -1,13 +1,14 @@
 //! The methods of the report, and how one run of each is made and measured.
 
-use super::composition::{Composition, KAHAN_LI, SOFRONIOU_SPALETTA, Scheme, VERLET};
+use super::composition::Composition;
 use super::dop853::Dop853;
 use super::flow::Flow;
 use super::subject::Subject;
 use cpu_time::ThreadTime;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Equip, Gauss, Invariant, Method, StageSolver};
+use equip_solver::{Certificate, Equip, Gauss, Invariant, Method, Record, StageSolver};
+use equip_tableau::composition::{Composition as Scheme, KAHAN_LI, SOFRONIOU_SPALETTA, VERLET};
 
 /// A method of the report.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +17,8 @@ pub(super) enum Contender {
     /// EQUIP by sweeps throughout.
     Swept(usize),
     Gauss(usize),
+    /// EQUIP with variable steps.
+    Variable(usize),
     Composition(Scheme),
     Dop853,
 }
@@ -26,7 +29,10 @@ pub(super) fn contenders(stages: &[usize]) -> Vec<Contender> {
     let swept = (stages.iter().filter(|s| **s > 3)).map(|&s| Contender::Swept(s));
     let gauss = stages.iter().map(|&s| Contender::Gauss(s));
     let schemes = [VERLET, KAHAN_LI, SOFRONIOU_SPALETTA].map(Contender::Composition);
+    // One is enough to see what steps of their own size are worth on a scene.
+    let variable = stages.iter().filter(|s| **s == 8);
     ours.chain(swept)
+        .chain(variable.map(|&s| Contender::Variable(s)))
         .chain(gauss)
         .chain(schemes)
         .chain([Contender::Dop853])
@@ -53,6 +59,7 @@ impl Contender {
             Contender::Equip(s) => format!("EQUIP({s})"),
             Contender::Swept(s) => format!("EQUIP({s}) by sweeps"),
             Contender::Gauss(s) => format!("Gauss({s})"),
+            Contender::Variable(s) => format!("EQUIP({s}) variable"),
             Contender::Composition(scheme) => scheme.name.into(),
             Contender::Dop853 => "DOP853".into(),
         }
@@ -60,7 +67,10 @@ impl Contender {
 
     pub(super) fn order(&self) -> usize {
         match self {
-            Contender::Equip(s) | Contender::Swept(s) | Contender::Gauss(s) => 2 * s,
+            Contender::Equip(s)
+            | Contender::Swept(s)
+            | Contender::Variable(s)
+            | Contender::Gauss(s) => 2 * s,
             Contender::Composition(scheme) => scheme.order as usize,
             Contender::Dop853 => 8,
         }
@@ -72,13 +82,22 @@ impl Contender {
             Contender::Equip(s) => Some((Equip::stages(*s), StageSolver::Automatic)),
             Contender::Swept(s) => Some((Equip::stages(*s), StageSolver::Sweeps)),
             Contender::Gauss(s) => Some((Gauss::stages(*s), StageSolver::Automatic)),
+            Contender::Variable(s) => Some((Equip::stages(*s), StageSolver::Automatic)),
             _ => None,
         }
     }
 
     /// Whether its setting is a tolerance; else it is a number of steps.
     pub(super) fn adapts(&self) -> bool {
-        matches!(self, Contender::Dop853)
+        matches!(self, Contender::Dop853 | Contender::Variable(_))
+    }
+
+    /// Whether it keeps the energy by itself.
+    pub(super) fn keeps_energy(&self) -> bool {
+        matches!(
+            self,
+            Contender::Equip(_) | Contender::Swept(_) | Contender::Variable(_)
+        )
     }
 
     /// Setting number `k`, from coarse to fine.
@@ -95,7 +114,7 @@ impl Contender {
             Contender::Composition(scheme) => {
                 (subject.fewest * 20.0 / scheme.stages() as f64 * finer).ceil()
             }
-            Contender::Dop853 => 10_f64.powi(-4 - k),
+            Contender::Dop853 | Contender::Variable(_) => 10_f64.powi(-4 - k),
         }
     }
 
@@ -135,8 +154,10 @@ impl Contender {
     /// # Errors
     /// What ended the run, in words.
     pub(super) fn time<T: Float>(&self, subject: &Subject<T>, setting: f64) -> Result<f64, String> {
-        if let Some(ours) = self.method() {
-            return run_ours(ours, subject, setting, false).map(|(_, _, seconds)| seconds);
+        if self.method().is_some() {
+            return self
+                .ours(subject, setting, false)
+                .map(|(_, _, seconds)| seconds);
         }
         let begun = ThreadTime::now();
         self.run(subject, setting, |_: &[T]| {})?;
@@ -152,9 +173,12 @@ impl Contender {
         let system = subject.instance.hamiltonian();
         let y = subject.start.clone();
         match self {
-            Contender::Equip(_) | Contender::Swept(_) | Contender::Gauss(_) => {
-                let ours = self.method().ok_or("not a method of this library")?;
-                run_ours(ours, subject, setting, true).map(|(outcome, y, _)| (outcome, y))
+            Contender::Equip(_)
+            | Contender::Swept(_)
+            | Contender::Variable(_)
+            | Contender::Gauss(_) => {
+                let ran = self.ours(subject, setting, true);
+                ran.map(|(outcome, y, _)| (outcome, y))
             }
             Contender::Composition(scheme) => {
                 let masses = Flow::inverse_masses(system, &y).ok_or("H is not Σ p²/(2m) + U(q)")?;
@@ -195,52 +219,107 @@ impl Contender {
     }
 }
 
-/// A run of the library's own; the seconds are those of the steps.
-fn run_ours<T: Float>(
-    (method, solver): (Method, StageSolver),
+/// What a run of the library's own came to: outcome, end state, seconds of the steps.
+type Ours<T> = (Outcome, Vec<T>, f64);
+
+impl Contender {
+    fn ours<T: Float>(
+        &self,
+        subject: &Subject<T>,
+        setting: f64,
+        watched: bool,
+    ) -> Result<Ours<T>, String> {
+        let (method, solver) = self.method().ok_or("not a method of this library")?;
+        if self.adapts() {
+            variable(method, solver, subject, setting, watched)
+        } else {
+            fixed(method, solver, subject, setting, watched)
+        }
+    }
+}
+
+fn invariants<T: Float>(subject: &Subject<T>, watched: bool) -> Vec<Invariant> {
+    let all = subject.instance.invariants().iter();
+    let named = all.map(|i| Invariant::new(i.name, i.quantity.clone()));
+    named.filter(|_| watched).collect()
+}
+
+fn fixed<T: Float>(
+    method: Method,
+    solver: StageSolver,
     subject: &Subject<T>,
-    setting: f64,
+    steps: f64,
     watched: bool,
-) -> Result<(Outcome, Vec<T>, f64), String> {
+) -> Result<Ours<T>, String> {
     let (q, p) = subject.start.split_at(subject.start.len() / 2);
     let mut integrator = method
-        .step(subject.end / T::exact(setting))
+        .step(subject.end / T::exact(steps))
         .measure_energy(watched)
         .stage_solver(solver);
-    if watched {
-        for invariant in subject.instance.invariants() {
-            integrator =
-                integrator.invariant(Invariant::new(invariant.name, invariant.quantity.clone()));
-        }
+    for invariant in invariants(subject, watched) {
+        integrator = integrator.invariant(invariant);
     }
     let fault = |e: equip_solver::IntegrateError<T>| e.to_string();
     let begun = ThreadTime::now();
     let mut stepper = integrator
         .start(subject.instance.hamiltonian(), q, p, T::int(0))
         .map_err(fault)?;
-    for _ in 0..setting as u64 {
+    for _ in 0..steps as u64 {
         stepper.advance().map_err(fault)?;
     }
     let seconds = begun.elapsed().as_secs_f64();
     let view = stepper.view();
     let end = [view.q, view.p].concat();
-    let certificate = stepper.certificate();
-    let outcome = Outcome {
+    Ok((outcome(&stepper.certificate()), end, seconds))
+}
+
+/// Steps after which a run by tolerance is given up.
+const MOST_STEPS: u64 = 200_000;
+
+fn variable<T: Float>(
+    method: Method,
+    solver: StageSolver,
+    subject: &Subject<T>,
+    tolerance: f64,
+    watched: bool,
+) -> Result<Ours<T>, String> {
+    let (q, p) = subject.start.split_at(subject.start.len() / 2);
+    let mut integrator = method
+        .tolerance(T::exact(tolerance))
+        .measure_energy(watched)
+        .stage_solver(solver)
+        .record(Record::Ends)
+        .max_steps(MOST_STEPS);
+    for invariant in invariants(subject, watched) {
+        integrator = integrator.invariant(invariant);
+    }
+    let begun = ThreadTime::now();
+    let run = integrator
+        .integrate(
+            subject.instance.hamiltonian(),
+            q,
+            p,
+            T::int(0)..=subject.end,
+        )
+        .map_err(|e| e.to_string())?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let (_, q, p) = run.last();
+    Ok((outcome(run.certificate()), [q, p].concat(), seconds))
+}
+
+fn outcome<T: Float>(certificate: &Certificate<T>) -> Outcome {
+    let invariants = certificate.invariants.iter();
+    Outcome {
         error: f64::NAN,
         energy: certificate
             .energy
             .as_ref()
             .map_or(f64::NAN, |e| e.max.to_f64()),
-        invariants: certificate
-            .invariants
-            .iter()
-            .map(|i| i.max.to_f64())
-            .collect(),
+        invariants: invariants.map(|i| i.max.to_f64()).collect(),
         steps: certificate.counts.steps,
         gradients: certificate.counts.gradients,
         iterations: Some(certificate.counts.newton_iterations + certificate.counts.sweeps),
-    };
-    Ok((outcome, end, seconds))
+    }
 }
 
 /// Largest defects of energy and invariants along a run.

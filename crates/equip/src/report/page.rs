@@ -4,7 +4,7 @@ use super::Results;
 use super::accuracy::Time;
 use super::csv::times;
 use super::measure::Curve;
-use super::peers::Peers;
+use super::peers::{Peers, is_ours};
 use crate::svg::escape;
 use std::fmt::Write;
 
@@ -16,7 +16,8 @@ table { border-collapse: collapse; white-space: nowrap; font-variant-numeric: ta
 .wide { overflow-x: auto; }
 th, td { padding: .15rem .8rem; text-align: right; border-bottom: 1px solid #8884; }
 th:first-child, td:first-child { text-align: left; }
-td b { color: #1a7f37; } small, .note { color: GrayText; }
+.first { color: #1a7f37; font-weight: bold; } .keeps { color: #2f7fb8; font-weight: bold; }
+nav a { margin-right: 1rem; white-space: nowrap; } small, .note { color: GrayText; }
 summary { cursor: pointer; margin: .6rem 0; }
 ";
 
@@ -27,6 +28,7 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
         // Writing to a String does not fail.
         let _ = writeln!(body, "{text}");
     };
+    push(contents(results, peers));
     for result in results {
         push(format!(
             "<h2 id=\"{0}-{1}\">{2} <small>{1}</small></h2>",
@@ -40,7 +42,9 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
         ));
         push(result.svg.clone());
         push(format!(
-            "<h3>Milliseconds to an error of</h3><div class=\"wide\">{}</div>",
+            "<h3>Milliseconds to an error of</h3><div class=\"wide\">{}</div>\
+             <p class=\"note\"><span class=\"first\">Green</span>: the quickest. <span class=\"keeps\">Blue</span>: the quickest that keeps the \
+             energy on its own.</p>",
             accuracies(result)
         ));
         push(format!(
@@ -60,8 +64,13 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
     if let Some(peers) = peers {
         push("<h1>Beside other integrators</h1>".into());
         push(format!(
-            "<p>CPU time on {}; the rules are in docs/compare.md. In brackets: our time over that of the quickest other program.</p>",
+            "<p>CPU milliseconds on {}; the rules are in docs/compare.md. In brackets: our time over that of the quickest other program. \
+             Least and most of the rounds show when the pointer rests on a figure.</p>",
             escape(&peers.cpu)
+        ));
+        push(format!(
+            "<p class=\"note\">{}</p>",
+            escape(&versions(peers))
         ));
         for scene in &peers.scenes {
             push(format!(
@@ -71,6 +80,13 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
             ));
             push(scene.picture());
             push(format!("<div class=\"wide\">{}</div>", against(scene)));
+            if let Some(at) = &scene.at_tolerance {
+                push(format!(
+                    "<h3>All at tolerance {:.0e}</h3><div class=\"wide\">{}</div>",
+                    at.tolerance,
+                    at_tolerance(at)
+                ));
+            }
         }
     }
     let facts: String = facts
@@ -106,30 +122,64 @@ fn brief(x: f64) -> String {
     }
 }
 
+/// Links to all scenes.
+fn contents(results: &[Results], peers: Option<&Peers>) -> String {
+    let link = |id: String, title: String| format!("<a href=\"#{id}\">{title}</a> ");
+    let scenes = results.iter().map(|r| {
+        let id = format!("{}-{}", r.name, r.precision);
+        link(id.clone(), id)
+    });
+    let others = peers.iter().flat_map(|p| &p.scenes).map(|scene| {
+        let name = escape(&scene.scene);
+        link(
+            format!("peers-{name}"),
+            format!("{name} beside other programs"),
+        )
+    });
+    let links: String = scenes.chain(others).collect();
+    format!("<nav>{links}</nav>")
+}
+
+fn versions(peers: &Peers) -> String {
+    let all = peers.versions.iter();
+    let known =
+        all.filter_map(|(program, version)| Some(format!("{program} {}", version.as_ref()?)));
+    known.collect::<Vec<_>>().join(", ")
+}
+
 fn accuracies(result: &Results) -> String {
     let mut heads = vec!["method".to_owned()];
     heads.extend(result.targets.iter().map(|t| format!("{t:.0e}")));
-    let all: Vec<Vec<Time>> = result
+    let all: Vec<(&Curve, Vec<Time>)> = result
         .curves
         .iter()
-        .map(|c| times(c, result.targets))
+        .map(|c| (c, times(c, result.targets)))
         .collect();
-    let quickest = |k: usize| {
-        let column = all.iter().filter_map(|times| times[k].milliseconds());
+    let quickest = |k: usize, which: fn(&Curve) -> bool| {
+        let chosen = all.iter().filter(|(curve, _)| which(curve));
+        let column = chosen.filter_map(|(_, times)| times[k].milliseconds());
         column.fold(f64::INFINITY, f64::min)
     };
-    let rows: Vec<Vec<String>> = result
-        .curves
+    let cell = |k: usize, time: &Time| {
+        let text = match time {
+            Time::NotReached => return "–".to_owned(),
+            Time::AtMost(ms) => format!("≤ {}", brief(*ms)),
+            Time::Interpolated(ms) => brief(*ms),
+        };
+        let ms = time.milliseconds();
+        if ms == Some(quickest(k, |_| true)) {
+            format!("<span class=\"first\">{text}</span>")
+        } else if ms == Some(quickest(k, |c| c.contender.keeps_energy())) {
+            format!("<span class=\"keeps\">{text}</span>")
+        } else {
+            text
+        }
+    };
+    let rows: Vec<Vec<String>> = all
         .iter()
-        .zip(&all)
         .map(|(curve, times)| {
             let mut cells = vec![escape(&curve.contender.name())];
-            cells.extend(times.iter().enumerate().map(|(k, time)| match time {
-                Time::NotReached => "–".into(),
-                Time::AtMost(ms) => format!("≤ {}", brief(*ms)),
-                Time::Interpolated(ms) if *ms == quickest(k) => format!("<b>{}</b>", brief(*ms)),
-                Time::Interpolated(ms) => brief(*ms),
-            }));
+            cells.extend(times.iter().enumerate().map(|(k, time)| cell(k, time)));
             cells
         })
         .collect();
@@ -208,7 +258,7 @@ fn against(scene: &super::peers::Scene) -> String {
             cells.extend(program.reached.iter().map(|reached| match reached {
                 None => "–".into(),
                 Some(r) => {
-                    let ours = program.program.starts_with("equip");
+                    let ours = is_ours(&program.program);
                     let ratio = r.ratio_to_quickest_peer.filter(|_| ours);
                     let ratio = ratio.map_or(String::new(), |x| format!(" ({x:.2})"));
                     let spread = format!("{} to {}", brief(r.least), brief(r.most));
@@ -223,6 +273,21 @@ fn against(scene: &super::peers::Scene) -> String {
         })
         .collect();
     table(&heads, &rows)
+}
+
+fn at_tolerance(at: &super::peers::AtTolerance) -> String {
+    let heads = ["program", "method", "ms", "least", "most", "error"].map(Into::into);
+    let row = |row: &super::peers::Row| {
+        vec![
+            escape(&row.program),
+            escape(&row.method),
+            brief(row.milliseconds),
+            brief(row.least),
+            brief(row.most),
+            row.error.map_or("–".into(), |e| format!("{e:.1e}")),
+        ]
+    };
+    table(&heads, &at.rows.iter().map(row).collect::<Vec<_>>())
 }
 
 #[cfg(test)]

@@ -1,14 +1,22 @@
 //! What `benches/peers` measured, read from its JSON file to be joined to the page.
 
-use super::picture::{Line, Look, draw};
+use super::picture::{Line, Look, Spot, draw};
 use crate::fault::Fault;
+use crate::svg::Mark;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Errors from here on are not drawn.
+const WRONG: f64 = 10.0;
 
 /// The file of the peers.
 #[derive(Debug, Deserialize)]
 pub(super) struct Peers {
     pub(super) cpu: String,
+    /// Programs and their versions.
+    #[serde(default)]
+    pub(super) versions: BTreeMap<String, Option<String>>,
     pub(super) scenes: Vec<Scene>,
 }
 
@@ -20,6 +28,25 @@ pub(super) struct Scene {
     pub(super) targets: Vec<f64>,
     pub(super) programs: Vec<Program>,
     curves: Vec<Curve>,
+    pub(super) at_tolerance: Option<AtTolerance>,
+}
+
+/// All programs at one tolerance.
+#[derive(Debug, Deserialize)]
+pub(super) struct AtTolerance {
+    pub(super) tolerance: f64,
+    pub(super) rows: Vec<Row>,
+}
+
+/// A program at a tolerance.
+#[derive(Debug, Deserialize)]
+pub(super) struct Row {
+    pub(super) program: String,
+    pub(super) method: String,
+    pub(super) error: Option<f64>,
+    pub(super) milliseconds: f64,
+    pub(super) least: f64,
+    pub(super) most: f64,
 }
 
 /// A program with its quickest way to each target.
@@ -68,29 +95,21 @@ pub(super) fn read(path: &Path) -> Result<Peers, Fault> {
 impl Scene {
     /// Error against time: of each program the settings that no other of its settings beats in both.
     pub(super) fn picture(&self) -> String {
-        const COLOURS: [&str; 9] = [
-            "#2f7fb8", "#06305c", "#62a9d8", "#c0392b", "#3f8f5f", "#a03c8c", "#d97a12", "#8c8c8c",
-            "#6b3304",
-        ];
         let mut ours_first: Vec<&Program> = self.programs.iter().collect();
-        ours_first.sort_by_key(|p| !p.program.starts_with("equip"));
+        ours_first.sort_by_key(|p| !is_ours(&p.program));
         let lines: Vec<Line> = ours_first
             .iter()
-            .enumerate()
-            .map(|(i, program)| {
+            .map(|program| {
                 let curves = self.curves.iter().filter(|c| c.program == program.program);
                 let points = curves.flat_map(|c| &c.points);
                 let points = points
                     .filter_map(|p| Some((p.milliseconds?, p.error?)))
                     .collect();
+                let spots = front(points).into_iter();
                 Line {
                     name: program.program.clone(),
-                    look: Look {
-                        colour: COLOURS[i % COLOURS.len()].into(),
-                        dashes: "none",
-                        width: 2.0,
-                    },
-                    points: vec![front(points)],
+                    look: look(&program.program),
+                    points: vec![spots.map(|(x, y)| Spot::exact(x, y)).collect()],
                 }
             })
             .collect();
@@ -102,8 +121,42 @@ impl Scene {
     }
 }
 
-/// The points that no other point beats in both time and error, by time.
+/// Whether a program is this library.
+pub(super) fn is_ours(program: &str) -> bool {
+    program.starts_with("equip")
+}
+
+/// The look of a program, the same in every picture: ours in blues, dashed with variable steps.
+fn look(program: &str) -> Look {
+    let colour = match program {
+        p if p.starts_with("equip closure") => "#2f7fb8",
+        p if p.starts_with("equip trait") => "#06305c",
+        p if is_ours(p) => "#7db7de",
+        "heyoka" => "#c0392b",
+        "composition" => "#2b2b2b",
+        "rebound" => "#d97a12",
+        "ode_solvers" => "#3f8f5f",
+        "differential-equations" => "#8fc9a3",
+        "diffsol" => "#9a9a9a",
+        "scipy" => "#a03c8c",
+        _ => "#6b3304",
+    };
+    let variable = is_ours(program) && program.ends_with("variable");
+    Look {
+        colour: colour.into(),
+        dashes: if variable { "7 4" } else { "none" },
+        width: if is_ours(program) { 2.4 } else { 1.8 },
+        mark: match (is_ours(program), variable) {
+            (true, false) => Mark::Disc,
+            (true, true) => Mark::Diamond,
+            (false, _) => Mark::Triangle,
+        },
+    }
+}
+
+/// The points that no other point beats in both time and error, by time; those far from any use left out.
 fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.retain(|p| p.1 < WRONG);
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best = f64::INFINITY;
     points.retain(|p| {

@@ -3,19 +3,19 @@
 //! A method has the same colour, dashes and mark in every picture.
 
 use super::contender::Contender;
-use super::measure::Curve;
+use super::measure::{Curve, Point};
 use crate::panel::{Axis, Panel};
-use crate::svg::{Anchor, FAINT, INK, Svg};
+use crate::svg::{Anchor, FAINT, INK, Mark, Svg};
 
-const WIDTH: u32 = 1380;
-const SIDE: f64 = 330.0;
-const PANEL: f64 = 350.0;
+/// Height of the panels, their distance from the left edge, and the room between them.
+const SIDE: f64 = 360.0;
 const LEFT: f64 = 86.0;
-const APART: f64 = 454.0;
-/// Width of an entry of the legend, entries in a row, and height of a row.
+const BETWEEN: f64 = 100.0;
+/// Width of an entry of the legend, and height of a row.
 const ENTRY: f64 = 222.0;
-const COLUMNS: usize = 6;
 const ROW: f64 = 24.0;
+/// Radius of the marks.
+const RADIUS: f64 = 2.8;
 /// Errors from here on are not drawn.
 const WRONG: f64 = 10.0;
 
@@ -25,6 +25,7 @@ pub(super) struct Look {
     pub(super) colour: String,
     pub(super) dashes: &'static str,
     pub(super) width: f64,
+    pub(super) mark: Mark,
 }
 
 /// Colours of the stages, from light to dark with more of them; told apart also by those who do not see red and green apart.
@@ -48,39 +49,66 @@ pub(super) fn look(contender: &Contender) -> Look {
         colour: colour.into(),
         dashes: "none",
         width: 1.8,
+        mark: Mark::Triangle,
     };
     match contender {
         Contender::Equip(s) => Look {
             colour: shade(BLUES, *s),
             dashes: "none",
             width: 2.4,
+            mark: Mark::Disc,
         },
         Contender::Swept(s) => Look {
             colour: shade(GREENS, *s),
             dashes: "2 3",
             width: 2.4,
+            mark: Mark::Diamond,
+        },
+        Contender::Variable(_) => Look {
+            colour: "#c2185b".into(),
+            dashes: "none",
+            width: 2.4,
+            mark: Mark::Disc,
         },
         Contender::Gauss(s) => Look {
             colour: shade(ORANGES, *s),
             dashes: "7 4",
             width: 1.6,
+            mark: Mark::Square,
         },
         Contender::Composition(scheme) => full(match scheme.order {
             2 => "#8c8c8c",
             8 => "#5f5f5f",
             _ => "#2b2b2b",
         }),
-        Contender::Dop853 => full("#a03c8c"),
+        Contender::Dop853 => full("#8e5bb5"),
     }
 }
 
-/// A named line through points of two positive figures.
+/// A point of two positive figures; the first one's repeats lie between `least` and `most`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Spot {
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) least: f64,
+    pub(super) most: f64,
+}
+
+impl Spot {
+    /// A point without spread.
+    pub(super) fn exact(x: f64, y: f64) -> Self {
+        let (least, most) = (x, x);
+        Spot { x, y, least, most }
+    }
+}
+
+/// A named line through points.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub(super) name: String,
     pub(super) look: Look,
     /// For each panel its points.
-    pub(super) points: Vec<Vec<(f64, f64)>>,
+    pub(super) points: Vec<Vec<Spot>>,
 }
 
 /// What the axes of a panel are.
@@ -93,14 +121,19 @@ pub(super) fn scene(title: &str, curves: &[Curve]) -> String {
         .map(|curve| {
             // Where nothing is right there is nothing to compare.
             let drawn = || curve.points.iter().filter(|p| p.outcome.error < WRONG);
-            let of = |y: fn(&super::measure::Point) -> (f64, f64)| drawn().map(y).collect();
+            let timed = |p: &Point, y: f64| {
+                let (least, most) = p.spread();
+                let x = p.median();
+                Spot { x, y, least, most }
+            };
+            let work = |p: &Point| Spot::exact(p.outcome.gradients as f64, p.outcome.error);
             Line {
                 name: curve.contender.name(),
                 look: look(&curve.contender),
                 points: vec![
-                    of(|p| (p.median(), p.outcome.error)),
-                    of(|p| (p.median(), p.outcome.energy)),
-                    of(|p| (p.outcome.gradients as f64, p.outcome.error)),
+                    drawn().map(|p| timed(p, p.outcome.error)).collect(),
+                    drawn().map(|p| timed(p, p.outcome.energy)).collect(),
+                    drawn().map(work).collect(),
                 ],
             }
         })
@@ -113,40 +146,37 @@ pub(super) fn scene(title: &str, curves: &[Curve]) -> String {
     draw(title, &labels, &lines)
 }
 
-/// Panels side by side with one legend.
+/// Panels side by side with one legend above; a line through a mark is the spread of its repeats.
 pub(super) fn draw(title: &str, labels: &[Labels], lines: &[Line]) -> String {
-    let rows = lines.len().div_ceil(COLUMNS);
+    // One panel alone may be wider.
+    let wide = if labels.len() == 1 { 820.0 } else { 350.0 };
+    let apart = wide + BETWEEN;
+    let width = LEFT + apart * labels.len() as f64 - BETWEEN + 34.0;
+    let columns = ((width - 24.0) / ENTRY) as usize;
+    let rows = lines.len().div_ceil(columns);
     let top = 62.0 + ROW * rows as f64 + 14.0;
-    let mut svg = Svg::new(WIDTH, (top + SIDE + 62.0) as u32);
+    let mut svg = Svg::new(width as u32, (top + SIDE + 62.0) as u32);
     svg.text((24.0, 34.0), 19, Anchor::Start, INK, title);
     for (i, line) in lines.iter().enumerate() {
         let (x, y) = (
-            24.0 + ENTRY * (i % COLUMNS) as f64,
-            62.0 + ROW * (i / COLUMNS) as f64,
+            24.0 + ENTRY * (i % columns) as f64,
+            62.0 + ROW * (i / columns) as f64,
         );
-        let sample = [(x, y), (x + 34.0, y)];
-        svg.dashed(
-            sample.into_iter(),
-            &line.look.colour,
-            line.look.width + 0.6,
-            line.look.dashes,
-        );
-        svg.dot((x + 17.0, y), 3.4, &line.look.colour);
+        let look = &line.look;
+        let sample = [(x, y), (x + 34.0, y)].into_iter();
+        svg.dashed(sample, &look.colour, look.width + 0.4, look.dashes);
+        let middle = [(x + 17.0, y)].into_iter();
+        svg.marks(middle, look.mark, RADIUS + 1.0, &look.colour);
         svg.text((x + 42.0, y + 5.0), 14, Anchor::Start, INK, &line.name);
     }
     for (k, (x, y)) in labels.iter().enumerate() {
-        let shown = |line: &Line| -> Vec<(f64, f64)> {
-            let real = |p: &&(f64, f64)| p.0.is_finite() && p.0 > 0.0 && p.1.is_finite();
-            line.points
-                .get(k)
-                .into_iter()
-                .flatten()
-                .filter(real)
-                .copied()
-                .collect()
+        let shown = |line: &Line| -> Vec<Spot> {
+            let real = |p: &&Spot| p.x.is_finite() && p.x > 0.0 && p.y.is_finite();
+            let points = line.points.get(k).into_iter().flatten();
+            points.filter(real).copied().collect()
         };
         let all: Vec<_> = lines.iter().flat_map(&shown).collect();
-        let left = LEFT + APART * k as f64;
+        let left = LEFT + apart * k as f64;
         if all.is_empty() {
             svg.text((left, top + 40.0), 14, Anchor::Start, FAINT, "no point");
             continue;
@@ -154,37 +184,36 @@ pub(super) fn draw(title: &str, labels: &[Labels], lines: &[Line]) -> String {
         let panel = Panel {
             left,
             top,
-            width: PANEL,
+            width: wide,
             height: SIDE,
-            x: axis(all.iter().map(|p| p.0), x),
-            y: axis(all.iter().map(|p| p.1), y),
+            x: axis(all.iter().map(|p| p.x), x),
+            y: axis(all.iter().map(|p| p.y), y),
         };
         panel.draw_axes(&mut svg);
+        // What is zero stands on the lower edge.
+        let at = |x: f64, p: &Spot| panel.at((x, p.y.max(1e-300)));
         for line in lines {
-            let points = shown(line);
-            // What is zero stands on the lower edge.
-            let at = points.iter().map(|&(x, y)| panel.at((x, y.max(1e-300))));
-            svg.dashed(
-                at.clone(),
-                &line.look.colour,
-                line.look.width,
-                line.look.dashes,
-            );
-            svg.dots(at, &line.look.colour, 6.0);
+            let (look, points) = (&line.look, shown(line));
+            for p in points.iter().filter(|p| p.most > p.least) {
+                svg.line(at(p.least, p), at(p.most, p), &look.colour, 0.5);
+            }
+            let places = points.iter().map(|p| at(p.x, p));
+            svg.dashed(places.clone(), &look.colour, look.width, look.dashes);
+            svg.marks(places, look.mark, RADIUS, &look.colour);
         }
     }
     svg.finish()
 }
 
-/// Whole decades around the positive values.
+/// A little more than the positive values.
 fn axis(values: impl Iterator<Item = f64>, label: &str) -> Axis {
     let positive = values.filter(|x| *x > 0.0);
     let (low, high) = positive.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), x| {
         (l.min(x), h.max(x))
     });
     if high > 0.0 {
-        Axis::decades(low, high, label)
+        Axis::powers(low, high, label)
     } else {
-        Axis::decades(1e-17, 1e-15, label)
+        Axis::powers(1e-17, 1e-15, label)
     }
 }

@@ -4,11 +4,12 @@
 //! composition of order 10 in double-double with half the step of another one, whose difference bounds the error. Kepler's problem ends at
 //! a time that is no whole number of periods: at whole periods a method that does nothing scores zero.
 
-use super::composition::{Composition, SOFRONIOU_SPALETTA};
+use super::composition::Composition;
 use super::flow::Flow;
 use crate::fault::Fault;
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
+use equip_tableau::composition::SOFRONIOU_SPALETTA;
 
 /// A scene of the report as it is listed.
 #[derive(Debug, Clone, Copy)]
@@ -159,10 +160,10 @@ impl<T: Float> Subject<T> {
             .map(|(n, v)| format!("{n} = {v}"))
             .collect();
         let title = format!(
-            "{}, {}, t = {:.6}",
+            "{}, {}, t = {}",
             instance.scene().title,
             parameters.join(", "),
-            end.to_f64()
+            (1e6 * end.to_f64()).round() / 1e6
         );
         Ok(Subject {
             name: entry.name,

@@ -1,0 +1,93 @@
+//! How the work of a step grows: with the size of the system not at all but for the size itself, with the stages slowly. Counts, no clock.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
+
+use equip_autodiff::Hamiltonian;
+use equip_scenes::Instance;
+use equip_solver::{Counts, Equip, Gauss, Method, StageSolver};
+use equip_tests::{Start, henon_heiles, kepler};
+
+fn counts(
+    method: Method,
+    h: f64,
+    steps: u64,
+    (energy, q, p): (&Hamiltonian, &[f64], &[f64]),
+    solver: StageSolver,
+) -> Counts {
+    let options = method.step(h).stage_solver(solver);
+    let mut run = options.start(energy, q, p, 0.0).unwrap();
+    for _ in 0..steps {
+        run.advance().unwrap();
+    }
+    *run.counts()
+}
+
+fn per_step(count: u64, counts: &Counts) -> f64 {
+    count as f64 / counts.steps as f64
+}
+
+fn instance(scene: &str, n: usize) -> Instance {
+    let n = n.to_string();
+    equip_scenes::find(scene)
+        .unwrap()
+        .instance(&[("n", &n)])
+        .unwrap()
+}
+
+/// Gradients a step of chains of 16 to 1024 masses in their first mode, s = 4, h = 0.2: the work of a step is a number of gradients
+/// that does not grow, times that of one, which is linear in n.
+#[test]
+fn a_longer_chain_takes_no_more_gradients() {
+    // Measured: Gauss 21.6, 12.2, 8.2, 5.2, EQUIP 24.1, 13.7, 10.1, 7.0; headroom of 1.15 for the first. Longer chains are smoother.
+    for (method, most) in [(Gauss::stages(4), 25.0), (Equip::stages(4), 28.0)] {
+        let mut most = most;
+        for n in [16, 64, 256, 1024] {
+            let chain = instance("fput-beta", n);
+            let (q, p) = chain.initial::<f64>();
+            let start = (chain.hamiltonian(), q.as_slice(), p.as_slice());
+            let c = counts(method, 0.2, 20, start, StageSolver::Sweeps);
+            let gradients = per_step(c.gradients, &c);
+            assert!(gradients <= most, "{method}, n = {n}: {gradients} a step");
+            assert_eq!(c.hessians + c.factorisations, 0);
+            most = gradients;
+        }
+    }
+}
+
+/// The same for bodies in a ring, whose pairs are n(n − 1)/2.
+#[test]
+fn more_bodies_take_no_more_gradients() {
+    for n in [3, 10, 30] {
+        let ring = instance("n-body", n);
+        let (q, p) = ring.initial::<f64>();
+        let start = (ring.hamiltonian(), q.as_slice(), p.as_slice());
+        let h = ring.suggested_step() / 4.0;
+        let c = counts(Equip::stages(4), h, 10, start, StageSolver::Sweeps);
+        let gradients = per_step(c.gradients, &c);
+        // Measured 14.3, 14.4, 13.7; headroom of 1.15.
+        assert!(gradients <= 16.5, "n = {n}: {gradients} a step");
+    }
+}
+
+/// Sweeps a step of EQUIP with the same number of stages in a revolution for all s: they hardly depend on s.
+#[test]
+fn more_stages_take_few_more_sweeps() {
+    let scenes = [
+        // Measured 5.53, 4.47, 4.25, 4.22, 5.04 (Gauss 4.51, 4.09, 4.06, 4.19, 4.98); headroom of 1.15.
+        (kepler::<f64>(6), 0.02, [6.4, 5.2, 4.9, 4.9, 5.8]),
+        // Measured 7.12, 5.07, 5.00, 5.04, 5.78 (Gauss 5.06, 5.07, 5.00, 5.04, 5.78); headroom of 1.15.
+        (
+            henon_heiles(0.125, "0.3", "0"),
+            0.04,
+            [8.2, 5.9, 5.8, 5.8, 6.7],
+        ),
+    ];
+    for (i, ((energy, Start { q, p }), h, most)) in scenes.iter().enumerate() {
+        for (s, most) in [4_usize, 6, 8, 12, 16].into_iter().zip(most) {
+            let start = (energy, q.as_slice(), p.as_slice());
+            let method = Equip::stages(s);
+            let c = counts(method, h * s as f64, 400, start, StageSolver::Sweeps);
+            let sweeps = per_step(c.sweeps, &c);
+            assert!(sweeps <= *most, "scene {i}, s = {s}: {sweeps} a step");
+        }
+    }
+}
