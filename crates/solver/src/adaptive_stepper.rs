@@ -145,6 +145,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             self.inner.core.last_resort = false;
             match made {
                 Ok(outcome) => {
+                    self.inner.core.fetch_l();
                     let core = &self.inner.core;
                     let estimate =
                         self.decay

@@ -94,6 +94,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     }
 
     pub(crate) fn save(&mut self, options: String) -> Checkpoint {
+        self.core.fetch_l();
         let defects = self
             .energy
             .iter()

@@ -5,25 +5,32 @@
 //! entries at once: s² products for each α_k ≠ 0, in vector instructions.
 
 use crate::aligned::{Aligned, Places};
+use crate::mix::stride_for;
+use crate::pairs::{HALF, fill, has_pairs};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 
-/// U(0) and the T_k, laid out as K is.
+/// U(0) and the T_k, laid out as K is: column by column, or as P and Q of [`crate::pairs`].
 #[derive(Debug)]
 pub(crate) struct Columns<T> {
     unperturbed: Aligned<T>,
     /// T_1 … T_{s−1}.
     basis: Vec<Aligned<T>>,
-    /// ½ and 1 where K has an entry, 0 in the padding.
-    half: Aligned<T>,
-    one: Aligned<T>,
+    /// ½ and 1 where K has an entry, 0 in the padding; none for P and Q, which are made of U alone.
+    half_and_one: Option<(Aligned<T>, Aligned<T>)>,
 }
 
 impl<T: Float> Columns<T> {
-    pub(crate) fn new(gauss: &Gauss<T>, stride: usize) -> Self {
+    pub(crate) fn new(gauss: &Gauss<T>) -> Self {
         let (s, mut places) = (gauss.stages(), Places::default());
-        let mut padded = |entry: &dyn Fn(usize, usize) -> T| {
-            let mut x = places.zeros(stride * stride);
+        let stride = stride_for::<T>(s);
+        let by_pairs = has_pairs::<T>(s);
+        let mut laid_out = |entry: &dyn Fn(usize, usize) -> T| {
+            let mut x = places.zeros(length_of::<T>(s));
+            if by_pairs {
+                fill(entry, &mut x);
+                return x;
+            }
             for j in 0..s {
                 for i in 0..s {
                     x[j * stride + i] = entry(i, j);
@@ -34,12 +41,16 @@ impl<T: Float> Columns<T> {
         let mut u = vec![T::int(0); s * s];
         gauss.antisymmetric_into(&vec![T::int(0); s - 1], &mut u);
         Columns {
-            unperturbed: padded(&|i, j| u[i * s + j]),
+            unperturbed: laid_out(&|i, j| u[i * s + j]),
             basis: (1..s)
-                .map(|k| padded(&|i, j| gauss.skew_basis(k)[i * s + j]))
+                .map(|k| laid_out(&|i, j| gauss.skew_basis(k)[i * s + j]))
                 .collect(),
-            half: padded(&|_, _| T::ratio(1, 2)),
-            one: padded(&|_, _| T::int(1)),
+            half_and_one: (!by_pairs).then(|| {
+                (
+                    laid_out(&|_, _| T::ratio(1, 2)),
+                    laid_out(&|_, _| T::int(1)),
+                )
+            }),
         }
     }
 
@@ -51,6 +62,15 @@ impl<T: Float> Columns<T> {
             k,
         });
     }
+}
+
+/// Numbers that K, or P and Q, take.
+pub(crate) fn length_of<T: Float>(s: usize) -> usize {
+    if has_pairs::<T>(s) {
+        return 2 * HALF * HALF;
+    }
+    let stride = stride_for::<T>(s);
+    stride * stride
 }
 
 struct Fill<'a, T> {
@@ -73,9 +93,11 @@ impl<T: Float> Kernel for Fill<'_, T> {
                 }
             }
         }
-        for ((k, &half), &one) in k.iter_mut().zip(&*columns.half).zip(&*columns.one) {
-            let large = half + k.abs();
-            *k = if *k < T::int(0) { one - large } else { large };
+        if let Some((half, one)) = &columns.half_and_one {
+            for ((k, &half), &one) in k.iter_mut().zip(&**half).zip(&**one) {
+                let large = half + k.abs();
+                *k = if *k < T::int(0) { one - large } else { large };
+            }
         }
     }
 }
@@ -86,16 +108,22 @@ mod tests {
     use equip_scalar::DoubleDouble;
 
     fn entries_are_those_of_the_tableau<T: Float>() {
-        for s in 1..=12 {
+        for s in 1..=20 {
             let gauss = Gauss::<T>::new(s).unwrap_or_else(|e| panic!("{e}"));
-            let stride = s.next_multiple_of(4);
-            let columns = Columns::new(&gauss, stride);
+            let (columns, stride) = (Columns::new(&gauss), stride_for::<T>(s));
             let alphas: Vec<T> = (1..s as i64).map(|k| T::ratio(k * k - 3 * k, 7)).collect();
-            let mut expected = vec![T::int(0); stride * stride];
-            gauss.skew_columns_into(&alphas, stride, &mut expected);
             for set in InstructionSet::available() {
-                let mut k = vec![T::NAN; stride * stride];
+                let mut k = vec![T::NAN; length_of::<T>(s)];
                 columns.fill(set, &alphas, &mut k);
+                if has_pairs::<T>(s) {
+                    let (p, q) = k.split_at(HALF * HALF);
+                    for (i, j) in (0..HALF).flat_map(|i| (0..HALF).map(move |j| (i, j))) {
+                        assert!(p[j * HALF + i] == -q[i * HALF + j], "s = {s}, {set:?}");
+                    }
+                    continue;
+                }
+                let mut expected = vec![T::int(0); stride * stride];
+                gauss.skew_columns_into(&alphas, stride, &mut expected);
                 assert!(k == expected, "s = {s}, {set:?}");
             }
         }

@@ -187,6 +187,7 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
         core.guess.remember(&self.guess, part.h);
         core.guess.refuse();
         core.step(&part.start, part.time, part.h, &mut self.end)?;
+        core.fetch_l();
         let fine = core.stages.count();
         let mut coefficients = vec![T::int(0); fine * n];
         for (k, out) in coefficients.chunks_exact_mut(n).enumerate() {

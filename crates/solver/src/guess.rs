@@ -20,8 +20,10 @@ pub(crate) struct Guess<T: Float> {
     h: T,
     /// Whether the new step starts where it started, not where it ended.
     refused: bool,
-    /// Whether sweeps have the L_i too.
+    /// Sweeps made that step and have its L_i.
     is_swept: bool,
+    /// The L_i are here.
+    is_here: bool,
     /// Whether Z stands in the stages already.
     made: bool,
     /// Σ_k (∫_1^{1+r c_i} P_k) P_k(c_j), row by row, and the ratio r it was made for; that is zero when there is none.
@@ -37,6 +39,7 @@ impl<T: Float> Guess<T> {
             h: zero,
             refused: false,
             is_swept: false,
+            is_here: true,
             made: false,
             matrix: vec![zero; s * s],
             ratio: zero,
@@ -48,10 +51,11 @@ impl<T: Float> Guess<T> {
         self.l.copy_from_slice(l);
         self.h = h;
         self.is_swept = false;
+        self.is_here = true;
         self.set_refused(false);
     }
 
-    /// L_i and h of the step made last; h is zero when there is none.
+    /// L_i and h of the step made last; h is zero when there is none. Of a step made by sweeps once they are [here](Self::fetch).
     pub(crate) fn last(&self) -> (&[T], T) {
         (&self.l, self.h)
     }
@@ -132,20 +136,28 @@ impl<T: Float> Guess<T> {
         (self.h != T::int(0)).then(|| [self.start(), h / self.h, self.h])
     }
 
-    /// Sweeps no longer have its L.
-    pub(crate) fn is_not_swept(&mut self) {
-        self.is_swept = false;
-    }
-
-    /// Remembers an accepted step that sweeps have made, who have its L in their own order.
-    pub(crate) fn remember_swept(&mut self, l: &[T], h: T) {
-        self.remember(l, h);
-        self.is_swept = true;
+    /// Remembers an accepted step that sweeps have made, who keep its L in their own order until it is fetched.
+    pub(crate) fn remember_swept(&mut self, h: T) {
+        self.h = h;
+        (self.is_swept, self.is_here) = (true, false);
+        self.set_refused(false);
     }
 
     /// Whether sweeps have its L.
     pub(crate) fn is_swept(&self) -> bool {
         self.is_swept
+    }
+
+    /// Sees to it that the L_i are here; `give` writes them.
+    pub(crate) fn fetch(&mut self, give: impl FnOnce(&mut [T])) {
+        if !std::mem::replace(&mut self.is_here, true) {
+            give(&mut self.l);
+        }
+    }
+
+    /// Sweeps have begun another step, which they did not finish: what they have is no use.
+    pub(crate) fn is_lost(&mut self) {
+        self.is_swept = false;
     }
 
     /// The Z that is in the stages already is the guess of this step.

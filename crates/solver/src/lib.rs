@@ -46,6 +46,7 @@ mod newton;
 mod observer;
 mod options;
 mod outcome;
+mod pairs;
 mod response;
 mod reversible;
 mod reversible_stepper;

@@ -5,6 +5,7 @@
 //!
 //! Cost: s² products for each component that K is applied to.
 
+use crate::pairs::has_pairs;
 use crate::start::largest;
 use equip_scalar::{Float, Kernel};
 
@@ -27,9 +28,15 @@ pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
     }
 }
 
+/// Groups of N lanes that `s` stages stand in.
+#[inline(always)]
+pub(crate) fn groups_of<T: Float, const N: usize>(s: usize) -> usize {
+    stride_for::<T>(s) / N
+}
+
 /// What both forms need: the method, the start of the step, and where things go. Component c of stage i stands at `c·stride + i`.
 pub(crate) struct Step<'a, T> {
-    /// K(α), column by column.
+    /// K(α), column by column; or P and Q of [`crate::pairs`].
     pub(crate) k: &'a [T],
     /// h b_i.
     pub(crate) hb: &'a [T],
@@ -40,6 +47,8 @@ pub(crate) struct Step<'a, T> {
     pub(crate) inverse_scale: &'a [T],
     pub(crate) gradients: &'a mut [T],
     pub(crate) l: &'a mut [T],
+    /// What the products read, if it is not L: room for as much.
+    pub(crate) folded: &'a mut [T],
     pub(crate) z: &'a mut [T],
     pub(crate) points: &'a mut [T],
     pub(crate) s: usize,
@@ -61,6 +70,9 @@ impl<T: Float> Kernel for Whole<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) -> T {
+        if has_pairs::<T>(self.0.s) {
+            return self.by_pairs();
+        }
         match lanes_of::<T>(self.0.s) {
             4 => self.lanes::<4>(),
             8 => self.lanes::<8>(),
@@ -93,6 +105,9 @@ impl<T: Float> Kernel for Half<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) -> T {
+        if has_pairs::<T>(self.step.s) {
+            return self.by_pairs();
+        }
         match lanes_of::<T>(self.step.s) {
             4 => self.lanes::<4>(),
             8 => self.lanes::<8>(),
@@ -250,11 +265,15 @@ pub(crate) fn product_any<T: Float, const N: usize>(
     sum
 }
 
-/// Σ_j K_ij L_j for one group of stages, by literal lengths. The first and the last term are added first, and so on inwards: the
-/// sum is short, and the same for the step made backwards.
+/// Σ_j K_ij L_j for one group of stages, by literal lengths.
 #[inline(always)]
 pub(crate) fn product<T: Float, const N: usize>(columns: &[[T; N]; N], l: &[T; N]) -> [T; N] {
-    let mut terms: [[T; N]; N] = std::array::from_fn(|j| scaled(&columns[j], l[j]));
+    sum_of(std::array::from_fn(|j| scaled(&columns[j], l[j])))
+}
+
+/// The sum of N terms, a power of 2. The first and the last are added first, and so on inwards: the chain of additions is short.
+#[inline(always)]
+pub(crate) fn sum_of<T: Float, const N: usize>(mut terms: [[T; N]; N]) -> [T; N] {
     let mut count = N;
     while count > 1 {
         count /= 2;
@@ -273,17 +292,17 @@ pub(crate) fn placed<T: Float, const N: usize>(hi: T, lo: T, z: &[T; N]) -> [T; 
 }
 
 #[inline(always)]
-fn times<T: Float, const N: usize>(a: &[T; N], b: &[T; N]) -> [T; N] {
+pub(crate) fn times<T: Float, const N: usize>(a: &[T; N], b: &[T; N]) -> [T; N] {
     std::array::from_fn(|i| a[i] * b[i])
 }
 
 #[inline(always)]
-fn scaled<T: Float, const N: usize>(a: &[T; N], b: T) -> [T; N] {
+pub(crate) fn scaled<T: Float, const N: usize>(a: &[T; N], b: T) -> [T; N] {
     std::array::from_fn(|i| a[i] * b)
 }
 
 #[inline(always)]
-fn add<T: Float, const N: usize>(a: &mut [T; N], b: &[T; N]) {
+pub(crate) fn add<T: Float, const N: usize>(a: &mut [T; N], b: &[T; N]) {
     for i in 0..N {
         a[i] += b[i];
     }

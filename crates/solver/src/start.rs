@@ -13,7 +13,7 @@
 //!
 //! Cost: s² products for each unknown component.
 
-use crate::mix::{lanes_of, product_any};
+use crate::mix::{groups_of, lanes_of, product_any};
 use equip_scalar::{Float, Kernel};
 use equip_tableau::{Gauss, legendre_at};
 use std::ops::Range;
@@ -105,7 +105,7 @@ impl<T: Float> Foretell<'_, T> {
         let (e, rho) = (self.e.as_chunks::<N>().0, self.rho.as_chunks::<N>().0);
         let l = self.l.as_chunks::<N>().0;
         let gradients = self.gradients.as_chunks_mut::<N>().0;
-        let groups = rho.len();
+        let groups = groups_of::<T, N>(s);
         for c in 0..self.wanted {
             let (from, by_position) = if c < m { (c + m, true) } else { (c - m, false) };
             let row = &l[from * groups..(from + 1) * groups];
@@ -147,11 +147,10 @@ impl<T: Float> Sizes<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) {
         let points = self.points.as_chunks::<N>().0;
-        let groups = points.len() / self.hi.len().max(1);
-        let rows = points.chunks_exact(groups.max(1));
-        for ((scale, &hi), row) in self.scale.iter_mut().zip(self.hi).zip(rows) {
+        let groups = groups_of::<T, N>(self.s);
+        for (c, (scale, &hi)) in self.scale.iter_mut().zip(self.hi).enumerate() {
             let mut size = [hi.abs(); N];
-            for points in row {
+            for points in &points[c * groups..(c + 1) * groups] {
                 see(&mut size, points);
             }
             *scale = largest(size);

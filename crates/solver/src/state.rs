@@ -1,6 +1,6 @@
 //! The state y = (q, p) with the part that rounding would lose, and the compensated update.
 
-use crate::mix::lanes_of;
+use crate::mix::{groups_of, lanes_of};
 use equip_scalar::{Float, InstructionSet, Kernel};
 
 /// A state carried to about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
@@ -91,11 +91,12 @@ impl<T: Float> Kernel for Advance<'_, T> {
 impl<T: Float> Advance<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) {
-        let State { hi, lo } = &mut *self.next;
-        let start = self.from.hi.iter().zip(&self.from.lo);
+        let groups = groups_of::<T, N>(self.s);
         let increments = self.increments.as_chunks::<N>().0;
-        let rows = increments.chunks_exact((increments.len() / hi.len().max(1)).max(1));
-        for (((hi, lo), row), (&hi0, &lo0)) in hi.iter_mut().zip(lo).zip(rows).zip(start) {
+        let next = self.next.hi.iter_mut().zip(&mut self.next.lo);
+        let start = self.from.hi.iter().zip(&self.from.lo);
+        for (c, ((hi, lo), (&hi0, &lo0))) in next.zip(start).enumerate() {
+            let row = &increments[c * groups..(c + 1) * groups];
             let (mut sum, mut lost) = (row[0], [T::int(0); N]);
             for x in &row[1..] {
                 for i in 0..N {

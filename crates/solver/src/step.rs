@@ -156,7 +156,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let failure = match self.attempt(y, h, next) {
             Ok(outcome) => {
                 self.accept(next);
-                self.parts.add(y, t, h, &self.stages);
+                self.add_part(y, t, h);
                 return Ok(outcome);
             }
             Err(failure) => failure,
@@ -230,11 +230,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.solve(y, h, false, (Norm::Plain, 0), next)
                 .map_err(|failure| self.error(failure, t, h))?;
         }
+        self.add_part(y, t, h);
         let sizes = match &self.sweeps {
             Some(sweeps) if swept => &sweeps.iterate.scale,
             _ => &self.stages.scale,
         };
-        self.parts.add(y, t, h, &self.stages);
         for constraint in &mut self.constraints {
             self.counts.gradients += 1;
             constraint.evaluate(&mut self.energy, next, sizes);
@@ -338,14 +338,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         match swept {
             Ok(()) => {
                 self.pause = Pause::NONE;
-                sweeps.iterate.give_l(&mut self.stages.l);
-                sweeps.iterate.give_z(y, &mut self.stages.z);
                 self.stages.note_alphas(&sweeps.alphas);
-                self.guess.remember_swept(&self.stages.l, h);
+                self.guess.remember_swept(h);
             }
             Err(trouble) => {
                 self.counts.taken_over += 1;
-                self.guess.is_not_swept();
+                self.guess.fetch(|l| sweeps.iterate.give_l_before(l));
+                self.guess.is_lost();
                 if trouble == Trouble::StagesOnly {
                     // They contracted.
                     self.pause = Pause::NONE;
@@ -361,6 +360,25 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
         }
         swept
+    }
+
+    /// Sees to it that L of the step made last stands in the stages and in the guess: sweeps keep it until somebody asks.
+    pub(crate) fn fetch_l(&mut self) {
+        let Some(sweeps) = &self.sweeps else {
+            return;
+        };
+        if self.guess.is_swept() {
+            self.guess.fetch(|l| sweeps.iterate.give_l(l));
+            self.stages.l.copy_from_slice(self.guess.last().0);
+        }
+    }
+
+    /// A part of the step for those who want its stages.
+    fn add_part(&mut self, y: &State<T>, t: T, h: T) {
+        if self.parts.wanted {
+            self.fetch_l();
+            self.parts.add(y, t, h, &self.stages);
+        }
     }
 
     fn free_alphas(&self) -> usize {

@@ -14,8 +14,10 @@
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated.
 
 use crate::aligned::{Aligned, Places};
-use crate::columns::Columns;
+use crate::columns::{Columns, length_of};
 use crate::mix::{Half, Step, Whole, stride_for};
+use crate::pairs::{HALF, has_pairs};
+use crate::small::ByPairs;
 use crate::start::{Foretell, Prolongation, Sizes, resolve};
 use crate::state::State;
 use equip_autodiff::{Evaluate, Kinetic};
@@ -44,6 +46,10 @@ pub(crate) struct Iterate<T: Float> {
     h: T,
     /// L of the last sweep.
     pub(crate) l: Aligned<T>,
+    /// L of the step before.
+    l_before: Aligned<T>,
+    /// Room for S and D.
+    folded: Aligned<T>,
     /// K L of the last sweep.
     z: Aligned<T>,
     /// Z before the α's moved.
@@ -74,11 +80,14 @@ impl<T: Float> Iterate<T> {
         let set = InstructionSet::best();
         // One column for each place of L, also the padding: all zero there.
         let mut places = Places::default();
-        let mut k = places.zeros(stride * stride);
-        let mut k_start = places.zeros(stride * stride);
-        gauss.skew_columns_into(alphas, stride, &mut k_start);
+        let mut k = places.zeros(length_of::<T>(s));
+        let mut k_start = places.zeros(length_of::<T>(s));
+        let columns = T::as_doubles(&[]).map(|_| Columns::new(gauss));
+        match &columns {
+            Some(columns) => columns.fill(set, alphas, &mut k_start),
+            None => gauss.skew_columns_into(alphas, stride, &mut k_start),
+        }
         k.copy_from_slice(&k_start);
-        let columns = T::as_doubles(&[]).map(|_| Columns::new(gauss, stride));
         let hb = places.zeros(stride);
         let mut rows = || places.zeros(n * stride);
         Iterate {
@@ -94,6 +103,8 @@ impl<T: Float> Iterate<T> {
             hb,
             h: T::int(0),
             l: rows(),
+            l_before: rows(),
+            folded: rows(),
             z: rows(),
             z_before: rows(),
             points: rows(),
@@ -150,10 +161,11 @@ impl<T: Float> Iterate<T> {
         known: Option<&[T]>,
     ) {
         let wanted = self.unknowns();
+        std::mem::swap(&mut self.l, &mut self.l_before);
         self.set.run(&mut Foretell {
             e: &prolongation.e,
             rho: &prolongation.rho,
-            l: &self.l,
+            l: &self.l_before,
             known,
             gradients: &mut self.gradients,
             m: self.n / 2,
@@ -204,9 +216,18 @@ impl<T: Float> Iterate<T> {
 
     /// L stage by stage, in blocks of length n.
     pub(crate) fn give_l(&self, l: &mut [T]) {
-        for (i, l) in l.chunks_exact_mut(self.n).enumerate() {
-            for (c, l) in l.iter_mut().enumerate() {
-                *l = self.l[c * self.stride + i];
+        self.give(&self.l, l);
+    }
+
+    /// The same of the step before, from which this one was begun.
+    pub(crate) fn give_l_before(&self, l: &mut [T]) {
+        self.give(&self.l_before, l);
+    }
+
+    fn give(&self, from: &[T], to: &mut [T]) {
+        for (i, block) in to.chunks_exact_mut(self.n).enumerate() {
+            for (c, x) in block.iter_mut().enumerate() {
+                *x = from[c * self.stride + i];
             }
         }
     }
@@ -231,6 +252,7 @@ impl<T: Float> Iterate<T> {
         let fused = match self.stride {
             4 => self.fuse::<4, E>(energy, y),
             8 => self.fuse::<8, E>(energy, y),
+            16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y),
             _ => None,
         };
         let change = match fused {
@@ -260,17 +282,28 @@ impl<T: Float> Iterate<T> {
             inverse_scale: T::as_doubles(&self.inverse_scale)?,
             gradients: T::as_doubles_mut(&mut self.gradients)?,
             l: T::as_doubles_mut(&mut self.l)?,
+            folded: T::as_doubles_mut(&mut self.folded)?,
             z: T::as_doubles_mut(&mut self.z)?,
             points: T::as_doubles_mut(&mut self.points)?,
             s: self.s,
         };
-        let change = match &self.kinetic {
-            None => energy.fuse_gradients::<N, _>(&mut Whole(step)),
-            Some(kinetic) => energy.fuse_forces::<N, _>(&mut Half {
-                step,
-                inverse_masses: T::as_doubles(kinetic.diagonal()?)?,
-                offset: T::as_doubles(kinetic.offset())?,
-            }),
+        let Some(kinetic) = &self.kinetic else {
+            let change = if has_pairs::<T>(self.s) {
+                energy.fuse_gradients::<HALF, _>(&mut ByPairs(Whole(step)))
+            } else {
+                energy.fuse_gradients::<N, _>(&mut Whole(step))
+            };
+            return change.map(T::exact);
+        };
+        let half = Half {
+            step,
+            inverse_masses: T::as_doubles(kinetic.diagonal()?)?,
+            offset: T::as_doubles(kinetic.offset())?,
+        };
+        let change = if has_pairs::<T>(self.s) {
+            energy.fuse_forces::<HALF, _>(&mut ByPairs(half))
+        } else {
+            energy.fuse_forces::<N, _>(&mut { half })
         };
         change.map(T::exact)
     }
@@ -297,6 +330,7 @@ impl<T: Float> Iterate<T> {
             inverse_scale: &self.inverse_scale,
             gradients: &mut self.gradients,
             l: &mut self.l,
+            folded: &mut self.folded,
             z: &mut self.z,
             points: &mut self.points,
             s: self.s,
