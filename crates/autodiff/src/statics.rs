@@ -123,7 +123,7 @@ macro_rules! fuse {
         match $count {
             $($literal => {
                 let mut joined = Joined::<_, _, $literal, N> { slopes: $slopes, task: $task };
-                Some($set.run(&mut joined))
+                $set.run_wide(&mut joined)
             })*
             _ => None,
         }
@@ -266,7 +266,7 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
             return None;
         }
         let slopes = Gradients(&*self.route.energy);
-        fuse!(self.set, n, slopes, task, [2 4 6 8])
+        fuse!(self.set, n, slopes, task, [2 4])
     }
 
     #[inline]

@@ -74,7 +74,7 @@ pub trait Evaluate<T: Float> {
     );
 
     /// Runs `task` with ∇H in it as one kernel. `None` if that is not done: an energy that is not compiled, or too long, or brings
-    /// its own gradient, has none that could be inlined.
+    /// its own gradient, has none that could be inlined; and each kernel is compiled anew for every energy, so it is done where it pays.
     #[doc(hidden)]
     #[inline(always)]
     fn fuse_gradients<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {

@@ -93,6 +93,17 @@ impl InstructionSet {
         })
     }
 
+    /// Runs the kernel with these instructions, if they are more than those of the plain build: for kernels that are compiled anew for every
+    /// type they are used with, and are not worth it without wide vectors.
+    #[inline(always)]
+    pub fn run_wide<K: Kernel>(self, kernel: &mut K) -> Option<K::Output> {
+        match self.0 {
+            Level::Portable => None,
+            #[cfg(target_arch = "x86_64")]
+            level => Some(x86_64::run_wide(level, kernel)),
+        }
+    }
+
     /// Runs the kernel with these instructions.
     #[inline(always)]
     pub fn run<K: Kernel>(self, kernel: &mut K) -> K::Output {
@@ -125,6 +136,15 @@ mod x86_64 {
     pub(super) fn run<K: Kernel>(level: Level, kernel: &mut K) -> K::Output {
         match level {
             Level::Portable => kernel.run(),
+            level => run_wide(level, kernel),
+        }
+    }
+
+    /// The level is not that of the plain build.
+    #[inline(always)]
+    pub(super) fn run_wide<K: Kernel>(level: Level, kernel: &mut K) -> K::Output {
+        match level {
+            Level::Portable => unreachable!("the plain build has no wide vectors"),
             // SAFETY: the level is private and made in `InstructionSet::avx2` only, after the processor was asked.
             Level::Avx2 => unsafe { avx2(kernel) },
             // SAFETY: the same, in `InstructionSet::avx512`.
