@@ -15,6 +15,9 @@ use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
 
+/// Most unknowns s·2m for which a run by sweeps alone calls on Newton's method to repair what a close encounter has left.
+const MOST_UNKNOWNS: usize = 128;
+
 /// Everything a step works with; no allocation after it is made.
 #[derive(Debug)]
 pub(crate) struct Core<T: Float, E> {
@@ -256,10 +259,18 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// two, … Returns whether one was found.
     fn with_fewer_alphas(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> bool {
         let most = self.free_alphas().saturating_sub(self.constraints.len());
-        (1..=most).any(|left_out| {
-            let solved = self.solve(y, h, true, (Norm::Resolved, left_out), next);
-            solved.is_ok()
-        })
+        self.can_repair()
+            && (1..=most).any(|left_out| {
+                let solved = self.solve(y, h, true, (Norm::Resolved, left_out), next);
+                solved.is_ok()
+            })
+    }
+
+    /// Whether a defect that earlier steps have left can be repaired by fewer α's: that takes Newton's method, also where sweeps alone are asked for, as long as
+    /// it is cheap.
+    pub(crate) fn can_repair(&self) -> bool {
+        let unknowns = self.stages.count() * self.stages.n;
+        self.settings.stage_solver != StageSolver::Sweeps || unknowns <= MOST_UNKNOWNS
     }
 
     /// Whether a defect with α = 0 is beyond the step's own floor, and so round-off of an earlier step only.
