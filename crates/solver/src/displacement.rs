@@ -93,6 +93,11 @@ impl<T: Float> Displacements<T> {
         };
     }
 
+    /// Whether the step resolves the motion, ρ_max ≤ 16.
+    pub(crate) fn are_resolved(&self) -> bool {
+        self.trust >= T::ratio(1, 2)
+    }
+
     /// Whether the local error is worth estimating.
     pub(crate) fn trusts_error(&self) -> bool {
         self.trust > T::ratio(1, 1000)
