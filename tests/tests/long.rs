@@ -224,8 +224,8 @@ fn outer_solar_system_a_million_days() {
 }
 
 #[test]
-#[ignore = "long, hours: run with cargo test -p equip-tests --release --test long -- --ignored"]
+#[ignore = "long: run with cargo test -p equip-tests --release --test long -- --ignored"]
 fn outer_solar_system_a_hundred_million_days() {
-    outer_solar_system(Gauss::stages(6), 100.0, 1e8).walks_at_random();
-    outer_solar_system(Equip::stages(6), 100.0, 1e8).keeps_both();
+    outer_solar_system(Gauss::stages(8), 200.0, 1e8).walks_at_random();
+    outer_solar_system(Equip::stages(8), 200.0, 1e8).keeps_both();
 }

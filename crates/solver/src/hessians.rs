@@ -116,13 +116,22 @@ impl<T: Float> StageHessians<T> {
     /// when the step is made backwards.
     pub(crate) fn resolution(&self, n: usize, weights: &mut [T]) {
         for (j, weight) in weights.iter_mut().enumerate() {
-            let (row, _) = turned::<T>(j, n);
-            let rho = self.pattern.row(row).fold(T::int(0), |sum, (position, k)| {
-                let (partner, _) = turned::<T>(k, n);
-                sum + (self.mean[position] * self.mean_entry(partner, j)).abs()
-            });
-            *weight = T::int(1) / (T::int(1) + rho);
+            *weight = T::int(1) / (T::int(1) + self.rho(j, n));
         }
+    }
+
+    /// Whether some ρ_j of the stages taken last exceeds `limit`.
+    pub(crate) fn any_rho_exceeds(&self, limit: T) -> bool {
+        let n = self.pattern.dimension();
+        (0..n).any(|j| self.rho(j, n) > limit)
+    }
+
+    fn rho(&self, j: usize, n: usize) -> T {
+        let (row, _) = turned::<T>(j, n);
+        self.pattern.row(row).fold(T::int(0), |sum, (position, k)| {
+            let (partner, _) = turned::<T>(k, n);
+            sum + (self.mean[position] * self.mean_entry(partner, j)).abs()
+        })
     }
 
     fn mean_entry(&self, row: usize, column: usize) -> T {

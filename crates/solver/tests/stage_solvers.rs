@@ -148,6 +148,45 @@ fn a_kept_factorisation_serves_for_many_steps() {
     assert_eq!(simplified.simplified_factorisations, 3);
 }
 
+/// 40 unknowns a stage, 6 stages: full Newton factorises one matrix of size 240, simplified Newton three complex ones of size 40, the
+/// work of (2/3) 240³ against 3 · (8/3) 40³ operations: 18 to 1. Both factorise in every iteration here; seconds are those of whole
+/// runs, with Hessians (6 to 1), gradients and solves. Measured: see docs/extremes.md.
+#[test]
+#[ignore = "timing: run with cargo test -p equip-solver --release --test stage_solvers -- --ignored --nocapture"]
+fn a_factorisation_of_simplified_newton_is_an_order_cheaper() {
+    let scene = instance("dnls", &[("n", "20")]);
+    let (q, p) = scene.initial::<f64>();
+    let each = |solver| {
+        let options = Gauss::stages(6).step(0.1).stage_solver(solver);
+        let mut stepper = options
+            .pure_newton(true)
+            .start(scene.hamiltonian(), &q, &p, 0.0)
+            .unwrap();
+        let begun = std::time::Instant::now();
+        for _ in 0..100 {
+            stepper.advance().unwrap();
+        }
+        let counts = *stepper.counts();
+        let factored = counts.factorisations + counts.refreshes;
+        let seconds = begun.elapsed().as_secs_f64() / factored as f64;
+        println!("{solver:?}: {:.1} µs for each of {factored}, {counts:?}", 1e6 * seconds);
+        seconds
+    };
+    // In turns, the fastest of five of each.
+    let mut fastest = [f64::INFINITY; 2];
+    for _ in 0..5 {
+        for (solver, best) in [StageSolver::FullNewton, StageSolver::SimplifiedNewton]
+            .into_iter()
+            .zip(&mut fastest)
+        {
+            *best = best.min(each(solver));
+        }
+    }
+    let ratio = fastest[0] / fastest[1];
+    println!("ratio {ratio:.1}");
+    assert!(ratio > 5.0, "{ratio}");
+}
+
 #[test]
 fn small_systems_are_solved_in_full_and_large_ones_simplified() {
     for (n, s, simplified) in [("4", 3, false), ("4", 4, false), ("8", 4, true)] {
