@@ -17,10 +17,10 @@ use crate::stages::Stages;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 
-/// Above this last Legendre coefficient, relative to the state, the fast motion swings.
-const SWINGS: (i64, i64) = (1, 8);
-/// Below this one it is at rest.
-const AT_REST: (i64, i64) = (1, 32);
+/// Last Legendre coefficient, and the one before it, of stage derivatives relative to the state: above one of these the fast motion swings, …
+const SWINGS: [(i64, i64); 2] = [(1, 2), (1, 1)];
+/// … below both of these it is at rest.
+const AT_REST: [(i64, i64); 2] = [(1, 32), (1, 4)];
 /// Slow motion may be disturbed by a² over this.
 const DISTURBED: i64 = 1000;
 
@@ -156,15 +156,21 @@ impl<T: Float> Newton<T> {
         if !self.is_unresolved() {
             return true;
         }
-        let a = stages.last_coefficient(self.directions.sizes());
+        let [a, before] = self.last_coefficients(stages);
+        let [most, most_before] = SWINGS.map(|(n, d)| T::ratio(n, d));
         let moved = self.directions.slow_displacement(&stages.alphas[first - 1..]);
-        a > T::ratio(SWINGS.0, SWINGS.1) || moved <= T::ratio(1, DISTURBED) * a * a
+        a > most || before > most_before || moved <= T::ratio(1, DISTURBED) * a * a
+    }
+
+    fn last_coefficients(&self, stages: &Stages<T>) -> [T; 2] {
+        [1, 2].map(|from_last| stages.coefficient(from_last, self.directions.sizes()))
     }
 
     /// Whether there is fast motion that the step does not resolve, but which hardly swings.
     pub(crate) fn fast_motion_is_at_rest(&self, stages: &Stages<T>) -> bool {
-        let rest = T::ratio(AT_REST.0, AT_REST.1);
-        self.is_unresolved() && stages.last_coefficient(self.directions.sizes()) <= rest
+        let [most, most_before] = AT_REST.map(|(n, d)| T::ratio(n, d));
+        let [a, before] = self.last_coefficients(stages);
+        self.is_unresolved() && a <= most && before <= most_before
     }
 
     /// Whether the step did not resolve all motion, and how much of it is slow is known.

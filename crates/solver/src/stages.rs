@@ -236,11 +236,11 @@ impl<T: Float> Stages<T> {
         }
     }
 
-    /// The last Legendre coefficient of the stage derivatives, Σ_i P_{s−1}(c_i) L_i, relative to `sizes`: small where the motion over the step
-    /// is smooth, whatever oscillations it might have.
-    pub(crate) fn last_coefficient(&self, sizes: &[T]) -> T {
+    /// The `from_last`-th last Legendre coefficient of the stage derivatives, Σ_i P_k(c_i) L_i, k = s − `from_last`, relative to `sizes`: small
+    /// where the motion over the step is smooth, whatever oscillations it might have.
+    pub(crate) fn coefficient(&self, from_last: usize, sizes: &[T]) -> T {
         let (s, n) = (self.count(), self.n);
-        let p = self.gauss.legendre(s - 1);
+        let p = self.gauss.legendre(s - from_last);
         let component = |j: usize| {
             let terms = p.iter().zip(self.l[j..].iter().step_by(n));
             terms.fold(T::int(0), |sum, (&p, &l)| sum + p * l) / sizes[j]
