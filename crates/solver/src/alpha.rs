@@ -162,9 +162,9 @@ impl<T: Float> Directions<T> {
         free.len() > 1 && !plain && self.displacements.trusts_error()
     }
 
-    /// Whether there is motion that the step does not resolve.
-    pub(crate) fn are_of_unresolved_motion(&self) -> bool {
-        self.displacements.is_unresolved()
+    /// Whether there is motion that the step does not resolve, and would not if it were halved so often.
+    pub(crate) fn are_of_unresolved_motion(&self, halvings: u32) -> bool {
+        self.displacements.is_unresolved(halvings)
     }
 
     /// How far the α's move slow motion, relative to the state.
@@ -172,6 +172,7 @@ impl<T: Float> Directions<T> {
         self.displacements.slow(alphas)
     }
 
+    /// max_i |Y_ij|.
     pub(crate) fn sizes(&self) -> &[T] {
         &self.sizes
     }

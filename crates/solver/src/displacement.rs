@@ -42,7 +42,8 @@ pub(crate) struct Displacements<T: Float> {
     slow_rows: Vec<T>,
     units: Vec<T>,
     slow_only: bool,
-    unresolved: bool,
+    /// ρ_max.
+    rho: T,
     count: usize,
     /// ‖u_k‖.
     norms: Vec<T>,
@@ -66,7 +67,7 @@ impl<T: Float> Displacements<T> {
             slow_rows: zeros((s - 1) * 2 * n),
             units: zeros(n),
             slow_only: false,
-            unresolved: false,
+            rho: T::int(0),
             count: 0,
             norms: zeros(s - 1),
             slopes: zeros((s - 1) * constraints),
@@ -101,7 +102,7 @@ impl<T: Float> Displacements<T> {
         let excess = (one / least - one) / T::int(TRUSTED);
         let fourth = excess * excess * excess * excess;
         self.trust = one / (one + fourth);
-        self.unresolved = one / least - one > T::int(TRUSTED);
+        self.rho = one / least - one;
         self.ridge = if plain {
             one
         } else {
@@ -115,9 +116,10 @@ impl<T: Float> Displacements<T> {
         self.trust = T::int(0);
     }
 
-    /// Whether there is motion that the step does not resolve.
-    pub(crate) fn is_unresolved(&self) -> bool {
-        self.unresolved
+    /// Whether there is motion that the step does not resolve, and would not if it were halved so often.
+    pub(crate) fn is_unresolved(&self, halvings: u32) -> bool {
+        let quarter = T::ratio(1, 4);
+        (0..halvings).fold(self.rho, |rho, _| rho * quarter) > T::int(TRUSTED)
     }
 
     /// Whether the local error is worth estimating.

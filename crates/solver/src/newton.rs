@@ -59,6 +59,8 @@ pub(crate) enum Failure<T> {
     NoAlpha,
     /// The α's would keep the energy at the cost of slow motion: what is wrong with it is motion that the step does not resolve.
     Unresolved,
+    /// The stage equations have a solution that has nothing to do with the motion.
+    Astray { defect: T, scale: T },
 }
 
 /// What is fixed while a step is solved.

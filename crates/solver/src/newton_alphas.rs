@@ -32,14 +32,14 @@ const MAX_PASSES: u32 = 4;
 pub(crate) struct Passes<T> {
     left: u32,
     /// How far the last one has moved the stages.
-    last: T,
+    last: Option<T>,
 }
 
 impl<T: Float> Passes<T> {
     pub(crate) fn new(wanted: bool) -> Self {
         Passes {
             left: if wanted { MAX_PASSES } else { 0 },
-            last: T::int(1),
+            last: None,
         }
     }
 
@@ -47,15 +47,19 @@ impl<T: Float> Passes<T> {
         self.left > 0
     }
 
-    /// One has moved the stages by `size`; what another would move is below rounding if the last two say so.
+    /// One has moved the stages by `size`; another is of use if what it would move is above rounding. The first moves about the square of what the
+    /// α's have moved, each further one that much less again.
     pub(crate) fn made(&mut self, size: T) {
-        let rest = size * (size / self.last);
-        self.left = if rest <= T::EPSILON {
+        let factor = match self.last {
+            Some(last) => size / last,
+            None => size.sqrt(),
+        };
+        self.left = if size * factor <= T::EPSILON {
             0
         } else {
             self.left - 1
         };
-        self.last = size;
+        self.last = Some(size);
     }
 }
 
@@ -128,7 +132,7 @@ impl<T: Float> Newton<T> {
         at.counts.alpha_solves += 2 * free.len() as u64;
         let (linearised, wanted) = (&mut self.linearised, task.norm);
         let mut of_use = (self.directions).begin(at.stages, linearised, &free, wanted);
-        let unresolved = self.directions.are_of_unresolved_motion();
+        let unresolved = self.directions.are_of_unresolved_motion(0);
         let mut slow = self.slow.as_mut().filter(|_| unresolved);
         if let Some(filters) = &mut slow {
             let (ends, sizes) = ((&*task.y.hi, &*at.next.hi), self.directions.sizes());
@@ -176,7 +180,12 @@ impl<T: Float> Newton<T> {
     /// Whether the step did not resolve all motion, and how much of it is slow is known.
     fn is_unresolved(&self) -> bool {
         let choice = self.directions.are_a_choice();
-        self.slow.is_some() && choice && self.directions.are_of_unresolved_motion()
+        self.slow.is_some() && choice && self.directions.are_of_unresolved_motion(0)
+    }
+
+    /// Whether that step would not resolve all motion if it were halved so often.
+    pub(crate) fn stays_unresolved(&self, halvings: u32) -> bool {
+        self.directions.are_of_unresolved_motion(halvings)
     }
 
     /// Whether Newton's last step did not resolve all motion: nothing can be prolonged from it.

@@ -146,9 +146,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if failure == Failure::NoAlpha && nearly_met(&self.constraints) {
             return self.without_alpha(y, t, h, next);
         }
-        let halves = level < self.settings.max_halvings;
-        // Halving does not resolve what is far from being resolved, unless the step has gone astray.
-        if failure == Failure::Unresolved {
+        let left = self.settings.max_halvings - level;
+        let halves = left > 0;
+        // Unless the step has gone astray, halving is of no use that does not resolve the motion either.
+        if failure == Failure::Unresolved && self.newton.stays_unresolved(left) {
             let carried = self.without_alpha(y, t, h, next);
             if !(halves && matches!(carried, Err(IntegrateError::Astray { .. }))) {
                 return carried;
@@ -217,8 +218,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             energy.evaluate_start(&mut self.energy, y);
             let (defect, scale) = (energy.defect, energy.start_scale(y));
             if !(defect.abs() <= scale) {
-                let (time, step) = (t, h);
-                return Err(IntegrateError::Astray { time, step, defect, scale });
+                let failure = Failure::Astray { defect, scale };
+                return Err(self.error(failure, y, t, h));
             }
         }
         self.constraints.iter_mut().for_each(Constraint::accept);
@@ -383,7 +384,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let halvings = self.settings.max_halvings;
         let unsolved = matches!(
             failure,
-            Failure::NotFinite | Failure::NoConvergence { .. }
+            Failure::NotFinite | Failure::NoConvergence { .. } | Failure::Astray { .. }
         );
         if unsolved && let Some(size) = escapes(&mut self.energy, &y.hi, step) {
             return IntegrateError::Escape { time, step, size };
@@ -398,6 +399,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 time,
                 step,
                 halvings,
+            },
+            Failure::Astray { defect, scale } => IntegrateError::Astray {
+                time,
+                step,
+                defect,
+                scale,
             },
             Failure::NoConvergence {
                 iterations,

@@ -5,8 +5,10 @@
 use super::case::{Case, Judged, Reference, Trajectory, scene};
 
 const THEME: &str = "stiff";
-const CARTESIAN: &str = "Cartesian coordinates, oscillations not resolved: the energy defect is the fast motion's own \
-    error, and removing it moves the slow one";
+const AT_REST: &str = "the fast motion is at rest and not resolved: the α's that remove its energy defect would disturb the \
+    slow motion";
+const SINGLE: &str = "one start; the mean over the rows of this scene is 1.0";
+const STARTS_TO_SWING: &str = "few steps: the fast motion starts to swing, from then on it is corrected";
 const CANCELLING: &str = "hω = 2.2: every step is nearer to the exact flow than that of Gauss, whose errors cancel over \
     the fast period";
 /// Largest hω at which an oscillation counts as resolved.
