@@ -26,7 +26,7 @@ use crate::displacement::dot;
 use crate::error::IntegrateError;
 use crate::linearised::{Linearised, Verdict};
 use crate::local_error::LocalError;
-use crate::newton_alphas::Passes;
+use crate::newton_alphas::{EACH_PASS, MAX_PASSES, Passes};
 use crate::options::StageSolver;
 use crate::outcome::Counts;
 use crate::slow::{LARGEST, Slow};
@@ -55,12 +55,18 @@ const MAX_SHORTENED: u32 = 3;
 pub(crate) enum Failure<T> {
     NotFinite,
     Singular,
-    NoConvergence { iterations: u32, correction: T },
+    NoConvergence {
+        iterations: u32,
+        correction: T,
+    },
     NoAlpha,
     /// The α's would keep the energy at the cost of slow motion: what is wrong with it is motion that the step does not resolve.
     Unresolved,
     /// The stage equations have a solution that has nothing to do with the motion.
-    Astray { defect: T, scale: T },
+    Astray {
+        defect: T,
+        scale: T,
+    },
 }
 
 /// What is fixed while a step is solved.
@@ -130,7 +136,7 @@ impl<T: Float> Newton<T> {
             correction: DVector::zeros(s * n),
             column: DVector::zeros(s * n),
             moved_end: vec![T::int(0); n],
-            history: Vec::with_capacity(limit as usize),
+            history: Vec::with_capacity((limit + MAX_PASSES * EACH_PASS) as usize),
         }
     }
 
@@ -179,7 +185,8 @@ impl<T: Float> Newton<T> {
         // simplified Newton is to blame.
         let moved = self.directions.are_known() && !self.linearised.may_be_taken_over();
         // Smaller steps would not resolve it either, and other α's would disturb it more.
-        let at_rest = moved && task.norm == Norm::Slow && self.fast_motion_is_at_rest(solution.stages);
+        let at_rest =
+            moved && task.norm == Norm::Slow && self.fast_motion_is_at_rest(solution.stages);
         solved.map_err(|failure| match failure {
             Failure::Unresolved => failure,
             _ if at_rest => Failure::Unresolved,
@@ -200,7 +207,9 @@ impl<T: Float> Newton<T> {
         let mut passes = Passes::new(task.repeat);
         finite(at.evaluate(task))?;
         let limit = self.linearised.iteration_limit(task.max_iterations);
-        for _ in 0..limit {
+        let mut left = limit;
+        while left > 0 {
+            left -= 1;
             at.counts.newton_iterations += 1;
             if last > reuse || task.pure {
                 at.stages.measure(task.y, last > near);
@@ -250,6 +259,7 @@ impl<T: Float> Newton<T> {
                     self.take_again(at, task)?;
                     last = self.correction.amax();
                     passes.made(last);
+                    left += EACH_PASS;
                     last_out = T::INFINITY;
                     at.stages.add(T::int(1), self.correction.as_slice());
                     finite(at.evaluate(task))?;

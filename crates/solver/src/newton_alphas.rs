@@ -6,7 +6,7 @@
 //!
 //! *Repeated.* Where the number type has the digits for more, the directions are taken again at the stages that the α's have led to, whose Hessians,
 //! displacements and local error are those of the step backwards to the last digit: the α's wanted are a fixed point of
-//! this, α = α⁰(α) + D(α) t. Each pass leaves the square of what the last has moved.
+//! this, α = α⁰(α) + D(α) t. Measured on Kepler's problem, e = 0.6, s = 6: each pass moves the stages by 1/150 of what the last has.
 //!
 //! Cost of a pass: a factorisation, two solves per free α, a local error, and two or three iterations.
 
@@ -25,7 +25,9 @@ const AT_REST: [(i64, i64); 2] = [(1, 32), (1, 4)];
 const DISTURBED: i64 = 1000;
 
 /// Passes made at most.
-const MAX_PASSES: u32 = 4;
+pub(crate) const MAX_PASSES: u32 = 8;
+/// Iterations allowed for each.
+pub(crate) const EACH_PASS: u32 = 8;
 
 /// Passes over the directions of the α's in one step.
 #[derive(Debug, Clone, Copy)]
@@ -47,8 +49,7 @@ impl<T: Float> Passes<T> {
         self.left > 0
     }
 
-    /// One has moved the stages by `size`; another is of use if what it would move is above rounding. The first moves about the square of what the
-    /// α's have moved, each further one that much less again.
+    /// One has moved the stages by `size`; another is of use if what it would move is above rounding.
     pub(crate) fn made(&mut self, size: T) {
         let factor = match self.last {
             Some(last) => size / last,
@@ -113,8 +114,9 @@ impl<T: Float> Newton<T> {
         task: &StepTask<'_, T>,
     ) -> Result<(), Failure<T>> {
         self.linearised.columns_to(T::int(64) * T::EPSILON);
-        let taken = (self.linearised).prepare_columns(at.stages, at.energy, (task.h, true), at.counts)
-            && self.take_directions(at, task, true);
+        let taken =
+            (self.linearised).prepare_columns(at.stages, at.energy, (task.h, true), at.counts)
+                && self.take_directions(at, task, true);
         match taken.then(|| self.step_along(at, task)) {
             Some(Moved::Fully | Moved::NotYet) => Ok(()),
             _ => Err(Failure::NoAlpha),
@@ -149,7 +151,14 @@ impl<T: Float> Newton<T> {
         let error = local.and_then(|local| {
             local.estimate(at.stages, &self.moved_end, at.energy, step, at.counts)
         });
-        (self.directions).take(at.stages, linearised, (free, again), at.constraints, error, slow)
+        (self.directions).take(
+            at.stages,
+            linearised,
+            (free, again),
+            at.constraints,
+            error,
+            slow,
+        )
     }
 
     /// Whether the α's leave in peace the slow motion of a step that does not resolve the fast one.
@@ -162,7 +171,9 @@ impl<T: Float> Newton<T> {
         }
         let [a, before] = self.last_coefficients(stages);
         let [most, most_before] = SWINGS.map(|(n, d)| T::ratio(n, d));
-        let moved = self.directions.slow_displacement(&stages.alphas[first - 1..]);
+        let moved = self
+            .directions
+            .slow_displacement(&stages.alphas[first - 1..]);
         a > most || before > most_before || moved <= T::ratio(1, DISTURBED) * a * a
     }
 

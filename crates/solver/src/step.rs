@@ -142,17 +142,18 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
             Err(failure) => failure,
         };
-        // A defect of a few floors that no α removes is round-off.
-        if failure == Failure::NoAlpha && nearly_met(&self.constraints) {
-            return self.without_alpha(y, t, h, next);
-        }
         let left = self.settings.max_halvings - level;
         let halves = left > 0;
-        // Unless the step has gone astray, halving is of no use that does not resolve the motion either.
-        if failure == Failure::Unresolved && self.newton.stays_unresolved(left) {
-            let carried = self.without_alpha(y, t, h, next);
-            if !(halves && matches!(carried, Err(IntegrateError::Astray { .. }))) {
-                return carried;
+        // A defect of a few floors that no α removes is round-off, and halving is of no use that does not resolve the motion either.
+        let as_it_is = match failure {
+            Failure::NoAlpha => nearly_met(&self.constraints),
+            Failure::Unresolved => self.newton.stays_unresolved(left),
+            _ => false,
+        };
+        if as_it_is {
+            let made = self.without_alpha(y, t, h, next);
+            if !(halves && matches!(made, Err(IntegrateError::Astray { .. }))) {
+                return made;
             }
         }
         if halves {
@@ -374,13 +375,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    fn error(
-        &mut self,
-        failure: Failure<T>,
-        y: &State<T>,
-        time: T,
-        step: T,
-    ) -> IntegrateError<T> {
+    fn error(&mut self, failure: Failure<T>, y: &State<T>, time: T, step: T) -> IntegrateError<T> {
         let halvings = self.settings.max_halvings;
         let unsolved = matches!(
             failure,

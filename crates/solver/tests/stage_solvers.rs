@@ -169,7 +169,10 @@ fn a_factorisation_of_simplified_newton_is_an_order_cheaper() {
         let counts = *stepper.counts();
         let factored = counts.factorisations + counts.refreshes;
         let seconds = begun.elapsed().as_secs_f64() / factored as f64;
-        println!("{solver:?}: {:.1} µs for each of {factored}, {counts:?}", 1e6 * seconds);
+        println!(
+            "{solver:?}: {:.1} µs for each of {factored}, {counts:?}",
+            1e6 * seconds
+        );
         seconds
     };
     // In turns, the fastest of five of each.
