@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_solver::{Equip, Gauss, Method, Outcome};
+use equip_solver::{Alphas, Equip, Gauss, Method, Outcome};
 
 type State = (Vec<f64>, Vec<f64>);
 
@@ -109,4 +109,32 @@ fn round_off_of_a_close_pass_is_not_carried() {
     }
     assert_eq!(run.counts().outcome(Outcome::Carried), 0);
     assert!(worst <= 8.0, "{worst} floors");
+}
+
+/// Why steps are carried where a stiff spring is at rest: what keeps the energy there disturbs the slow motion. Pendulum on a spring, k = 1e6,
+/// hω = 50; errors are those of the angle.
+#[test]
+fn slow_motion_beside_a_stiff_spring_at_rest_is_left_in_peace() {
+    let scene = equip_scenes::find("spring-pendulum").unwrap();
+    let scene = scene.instance(&[("k", "1e6")]).unwrap();
+    let energy = scene.hamiltonian();
+    let start = scene.initial::<f64>();
+    let (h, steps) = (0.05, 100);
+    let angles = |states: Vec<f64>| -> Vec<f64> {
+        let states = states.chunks_exact(4);
+        states.map(|y| y[1].atan2(y[0])).collect()
+    };
+    let exact = angles(run(Gauss::stages(8), h / 50.0, (steps, 50), energy, &start));
+    let error = |method| {
+        let found = angles(run(method, h, (steps, 1), energy, &start));
+        let errors = found.iter().zip(&exact).map(|(a, b)| (a - b).abs());
+        errors.fold(0.0, f64::max)
+    };
+    let gauss = error(Gauss::stages(3));
+    let equip = error(Equip::stages(3));
+    // With one α there is no choice, and the energy is kept whatever it costs.
+    let kept = error(Equip::stages(3).alphas(Alphas::Last));
+    println!("Gauss {gauss:.1e}, EQUIP {equip:.1e}, the last α alone {kept:.1e}");
+    assert!(equip <= 2.0 * gauss);
+    assert!(kept >= 10.0 * gauss);
 }

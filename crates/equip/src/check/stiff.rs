@@ -28,6 +28,7 @@ const SPRING: &[Known] = &[
 const DOUBLE: &[Known] = &[
     ("=32", 4, 0.03125, 2.06, CANCELLING),
     ("=32", 6, 0.03125, 3.59, CANCELLING),
+    ("=32", 6, 0.125, 2.27, STARTS_TO_SWING),
 ];
 /// Largest hω at which an oscillation counts as resolved.
 const RESOLVED: f64 = 3.0;
