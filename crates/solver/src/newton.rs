@@ -11,7 +11,7 @@
 //!
 //! *Start.* At Z = 0 all T_k L vanish and the border is singular, so the stages are solved with α = 0 first, with damping
 //! while they are far. The α's move only when the predicted |g| stands out of the error that the stages still have.
-//! *End.* Both residuals are driven to round-off: until corrections are at 4 ε or, below √ε, stop shrinking
+//! *End.* Both residuals are driven to round-off: until corrections are at ε/64 or, below √ε, stop shrinking
 //! (there Newton contracts, so what does not shrink is rounding; in stiff springs it is 1e-11 of the state), and |g| is at its floor or
 //! stops shrinking near it.
 //!

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_solver::{Alphas, Equip, Gauss, Method, Outcome};
+use equip_solver::{Equip, Gauss, Method, Outcome};
 
 type State = (Vec<f64>, Vec<f64>);
 
@@ -111,8 +111,8 @@ fn round_off_of_a_close_pass_is_not_carried() {
     assert!(worst <= 8.0, "{worst} floors");
 }
 
-/// Why steps are carried where a stiff spring is at rest: what keeps the energy there disturbs the slow motion. Pendulum on a spring, k = 1e6,
-/// hω = 50; errors are those of the angle.
+/// Pendulum on a spring, k = 1e6, hω = 50: the spring is at rest, what would keep the energy disturbs the slow motion, and is refused. Errors are those
+/// of the angle; with the energy kept on all steps it was 220 to 7400 times as far off as Gauss (docs/adr/0003).
 #[test]
 fn slow_motion_beside_a_stiff_spring_at_rest_is_left_in_peace() {
     let scene = equip_scenes::find("spring-pendulum").unwrap();
@@ -132,9 +132,16 @@ fn slow_motion_beside_a_stiff_spring_at_rest_is_left_in_peace() {
     };
     let gauss = error(Gauss::stages(3));
     let equip = error(Equip::stages(3));
-    // With one α there is no choice, and the energy is kept whatever it costs.
-    let kept = error(Equip::stages(3).alphas(Alphas::Last));
-    println!("Gauss {gauss:.1e}, EQUIP {equip:.1e}, the last α alone {kept:.1e}");
+    println!("Gauss {gauss:.1e}, EQUIP {equip:.1e}");
+    // Measured 3.9e-10 and 3.5e-10.
     assert!(equip <= 2.0 * gauss);
-    assert!(kept >= 10.0 * gauss);
+    let mut stepper = Equip::stages(3)
+        .step(h)
+        .start(energy, &start.0, &start.1, 0.0)
+        .unwrap();
+    for _ in 0..steps {
+        stepper.advance().unwrap();
+    }
+    // Measured: 99 carried.
+    assert!(stepper.counts().outcome(Outcome::Carried) > 90);
 }
