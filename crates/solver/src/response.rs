@@ -126,7 +126,7 @@ impl<T: Float> Response<T> {
         let tolerance = (T::EPSILON / defect).clamp(self.linear.accuracy(), T::ratio(1, 100));
         self.displacements
             .begin(&self.sizes, &self.resolution, false);
-        if !self.displacements.are_resolved() || !self.solve_forward(iterate, tolerance) {
+        if self.displacements.is_unresolved(0) || !self.solve_forward(iterate, tolerance) {
             return false;
         }
         counts.alpha_solves += 2 * self.free as u64;
@@ -160,6 +160,7 @@ impl<T: Float> Response<T> {
             let slope = (dot(&constraint.gradient, u) - dot(&constraint.start_gradient, back))
                 / constraint.scale;
             self.displacements.push(u, back, std::iter::once(slope));
+            self.displacements.count_one();
         }
         if !self.displacements.factor() {
             return false;
@@ -167,7 +168,7 @@ impl<T: Float> Response<T> {
         self.base.fill(T::int(0));
         self.d.fill(T::int(0));
         if aims {
-            self.displacements.aim(&self.error, &self.error_start);
+            self.displacements.aim(&self.error, &self.error_start, &[]);
             self.displacements.base(&mut self.base[..self.free]);
         }
         self.displacements.direction(0, &mut self.d[..self.free]);
