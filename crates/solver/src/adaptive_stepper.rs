@@ -253,8 +253,10 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             }
         }
         self.inner.accept(place.time, place.h, outcome);
-        for constraint in &mut self.inner.core.constraints {
-            constraint.inherited /= T::int(FADING);
+        if self.inner.core.can_repair() {
+            for constraint in &mut self.inner.core.constraints {
+                constraint.inherited /= T::int(FADING);
+            }
         }
     }
 

@@ -15,6 +15,7 @@ use crate::constraint::{Constraint, worst};
 use crate::displacement::{Displacements, dot};
 use crate::linear::DenseLu;
 use crate::linearised::Linearised;
+use crate::slow::Slow;
 use crate::stages::Stages;
 use equip_scalar::Float;
 use nalgebra::DVector;
@@ -29,9 +30,11 @@ const SLOW: i64 = 32;
 /// Which displacements count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Norm {
+    /// Where the step does not resolve all motion, the slow part alone ([`crate::slow`]); else as `Resolved`.
+    Slow,
     /// Resolved motion in full, unresolved motion with 1/(1 + (hω)²), and the local error is aimed at.
     Resolved,
-    /// All components alike, least displacement: the second try where the first needs too large an α.
+    /// All components alike, least displacement: the last try, where the others need too large an α.
     Plain,
 }
 
@@ -54,7 +57,9 @@ pub(crate) struct Directions<T: Float> {
     /// d of each constraint: d_1 … d_{s−1}, zero where the α is not free.
     d: Vec<Vec<T>>,
     known: bool,
-    /// α⁰, and whether the α's have still to move there.
+    /// Whether there was more than one α to take them from.
+    choice: bool,
+    /// α⁰, or what α⁰ has still to change, and whether the α's have still to move there.
     base: Vec<T>,
     base_due: bool,
     displacements: Displacements<T>,
@@ -86,6 +91,7 @@ impl<T: Float> Directions<T> {
         Directions {
             d: vec![zeros(s - 1); constraints],
             known: false,
+            choice: false,
             base: zeros(s - 1),
             base_due: false,
             displacements: Displacements::new(s, n, constraints),
@@ -108,6 +114,11 @@ impl<T: Float> Directions<T> {
     /// Whether they have been taken in this step.
     pub(crate) fn are_known(&self) -> bool {
         self.known
+    }
+
+    /// Whether they were taken from more than one α.
+    pub(crate) fn are_a_choice(&self) -> bool {
+        self.known && self.choice
     }
 
     /// Before a move: whether the last one did what its columns promised.
@@ -142,6 +153,7 @@ impl<T: Float> Directions<T> {
         self.base.fill(T::int(0));
         self.base_due = false;
         self.known = true;
+        self.choice = free.len() > 1;
         self.columns_known = false;
         linearised.resolution(&mut self.resolution);
         stages.sizes(&mut self.sizes);
@@ -150,17 +162,39 @@ impl<T: Float> Directions<T> {
         free.len() > 1 && !plain && self.displacements.trusts_error()
     }
 
+    /// Whether there is motion that the step does not resolve, and would not if it were halved so often.
+    pub(crate) fn are_of_unresolved_motion(&self, halvings: u32) -> bool {
+        self.displacements.is_unresolved(halvings)
+    }
+
+    /// How far the α's move slow motion, relative to the state.
+    pub(crate) fn slow_displacement(&self, alphas: &[T]) -> T {
+        self.displacements.slow(alphas)
+    }
+
+    /// max_i |Y_ij|.
+    pub(crate) fn sizes(&self) -> &[T] {
+        &self.sizes
+    }
+
+    /// Only slow displacements are to count.
+    pub(crate) fn count_slow_motion(&mut self) {
+        self.displacements.count_slow_motion();
+    }
+
     /// Takes the directions at the current stages. `free` holds the numbers k of the free α's; the constraints hold
-    /// their gradients at both ends of the step; `error` is the local error with α = 0 at the end and at the start, if it is of use.
+    /// their gradients at both ends of the step; `error` is the local error at the end and at the start, if it is of use. `again`: the stages
+    /// are not those with α = 0, but those that the α's have led to, and α⁰ is taken relative to these.
     ///
     /// Returns whether they were found. Cost: two solves per free α.
     pub(crate) fn take(
         &mut self,
         stages: &Stages<T>,
         linearised: &mut Linearised<T>,
-        free: Range<usize>,
+        (free, again): (Range<usize>, bool),
         constraints: &[Constraint<T>],
         error: Option<(&[T], &[T])>,
+        mut slow: Option<&mut Slow<T>>,
     ) -> bool {
         if free.len() == 1 {
             self.d[0][free.start - 1] = T::int(1);
@@ -182,15 +216,25 @@ impl<T: Float> Directions<T> {
                 .iter()
                 .map(|c| (dot(&c.gradient, u) - dot(&c.start_gradient, back)) / c.scale);
             self.displacements.push(u, back, slopes);
+            if let Some(slow) = &mut slow {
+                slow.end.apply(&mut self.u);
+                slow.start.apply(&mut self.back);
+                self.displacements.push_slow(&self.u, &self.back);
+            }
+            self.displacements.count_one();
         }
         if !self.displacements.factor() {
             return false;
         }
         let first = free.start - 1;
+        let moved = if again { &stages.alphas[first..] } else { &[] };
         if let Some((end, start)) = error {
-            self.displacements.aim(end, start);
+            self.displacements.aim(end, start, moved);
             self.displacements.base(&mut self.base[first..]);
-            self.base_due = true;
+        }
+        self.base_due = again || error.is_some();
+        for (base, &alpha) in self.base[first..].iter_mut().zip(moved) {
+            *base -= alpha;
         }
         for (a, d) in self.d.iter_mut().enumerate() {
             self.displacements.direction(a, &mut d[first..]);

@@ -98,6 +98,11 @@ impl<T: Float> Constraint<T> {
         };
     }
 
+    /// |I_ref| + Σ_i |∂_iI y_i| at the start of the step, where ∇I was evaluated.
+    pub(crate) fn start_scale(&self, y0: &State<T>) -> T {
+        self.reference.abs() + products(&self.start_gradient, &y0.hi)
+    }
+
     /// Raises the floor by Σ_i |∂_iI(y1) δ_i|, δ being what the last correction of the stages, itself round-off, does
     /// to the end point. In stiff systems rounding the arguments Y_i is worth more than rounding y1.
     pub(crate) fn add_stage_noise(&mut self, delta: &[T]) {

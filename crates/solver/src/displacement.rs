@@ -27,8 +27,8 @@ use crate::linear::DenseLu;
 use equip_scalar::Float;
 use nalgebra::DVector;
 
-/// ρ_max at which the local error is half trusted: hω = 4.
-const TRUSTED: i64 = 16;
+/// ρ_max at which the local error is half trusted, and beyond which motion counts as not resolved: hω = 4.
+pub(crate) const TRUSTED: i64 = 16;
 
 /// The displacements of the free α's, and what is solved with them.
 #[derive(Debug)]
@@ -38,6 +38,12 @@ pub(crate) struct Displacements<T: Float> {
     weights: Vec<T>,
     /// u_k and u'_k weighted, one after the other: 2 n numbers for each free α.
     rows: Vec<T>,
+    /// The slow parts of the same, relative to the sizes of the components.
+    slow_rows: Vec<T>,
+    units: Vec<T>,
+    slow_only: bool,
+    /// ρ_max.
+    rho: T,
     count: usize,
     /// ‖u_k‖.
     norms: Vec<T>,
@@ -58,6 +64,10 @@ impl<T: Float> Displacements<T> {
             n,
             weights: zeros(n),
             rows: zeros((s - 1) * 2 * n),
+            slow_rows: zeros((s - 1) * 2 * n),
+            units: zeros(n),
+            slow_only: false,
+            rho: T::int(0),
             count: 0,
             norms: zeros(s - 1),
             slopes: zeros((s - 1) * constraints),
@@ -82,15 +92,34 @@ impl<T: Float> Displacements<T> {
             let x = if plain { one } else { resolution } / size;
             *weight = if x.is_finite() { x } else { zero };
         }
+        for (unit, &size) in self.units.iter_mut().zip(sizes) {
+            let x = one / size;
+            *unit = if x.is_finite() { x } else { zero };
+        }
+        self.slow_only = false;
+        self.slow_rows.fill(zero);
         let least = resolution.iter().fold(one, |a, &x| a.min(x));
         let excess = (one / least - one) / T::int(TRUSTED);
         let fourth = excess * excess * excess * excess;
         self.trust = one / (one + fourth);
+        self.rho = one / least - one;
         self.ridge = if plain {
             one
         } else {
             T::ratio(1, 1000) + T::ratio(3, 10) * (one - self.trust)
         };
+    }
+
+    /// Only slow displacements are to count, which are to be pushed besides the others.
+    pub(crate) fn count_slow_motion(&mut self) {
+        self.slow_only = true;
+        self.trust = T::int(0);
+    }
+
+    /// Whether there is motion that the step does not resolve, and would not if it were halved so often.
+    pub(crate) fn is_unresolved(&self, halvings: u32) -> bool {
+        let quarter = T::ratio(1, 4);
+        (0..halvings).fold(self.rho, |rho, _| rho * quarter) > T::int(TRUSTED)
     }
 
     /// Whether the local error is worth estimating.
@@ -108,14 +137,47 @@ impl<T: Float> Displacements<T> {
         for (a, slope) in slopes.enumerate() {
             self.slopes[a * places + k] = slope;
         }
+    }
+
+    /// Adds the slow parts of the displacements that were pushed last.
+    pub(crate) fn push_slow(&mut self, end: &[T], start: &[T]) {
+        let (k, n) = (self.count, self.n);
+        let row = &mut self.slow_rows[k * 2 * n..][..2 * n];
+        weigh(&self.units, end, &mut row[..n]);
+        weigh(&self.units, start, &mut row[n..]);
+        if self.slow_only {
+            self.norms[k] = dot(row, row).sqrt();
+            self.rows[k * 2 * n..][..2 * n].copy_from_slice(row);
+        }
+    }
+
+    /// The free α is complete.
+    pub(crate) fn count_one(&mut self) {
         self.count += 1;
     }
 
-    /// Sets the local error at the end and at the start of the step as the displacement that is aimed at.
-    pub(crate) fn aim(&mut self, end: &[T], start: &[T]) {
+    /// How far these `alphas` move slow motion, at both ends of the step.
+    pub(crate) fn slow(&self, alphas: &[T]) -> T {
+        let n = 2 * self.n;
+        let component = |j: usize| {
+            let column = self.slow_rows[j..].iter().step_by(n);
+            let sum = alphas.iter().zip(column);
+            sum.fold(T::int(0), |sum, (&alpha, &u)| sum + alpha * u)
+        };
+        let squares = (0..n).map(component);
+        squares.fold(T::int(0), |sum, x| sum + x * x).sqrt()
+    }
+
+    /// Sets the local error at the end and at the start of the step as the displacement that is aimed at; besides what these
+    /// `alphas`, if there are any, have moved already.
+    pub(crate) fn aim(&mut self, end: &[T], start: &[T], alphas: &[T]) {
         let n = self.n;
         weigh(&self.weights, end, &mut self.target[..n]);
         weigh(&self.weights, start, &mut self.target[n..]);
+        for (&alpha, row) in alphas.iter().zip(self.rows.chunks_exact(2 * n)) {
+            let target = self.target.iter_mut().zip(row);
+            target.for_each(|(x, &u)| *x += alpha * u);
+        }
         let trust = self.trust;
         self.target.iter_mut().for_each(|x| *x *= trust);
     }

@@ -246,6 +246,32 @@ pub enum IntegrateError<T: Float> {
         /// Last correction, relative to the state.
         correction: T,
     },
+    /// The step has a solution, which has nothing to do with the motion.
+    #[error(
+        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy is off by {defect:e}, more than all terms of the energy ({scale:e}): the step is too large for them to have the solution that follows the motion; take a smaller step"
+    )]
+    Astray {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// H − H_ref at its end.
+        defect: T,
+        /// |H_ref| + Σ|∂_iH y_i| at its start.
+        scale: T,
+    },
+    /// The motion runs away to infinity, which it reaches in finite time.
+    #[error(
+        "the motion runs away to infinity: at t = {time} the position has the size {size:e} and grows by a factor within h = {step}; end the run before that time, or start where the energy is too low to escape"
+    )]
+    Escape {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// |q| there.
+        size: T,
+    },
     /// The Newton matrix is singular, also after all halvings.
     #[error(
         "the Newton matrix is singular in the step at t = {time}, h = {step}, also after halving it {halvings} times; take a slightly different step"

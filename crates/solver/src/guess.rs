@@ -136,11 +136,6 @@ impl<T: Float> Guess<T> {
         (self.h != T::int(0)).then(|| [self.start(), h / self.h, self.h])
     }
 
-    /// Sweeps no longer have its L: they have begun another step, which they did not finish.
-    pub(crate) fn is_not_swept(&mut self) {
-        self.is_swept = false;
-    }
-
     /// Remembers an accepted step that sweeps have made, who keep its L in their own order until it is fetched.
     pub(crate) fn remember_swept(&mut self, h: T) {
         self.h = h;
@@ -158,6 +153,11 @@ impl<T: Float> Guess<T> {
         if !std::mem::replace(&mut self.is_here, true) {
             give(&mut self.l);
         }
+    }
+
+    /// Sweeps have begun another step, which they did not finish: what they have is no use.
+    pub(crate) fn is_lost(&mut self) {
+        self.is_swept = false;
     }
 
     /// The Z that is in the stages already is the guess of this step.

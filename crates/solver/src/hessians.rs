@@ -115,12 +115,23 @@ impl<T: Float> StageHessians<T> {
     pub(crate) fn resolution(&self, weights: &mut [T]) {
         resolution(&self.pattern, &self.mean, weights);
     }
+
+    /// Whether some ρ_j of the stages taken last exceeds `limit`.
+    pub(crate) fn any_rho_exceeds(&self, limit: T) -> bool {
+        (0..self.pattern.dimension()).any(|j| rho(&self.pattern, &self.mean, j) > limit)
+    }
 }
 
 /// How far each component is from being resolved by the step: 1 / (1 + ρ_j), where ρ_j = Σ_k |G_jk G_kj| with
 /// G = J Σ_i h b_i ∇²H(Y_i), whose entries are `mean`. For an oscillator ρ = (hω)². Independent of the units of q and p, and the same
 /// when the step is made backwards.
 pub(crate) fn resolution<T: Float>(pattern: &Pattern, mean: &[T], weights: &mut [T]) {
+    for (j, weight) in weights.iter_mut().enumerate() {
+        *weight = T::int(1) / (T::int(1) + rho(pattern, mean, j));
+    }
+}
+
+fn rho<T: Float>(pattern: &Pattern, mean: &[T], j: usize) -> T {
     let n = pattern.dimension();
     let entry = |row: usize, column: usize| {
         let range = pattern.row_starts[row]..pattern.row_starts[row + 1];
@@ -129,14 +140,11 @@ pub(crate) fn resolution<T: Float>(pattern: &Pattern, mean: &[T], weights: &mut 
             Err(_) => T::int(0),
         }
     };
-    for (j, weight) in weights.iter_mut().enumerate() {
-        let (row, _) = turned::<T>(j, n);
-        let rho = pattern.row(row).fold(T::int(0), |sum, (position, k)| {
-            let (partner, _) = turned::<T>(k, n);
-            sum + (mean[position] * entry(partner, j)).abs()
-        });
-        *weight = T::int(1) / (T::int(1) + rho);
-    }
+    let (row, _) = turned::<T>(j, n);
+    pattern.row(row).fold(T::int(0), |sum, (position, k)| {
+        let (partner, _) = turned::<T>(k, n);
+        sum + (mean[position] * entry(partner, j)).abs()
+    })
 }
 
 /// Row `row` of a matrix A stands in row r of J A, with a sign. J = (0 I; −I 0) takes it there and back alike.

@@ -11,6 +11,7 @@
 //! x ← x + M̃⁻¹(b − M x), until its corrections are at √ε, the accuracy to which the stages are known then.
 
 use crate::checkpoint::{Exact, SolverMemory};
+use crate::displacement::TRUSTED;
 use crate::error::IntegrateError;
 use crate::hessians::{StageHessians, turned};
 use crate::linear::Singular;
@@ -75,6 +76,8 @@ pub(crate) struct Linearised<T: Float> {
     untried: bool,
     /// A full factorisation is due whatever the corrections.
     full_due: bool,
+    /// It has been asked for in this step.
+    renewed: bool,
     /// Largest θ of this step, and of the step in which the factorisation was made.
     theta: T,
     theta_when_made: T,
@@ -84,6 +87,8 @@ pub(crate) struct Linearised<T: Float> {
     step: DVector<T>,
     parts: [Vec<T>; 2],
     work: DVector<T>,
+    /// Relative error of the columns, with simplified Newton.
+    columns_to: T,
 }
 
 impl<T: Float> Linearised<T> {
@@ -118,12 +123,14 @@ impl<T: Float> Linearised<T> {
             fresh: false,
             untried: false,
             full_due: false,
+            renewed: false,
             theta: zero,
             theta_when_made: zero,
             rest: DVector::zeros(length),
             step: DVector::zeros(length),
             parts: [vec![zero; n], vec![zero; n]],
             work: DVector::zeros(s * n),
+            columns_to: T::EPSILON.sqrt(),
             simplified,
         }
     }
@@ -182,6 +189,13 @@ impl<T: Float> Linearised<T> {
         self.theta = T::int(0);
         self.fresh = false;
         self.full_due = false;
+        self.renewed = false;
+        self.columns_to = T::EPSILON.sqrt();
+    }
+
+    /// For the rest of the step: the relative error of the columns of α's, √ε unless it is set.
+    pub(crate) fn columns_to(&mut self, tolerance: T) {
+        self.columns_to = tolerance;
     }
 
     /// Whether there is simplified Newton to use.
@@ -288,6 +302,14 @@ impl<T: Float> Linearised<T> {
         self.may_switch() && self.is_simplified() && self.work.len() <= FULL_IS_POSSIBLE
     }
 
+    /// Asks full Newton for a factorisation at the current stages, once in a step. Returns whether there will be one.
+    pub(crate) fn renew(&mut self) -> bool {
+        let possible = !self.is_simplified() && !self.renewed;
+        self.renewed = true;
+        self.full_due |= possible;
+        possible
+    }
+
     /// A correction had to be shortened: the factorisation is not to be trusted.
     pub(crate) fn distrust(&mut self) {
         self.made_for = None;
@@ -357,7 +379,7 @@ impl<T: Float> Linearised<T> {
 
     /// x ← M⁻¹ x. Returns whether it was found.
     pub(crate) fn solve_column(&mut self, stages: &Stages<T>, x: &mut DVector<T>) -> bool {
-        self.solve_to(T::EPSILON.sqrt(), stages, x)
+        self.solve_to(self.columns_to, stages, x)
     }
 
     /// The same, with simplified Newton to a relative `tolerance` of the largest component.
@@ -388,7 +410,7 @@ impl<T: Float> Linearised<T> {
         let mut x = std::mem::replace(&mut self.work, DVector::zeros(0));
         self.hessians.pull_back(stages, u, &mut x);
         let found = if self.is_simplified() {
-            self.refine(stages, &mut x, T::EPSILON.sqrt(), true)
+            self.refine(stages, &mut x, self.columns_to, true)
         } else {
             if let Some(full) = &self.full {
                 full.solve_transposed(&mut x);
@@ -403,6 +425,11 @@ impl<T: Float> Linearised<T> {
         }
         self.work = x;
         found
+    }
+
+    /// Whether there is motion that the step did not resolve, at the Hessians of all stages taken last.
+    pub(crate) fn is_unresolved(&self) -> bool {
+        self.hessians.any_rho_exceeds(T::int(TRUSTED))
     }
 
     /// How far each component is from being resolved by the step.

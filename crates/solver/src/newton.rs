@@ -11,7 +11,7 @@
 //!
 //! *Start.* At Z = 0 all T_k L vanish and the border is singular, so the stages are solved with α = 0 first, with damping
 //! while they are far. The α's move only when the predicted |g| stands out of the error that the stages still have.
-//! *End.* Both residuals are driven to round-off: until corrections are at 4 ε or, below √ε, stop shrinking
+//! *End.* Both residuals are driven to round-off: until corrections are at ε/64 or, below √ε, stop shrinking
 //! (there Newton contracts, so what does not shrink is rounding; in stiff springs it is 1e-11 of the state), and |g| is at its floor or
 //! stops shrinking near it.
 //!
@@ -26,8 +26,10 @@ use crate::displacement::dot;
 use crate::error::IntegrateError;
 use crate::linearised::{Linearised, Verdict};
 use crate::local_error::LocalError;
+use crate::newton_alphas::{EACH_PASS, MAX_PASSES, Passes};
 use crate::options::StageSolver;
 use crate::outcome::Counts;
+use crate::slow::{LARGEST, Slow};
 use crate::stages::Stages;
 use crate::state::State;
 use equip_autodiff::{Evaluate, Structure};
@@ -35,8 +37,11 @@ use equip_scalar::Float;
 use equip_tableau::Gauss;
 use nalgebra::DVector;
 
-/// Corrections this many ε are as small as rounding lets them become.
-const CONVERGED: i64 = 4;
+/// Corrections below ε over this are of no account. What is left of Z − K L is an error of quadratic invariants that repeats from period to
+/// period.
+const CONVERGED: i64 = 64;
+/// Corrections above this many ε that stop shrinking are made again with a new factorisation before they are taken for round-off.
+const OUT_OF_DATE: i64 = 64;
 /// Energy defects that stop shrinking below this many floors are accepted as round-off. One less than the 8 that are
 /// promised: evaluating H rounds as well.
 pub(crate) const ENERGY_STAGNATED: i64 = 7;
@@ -50,8 +55,18 @@ const MAX_SHORTENED: u32 = 3;
 pub(crate) enum Failure<T> {
     NotFinite,
     Singular,
-    NoConvergence { iterations: u32, correction: T },
+    NoConvergence {
+        iterations: u32,
+        correction: T,
+    },
     NoAlpha,
+    /// The α's would keep the energy at the cost of slow motion: what is wrong with it is motion that the step does not resolve.
+    Unresolved,
+    /// The stage equations have a solution that has nothing to do with the motion.
+    Astray {
+        defect: T,
+        scale: T,
+    },
 }
 
 /// What is fixed while a step is solved.
@@ -69,6 +84,8 @@ pub(crate) struct StepTask<'a, T> {
     pub(crate) max_iterations: u32,
     /// Factor anew in every iteration, and let the α's join as early as they can. For studies.
     pub(crate) pure: bool,
+    /// Take the directions of the α's again at the stages that they have led to, until that moves nothing.
+    pub(crate) repeat: bool,
 }
 
 /// One Newton iteration, as it is seen before its correction is applied.
@@ -82,14 +99,16 @@ pub struct NewtonRecord<T> {
 
 #[derive(Debug)]
 pub(crate) struct Newton<T: Float> {
-    linearised: Linearised<T>,
-    directions: Directions<T>,
+    pub(crate) linearised: Linearised<T>,
+    pub(crate) directions: Directions<T>,
     /// `None` where there is nothing to choose between α's.
-    local_error: Option<LocalError<T>>,
+    pub(crate) local_error: Option<LocalError<T>>,
     /// The correction δZ, in units of `Stages::scale`, and a second column.
-    correction: DVector<T>,
+    pub(crate) correction: DVector<T>,
     column: DVector<T>,
-    moved_end: Vec<T>,
+    pub(crate) moved_end: Vec<T>,
+    /// `None` where there is nothing to choose between α's, or too much to do.
+    pub(crate) slow: Option<Slow<T>>,
     /// Iterations of the step solved last.
     pub(crate) history: Vec<NewtonRecord<T>>,
 }
@@ -113,11 +132,12 @@ impl<T: Float> Newton<T> {
                 .then(|| LocalError::new(gauss, structure, simplified))
                 .flatten(),
             linearised,
+            slow: (choice && n <= LARGEST).then(|| Slow::new(&structure.hessian)),
             directions: Directions::new(s, n, constraints),
             correction: DVector::zeros(s * n),
             column: DVector::zeros(s * n),
             moved_end: vec![T::int(0); n],
-            history: Vec::with_capacity(limit as usize),
+            history: Vec::with_capacity((limit + MAX_PASSES * EACH_PASS) as usize),
         }
     }
 
@@ -165,7 +185,15 @@ impl<T: Float> Newton<T> {
         // The stages alone were within reach when the α's began to move: what failed since, failed for them, unless
         // simplified Newton is to blame.
         let moved = self.directions.are_known() && !self.linearised.may_be_taken_over();
-        solved.map_err(|failure| if moved { Failure::NoAlpha } else { failure })
+        // Smaller steps would not resolve it either, and other α's would disturb it more.
+        let at_rest =
+            moved && task.norm == Norm::Slow && self.fast_motion_is_at_rest(solution.stages);
+        solved.map_err(|failure| match failure {
+            Failure::Unresolved => failure,
+            _ if at_rest => Failure::Unresolved,
+            _ if moved => Failure::NoAlpha,
+            _ => failure,
+        })
     }
 
     fn iterate<E: Evaluate<T>>(
@@ -177,9 +205,12 @@ impl<T: Float> Newton<T> {
         let (near, reuse) = (T::ratio(1, 100), eps.cbrt());
         let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
         let mut shortened = 0;
+        let mut passes = Passes::new(task.repeat);
         finite(at.evaluate(task))?;
         let limit = self.linearised.iteration_limit(task.max_iterations);
-        for _ in 0..limit {
+        let mut left = limit;
+        while left > 0 {
+            left -= 1;
             at.counts.newton_iterations += 1;
             if last > reuse || task.pure {
                 at.stages.measure(task.y, last > near);
@@ -196,7 +227,12 @@ impl<T: Float> Newton<T> {
             }
 
             let stagnates = size <= eps.sqrt() && self.linearised.stagnates(size, last);
-            let round_off = size <= T::int(CONVERGED) * eps || stagnates;
+            // A factorisation that is out of date looks the same.
+            if stagnates && size > T::int(OUT_OF_DATE) * eps && self.linearised.renew() {
+                last = T::INFINITY;
+                continue;
+            }
+            let round_off = size <= eps / T::int(CONVERGED) || stagnates;
             at.stages.end_point(task.y, at.next);
             let mut out = T::int(0);
             if task.constrained {
@@ -215,7 +251,20 @@ impl<T: Float> Newton<T> {
             if round_off {
                 let stalls = out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2);
                 if out <= T::int(1) || stalls {
-                    return Ok(());
+                    if !self.are_admissible(at.stages, task.first) {
+                        return Err(Failure::Unresolved);
+                    }
+                    if !(passes.are_due() && self.directions.are_a_choice()) {
+                        return Ok(());
+                    }
+                    self.take_again(at, task)?;
+                    last = self.correction.amax();
+                    passes.made(last);
+                    left += EACH_PASS;
+                    last_out = T::INFINITY;
+                    at.stages.add(T::int(1), self.correction.as_slice());
+                    finite(at.evaluate(task))?;
+                    continue;
                 }
                 last_out = out;
             }
@@ -315,66 +364,6 @@ impl<T: Float> Newton<T> {
         Ok(worst(at.constraints, Constraint::in_floors))
     }
 
-    /// Moves the free α's along their directions if a predicted defect stands out of the error of the stages, and
-    /// adds their part to the correction.
-    fn move_alphas<E: Evaluate<T>>(
-        &mut self,
-        at: &mut Solution<'_, T, E>,
-        task: &StepTask<'_, T>,
-        (size, last): (T, T),
-    ) -> Moved {
-        // What the directions are taken from has to be better known than what moves along them.
-        let exact = self.directions.are_known() || size <= T::int(64) * T::EPSILON;
-        let margin = if exact { 4 } else { 1 << 20 };
-        let uncertain = T::int(margin) * self.linearised.rest_of(size);
-        let stands_out = |c: &Constraint<T>| c.predicted.abs() > c.floor.max(uncertain * c.scale);
-        // The directions must not depend on how far the stages have come: wait until they are there.
-        let early = size > T::EPSILON.sqrt() && !self.directions.are_known() && !task.pure;
-        if early || !at.constraints.iter().any(stands_out) {
-            return Moved::NotYet;
-        }
-        self.directions.judge_columns(at.constraints);
-        let first = !self.directions.are_known();
-        // The error of the directions times the displacement: what a step backwards would not undo.
-        let defect = worst(at.constraints, |c| c.predicted.abs() / c.scale);
-        let choice = task.end > task.first + 1;
-        let stale = first && choice && !task.pure && T::int(16) * last * defect > T::EPSILON;
-        if self.directions.columns_are_due()
-            && !(self.linearised).prepare_columns(at.stages, at.energy, (task.h, stale), at.counts)
-        {
-            return Moved::NotAtAll;
-        }
-        if !self.directions.are_known() {
-            let free = task.first..task.end;
-            for c in at.constraints.iter_mut() {
-                at.counts.gradients += 1;
-                c.evaluate_start(at.energy, task.y);
-                c.without_alpha = c.predicted;
-            }
-            at.counts.alpha_solves += 2 * free.len() as u64;
-            let (linearised, wanted) = (&mut self.linearised, task.norm);
-            let of_use = (self.directions).begin(at.stages, linearised, &free, wanted);
-            let local = self.local_error.as_mut().filter(|_| of_use);
-            let step = (task.y, task.h);
-            let error = local.and_then(|local| {
-                local.estimate(at.stages, &self.moved_end, at.energy, step, at.counts)
-            });
-            if !(self.directions).take(at.stages, linearised, free, at.constraints, error) {
-                return Moved::NotAtAll;
-            }
-        }
-        if self.directions.columns_are_due() {
-            at.counts.alpha_solves += at.constraints.len() as u64;
-        }
-        self.directions.step(
-            at.stages,
-            &mut self.linearised,
-            at.constraints,
-            task.alpha_bound,
-            &mut self.correction,
-        )
-    }
-
     /// How the end point moves with the correction of the stages.
     fn end_correction(&mut self, stages: &Stages<T>) {
         self.linearised
@@ -384,12 +373,12 @@ impl<T: Float> Newton<T> {
 }
 
 /// What a step is solved for and with, lent out for the duration of the solve.
-struct Solution<'a, T: Float, E> {
-    stages: &'a mut Stages<T>,
-    constraints: &'a mut [Constraint<T>],
-    next: &'a mut State<T>,
-    energy: &'a mut E,
-    counts: &'a mut Counts,
+pub(crate) struct Solution<'a, T: Float, E> {
+    pub(crate) stages: &'a mut Stages<T>,
+    pub(crate) constraints: &'a mut [Constraint<T>],
+    pub(crate) next: &'a mut State<T>,
+    pub(crate) energy: &'a mut E,
+    pub(crate) counts: &'a mut Counts,
 }
 
 impl<T: Float, E: Evaluate<T>> Solution<'_, T, E> {

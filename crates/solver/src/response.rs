@@ -107,8 +107,8 @@ impl<T: Float> Response<T> {
         }
     }
 
-    /// Takes α⁰ and D at the converged stages of `iterate`, whose end point is `next`, where the constraint has been
-    /// evaluated. Returns whether they were found.
+    /// Takes α⁰ and D at the converged stages of `iterate`, at whose end point the constraint has been
+    /// evaluated. Returns whether they were found; of a step that does not resolve the motion they are left to Newton.
     pub(crate) fn take<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
@@ -126,14 +126,13 @@ impl<T: Float> Response<T> {
         let tolerance = (T::EPSILON / defect).clamp(self.linear.accuracy(), T::ratio(1, 100));
         self.displacements
             .begin(&self.sizes, &self.resolution, false);
-        if !self.solve_forward(iterate, tolerance) {
+        if self.displacements.is_unresolved(0) || !self.solve_forward(iterate, tolerance) {
             return false;
         }
         counts.alpha_solves += 2 * self.free as u64;
         // Of a defect that is hardly more than rounding so is the local error.
         let is_known = constraint.in_floors() > T::int(LEAST);
         let aims = is_known
-            && self.displacements.trusts_error()
             && match &mut self.finer {
                 Some(finer) => {
                     counts.local_errors += 1;
@@ -161,6 +160,7 @@ impl<T: Float> Response<T> {
             let slope = (dot(&constraint.gradient, u) - dot(&constraint.start_gradient, back))
                 / constraint.scale;
             self.displacements.push(u, back, std::iter::once(slope));
+            self.displacements.count_one();
         }
         if !self.displacements.factor() {
             return false;
@@ -168,7 +168,7 @@ impl<T: Float> Response<T> {
         self.base.fill(T::int(0));
         self.d.fill(T::int(0));
         if aims {
-            self.displacements.aim(&self.error, &self.error_start);
+            self.displacements.aim(&self.error, &self.error_start, &[]);
             self.displacements.base(&mut self.base[..self.free]);
         }
         self.displacements.direction(0, &mut self.d[..self.free]);

@@ -236,6 +236,19 @@ impl<T: Float> Stages<T> {
         }
     }
 
+    /// The `from_last`-th last Legendre coefficient of the stage derivatives, Σ_i P_k(c_i) L_i, k = s − `from_last`, relative to `sizes`: small
+    /// where the motion over the step is smooth, whatever oscillations it might have.
+    pub(crate) fn coefficient(&self, from_last: usize, sizes: &[T]) -> T {
+        let (s, n) = (self.count(), self.n);
+        let p = self.gauss.legendre(s - from_last);
+        let component = |j: usize| {
+            let terms = p.iter().zip(self.l[j..].iter().step_by(n));
+            terms.fold(T::int(0), |sum, (&p, &l)| sum + p * l) / sizes[j]
+        };
+        let squares = (0..n).map(component);
+        squares.fold(T::int(0), |sum, x| sum + x * x).sqrt()
+    }
+
     /// max_i |Y_ij|: sizes of the components that are the same for the step made backwards; no less than ε^(1/4) of the
     /// largest position or momentum, below which rounding elsewhere would be worth more than a component's motion.
     pub(crate) fn sizes(&self, sizes: &mut [T]) {

@@ -105,7 +105,7 @@ impl<T: Float> Foretell<'_, T> {
         let (e, rho) = (self.e.as_chunks::<N>().0, self.rho.as_chunks::<N>().0);
         let l = self.l.as_chunks::<N>().0;
         let gradients = self.gradients.as_chunks_mut::<N>().0;
-        let groups = rho.len();
+        let groups = groups_of::<T, N>(s);
         for c in 0..self.wanted {
             let (from, by_position) = if c < m { (c + m, true) } else { (c - m, false) };
             let row = &l[from * groups..(from + 1) * groups];

@@ -4,6 +4,7 @@ use crate::alpha::Norm;
 use crate::constraint::{Constraint, worst};
 use crate::dense::Parts;
 use crate::error::IntegrateError;
+use crate::escape::escapes;
 use crate::guess::Guess;
 use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
 use crate::options::{OnNoAlpha, Settings, StageSolver};
@@ -14,6 +15,9 @@ use crate::sweeps::{Rule, SweepTask, Sweeps, Trouble};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
+
+/// Most unknowns s·2m for which a run by sweeps alone calls on Newton's method to repair what a close encounter has left.
+const MOST_UNKNOWNS: usize = 128;
 
 /// Everything a step works with; no allocation after it is made.
 #[derive(Debug)]
@@ -173,19 +177,27 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.last_resort && level == self.settings.max_halvings
         };
         if failure == Failure::NoAlpha && wanted && self.with_fewer_alphas(y, h, next) {
-            self.constraints.iter_mut().for_each(Constraint::accept);
-            self.parts.add(y, t, h, &self.stages);
+            self.accept(next);
+            self.add_part(y, t, h);
             return Ok(Outcome::Solved);
         }
-        if round_off {
-            return self.without_alpha(y, t, h, next);
+        let left = self.settings.max_halvings - level;
+        let halves = left > 0;
+        // Halving is of no use that does not resolve the motion either.
+        let as_it_is =
+            round_off || (failure == Failure::Unresolved && self.newton.stays_unresolved(left));
+        if as_it_is {
+            let made = self.without_alpha(y, t, h, next);
+            if !(halves && matches!(made, Err(IntegrateError::Astray { .. }))) {
+                return made;
+            }
         }
-        if level < self.settings.max_halvings {
+        if halves {
             return self.halve(level, y, t, h, next);
         }
         match failure {
-            Failure::NoAlpha => self.without_alpha(y, t, h, next),
-            other => Err(self.error(other, t, h)),
+            Failure::NoAlpha | Failure::Unresolved => self.without_alpha(y, t, h, next),
+            other => Err(self.error(other, y, t, h)),
         }
     }
 
@@ -231,9 +243,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let swept = self.sweep(y, h, false, next).is_ok();
         if !swept {
             self.solve(y, h, false, (Norm::Plain, 0), next)
-                .map_err(|failure| self.error(failure, t, h))?;
+                .map_err(|failure| self.error(failure, y, t, h))?;
         }
-        self.add_part(y, t, h);
         let sizes = match &self.sweeps {
             Some(sweeps) if swept => &sweeps.iterate.scale,
             _ => &self.stages.scale,
@@ -242,15 +253,27 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.counts.gradients += 1;
             constraint.evaluate(&mut self.energy, next, sizes);
         }
-        self.accept(next);
         let at_floor = worst(&self.constraints, Constraint::in_judging_floors);
         // With all of the 8 floors that are promised: nothing more is evaluated.
         if at_floor <= T::int(ENERGY_STAGNATED + 1) {
+            self.accept(next);
+            self.add_part(y, t, h);
             return Ok(Outcome::AtFloor);
         }
+        if let Some(energy) = self.constraints.first_mut() {
+            self.counts.gradients += 1;
+            energy.evaluate_start(&mut self.energy, y);
+            let (defect, scale) = (energy.defect, energy.start_scale(y));
+            if !(defect.abs() <= scale) {
+                let failure = Failure::Astray { defect, scale };
+                return Err(self.error(failure, y, t, h));
+            }
+        }
+        self.accept(next);
+        self.add_part(y, t, h);
         match self.settings.on_no_alpha {
             OnNoAlpha::Carry => Ok(Outcome::Carried),
-            OnNoAlpha::Refuse => Err(self.error(Failure::NoAlpha, t, h)),
+            OnNoAlpha::Refuse => Err(self.error(Failure::NoAlpha, y, t, h)),
         }
     }
 
@@ -259,10 +282,18 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// two, … Returns whether one was found.
     fn with_fewer_alphas(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> bool {
         let most = self.free_alphas().saturating_sub(self.constraints.len());
-        (1..=most).any(|left_out| {
-            let solved = self.solve(y, h, true, (Norm::Resolved, left_out), next);
-            solved.is_ok()
-        })
+        self.can_repair()
+            && (1..=most).any(|left_out| {
+                let solved = self.solve(y, h, true, (Norm::Resolved, left_out), next);
+                solved.is_ok()
+            })
+    }
+
+    /// Whether a defect that earlier steps have left can be repaired by fewer α's: that takes Newton's method, also where sweeps alone are asked for, as long as
+    /// it is cheap.
+    pub(crate) fn can_repair(&self) -> bool {
+        let unknowns = self.stages.count() * self.stages.n;
+        self.settings.stage_solver != StageSolver::Sweeps || unknowns <= MOST_UNKNOWNS
     }
 
     /// Whether a defect with α = 0 is beyond the step's own floor, and so round-off of an earlier step only.
@@ -281,10 +312,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             {
                 return Err(sweeps.failure(trouble));
             }
-            let mut solved = self.solve(y, h, constrained, (Norm::Resolved, 0), next);
-            let again = self.free_alphas() > 1 && !nearly_met(&self.constraints);
-            if solved == Err(Failure::NoAlpha) && again {
-                solved = self.solve(y, h, constrained, (Norm::Plain, 0), next);
+            let mut solved = self.solve(y, h, constrained, (Norm::Slow, 0), next);
+            for norm in [Norm::Resolved, Norm::Plain] {
+                let again = self.free_alphas() > 1 && !nearly_met(&self.constraints);
+                let same = norm == Norm::Resolved && !self.newton.met_unresolved_motion();
+                if solved == Err(Failure::NoAlpha) && again && !same {
+                    solved = self.solve(y, h, constrained, (norm, 0), next);
+                }
             }
             solved?;
         }
@@ -350,7 +384,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             Err(trouble) => {
                 self.counts.taken_over += 1;
                 self.guess.fetch(|l| sweeps.iterate.give_l_before(l));
-                self.guess.is_not_swept();
+                self.guess.is_lost();
                 if trouble == Trouble::StagesOnly {
                     // They contracted.
                     self.pause = Pause::NONE;
@@ -412,6 +446,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             alpha_bound: self.settings.alpha_bound,
             max_iterations: self.settings.max_iterations,
             pure: self.settings.pure_newton,
+            repeat: T::EPSILON < T::ratio(1, 1 << 60),
         };
         loop {
             self.stages.set_alphas(&self.start_alphas);
@@ -427,9 +462,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             match solved {
                 Ok(()) => {
                     self.guess.remember(&self.stages.l, h);
+                    if self.newton.met_unresolved_motion() {
+                        self.guess.forget();
+                    }
                     return solved;
                 }
-                Err(Failure::NoAlpha) => return solved,
+                Err(Failure::NoAlpha | Failure::Unresolved) => return solved,
                 Err(_) if self.newton.take_over() => {}
                 Err(_) if !self.guess.is_from_last_step() => return solved,
                 Err(_) => self.guess.forget(),
@@ -437,8 +475,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    fn error(&self, failure: Failure<T>, time: T, step: T) -> IntegrateError<T> {
+    fn error(&mut self, failure: Failure<T>, y: &State<T>, time: T, step: T) -> IntegrateError<T> {
         let halvings = self.settings.max_halvings;
+        let unsolved = matches!(
+            failure,
+            Failure::NotFinite | Failure::NoConvergence { .. } | Failure::Astray { .. }
+        );
+        if unsolved && let Some(size) = escapes(&mut self.energy, &y.hi, step) {
+            return IntegrateError::Escape { time, step, size };
+        }
         match failure {
             Failure::NotFinite => IntegrateError::NotFinite {
                 time,
@@ -450,6 +495,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 step,
                 halvings,
             },
+            Failure::Astray { defect, scale } => IntegrateError::Astray {
+                time,
+                step,
+                defect,
+                scale,
+            },
             Failure::NoConvergence {
                 iterations,
                 correction,
@@ -460,7 +511,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 iterations,
                 correction,
             },
-            Failure::NoAlpha => {
+            Failure::NoAlpha | Failure::Unresolved => {
                 let mut worst = (T::int(0), T::int(0));
                 for c in &self.constraints {
                     if c.in_floors() > T::int(1) {

@@ -216,7 +216,7 @@ impl<T: Float> Sweeps<T> {
                 Rule::Response => error <= eps.sqrt() && T::int(CLEAR) * uncertain <= threshold,
                 Rule::Newton => false,
             };
-            if !settled && !(early && self.scale > zero) {
+            if !settled && (!early || self.scale == zero) {
                 continue;
             }
             self.iterate.end_point(task.y, next);

@@ -148,6 +148,48 @@ fn a_kept_factorisation_serves_for_many_steps() {
     assert_eq!(simplified.simplified_factorisations, 3);
 }
 
+/// 40 unknowns a stage, 6 stages: full Newton factorises one matrix of size 240, simplified Newton three complex ones of size 40, the
+/// work of (2/3) 240³ against 3 · (8/3) 40³ operations: 18 to 1. Both factorise in every iteration here; seconds are those of whole
+/// runs, with Hessians (6 to 1), gradients and solves.
+#[test]
+#[ignore = "timing: run with cargo test -p equip-solver --release --test stage_solvers -- --ignored --nocapture"]
+fn a_factorisation_of_simplified_newton_is_an_order_cheaper() {
+    let scene = instance("dnls", &[("n", "20")]);
+    let (q, p) = scene.initial::<f64>();
+    let each = |solver| {
+        let options = Gauss::stages(6).step(0.1).stage_solver(solver);
+        let mut stepper = options
+            .pure_newton(true)
+            .start(scene.hamiltonian(), &q, &p, 0.0)
+            .unwrap();
+        let begun = std::time::Instant::now();
+        for _ in 0..100 {
+            stepper.advance().unwrap();
+        }
+        let counts = *stepper.counts();
+        let factored = counts.factorisations + counts.refreshes;
+        let seconds = begun.elapsed().as_secs_f64() / factored as f64;
+        println!(
+            "{solver:?}: {:.1} µs for each of {factored}, {counts:?}",
+            1e6 * seconds
+        );
+        seconds
+    };
+    // In turns, the fastest of five of each.
+    let mut fastest = [f64::INFINITY; 2];
+    for _ in 0..5 {
+        for (solver, best) in [StageSolver::FullNewton, StageSolver::SimplifiedNewton]
+            .into_iter()
+            .zip(&mut fastest)
+        {
+            *best = best.min(each(solver));
+        }
+    }
+    let ratio = fastest[0] / fastest[1];
+    println!("ratio {ratio:.1}");
+    assert!(ratio > 5.0, "{ratio}");
+}
+
 #[test]
 fn small_systems_are_solved_in_full_and_large_ones_simplified() {
     for (n, s, simplified) in [("4", 3, false), ("4", 4, false), ("8", 4, true)] {
@@ -205,11 +247,11 @@ fn steps_run_backwards_alike() {
             assert!(simplified < 100.0 * full.max(1e-15));
         }
     }
-    // Measured in double-double: simplified 2e-23, 6e-30 and 4e-22; full Newton 3e-26, 2e-30 and 4e-22. Neither comes back to
-    // round-off: the step backwards meets the stages with α = 0, where the directions are taken, to first order only.
+    // Measured in double-double, where directions are repeated: full Newton 9.1e-31, 3.5e-31 and 4.2e-31, simplified 7.8e-31, 1.2e-29 and 1.7e-31.
+    // The bound has a headroom of 8 over the worst.
     for scene in &SCENES[..3] {
         let (full, simplified) = there_and_back_in_dd(scene);
-        assert!(simplified < 100.0 * full.max(1e-24));
+        assert!(simplified < 100.0 * full.max(1e-30));
     }
 }
 
@@ -224,7 +266,7 @@ fn there_and_back_in_dd(scene: &(&str, &[(&str, &str)], (i64, i64))) -> (f64, f6
 }
 
 #[test]
-#[ignore = "simplified Newton comes back to 2.9e-5, full Newton to 2.2e-11; cause not found"]
+#[ignore = "simplified Newton comes back to 5.7e-7, full Newton to 4.7e-24; cause not found"]
 fn fpu_runs_backwards_alike_in_double_double() {
     let (full, simplified) = there_and_back_in_dd(&SCENES[3]);
     assert!(simplified < 100.0 * full);
@@ -254,3 +296,30 @@ fn sweeps_leave_to_newton_what_they_cannot_do_and_say_how_far_they_came() {
         other => panic!("{other}"),
     }
 }
+
+/// What the last Newton correction leaves of Z − K L is an error of quadratic invariants that repeats from period to period: corrections go on until they are
+/// rounding. Kepler e = 0.6, angular momentum 0.8, 1000 periods.
+#[test]
+fn newton_leaves_angular_momentum_to_rounding_alone() {
+    let scene = instance("kepler", &[("e", "0.6")]);
+    let (q, p) = scene.initial::<f64>();
+    for (s, per_period) in [(3, 160), (4, 100), (6, 48)] {
+        let mut stepper = Equip::stages(s)
+            .step(std::f64::consts::TAU / f64::from(per_period))
+            .stage_solver(StageSolver::FullNewton)
+            .start(scene.hamiltonian(), &q, &p, 0.0)
+            .unwrap();
+        let start = q[0] * p[1] - q[1] * p[0];
+        let (mut worst, mut last) = (0.0_f64, 0.0);
+        for _ in 0..1000 * per_period {
+            let view = stepper.advance().unwrap();
+            last = view.q[0] * view.p[1] - view.q[1] * view.p[0] - start;
+            worst = worst.max(last.abs());
+        }
+        println!("s = {s}: worst {worst:.1e}, at the end {last:.1e}");
+        // 1.7e-14 with corrections of 4 ε left over (s = 3).
+        assert!(worst <= ANGULAR_MOMENTUM);
+    }
+}
+
+const ANGULAR_MOMENTUM: f64 = 4e-15;

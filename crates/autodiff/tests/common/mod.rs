@@ -1,5 +1,11 @@
 //! Shared by the tests: seeded points, and energies of well-known systems.
-#![allow(dead_code, missing_docs, unreachable_pub)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    dead_code,
+    missing_docs,
+    unreachable_pub
+)]
 
 use equip_autodiff::Energy;
 use equip_scalar::{DoubleDouble, Float, Num, Scalar, ratio};

@@ -145,6 +145,8 @@ pub(crate) enum Kind {
     NoConvergence,
     Singular,
     EnergyNotFinite,
+    Escape,
+    Astray,
     Other,
 }
 

@@ -132,7 +132,7 @@ fn domains(all: &mut Vec<Case>) {
     );
     let escape = particle("p²/2 − q⁴, to infinity", |q| -q.powi(4), 1.0, 1.0);
     all.push(escape.steps(1000, 0.01).ending(End::Error(
-        LEAVES,
+        &[Kind::Escape],
         0.74,
         "the orbit reaches infinity in finite time",
     )));

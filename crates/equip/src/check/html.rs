@@ -57,6 +57,7 @@ pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
         rows,
         passed,
         expected_errors,
+        explained,
         known_deficits,
         failed,
         seconds,
@@ -65,7 +66,7 @@ pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>equip check</title>\n<style>{STYLE}</style>\n\
          <h1>equip check {version}</h1>\n\
-         <p><b>{rows}</b> rows: {passed} pass, {expected_errors} expected errors, {known_deficits} known deficits, \
+         <p><b>{rows}</b> rows: {passed} pass, {expected_errors} expected errors, {explained} explained, {known_deficits} known deficits, \
          <b>{failed} fail</b>; {seconds:.1} s</p>\n<p><small>{legend}</small></p>\n\
          <table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{body}</tbody>\n</table>\n</html>\n",
         version = env!("CARGO_PKG_VERSION"),
@@ -82,6 +83,7 @@ fn line(row: &Row) -> String {
     let class = match row.verdict.word {
         Word::Pass => "pass",
         Word::ExpectedError => "expected",
+        Word::Explained => "explained",
         Word::KnownDeficit => "deficit",
         Word::Fail => "fail",
     };

@@ -308,6 +308,8 @@ fn ended<T: Float>(error: &IntegrateError<T>, time: T) -> Ended {
             IntegrateError::NotFinite { .. } => Kind::NotFinite,
             IntegrateError::NoConvergence { .. } => Kind::NoConvergence,
             IntegrateError::Singular { .. } => Kind::Singular,
+            IntegrateError::Astray { .. } => Kind::Astray,
+            IntegrateError::Escape { .. } => Kind::Escape,
             IntegrateError::EnergyNotFinite { .. } => Kind::EnergyNotFinite,
             _ => Kind::Other,
         },

@@ -38,7 +38,12 @@ fn kepler(all: &mut Vec<Case>) {
                 ));
             all.push(if e == "0.999" {
                 let why = "the first step is 100 times the time of the pericentre passage";
-                let kinds = &[Kind::NoConvergence, Kind::NotFinite, Kind::Singular];
+                let kinds = &[
+                    Kind::NoConvergence,
+                    Kind::NotFinite,
+                    Kind::Singular,
+                    Kind::Astray,
+                ];
                 coarse.carried(1.0, why).ending(End::Either(kinds, why))
             } else {
                 coarse
@@ -130,7 +135,12 @@ fn fall(all: &mut Vec<Case>) {
         let case = case.steps((2.0 / h) as u64, h);
         let case = case.carried(0.01, "the last step before the centre");
         all.push(case.ending(End::Error(
-            &[Kind::NotFinite, Kind::NoConvergence, Kind::Singular],
+            &[
+                Kind::NotFinite,
+                Kind::NoConvergence,
+                Kind::Singular,
+                Kind::Astray,
+            ],
             1.1,
             "the motion ends in the singularity",
         )));

@@ -138,7 +138,12 @@ fn steps(all: &mut Vec<Case>) {
                 case.trajectory(Trajectory::Open("steps of whole periods resolve nothing"))
                     .carried(1.0, "steps of whole periods")
                     .ending(End::Either(
-                        &[Kind::NoConvergence, Kind::Singular, Kind::NotFinite],
+                        &[
+                            Kind::NoConvergence,
+                            Kind::Singular,
+                            Kind::NotFinite,
+                            Kind::Astray,
+                        ],
                         "the stages of such a step need not exist",
                     ))
             });

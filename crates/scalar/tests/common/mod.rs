@@ -1,5 +1,5 @@
 //! Seeded arguments, and a reference of 320 and more bits.
-#![allow(dead_code, unreachable_pub)] // Every test crate uses its own part.
+#![allow(clippy::unwrap_used, clippy::expect_used, dead_code, unreachable_pub)] // Every test crate uses its own part.
 
 use astro_float::{BigFloat, Consts, RoundingMode, Sign};
 use equip_scalar::DoubleDouble;

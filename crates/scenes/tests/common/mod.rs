@@ -1,5 +1,5 @@
 //! Instances at the ends of their parameters' ranges, and random states.
-#![allow(dead_code)]
+#![allow(clippy::unwrap_used, clippy::expect_used, dead_code)]
 
 use equip_autodiff::{Evaluate, Hamiltonian, System};
 use equip_scalar::Float;
