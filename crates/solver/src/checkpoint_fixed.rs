@@ -195,6 +195,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         for (c, stored) in self.core.constraints.iter_mut().zip(&from.inherited) {
             c.inherited = stored.read()?;
         }
+        self.core.resume_at(&self.y);
         let before = Duration::try_from_secs_f64(from.seconds).unwrap_or_default();
         self.begun = Instant::now()
             .checked_sub(before)

@@ -7,8 +7,8 @@
 //!
 //! and the other end by Σ δL_i. Both are iterated momenta first, then positions: for H = T(p) + U(q) that takes half the sweeps.
 //!
-//! ∇²H at the stages is taken, where stages are lanes, as quotients of differences of ∇H, all stages at once, one for each group of
-//! columns that do not meet: right to √ε, which is enough for what only has to point the right way. Else it is derived, point by point.
+//! ∇²H at the stages is taken as quotients of differences of ∇H, all stages at once, one for each group of
+//! columns that do not meet: right to √ε, or to ε^(2/3) for twice the price, which is enough for what only has to point the right way.
 //!
 //! *Layout.* As in [`crate::sweep`], with several right-hand sides: component c of side k of stage i stands at `(c·sides + k)·stride + i`.
 //!
@@ -64,9 +64,9 @@ pub(crate) struct LinearSweeps<T: Float> {
     k_back: Vec<T>,
     points: Vec<T>,
     gradients: Vec<T>,
+    beside: Vec<T>,
     shifts: Vec<T>,
-    /// Entries at one point.
-    exact: Vec<T>,
+    is_accurate: bool,
     /// K δL, and δL.
     mixed: Vec<T>,
     dl: Vec<T>,
@@ -103,8 +103,9 @@ impl<T: Float> LinearSweeps<T> {
             k_back,
             points: zeros(n * stride),
             gradients: zeros(n * stride),
+            beside: zeros(n * stride),
             shifts: zeros(n * stride),
-            exact: zeros(pattern.len()),
+            is_accurate: false,
             mixed: zeros(n * sides * stride),
             dl: zeros(n * sides * stride),
             sums: zeros(n * sides),
@@ -113,20 +114,19 @@ impl<T: Float> LinearSweeps<T> {
         }
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged. Returns whether it is finite.
+    /// Takes ∇²H at the stages of an iterate that has converged, by `accurate` differences or simple ones. Returns whether it is finite.
     pub(crate) fn take<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
         energy: &mut E,
+        accurate: bool,
         counts: &mut Counts,
     ) -> bool {
-        match T::as_doubles(&[]) {
-            Some(_) => self.take_quotients(iterate, energy, counts),
-            None => self.take_exactly(iterate, energy, counts),
-        }
+        self.is_accurate = accurate;
+        self.take_quotients(iterate, energy, counts);
         let mut sum = T::int(0);
         for entry in self.entries.chunks_exact_mut(self.stride) {
-            for (x, &hb) in entry.iter_mut().zip(&iterate.hb) {
+            for (x, &hb) in entry.iter_mut().zip(&*iterate.hb) {
                 *x *= hb;
                 sum += *x;
             }
@@ -134,36 +134,15 @@ impl<T: Float> LinearSweeps<T> {
         sum.is_finite()
     }
 
-    /// How well ∇²H is known, and so all that is solved for.
+    /// How well ∇²H is known, and so all that is solved for: √ε, or ε^(2/3) by central differences.
     pub(crate) fn accuracy(&self) -> T {
-        match T::as_doubles(&[]) {
-            Some(_) => T::EPSILON.sqrt() / T::int(16),
-            None => T::int(16) * T::EPSILON,
+        if self.is_accurate {
+            T::EPSILON.cbrt() * T::EPSILON.cbrt()
+        } else {
+            T::EPSILON.sqrt() / T::int(16)
         }
     }
 
-    /// Point by point.
-    fn take_exactly<E: Evaluate<T>>(
-        &mut self,
-        iterate: &Iterate<T>,
-        energy: &mut E,
-        counts: &mut Counts,
-    ) {
-        let (n, stride) = (2 * self.m, self.stride);
-        for i in 0..self.s {
-            for (c, x) in self.points[..n].iter_mut().enumerate() {
-                *x = iterate.points[c * stride + i];
-            }
-            let entries = &mut self.exact[..];
-            energy.hessian(&self.points[..n], entries);
-            for (e, &x) in entries.iter().enumerate() {
-                self.entries[e * stride + i] = x;
-            }
-        }
-        counts.hessians += self.s as u64;
-    }
-
-    /// All points at once, by differences of ∇H.
     fn take_quotients<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
@@ -179,8 +158,7 @@ impl<T: Float> LinearSweeps<T> {
                 for (c, &w) in weights.iter().enumerate() {
                     for (entry, column) in self.pattern.row(self.m + c) {
                         if column == self.m + c {
-                            let entry = &mut self.entries[entry * stride..][..s];
-                            entry.fill(w);
+                            self.entries[entry * stride..][..s].fill(w);
                         }
                     }
                 }
@@ -189,37 +167,52 @@ impl<T: Float> LinearSweeps<T> {
             None => 2 * self.m,
         };
         let len = rows * stride;
-        let mut evaluate = |points: &[T], gradients: &mut [T]| match iterate.kinetic {
-            Some(_) => energy.forces_by_component(points, gradients, stride, s),
-            None => energy.gradients_by_component(points, gradients, stride, s),
+        let mut evaluate = |points: &[T], gradients: &mut [T]| {
+            counts.gradients += s as u64;
+            match iterate.kinetic {
+                Some(_) => energy.forces_by_component(points, gradients, stride, s),
+                None => energy.gradients_by_component(points, gradients, stride, s),
+            }
         };
         self.points[..len].copy_from_slice(&iterate.points[..len]);
-        evaluate(&self.points[..len], &mut self.gradients[..len]);
-        let mut evaluations = s as u64;
-        // The gradients at the stages make room for those beside them.
-        std::mem::swap(&mut self.gradients, &mut self.mixed);
-        let root = T::EPSILON.sqrt();
+        // The gradients that others are compared with: at the stages themselves, or to the other side of them.
+        if !self.is_accurate {
+            evaluate(&self.points[..len], &mut self.beside[..len]);
+        }
+        let eps = T::EPSILON;
+        let step = if self.is_accurate {
+            eps.cbrt()
+        } else {
+            eps.sqrt()
+        };
         for group in &self.groups {
-            if !group.iter().any(|column| column.c < rows) {
+            let columns = || group.iter().filter(|column| column.c < rows);
+            if columns().next().is_none() {
                 continue;
             }
-            for &Column { c, .. } in group.iter().filter(|column| column.c < rows) {
-                let shift = root * iterate.scale[c];
+            if self.is_accurate {
+                for &Column { c, .. } in columns() {
+                    for at in c * stride..(c + 1) * stride {
+                        self.points[at] = iterate.points[at] - step * iterate.scale[c];
+                    }
+                }
+                evaluate(&self.points[..len], &mut self.beside[..len]);
+            }
+            for &Column { c, .. } in columns() {
                 for at in c * stride..(c + 1) * stride {
-                    let moved = iterate.points[at] + shift;
-                    self.shifts[at] = moved - iterate.points[at];
+                    let moved = iterate.points[at] + step * iterate.scale[c];
+                    self.shifts[at] = moved - self.points[at];
                     self.points[at] = moved;
                 }
             }
             evaluate(&self.points[..len], &mut self.gradients[..len]);
-            evaluations += s as u64;
-            for Column { c, entries } in group.iter().filter(|column| column.c < rows) {
+            for Column { c, entries } in columns() {
                 let at = c * stride..(c + 1) * stride;
                 self.points[at.clone()].copy_from_slice(&iterate.points[at]);
                 for &(row, entry, mirrored) in entries {
                     for i in 0..s {
-                        let change =
-                            self.gradients[row * stride + i] - self.mixed[row * stride + i];
+                        let place = row * stride + i;
+                        let change = self.gradients[place] - self.beside[place];
                         let x = change / self.shifts[c * stride + i];
                         self.entries[entry * stride + i] = x;
                         self.entries[mirrored * stride + i] = x;
@@ -227,8 +220,6 @@ impl<T: Float> LinearSweeps<T> {
                 }
             }
         }
-        std::mem::swap(&mut self.gradients, &mut self.mixed);
-        counts.gradients += evaluations;
     }
 
     /// Σ_i h b_i ∇²H(Y_i), entry by entry.

@@ -26,8 +26,9 @@ use equip_tableau::{Gauss, legendre_integrals_at};
 
 /// So many α's move.
 pub(crate) const LEADING: usize = 3;
-/// Defects of fewer floors are removed by least displacement.
-const LEAST: i64 = 64;
+/// Defects of fewer floors are removed by least displacement; of more than the second number the local error is aimed at in full. In between
+/// in part: a defect is not the same to some floors in the step made backwards, and what follows from it is not to jump.
+const AIMED_AT: [i64; 2] = [16, 256];
 /// Sweeps allowed to the local error.
 const MAX_FINER: usize = 40;
 
@@ -117,40 +118,47 @@ impl<T: Float> Response<T> {
         constraint: &mut Constraint<T>,
         counts: &mut Counts,
     ) -> bool {
-        if !self.linear.take(iterate, energy, counts) {
+        if !self.linear.take(iterate, energy, false, counts) {
             return false;
         }
         self.measure(iterate);
-        // The error of the directions times what they are to bring about is to be round-off.
-        let defect = constraint.defect.abs() / constraint.scale;
-        let tolerance = (T::EPSILON / defect).clamp(self.linear.accuracy(), T::ratio(1, 100));
         self.displacements
             .begin(&self.sizes, &self.resolution, false);
-        if self.displacements.is_unresolved(0) || !self.solve_forward(iterate, tolerance) {
+        if self.displacements.is_unresolved(0) {
             return false;
         }
-        counts.alpha_solves += 2 * self.free as u64;
-        // Of a defect that is hardly more than rounding so is the local error.
-        let is_known = constraint.in_floors() > T::int(LEAST);
-        let aims = is_known
+        let [least, full] = AIMED_AT.map(T::int);
+        let share = ((constraint.in_floors() - least) / (full - least)).min(T::int(1));
+        let aims = share > T::int(0)
             && match &mut self.finer {
                 Some(finer) => {
                     counts.local_errors += 1;
-                    let found = finer.estimate(
-                        iterate,
-                        energy,
-                        (y, h),
-                        (&self.weights, tolerance),
-                        &mut self.error,
-                    );
+                    let found =
+                        finer.estimate(iterate, energy, (y, h), &self.weights, &mut self.error);
                     counts.gradients += finer.evaluations;
                     found
                 }
                 None => false,
             };
-        if !aims {
+        if aims {
+            self.error.iter_mut().for_each(|e| *e *= share);
+        } else {
             self.error.fill(T::int(0));
         }
+        // The error of the directions times how far they are to move the end point is to be round-off: a step backwards takes the same.
+        // The u_k are nearly parallel, which makes their errors some 1000 times as large in the α's.
+        let pairs = self.error.iter().zip(&self.weights);
+        let error = pairs.fold(T::int(0), |a, (&e, &w)| a.max((e * w).abs()));
+        let moved = error.max(constraint.defect.abs() / constraint.scale);
+        let wanted = T::EPSILON / (T::int(1024) * moved);
+        if wanted < self.linear.accuracy() && !self.linear.take(iterate, energy, true, counts) {
+            return false;
+        }
+        let tolerance = wanted.clamp(T::int(16) * T::EPSILON, T::ratio(1, 100));
+        if !self.solve_forward(iterate, tolerance) {
+            return false;
+        }
+        counts.alpha_solves += 2 * self.free as u64;
         if !self.solve_back(tolerance) {
             return false;
         }
@@ -318,13 +326,13 @@ impl<T: Float> Finer<T> {
         })
     }
 
-    /// e into `error`, to `tolerance`. Returns whether it was found.
+    /// e into `error`, to round-off of the state. Returns whether it was found.
     fn estimate<E: Evaluate<T>>(
         &mut self,
         coarse: &Iterate<T>,
         energy: &mut E,
         (y, h): (&State<T>, T),
-        (weights, tolerance): (&[T], T),
+        weights: &[T],
         error: &mut [T],
     ) -> bool {
         let (s, stride) = (coarse.s, coarse.stride);
@@ -354,8 +362,8 @@ impl<T: Float> Finer<T> {
                 moved += ((*e - self.before[c]) * weights[c]).abs();
                 size += (*e * weights[c]).abs();
             }
-            let noise = T::int(8) * T::EPSILON;
-            if made > 0 && (moved <= tolerance * size || moved <= noise) {
+            let noise = T::int(4) * T::EPSILON;
+            if made > 0 && moved <= noise.max(T::int(1 << 14) * T::EPSILON * size) {
                 return true;
             }
         }

@@ -91,7 +91,7 @@ impl<T: Float> Reversible<T> {
     ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
         let n = inner.y.hi.len();
         inner.fingerprint = self.fingerprint();
-        inner.core.wants_z = true;
+        inner.core.leave_alphas_to_newton();
         inner.variable = Some(VariableSteps {
             tolerance: self.epsilon,
             smallest: T::INFINITY,
@@ -289,6 +289,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// Σ b_i/σ(Y_i) over the stages of the step just tried.
     fn mean_density(&mut self) -> Result<T, IntegrateError<T>> {
         let Stepper { core, y, .. } = &mut self.inner;
+        core.fetch_z(y);
         let n = self.point.len();
         let mut sum = T::int(0);
         for (i, &b) in core.stages.gauss.weights().iter().enumerate() {

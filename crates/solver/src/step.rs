@@ -19,6 +19,9 @@ use equip_tableau::Gauss;
 /// Most unknowns s·2m for which a run by sweeps alone calls on Newton's method to repair what a close encounter has left.
 const MOST_UNKNOWNS: usize = 128;
 
+/// In wide numbers directions are repeated to a fixed point up to this size s·n: each time takes a dense factorisation of it.
+const REPEATED_UP_TO: usize = 128;
+
 /// Everything a step works with; no allocation after it is made.
 #[derive(Debug)]
 pub(crate) struct Core<T: Float, E> {
@@ -45,8 +48,6 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) last_resort: bool,
     /// The parts of the step, if dense output is wanted.
     pub(crate) parts: Parts<T>,
-    /// Somebody reads Z from the stages after each step.
-    pub(crate) wants_z: bool,
 }
 
 /// A gradient of H and where it was taken.
@@ -54,6 +55,13 @@ pub(crate) struct Core<T: Float, E> {
 struct KnownGradient<T> {
     y: Vec<T>,
     gradient: Vec<T>,
+}
+
+impl<T: Float> KnownGradient<T> {
+    fn take<E: Evaluate<T>>(&mut self, energy: &mut E, y: &[T]) {
+        self.y.copy_from_slice(y);
+        energy.gradient(y, &mut self.gradient);
+    }
 }
 
 /// Steps that Newton makes before sweeps are tried again: 1, 2, 4, … 64 while they fail.
@@ -124,9 +132,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             },
             last_resort: true,
             parts: Parts::new(),
-            wants_z: false,
             stages: Stages::new(gauss, n),
             settings,
+        }
+    }
+
+    /// For steps that are to be made backwards: Newton's α's are the same then to the last few bits, those by sweeps to 1e-14 … 1e-13.
+    pub(crate) fn leave_alphas_to_newton(&mut self) {
+        if self.rule == Rule::Response {
+            self.rule = Rule::Newton;
         }
     }
 
@@ -207,6 +221,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if let Some(energy) = self.constraints.first() {
             self.start.y.copy_from_slice(&next.hi);
             self.start.gradient.copy_from_slice(&energy.gradient);
+        }
+    }
+
+    /// A run is resumed at `y`: what the step that led there knew is known again.
+    pub(crate) fn resume_at(&mut self, y: &State<T>) {
+        if !self.constraints.is_empty() && self.guess.is_from_last_step() {
+            self.start.take(&mut self.energy, &y.hi);
         }
     }
 
@@ -348,8 +369,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             return Err(Trouble::Slow);
         }
         if !self.constraints.is_empty() && self.start.y != y.hi {
-            self.start.y.copy_from_slice(&y.hi);
-            self.energy.gradient(&y.hi, &mut self.start.gradient);
+            self.start.take(&mut self.energy, &y.hi);
             self.counts.gradients += 1;
         }
         let task = SweepTask {
@@ -377,9 +397,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 self.pause = Pause::NONE;
                 self.stages.note_alphas(&sweeps.alphas);
                 self.guess.remember_swept(h);
-                if self.wants_z {
-                    sweeps.iterate.give_z(y, &mut self.stages.z);
-                }
             }
             Err(trouble) => {
                 self.counts.taken_over += 1;
@@ -410,6 +427,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if self.guess.is_swept() {
             self.guess.fetch(|l| sweeps.iterate.give_l(l));
             self.stages.l.copy_from_slice(self.guess.last().0);
+        }
+    }
+
+    /// The same of Z, of a step from `y`, in the stages only.
+    pub(crate) fn fetch_z(&mut self, y: &State<T>) {
+        if let (Some(sweeps), true) = (&self.sweeps, self.guess.is_swept()) {
+            sweeps.iterate.give_z(y, &mut self.stages.z);
         }
     }
 
@@ -446,7 +470,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             alpha_bound: self.settings.alpha_bound,
             max_iterations: self.settings.max_iterations,
             pure: self.settings.pure_newton,
-            repeat: T::EPSILON < T::ratio(1, 1 << 60),
+            repeat: T::EPSILON < T::ratio(1, 1 << 60) && self.stages.z.len() <= REPEATED_UP_TO,
         };
         loop {
             self.stages.set_alphas(&self.start_alphas);

@@ -213,7 +213,7 @@ impl<T: Float> Sweeps<T> {
             let early = match task.rule {
                 Rule::Slopes => uncertain <= threshold,
                 Rule::Response if alphas.moves > 0 => true,
-                Rule::Response => error <= eps.sqrt() && T::int(CLEAR) * uncertain <= threshold,
+                Rule::Response => self.is_near(error, threshold),
                 Rule::Newton => false,
             };
             if !settled && (!early || self.scale == zero) {
@@ -255,7 +255,7 @@ impl<T: Float> Sweeps<T> {
                 Rule::Response if alphas.moves > 0 => T::int(2) * g.abs() > uncertain,
                 Rule::Response => {
                     let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
-                    !at_floor && g.abs() > T::int(CLEAR) * uncertain
+                    !at_floor && self.is_near(error, g.abs())
                 }
                 _ => g.abs() > uncertain,
             };
@@ -275,6 +275,14 @@ impl<T: Float> Sweeps<T> {
             }
         }
         Err(Trouble::Slow)
+    }
+
+    /// Whether stages with this `error` are near enough to take directions from, for a defect of `g`: g stands out, and the error of
+    /// the directions, some 1000 times that of the stages, times what they are to move, up to some 1000 times g, is round-off.
+    fn is_near(&self, error: T, g: T) -> bool {
+        let eps = T::EPSILON;
+        let exact = T::int(1 << 20) * error * g <= eps * self.scale;
+        exact && error <= eps.sqrt() && T::int(CLEAR) * error * self.scale <= g
     }
 
     /// What a change of Z by 1 leaves of an error at the end point. With positions alone as unknowns ρ is the product of a half sweep
