@@ -183,7 +183,11 @@ fn below_the_floor<T: Float>(h: T, s: usize) {
         );
         assert_eq!(counts.newton_iterations, gauss_counts.newton_iterations);
         assert_eq!(counts.factorisations, gauss_counts.factorisations);
-        assert_eq!(equip, gauss);
+        // The same but for rounding: EQUIP knows the gradient where a step starts, and its sweeps start nearer.
+        let off = equip.iter().zip(&gauss).map(|(&a, &b)| (a - b).abs());
+        let off = off.fold(T::int(0), |most, x| most.max(x));
+        println!("{method}, {}: {:e}", T::NAME, off.to_f64());
+        assert!(off <= T::int(64) * T::EPSILON);
         let mut run = method
             .step(h)
             .start(&energy, &start.q, &start.p, T::int(0))

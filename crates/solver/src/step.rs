@@ -470,7 +470,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             alpha_bound: self.settings.alpha_bound,
             max_iterations: self.settings.max_iterations,
             pure: self.settings.pure_newton,
-            repeat: T::EPSILON < T::ratio(1, 1 << 60) && self.stages.z.len() <= REPEATED_UP_TO,
+            repeat: T::EPSILON < T::ratio(1, 1 << 60)
+                && !self.settings.pure_newton
+                && self.stages.z.len() <= REPEATED_UP_TO,
         };
         loop {
             self.stages.set_alphas(&self.start_alphas);
@@ -557,7 +559,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 fn rule<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> Rule {
     match settings.stage_solver {
         StageSolver::Sweeps => Rule::Slopes,
-        StageSolver::Automatic if constraints == 1 && settings.first_alpha == Some(1) && s > 2 => {
+        // In wide numbers directions are repeated to a fixed point, which is Newton's.
+        StageSolver::Automatic
+            if constraints == 1
+                && settings.first_alpha == Some(1)
+                && s > 2
+                && T::as_doubles(&[]).is_some() =>
+        {
             Rule::Response
         }
         _ => Rule::Newton,
