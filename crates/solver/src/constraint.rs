@@ -109,6 +109,11 @@ impl<T: Float> Constraint<T> {
         self.floor += products(&self.gradient, delta);
     }
 
+    /// The same for stages that sweeps leave with this relative error.
+    pub(crate) fn add_noise(&mut self, error: T) {
+        self.floor += error * self.scale;
+    }
+
     /// |g| in units of its own floor.
     pub(crate) fn in_floors(&self) -> T {
         in_floors(self.defect, self.floor)

@@ -317,9 +317,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.settings.stage_solver != StageSolver::Sweeps || unknowns <= MOST_UNKNOWNS
     }
 
-    /// Whether a defect with α = 0 is beyond the step's own floor, and so round-off of an earlier step only.
+    /// Whether a defect with α = 0 is far beyond the step's own floor, and so round-off of an earlier step only. What is a few of its own floors may be H's
+    /// own rounding, and is not worth the large α's that remove it.
     fn has_inherited(&self) -> bool {
-        let most = T::int(ENERGY_STAGNATED);
+        let most = T::int(8 * ENERGY_STAGNATED);
         let beyond = |c: &Constraint<T>| c.without_alpha.abs() > most * c.floor;
         self.constraints.iter().any(beyond)
     }

@@ -225,6 +225,9 @@ impl<T: Float> Sweeps<T> {
                 return Err(Trouble::Slow);
             }
             self.scale = constraint.scale;
+            if settled {
+                constraint.add_noise(error);
+            }
             let (g, out) = (constraint.defect, constraint.in_floors());
             if alphas.moves == 0 {
                 self.defect = g.abs();
