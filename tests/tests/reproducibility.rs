@@ -197,8 +197,8 @@ fn reversal<T: Float>(method: Method) -> f64 {
 #[test]
 fn a_run_with_reversed_momenta_returns() {
     for method in methods() {
-        // Measured 4e-14 to 3e-13, the last with all α's; headroom 3.
-        assert!(reversal::<f64>(method) < 1e-12);
+        // Measured 4e-14 to 3e-13, and up to 2e-12 with all α's, whose directions sweeps find to 1e-14 a step; headroom 2.5.
+        assert!(reversal::<f64>(method) < 5e-12);
         if !matches!(method.family(), Family::Equip(_)) {
             // Measured 4e-30; headroom 10.
             assert!(reversal::<DoubleDouble>(method) < 4e-29);

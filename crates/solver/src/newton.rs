@@ -390,7 +390,7 @@ impl<T: Float, E: Evaluate<T>> Solution<'_, T, E> {
 
 /// Whether a step with α = 0 leaves no more than a few floors of defect.
 pub(crate) fn nearly_met<T: Float>(constraints: &[Constraint<T>]) -> bool {
-    worst(constraints, Constraint::without_alpha_in_floors) <= T::int(ENERGY_STAGNATED + 1)
+    worst(constraints, Constraint::without_alpha_in_floors) <= T::int(ENERGY_STAGNATED)
 }
 
 fn finite<T>(ok: bool) -> Result<(), Failure<T>> {

@@ -185,12 +185,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         // A defect of a few floors that no α removes is round-off, …
         let round_off = failure == Failure::NoAlpha && nearly_met(&self.constraints);
         // … but one that only an earlier step may call so is worth another try here.
-        let wanted = if round_off {
-            self.has_inherited()
-        } else {
-            self.last_resort && level == self.settings.max_halvings
-        };
-        if failure == Failure::NoAlpha && wanted && self.with_fewer_alphas(y, h, next) {
+        let last_try = round_off || (self.last_resort && level == self.settings.max_halvings);
+        let wanted = failure == Failure::NoAlpha && last_try && self.has_inherited();
+        if wanted && self.with_fewer_alphas(y, h, next) {
             self.accept(next);
             self.add_part(y, t, h);
             return Ok(Outcome::Solved);
