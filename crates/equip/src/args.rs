@@ -267,7 +267,7 @@ pub(crate) struct GrowthArgs {
 #[command(
     after_help = "Every row is integrated with EQUIP and with Gauss on the same steps. It passes if every step is accounted \
         for, the energy is within 8 round-off floors wherever it is said to be kept, quadratic invariants are at round-off, \
-        no step is carried, and the trajectory error is at most 1.5 times that of Gauss (2 times for the slow variables \
+        no step is carried but for a reason that the row names, and the trajectory error is at most 1.5 times that of Gauss (2 times for the slow variables \
         where oscillations are not resolved).\n\n\
         Exit codes: 0 no row failed; 1 a row failed or the output did; 2 bad usage.\n\n\
         Examples:\n  \

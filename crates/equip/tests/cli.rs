@@ -575,7 +575,7 @@ fn killed_and_gone_on(name: &str, signal: &str, arguments: &[&str]) {
 #[cfg(unix)]
 fn a_killed_run_goes_on_as_if_it_had_not_been() {
     let fixed = [
-        "run", "kepler", "--stages", "4", "--step", "1/50", "--until", "1500", "--every", "7",
+        "run", "kepler", "--stages", "4", "--step", "1/50", "--until", "15000", "--every", "70",
     ];
     killed_and_gone_on("killed-fixed", "-KILL", &fixed);
     let variable = [
@@ -588,9 +588,9 @@ fn a_killed_run_goes_on_as_if_it_had_not_been() {
         "--tolerance",
         "1e-9",
         "--until",
-        "4000",
+        "20000",
         "--every",
-        "3",
+        "50",
     ];
     killed_and_gone_on("killed-variable", "-KILL", &variable);
     killed_and_gone_on("interrupted", "-INT", &variable);

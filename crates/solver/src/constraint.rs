@@ -109,7 +109,7 @@ impl<T: Float> Constraint<T> {
         self.floor += products(&self.gradient, delta);
     }
 
-    /// The same for stages that sweeps leave with this relative error.
+    /// The same for stages whose last change, or what it has left, is this much of their size.
     pub(crate) fn add_noise(&mut self, error: T) {
         self.floor += error * self.scale;
     }

@@ -15,6 +15,7 @@
 //! Cost: a gradient at all stages for each group of columns; a sweep of one side nnz·s + 2m s² products. Nothing is allocated.
 
 use crate::hessians::turned;
+use crate::mix::lanes_of;
 use crate::outcome::Counts;
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Pattern};
@@ -48,6 +49,13 @@ impl Column {
     }
 }
 
+/// The end of the step that does not move.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Held {
+    Start,
+    End,
+}
+
 /// ∇²H at all stages, and what is solved with it.
 #[derive(Debug)]
 pub(crate) struct LinearSweeps<T: Float> {
@@ -59,9 +67,8 @@ pub(crate) struct LinearSweeps<T: Float> {
     groups: Vec<Vec<Column>>,
     /// h b_i ∂²H at stage i: entry e at `e·stride + i`; the padding is zero.
     entries: Vec<T>,
-    /// K(0) and K(0) − 1 1ᵀ, column by column.
-    k: Vec<T>,
-    k_back: Vec<T>,
+    /// K(0) and K(0) − 1 1ᵀ, column by column: for each end that may be held.
+    k: [Vec<T>; 2],
     points: Vec<T>,
     gradients: Vec<T>,
     beside: Vec<T>,
@@ -77,8 +84,13 @@ pub(crate) struct LinearSweeps<T: Float> {
 
 impl<T: Float> LinearSweeps<T> {
     /// For `sides` right-hand sides at most.
-    pub(crate) fn new(gauss: &Gauss<T>, stride: usize, pattern: Pattern, sides: usize) -> Self {
-        let (s, n) = (gauss.stages(), pattern.dimension());
+    pub(crate) fn new(
+        gauss: &Gauss<T>,
+        iterate: &Iterate<T>,
+        pattern: Pattern,
+        sides: usize,
+    ) -> Self {
+        let (s, n, stride) = (iterate.s, iterate.n, iterate.stride);
         let zeros = |len: usize| vec![T::int(0); len];
         let mut k = zeros(stride * stride);
         gauss.skew_columns_into(&zeros(s - 1), stride, &mut k);
@@ -92,15 +104,14 @@ impl<T: Float> LinearSweeps<T> {
             s,
             stride,
             m: n / 2,
-            set: InstructionSet::best(),
+            set: iterate.set,
             groups: pattern
                 .column_groups()
                 .iter()
                 .map(|group| group.iter().map(|&c| Column::of(&pattern, c)).collect())
                 .collect(),
             entries: zeros(pattern.len() * stride),
-            k,
-            k_back,
+            k: [k, k_back],
             points: zeros(n * stride),
             gradients: zeros(n * stride),
             beside: zeros(n * stride),
@@ -229,25 +240,18 @@ impl<T: Float> LinearSweeps<T> {
         }
     }
 
-    /// Solves X = K δL + r for all sides, `x` starting anywhere, until the sums δL of every side, weighed with `weights`, change by
-    /// less than `tolerance`. Returns whether they do.
-    pub(crate) fn solve(&mut self, (r, x): (&[T], &mut [T]), weights: &[T], tolerance: T) -> bool {
-        let k = std::mem::take(&mut self.k);
-        let solved = self.sweep(&k, (r, x), weights, tolerance);
-        self.k = k;
-        solved
-    }
-
-    /// The same for X = r − (1 1ᵀ − K) δL.
-    pub(crate) fn solve_back(
+    /// Solves for all sides, `x` starting anywhere, until the sums δL of every side, weighed with `weights`, change by
+    /// less than `tolerance`: X = K δL + r, or, with the other end held, X = r − (1 1ᵀ − K) δL. Returns whether they do.
+    pub(crate) fn solve(
         &mut self,
-        (r, x): (&[T], &mut [T]),
+        held: Held,
+        sides: (&[T], &mut [T]),
         weights: &[T],
         tolerance: T,
     ) -> bool {
-        let k = std::mem::take(&mut self.k_back);
-        let solved = self.sweep(&k, (r, x), weights, tolerance);
-        self.k_back = k;
+        let k = std::mem::take(&mut self.k[held as usize]);
+        let solved = self.sweep(&k, sides, weights, tolerance);
+        self.k[held as usize] = k;
         solved
     }
 
@@ -331,9 +335,9 @@ impl<T: Float> Kernel for Times<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match (self.stride, T::as_doubles(&[])) {
-            (4, Some(_)) => self.lanes::<4>(),
-            (stride, Some(_)) if stride % 8 == 0 => self.lanes::<8>(),
+        match lanes_of::<T>(self.stride) {
+            4 => self.lanes::<4>(),
+            8 => self.lanes::<8>(),
             _ => self.lanes::<1>(),
         }
     }

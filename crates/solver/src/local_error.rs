@@ -37,24 +37,15 @@ impl<T: Float> LocalError<T> {
     pub(crate) fn new(gauss: &Gauss<T>, structure: &Structure, simplified: bool) -> Option<Self> {
         let (s, n) = (gauss.stages(), structure.hessian.dimension());
         let finer = Gauss::<T>::new(s + 1).ok()?;
-        let mut prolongation = vec![T::int(0); (s + 1) * s];
-        let mut integrals = vec![T::int(0); s];
-        for (row, &c) in prolongation.chunks_exact_mut(s).zip(finer.nodes()) {
-            legendre_integrals_at(c, &mut integrals);
-            for (j, x) in row.iter_mut().enumerate() {
-                let terms = integrals.iter().enumerate();
-                *x = terms.fold(T::int(0), |sum, (k, &i)| sum + i * gauss.legendre(k)[j]);
-            }
-        }
         let solver = if simplified {
             StageSolver::SimplifiedNewton
         } else {
             StageSolver::FullNewton
         };
         Some(LocalError {
+            prolongation: to_nodes(gauss, &finer),
             stages: Stages::new(finer, n),
             linearised: Linearised::new(s + 1, structure, solver, true),
-            prolongation,
             correction: DVector::zeros((s + 1) * n),
             error: vec![T::int(0); n],
             back: vec![T::int(0); n],
@@ -131,4 +122,19 @@ impl<T: Float> LocalError<T> {
 
 fn add<T: Float>(y: &mut [T], a: T, x: &[T]) {
     y.iter_mut().zip(x).for_each(|(y, &x)| *y += a * x);
+}
+
+/// Σ_k (∫_0^{c_i} P_k) P_k(c_j), row by row: from the L_j at the nodes of `gauss` to the Z_i at those of `finer`.
+pub(crate) fn to_nodes<T: Float>(gauss: &Gauss<T>, finer: &Gauss<T>) -> Vec<T> {
+    let s = gauss.stages();
+    let mut prolongation = vec![T::int(0); finer.stages() * s];
+    let mut integrals = vec![T::int(0); s];
+    for (row, &c) in prolongation.chunks_exact_mut(s).zip(finer.nodes()) {
+        legendre_integrals_at(c, &mut integrals);
+        for (j, x) in row.iter_mut().enumerate() {
+            let terms = integrals.iter().enumerate();
+            *x = terms.fold(T::int(0), |sum, (k, &i)| sum + i * gauss.legendre(k)[j]);
+        }
+    }
+    prolongation
 }

@@ -16,13 +16,15 @@
 use crate::constraint::Constraint;
 use crate::displacement::{Displacements, dot};
 use crate::hessians;
-use crate::linear_sweeps::LinearSweeps;
+use crate::linear_sweeps::{Held, LinearSweeps};
+use crate::local_error::to_nodes;
 use crate::outcome::Counts;
+use crate::stages::raise_to_least;
 use crate::state::State;
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Pattern};
-use equip_scalar::{Float, InstructionSet, mix_stages};
-use equip_tableau::{Gauss, legendre_integrals_at};
+use equip_scalar::{Float, mix_stages};
+use equip_tableau::Gauss;
 
 /// So many α's move.
 pub(crate) const LEADING: usize = 3;
@@ -85,7 +87,7 @@ impl<T: Float> Response<T> {
             n,
             stride,
             free,
-            linear: LinearSweeps::new(gauss, stride, pattern.clone(), free + 1),
+            linear: LinearSweeps::new(gauss, iterate, pattern.clone(), free + 1),
             t_columns: t_columns.collect(),
             rhs: zeros(n * (free + 1) * stride),
             x: zeros(n * free * stride),
@@ -109,13 +111,13 @@ impl<T: Float> Response<T> {
     }
 
     /// Takes α⁰ and D at the converged stages of `iterate`, at whose end point the constraint has been
-    /// evaluated. Returns whether they were found; of a step that does not resolve the motion they are left to Newton.
+    /// evaluated; its gradient at the start is known. Returns whether they were found; of a step that does not resolve the motion they are left to Newton.
     pub(crate) fn take<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
         energy: &mut E,
         (y, h): (&State<T>, T),
-        constraint: &mut Constraint<T>,
+        constraint: &Constraint<T>,
         counts: &mut Counts,
     ) -> bool {
         if !self.linear.take(iterate, energy, false, counts) {
@@ -162,8 +164,6 @@ impl<T: Float> Response<T> {
         if !self.solve_back(tolerance) {
             return false;
         }
-        counts.gradients += 1;
-        constraint.evaluate_start(energy, y);
         for (u, back) in self.ends.iter().zip(&self.starts) {
             let slope = (dot(&constraint.gradient, u) - dot(&constraint.start_gradient, back))
                 / constraint.scale;
@@ -216,11 +216,7 @@ impl<T: Float> Response<T> {
         {
             *size = points[..s].iter().fold(T::int(0), |a, x| a.max(x.abs()));
         }
-        let share = T::EPSILON.sqrt().sqrt();
-        for group in self.sizes.chunks_exact_mut(self.n / 2) {
-            let least = share * group.iter().fold(T::int(0), |a, &x| a.max(x));
-            group.iter_mut().for_each(|x| *x = x.max(least));
-        }
+        raise_to_least(&mut self.sizes);
         for (weight, &size) in self.weights.iter_mut().zip(&self.sizes) {
             *weight = if size > T::int(0) {
                 T::int(1) / size
@@ -237,21 +233,14 @@ impl<T: Float> Response<T> {
         let (free, stride, n) = (self.free, self.stride, self.n);
         let len = n * free * stride;
         for (k, t) in self.t_columns.iter().enumerate() {
-            mix_stages(
-                InstructionSet::best(),
-                t,
-                &iterate.l,
-                &mut self.t_l,
-                self.s,
-                stride,
-            );
+            mix_stages(iterate.set, t, &iterate.l, &mut self.t_l, self.s, stride);
             for (c, t_l) in self.t_l.chunks_exact(stride).enumerate() {
                 self.rhs[(c * free + k) * stride..][..stride].copy_from_slice(t_l);
             }
         }
         self.x[..len].copy_from_slice(&self.rhs[..len]);
         let sides = (&self.rhs[..len], &mut self.x[..len]);
-        if !self.linear.solve(sides, &self.weights, tolerance) {
+        if !(self.linear).solve(Held::Start, sides, &self.weights, tolerance) {
             return false;
         }
         for (k, end) in self.ends.iter_mut().enumerate() {
@@ -264,18 +253,17 @@ impl<T: Float> Response<T> {
 
     /// u'_k, e'. X of the forward solution stays.
     fn solve_back(&mut self, tolerance: T) -> bool {
-        let (sides, stride, n) = (self.free + 1, self.stride, self.n);
+        let (count, stride, n) = (self.free + 1, self.stride, self.n);
         let mut x = std::mem::take(&mut self.back);
         for c in 0..n {
             let ends = self.ends.iter().chain(std::iter::once(&self.error));
             for (k, u) in ends.enumerate() {
-                self.rhs[(c * sides + k) * stride..][..stride].fill(u[c]);
+                self.rhs[(c * count + k) * stride..][..stride].fill(u[c]);
             }
         }
         x.copy_from_slice(&self.rhs);
-        let solved = self
-            .linear
-            .solve_back((&self.rhs, &mut x), &self.weights, tolerance);
+        let sides = (self.rhs.as_slice(), x.as_mut_slice());
+        let solved = (self.linear).solve(Held::End, sides, &self.weights, tolerance);
         self.back = x;
         if !solved {
             return false;
@@ -284,7 +272,7 @@ impl<T: Float> Response<T> {
         let pairs = starts.chain(std::iter::once((&mut self.error_start, &self.error)));
         for (k, (start, end)) in pairs.enumerate() {
             for (c, (start, &u)) in start.iter_mut().zip(end).enumerate() {
-                *start = self.linear.sums[c * sides + k] - u;
+                *start = self.linear.sums[c * count + k] - u;
             }
         }
         true
@@ -308,19 +296,10 @@ impl<T: Float> Finer<T> {
         let (s, n) = (iterate.s, iterate.n);
         let finer = Gauss::<T>::new(s + 1).ok()?;
         let zeros = |len: usize| vec![T::int(0); len];
-        let mut prolongation = zeros((s + 1) * s);
-        let mut integrals = zeros(s);
-        for (row, &c) in prolongation.chunks_exact_mut(s).zip(finer.nodes()) {
-            legendre_integrals_at(c, &mut integrals);
-            for (j, x) in row.iter_mut().enumerate() {
-                let terms = integrals.iter().enumerate();
-                *x = terms.fold(T::int(0), |sum, (k, &i)| sum + i * gauss.legendre(k)[j]);
-            }
-        }
         Some(Finer {
+            prolongation: to_nodes(gauss, &finer),
             iterate: Iterate::new(&finer, n, iterate.kinetic.clone(), &zeros(s)),
             gauss: finer,
-            prolongation,
             before: zeros(n),
             evaluations: 0,
         })

@@ -15,7 +15,7 @@
 //! Cost: 2m s² products for the coefficients, about m s² for the sums.
 
 use crate::sweep::Iterate;
-use equip_scalar::{Float, InstructionSet, mix_stages};
+use equip_scalar::{Float, mix_stages};
 use equip_tableau::Gauss;
 
 /// So many α's move. The higher ones disturb the stages the more for the same displacement of y1, and with small defects their slopes
@@ -69,7 +69,7 @@ impl<T: Float> Slopes<T> {
     pub(crate) fn take(&mut self, iterate: &Iterate<T>, h: T) -> bool {
         let (s, stride, m) = (iterate.s, iterate.stride, iterate.n / 2);
         mix_stages(
-            InstructionSet::best(),
+            iterate.set,
             &self.legendre,
             &iterate.l,
             &mut self.coefficients,

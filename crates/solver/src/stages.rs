@@ -255,11 +255,16 @@ impl<T: Float> Stages<T> {
         for (j, size) in sizes.iter_mut().enumerate() {
             *size = largest_of(&self.points, j, self.n);
         }
-        let share = T::EPSILON.sqrt().sqrt();
-        for group in sizes.chunks_exact_mut(self.n / 2) {
-            let least = share * group.iter().fold(T::int(0), |a, &x| a.max(x));
-            group.iter_mut().for_each(|x| *x = x.max(least));
-        }
+        raise_to_least(sizes);
+    }
+}
+
+/// Raises each of 2m sizes to ε^(1/4) of the largest position or momentum at least.
+pub(crate) fn raise_to_least<T: Float>(sizes: &mut [T]) {
+    let (share, m) = (T::EPSILON.sqrt().sqrt(), sizes.len() / 2);
+    for group in sizes.chunks_exact_mut(m) {
+        let least = share * group.iter().fold(T::int(0), |a, &x| a.max(x));
+        group.iter_mut().for_each(|x| *x = x.max(least));
     }
 }
 

@@ -4,14 +4,14 @@ use crate::alpha::Norm;
 use crate::constraint::{Constraint, worst};
 use crate::dense::Parts;
 use crate::error::IntegrateError;
-use crate::escape::escapes;
 use crate::guess::Guess;
 use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
 use crate::options::{OnNoAlpha, Settings, StageSolver};
 use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
 use crate::state::State;
-use crate::sweeps::{Rule, SweepTask, Sweeps, Trouble};
+use crate::step_swept::{KnownGradient, Pause, can_sweep, rule};
+use crate::sweeps::{Rule, Sweeps};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
@@ -33,51 +33,21 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) counts: Counts,
     pub(crate) settings: Settings<T>,
     pub(crate) sweeps: Option<Sweeps<T>>,
-    rule: Rule,
+    pub(crate) rule: Rule,
     pub(crate) pause: Pause,
     pub(crate) guess: Guess<T>,
     /// α's a step starts from: zero, or the fixed ones.
-    start_alphas: Vec<T>,
+    pub(crate) start_alphas: Vec<T>,
     /// Outcome of a step without constraints.
     unconstrained: Outcome,
     /// Mid points of halved steps, one per level.
     middles: Vec<State<T>>,
     /// ∇H where the next step starts.
-    start: KnownGradient<T>,
+    pub(crate) start: KnownGradient<T>,
     /// Whether a step for which no admissible α was found is tried with fewer of them before it is carried.
     pub(crate) last_resort: bool,
     /// The parts of the step, if dense output is wanted.
     pub(crate) parts: Parts<T>,
-}
-
-/// A gradient of H and where it was taken.
-#[derive(Debug)]
-struct KnownGradient<T> {
-    y: Vec<T>,
-    gradient: Vec<T>,
-}
-
-impl<T: Float> KnownGradient<T> {
-    fn take<E: Evaluate<T>>(&mut self, energy: &mut E, y: &[T]) {
-        self.y.copy_from_slice(y);
-        energy.gradient(y, &mut self.gradient);
-    }
-}
-
-/// Steps that Newton makes before sweeps are tried again: 1, 2, 4, … 64 while they fail.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Pause {
-    pub(crate) left: u32,
-    pub(crate) next: u32,
-}
-
-impl Pause {
-    const NONE: Self = Pause { left: 0, next: 1 };
-
-    fn lengthen(&mut self) {
-        self.left = self.next;
-        self.next = (2 * self.next).min(64);
-    }
 }
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
@@ -134,13 +104,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             parts: Parts::new(),
             stages: Stages::new(gauss, n),
             settings,
-        }
-    }
-
-    /// For steps that are to be made backwards: Newton's α's are the same then to the last few bits, those by sweeps to 1e-14 … 1e-13.
-    pub(crate) fn leave_alphas_to_newton(&mut self) {
-        if self.rule == Rule::Response {
-            self.rule = Rule::Newton;
         }
     }
 
@@ -218,13 +181,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if let Some(energy) = self.constraints.first() {
             self.start.y.copy_from_slice(&next.hi);
             self.start.gradient.copy_from_slice(&energy.gradient);
-        }
-    }
-
-    /// A run is resumed at `y`: what the step that led there knew is known again.
-    pub(crate) fn resume_at(&mut self, y: &State<T>) {
-        if !self.constraints.is_empty() && self.guess.is_from_last_step() {
-            self.start.take(&mut self.energy, &y.hi);
         }
     }
 
@@ -351,90 +307,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         })
     }
 
-    /// System (7) by sweeps, unless it is Newton's turn.
-    fn sweep(
-        &mut self,
-        y: &State<T>,
-        h: T,
-        constrained: bool,
-        next: &mut State<T>,
-    ) -> Result<(), Trouble> {
-        let Some(sweeps) = &mut self.sweeps else {
-            return Err(Trouble::Slow);
-        };
-        if self.pause.left > 0 {
-            self.pause.left -= 1;
-            return Err(Trouble::Slow);
-        }
-        if !self.constraints.is_empty() && self.start.y != y.hi {
-            self.start.take(&mut self.energy, &y.hi);
-            self.counts.gradients += 1;
-        }
-        let task = SweepTask {
-            y,
-            h,
-            alphas: &self.start_alphas,
-            alpha_bound: self.settings.alpha_bound,
-            last: self.guess.prolongation(h),
-            known: (!self.constraints.is_empty()).then_some(self.start.gradient.as_slice()),
-            rule: self.rule,
-        };
-        let constraint = self.constraints.first_mut().filter(|_| constrained);
-        if !self.guess.is_swept() {
-            sweeps.iterate.take_l(self.guess.last().0);
-        }
-        let swept = sweeps.solve(
-            &self.stages.gauss,
-            &mut self.energy,
-            constraint,
-            (next, &task),
-            &mut self.counts,
-        );
-        match swept {
-            Ok(()) => {
-                self.pause = Pause::NONE;
-                self.stages.note_alphas(&sweeps.alphas);
-                self.guess.remember_swept(h);
-            }
-            Err(trouble) => {
-                self.counts.taken_over += 1;
-                self.guess.fetch(|l| sweeps.iterate.give_l_before(l));
-                self.guess.is_lost();
-                if trouble == Trouble::StagesOnly {
-                    // They contracted.
-                    self.pause = Pause::NONE;
-                    sweeps.iterate.give_z(y, &mut self.stages.z);
-                    self.guess.is_made();
-                } else if self.settings.stage_solver == StageSolver::Sweeps {
-                    // There is no other solver: what is tried next, in parts, starts from the state alone.
-                    self.guess.forget();
-                }
-                if trouble == Trouble::Slow {
-                    self.pause.lengthen();
-                }
-            }
-        }
-        swept
-    }
-
-    /// Sees to it that L of the step made last stands in the stages and in the guess: sweeps keep it until somebody asks.
-    pub(crate) fn fetch_l(&mut self) {
-        let Some(sweeps) = &self.sweeps else {
-            return;
-        };
-        if self.guess.is_swept() {
-            self.guess.fetch(|l| sweeps.iterate.give_l(l));
-            self.stages.l.copy_from_slice(self.guess.last().0);
-        }
-    }
-
-    /// The same of Z, of a step from `y`, in the stages only.
-    pub(crate) fn fetch_z(&mut self, y: &State<T>) {
-        if let (Some(sweeps), true) = (&self.sweeps, self.guess.is_swept()) {
-            sweeps.iterate.give_z(y, &mut self.stages.z);
-        }
-    }
-
     /// A part of the step for those who want its stages.
     fn add_part(&mut self, y: &State<T>, t: T, h: T) {
         if self.parts.wanted {
@@ -498,86 +370,4 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
         }
     }
-
-    fn error(&mut self, failure: Failure<T>, y: &State<T>, time: T, step: T) -> IntegrateError<T> {
-        let halvings = self.settings.max_halvings;
-        let unsolved = matches!(
-            failure,
-            Failure::NotFinite | Failure::NoConvergence { .. } | Failure::Astray { .. }
-        );
-        if unsolved && let Some(size) = escapes(&mut self.energy, &y.hi, step) {
-            return IntegrateError::Escape { time, step, size };
-        }
-        match failure {
-            Failure::NotFinite => IntegrateError::NotFinite {
-                time,
-                step,
-                halvings,
-            },
-            Failure::Singular => IntegrateError::Singular {
-                time,
-                step,
-                halvings,
-            },
-            Failure::Astray { defect, scale } => IntegrateError::Astray {
-                time,
-                step,
-                defect,
-                scale,
-            },
-            Failure::NoConvergence {
-                iterations,
-                correction,
-            } => IntegrateError::NoConvergence {
-                time,
-                step,
-                halvings,
-                iterations,
-                correction,
-            },
-            Failure::NoAlpha | Failure::Unresolved => {
-                let mut worst = (T::int(0), T::int(0));
-                for c in &self.constraints {
-                    if c.in_floors() > T::int(1) {
-                        worst = (c.defect, c.floor);
-                    }
-                }
-                IntegrateError::NoAdmissibleAlpha {
-                    time,
-                    step,
-                    defect: worst.0,
-                    floor: worst.1,
-                }
-            }
-        }
-    }
-}
-
-/// Who moves the α's of steps whose stages sweeps have found.
-fn rule<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> Rule {
-    match settings.stage_solver {
-        StageSolver::Sweeps => Rule::Slopes,
-        // In wide numbers directions are repeated to a fixed point, which is Newton's.
-        StageSolver::Automatic
-            if constraints == 1
-                && settings.first_alpha == Some(1)
-                && s > 2
-                && T::as_doubles(&[]).is_some() =>
-        {
-            Rule::Response
-        }
-        _ => Rule::Newton,
-    }
-}
-
-/// Whether sweeps can solve what is asked: the stages, with the energy as the only constraint; if they are to move the α's too, with
-/// slopes for two of them or more. With the one that s = 3 leaves trajectories are up to 1000 times as far off as with both.
-fn can_sweep<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> bool {
-    let has_slopes = settings.first_alpha == Some(1) && s > 3;
-    let wanted = match settings.stage_solver {
-        StageSolver::Automatic => constraints <= 1,
-        StageSolver::Sweeps => constraints == 0 || (constraints == 1 && has_slopes),
-        _ => false,
-    };
-    wanted && !settings.pure_newton
 }

@@ -226,7 +226,7 @@ impl<T: Float> Sweeps<T> {
             }
             self.scale = constraint.scale;
             if settled {
-                constraint.add_noise(error);
+                constraint.add_noise(error.min(change));
             }
             let (g, out) = (constraint.defect, constraint.in_floors());
             if alphas.moves == 0 {
@@ -266,6 +266,9 @@ impl<T: Float> Sweeps<T> {
                 if alphas.moves == 0
                     && let (Rule::Response, Some(response)) = (task.rule, &mut self.response)
                 {
+                    if let Some(known) = task.known {
+                        constraint.start_gradient.copy_from_slice(known);
+                    }
                     let step = (task.y, task.h);
                     if !response.take(&self.iterate, energy, step, constraint, counts) {
                         return Err(Trouble::StagesOnly);

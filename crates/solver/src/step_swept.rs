@@ -1,0 +1,167 @@
+//! The step by sweeps: when they are tried, what they start from, and what they leave to Newton and to others.
+
+use crate::options::{Settings, StageSolver};
+use crate::state::State;
+use crate::step::Core;
+use crate::sweeps::{Rule, SweepTask, Trouble};
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+
+/// A gradient of H and where it was taken.
+#[derive(Debug)]
+pub(crate) struct KnownGradient<T> {
+    pub(crate) y: Vec<T>,
+    pub(crate) gradient: Vec<T>,
+}
+
+impl<T: Float> KnownGradient<T> {
+    fn take<E: Evaluate<T>>(&mut self, energy: &mut E, y: &[T]) {
+        self.y.copy_from_slice(y);
+        energy.gradient(y, &mut self.gradient);
+    }
+}
+
+/// Steps that Newton makes before sweeps are tried again: 1, 2, 4, … 64 while they fail.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pause {
+    pub(crate) left: u32,
+    pub(crate) next: u32,
+}
+
+impl Pause {
+    pub(crate) const NONE: Self = Pause { left: 0, next: 1 };
+
+    fn lengthen(&mut self) {
+        self.left = self.next;
+        self.next = (2 * self.next).min(64);
+    }
+}
+
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// For steps that are to be made backwards: Newton's α's are the same then to the last few bits, those by sweeps to 1e-14 … 1e-13.
+    pub(crate) fn leave_alphas_to_newton(&mut self) {
+        if self.rule == Rule::Response {
+            self.rule = Rule::Newton;
+        }
+    }
+
+    /// A run is resumed at `y`: what the step that led there knew is known again.
+    pub(crate) fn resume_at(&mut self, y: &State<T>) {
+        if !self.constraints.is_empty() && self.guess.is_from_last_step() {
+            self.start.take(&mut self.energy, &y.hi);
+        }
+    }
+
+    /// System (7) by sweeps, unless it is Newton's turn.
+    pub(crate) fn sweep(
+        &mut self,
+        y: &State<T>,
+        h: T,
+        constrained: bool,
+        next: &mut State<T>,
+    ) -> Result<(), Trouble> {
+        let Some(sweeps) = &mut self.sweeps else {
+            return Err(Trouble::Slow);
+        };
+        if self.pause.left > 0 {
+            self.pause.left -= 1;
+            return Err(Trouble::Slow);
+        }
+        if !self.constraints.is_empty() && self.start.y != y.hi {
+            self.start.take(&mut self.energy, &y.hi);
+            self.counts.gradients += 1;
+        }
+        let task = SweepTask {
+            y,
+            h,
+            alphas: &self.start_alphas,
+            alpha_bound: self.settings.alpha_bound,
+            last: self.guess.prolongation(h),
+            known: (!self.constraints.is_empty()).then_some(self.start.gradient.as_slice()),
+            rule: self.rule,
+        };
+        let constraint = self.constraints.first_mut().filter(|_| constrained);
+        if !self.guess.is_swept() {
+            sweeps.iterate.take_l(self.guess.last().0);
+        }
+        let swept = sweeps.solve(
+            &self.stages.gauss,
+            &mut self.energy,
+            constraint,
+            (next, &task),
+            &mut self.counts,
+        );
+        match swept {
+            Ok(()) => {
+                self.pause = Pause::NONE;
+                self.stages.note_alphas(&sweeps.alphas);
+                self.guess.remember_swept(h);
+            }
+            Err(trouble) => {
+                self.counts.taken_over += 1;
+                self.guess.fetch(|l| sweeps.iterate.give_l_before(l));
+                self.guess.is_lost();
+                if trouble == Trouble::StagesOnly {
+                    // They contracted.
+                    self.pause = Pause::NONE;
+                    sweeps.iterate.give_z(y, &mut self.stages.z);
+                    self.guess.is_made();
+                } else if self.settings.stage_solver == StageSolver::Sweeps {
+                    // There is no other solver: what is tried next, in parts, starts from the state alone.
+                    self.guess.forget();
+                }
+                if trouble == Trouble::Slow {
+                    self.pause.lengthen();
+                }
+            }
+        }
+        swept
+    }
+
+    /// Sees to it that L of the step made last stands in the stages and in the guess: sweeps keep it until somebody asks.
+    pub(crate) fn fetch_l(&mut self) {
+        let Some(sweeps) = &self.sweeps else {
+            return;
+        };
+        if self.guess.is_swept() {
+            self.guess.fetch(|l| sweeps.iterate.give_l(l));
+            self.stages.l.copy_from_slice(self.guess.last().0);
+        }
+    }
+
+    /// The same of Z, of a step from `y`, in the stages only.
+    pub(crate) fn fetch_z(&mut self, y: &State<T>) {
+        if let (Some(sweeps), true) = (&self.sweeps, self.guess.is_swept()) {
+            sweeps.iterate.give_z(y, &mut self.stages.z);
+        }
+    }
+}
+
+/// Who moves the α's of steps whose stages sweeps have found.
+pub(crate) fn rule<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> Rule {
+    match settings.stage_solver {
+        StageSolver::Sweeps => Rule::Slopes,
+        // In wide numbers directions are repeated to a fixed point, which is Newton's.
+        StageSolver::Automatic
+            if constraints == 1
+                && settings.first_alpha == Some(1)
+                && s > 2
+                && T::as_doubles(&[]).is_some() =>
+        {
+            Rule::Response
+        }
+        _ => Rule::Newton,
+    }
+}
+
+/// Whether sweeps can solve what is asked: the stages, with the energy as the only constraint; if they are to move the α's too, with
+/// slopes for two of them or more. With the one that s = 3 leaves trajectories are up to 1000 times as far off as with both.
+pub(crate) fn can_sweep<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> bool {
+    let has_slopes = settings.first_alpha == Some(1) && s > 3;
+    let wanted = match settings.stage_solver {
+        StageSolver::Automatic => constraints <= 1,
+        StageSolver::Sweeps => constraints == 0 || (constraints == 1 && has_slopes),
+        _ => false,
+    };
+    wanted && !settings.pure_newton
+}
