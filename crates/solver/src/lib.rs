@@ -47,6 +47,7 @@ mod mix;
 mod newton;
 mod newton_alphas;
 mod observer;
+mod opening;
 mod options;
 mod outcome;
 mod pairs;

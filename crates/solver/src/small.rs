@@ -13,13 +13,13 @@ use std::array::from_fn;
 type Rows<const C: usize, const G: usize, const N: usize> = [[[f64; N]; G]; C];
 
 /// K L for one component, in two parts: what is read number by number is best read from memory, where the first part puts it.
-trait Mixes<const G: usize, const N: usize> {
+pub(crate) trait Mixes<const G: usize, const N: usize> {
     fn folded(&self, l: &[[f64; N]; G]) -> [[f64; N]; G];
     fn product(&self, folded: &[[f64; N]; G]) -> [[f64; N]; G];
 }
 
 /// K as it is, for one group of stages.
-struct Square<'a, const N: usize>(&'a [[f64; N]; N]);
+pub(crate) struct Square<'a, const N: usize>(pub(crate) &'a [[f64; N]; N]);
 
 impl<const N: usize> Mixes<1, N> for Square<'_, N> {
     #[inline(always)]
@@ -34,7 +34,7 @@ impl<const N: usize> Mixes<1, N> for Square<'_, N> {
 }
 
 /// K as P and Q, for two groups.
-struct Blocks<'a>(&'a [[[f64; HALF]; HALF]; 2]);
+pub(crate) struct Blocks<'a>(pub(crate) &'a [[[f64; HALF]; HALF]; 2]);
 
 impl Mixes<2, HALF> for Blocks<'_> {
     #[inline(always)]
@@ -98,6 +98,21 @@ fn half<const M: usize, const G: usize, const N: usize>(
     forces: &impl Slopes<M, N>,
     k: &impl Mixes<G, N>,
 ) -> f64 {
+    let q = rows::<M, G, N>(task.step.points);
+    let mut slopes = [[Lanes::splat(0.0); M]; G];
+    for g in 0..G {
+        slopes[g] = forces.at(&from_fn(|c| Lanes(q[c][g])));
+    }
+    half_from(task, &slopes, k)
+}
+
+/// The same from ∇U on.
+#[inline(always)]
+pub(crate) fn half_from<const M: usize, const G: usize, const N: usize>(
+    task: &mut Half<'_, f64>,
+    slopes: &[[Lanes<N>; M]; G],
+    k: &impl Mixes<G, N>,
+) -> f64 {
     let step = &mut task.step;
     let hb: &[[f64; N]; G] = literal(step.hb.as_chunks().0.first_chunk());
     let (hi, lo) = (halves::<M>(step.hi), halves::<M>(step.lo));
@@ -110,10 +125,6 @@ fn half<const M: usize, const G: usize, const N: usize>(
     let folded = rows::<M, G, N>(step.folded);
     let inverse_scale = row::<M>(step.inverse_scale);
 
-    let mut slopes = [[Lanes::splat(0.0); M]; G];
-    for g in 0..G {
-        slopes[g] = forces.at(&from_fn(|c| Lanes(q[c][g])));
-    }
     for c in 0..M {
         let l: [[f64; N]; G] = from_fn(|g| from_fn(|i| -(hb[g][i] * slopes[g][c].0[i])));
         folded[c] = k.folded(&l);
@@ -144,6 +155,21 @@ fn whole<const C: usize, const G: usize, const N: usize>(
     gradients: &impl Slopes<C, N>,
     k: &impl Mixes<G, N>,
 ) -> f64 {
+    let points = rows::<C, G, N>(task.0.points);
+    let mut slopes = [[Lanes::splat(0.0); C]; G];
+    for g in 0..G {
+        slopes[g] = gradients.at(&from_fn(|c| Lanes(points[c][g])));
+    }
+    whole_from(task, &slopes, k)
+}
+
+/// The same from ∇H on.
+#[inline(always)]
+pub(crate) fn whole_from<const C: usize, const G: usize, const N: usize>(
+    task: &mut Whole<'_, f64>,
+    slopes: &[[Lanes<N>; C]; G],
+    k: &impl Mixes<G, N>,
+) -> f64 {
     let step = &mut task.0;
     let hb: &[[f64; N]; G] = literal(step.hb.as_chunks().0.first_chunk());
     let (hi, lo) = (row::<C>(step.hi), row::<C>(step.lo));
@@ -155,10 +181,6 @@ fn whole<const C: usize, const G: usize, const N: usize>(
     let folded = rows::<C, G, N>(step.folded);
     let inverse_scale = row::<C>(step.inverse_scale);
 
-    let mut slopes = [[Lanes::splat(0.0); C]; G];
-    for g in 0..G {
-        slopes[g] = gradients.at(&from_fn(|c| Lanes(points[c][g])));
-    }
     for c in 0..C {
         let from = (c + C / 2) % C;
         let mut row: [[f64; N]; G] = from_fn(|g| from_fn(|i| hb[g][i] * slopes[g][from].0[i]));
@@ -200,7 +222,7 @@ fn change<const C: usize, const G: usize, const N: usize>(
 }
 
 #[inline(always)]
-fn row<const C: usize>(x: &[f64]) -> &[f64; C] {
+pub(crate) fn row<const C: usize>(x: &[f64]) -> &[f64; C] {
     literal(x.first_chunk())
 }
 
@@ -211,14 +233,16 @@ fn halves<const M: usize>(x: &[f64]) -> [&[f64; M]; 2] {
 }
 
 #[inline(always)]
-fn rows<const C: usize, const G: usize, const N: usize>(x: &mut [f64]) -> &mut Rows<C, G, N> {
+pub(crate) fn rows<const C: usize, const G: usize, const N: usize>(
+    x: &mut [f64],
+) -> &mut Rows<C, G, N> {
     literal(x.as_chunks_mut().0.as_chunks_mut().0.first_chunk_mut())
 }
 
 /// # Panics
 /// If what is there is shorter than its literal length.
 #[inline(always)]
-fn literal<R>(found: Option<R>) -> R {
+pub(crate) fn literal<R>(found: Option<R>) -> R {
     match found {
         Some(found) => found,
         None => panic!(

@@ -183,7 +183,7 @@ pub(crate) fn resolve<T: Float>(scale: &mut [T], inverse: &mut [T], components: 
 
 /// Lane by lane the larger of the size and |x|.
 #[inline(always)]
-fn see<T: Float, const N: usize>(size: &mut [T; N], x: &[T; N]) {
+pub(crate) fn see<T: Float, const N: usize>(size: &mut [T; N], x: &[T; N]) {
     for i in 0..N {
         let x = x[i].abs();
         size[i] = if x > size[i] { x } else { size[i] };

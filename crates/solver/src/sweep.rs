@@ -20,6 +20,7 @@
 use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
 use crate::mix::{Half, Step, Whole, stride_for};
+use crate::opening::Opening;
 use crate::pairs::{HALF, has_pairs};
 use crate::small::ByPairs;
 use crate::start::{Foretell, Prolongation, Sizes, resolve};
@@ -140,6 +141,16 @@ impl<T: Float> Iterate<T> {
 
     /// A step of size `h` begins at `y` with the α's to start from, at Z = 0.
     pub(crate) fn begin(&mut self, gauss: &Gauss<T>, (y, h): (&State<T>, T)) {
+        self.set_step(gauss, h);
+        let len = self.unknowns() * self.stride;
+        self.z[..len].fill(T::int(0));
+        self.place(y);
+        self.measure(y, 0..self.unknowns());
+        self.is_prolonged = false;
+        self.was_far = false;
+    }
+
+    fn set_step(&mut self, gauss: &Gauss<T>, h: T) {
         if self.h != h {
             self.h = h;
             for (hb, &b) in self.hb.iter_mut().zip(gauss.weights()) {
@@ -149,23 +160,24 @@ impl<T: Float> Iterate<T> {
         if std::mem::take(&mut self.k_has_moved) {
             self.k.copy_from_slice(&self.k_start);
         }
-        let len = self.unknowns() * self.stride;
-        self.z[..len].fill(T::int(0));
-        self.place(y);
-        self.measure(y, 0..self.unknowns());
-        self.is_prolonged = false;
-        self.was_far = false;
     }
 
-    /// After [`begin`](Self::begin): from the gradients that the L of the last step foretells.
-    pub(crate) fn prolong(
+    /// The same from the gradients that the L of the last step foretells.
+    pub(crate) fn begin_from_last(
         &mut self,
-        y: &State<T>,
+        gauss: &Gauss<T>,
+        (y, h): (&State<T>, T),
         prolongation: &Prolongation<T>,
         known: Option<&[T]>,
     ) {
-        let wanted = self.unknowns();
+        self.set_step(gauss, h);
         std::mem::swap(&mut self.l, &mut self.l_before);
+        self.is_prolonged = true;
+        self.was_far = false;
+        if self.open(y, prolongation, known).is_some() {
+            return;
+        }
+        let wanted = self.unknowns();
         self.set.run(&mut Foretell {
             e: &prolongation.e,
             rho: &prolongation.rho,
@@ -178,7 +190,55 @@ impl<T: Float> Iterate<T> {
         });
         self.mix(y);
         self.measure(y, 0..self.n);
-        self.is_prolonged = true;
+    }
+
+    /// All of this as one kernel, if there is one for these lengths.
+    fn open(
+        &mut self,
+        y: &State<T>,
+        prolongation: &Prolongation<T>,
+        known: Option<&[T]>,
+    ) -> Option<()> {
+        let step = Step {
+            k: T::as_doubles(&self.k)?,
+            hb: T::as_doubles(&self.hb)?,
+            hi: T::as_doubles(&y.hi)?,
+            lo: T::as_doubles(&y.lo)?,
+            // The change of Z from what it was in the last step is nobody's concern.
+            inverse_scale: &[0.0; 4],
+            gradients: T::as_doubles_mut(&mut self.gradients)?,
+            l: T::as_doubles_mut(&mut self.l)?,
+            folded: T::as_doubles_mut(&mut self.folded)?,
+            z: T::as_doubles_mut(&mut self.z)?,
+            points: T::as_doubles_mut(&mut self.points)?,
+            s: self.s,
+        };
+        let known = match known {
+            Some(known) => Some(T::as_doubles(known)?),
+            None => None,
+        };
+        macro_rules! opening {
+            ($sweep:expr) => {
+                Opening {
+                    sweep: $sweep,
+                    e: T::as_doubles(&prolongation.e)?,
+                    rho: T::as_doubles(&prolongation.rho)?,
+                    l: T::as_doubles(&self.l_before)?,
+                    known,
+                    scale: T::as_doubles_mut(&mut self.scale)?,
+                    inverse_scale: T::as_doubles_mut(&mut self.inverse_scale)?,
+                }
+                .run(self.set)
+            };
+        }
+        match &self.kinetic {
+            None => opening!(Whole(step)),
+            Some(kinetic) => opening!(Half {
+                step,
+                inverse_masses: T::as_doubles(kinetic.diagonal()?)?,
+                offset: T::as_doubles(kinetic.offset())?,
+            }),
+        }
     }
 
     /// Stages from Z.

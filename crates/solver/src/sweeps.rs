@@ -42,6 +42,11 @@ const AT_FLOOR: i64 = 4;
 const STILL: u32 = 3;
 /// Moves of the α's allowed in a step.
 const MAX_MOVES: u32 = 24;
+/// g is evaluated when what the stages leave uncertain of it is below what is expected of g by this factor: an evaluation with the end point
+/// takes as long as a sweep of a small system.
+const LATE: i64 = 4;
+/// What is expected to remain of g when the α's have moved.
+const REMAINS: i64 = 8;
 /// Before directions are taken g is to be known this well: they are taken from the stages as they are then.
 const CLEAR: i64 = 1024;
 
@@ -211,7 +216,7 @@ impl<T: Float> Sweeps<T> {
             };
             let uncertain = error * self.scale;
             let early = match task.rule {
-                Rule::Slopes => uncertain <= threshold,
+                Rule::Slopes => T::int(LATE) * uncertain <= threshold,
                 Rule::Response if alphas.moves > 0 => true,
                 Rule::Response => self.is_near(error, threshold),
                 Rule::Newton => false,
@@ -234,8 +239,8 @@ impl<T: Float> Sweeps<T> {
                 constraint.without_alpha = g;
             }
             threshold = match task.rule {
-                Rule::Response => g.abs(),
-                _ => T::INFINITY,
+                Rule::Slopes if alphas.moves > 0 => g.abs() / T::int(REMAINS),
+                _ => g.abs(),
             };
             if settled
                 && (out <= one || (out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2)))
@@ -305,10 +310,14 @@ impl<T: Float> Sweeps<T> {
     fn begin(&mut self, gauss: &Gauss<T>, task: &SweepTask<'_, T>) {
         self.alphas.copy_from_slice(task.alphas);
         self.made = 0;
-        self.iterate.begin(gauss, (task.y, task.h));
-        if let Some(last) = task.last {
-            self.prolongation.make(gauss, last, task.known.is_some());
-            self.iterate.prolong(task.y, &self.prolongation, task.known);
+        let step = (task.y, task.h);
+        match task.last {
+            Some(last) => {
+                self.prolongation.make(gauss, last, task.known.is_some());
+                let (foretold, known) = (&self.prolongation, task.known);
+                self.iterate.begin_from_last(gauss, step, foretold, known);
+            }
+            None => self.iterate.begin(gauss, step),
         }
     }
 

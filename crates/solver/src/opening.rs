@@ -1,0 +1,147 @@
+//! The start of a small step as one kernel: gradients as foretold, L, Z, the stages, and the sizes of the components, by literal lengths.
+//!
+//! The same as [`Foretell`](crate::start::Foretell), [`crate::mix`] and [`Sizes`](crate::start::Sizes) one after the other, bit for bit, for
+//! states as short as those of [`crate::small`].
+
+use crate::mix::{Half, Step, Whole, product_any};
+use crate::pairs::{self, HALF, has_pairs};
+use crate::small::{Blocks, Mixes, Square, half_from, literal, whole_from};
+use crate::start::{largest, resolve, see};
+use equip_scalar::{InstructionSet, Kernel, Lanes};
+use std::array::from_fn;
+
+/// What the start of a step reads and writes beside what a sweep does.
+pub(crate) struct Opening<'a, S> {
+    pub(crate) sweep: S,
+    /// E and ρ.
+    pub(crate) e: &'a [f64],
+    pub(crate) rho: &'a [f64],
+    /// L of the last step.
+    pub(crate) l: &'a [f64],
+    /// ∇H at the start of the step, if it is known.
+    pub(crate) known: Option<&'a [f64]>,
+    pub(crate) scale: &'a mut [f64],
+    pub(crate) inverse_scale: &'a mut [f64],
+}
+
+/// A sweep after its gradients.
+pub(crate) trait Sweep<'a> {
+    /// Unknown components for each degree of freedom.
+    const WIDTH: usize;
+    fn step(&self) -> &Step<'a, f64>;
+    fn from_slopes<const C: usize, const G: usize, const N: usize>(
+        &mut self,
+        slopes: &[[Lanes<N>; C]; G],
+        k: &impl Mixes<G, N>,
+    ) -> f64;
+}
+
+impl<'a> Sweep<'a> for Half<'a, f64> {
+    const WIDTH: usize = 1;
+    fn step(&self) -> &Step<'a, f64> {
+        &self.step
+    }
+    #[inline(always)]
+    fn from_slopes<const C: usize, const G: usize, const N: usize>(
+        &mut self,
+        slopes: &[[Lanes<N>; C]; G],
+        k: &impl Mixes<G, N>,
+    ) -> f64 {
+        half_from(self, slopes, k)
+    }
+}
+
+impl<'a> Sweep<'a> for Whole<'a, f64> {
+    const WIDTH: usize = 2;
+    fn step(&self) -> &Step<'a, f64> {
+        &self.0
+    }
+    #[inline(always)]
+    fn from_slopes<const C: usize, const G: usize, const N: usize>(
+        &mut self,
+        slopes: &[[Lanes<N>; C]; G],
+        k: &impl Mixes<G, N>,
+    ) -> f64 {
+        whole_from(self, slopes, k)
+    }
+}
+
+impl<'a, S: Sweep<'a>> Opening<'a, S> {
+    /// Does it, if there is a kernel for these lengths. The unknown components are numbered by literals, as are the lanes.
+    pub(crate) fn run(&mut self, set: InstructionSet) -> Option<()> {
+        let step = self.sweep.step();
+        let (unknowns, stride) = (S::WIDTH * step.hi.len() / 2, step.hb.len());
+        let pairs = has_pairs::<f64>(step.s);
+        macro_rules! by_literals {
+            ([$($unknowns:literal)*]) => {
+                match (unknowns, stride) {
+                    $(
+                        ($unknowns, 4) => set.run_wide(&mut OneGroup::<_, $unknowns, 4>(self)),
+                        ($unknowns, 8) => set.run_wide(&mut OneGroup::<_, $unknowns, 8>(self)),
+                        ($unknowns, 16) if pairs => set.run_wide(&mut Pairs::<_, $unknowns>(self)),
+                    )*
+                    _ => None,
+                }
+            };
+        }
+        by_literals!([1 2 3 4])
+    }
+
+    #[inline(always)]
+    fn lanes<const C: usize, const G: usize, const N: usize>(&mut self, k: &impl Mixes<G, N>) {
+        let m = C / S::WIDTH;
+        let (e, rho) = (self.e.as_chunks::<N>().0, self.rho.as_chunks::<N>().0);
+        let l = self.l.as_chunks::<N>().0;
+        let s = self.sweep.step().s;
+        let mut slopes = [[Lanes::splat(0.0); C]; G];
+        for c in 0..C {
+            let (from, by_position) = if c < m { (c + m, true) } else { (c - m, false) };
+            let row: &[[f64; N]; G] = literal(l[from * G..].first_chunk());
+            let at_start = self.known.map_or(0.0, |known| known[c]);
+            for g in 0..G {
+                let guess = product_any(e, row, g, s);
+                slopes[g][c] = Lanes(from_fn(|i| {
+                    let x = if by_position { guess[i] } else { -guess[i] };
+                    x + rho[g][i] * at_start
+                }));
+            }
+        }
+        self.sweep.from_slopes(&slopes, k);
+        let step = self.sweep.step();
+        let points = step.points.as_chunks::<N>().0;
+        for (c, (scale, &hi)) in self.scale.iter_mut().zip(step.hi).enumerate().take(2 * m) {
+            let mut size = [hi.abs(); N];
+            for g in 0..G {
+                see(&mut size, &points[c * G + g]);
+            }
+            *scale = largest(size);
+        }
+        resolve(self.scale, self.inverse_scale, 0..2 * m);
+    }
+}
+
+struct OneGroup<'a, S, const C: usize, const N: usize>(&'a mut S);
+struct Pairs<'a, S, const C: usize>(&'a mut S);
+
+impl<'b, S: Sweep<'b>, const C: usize, const N: usize> Kernel
+    for OneGroup<'_, Opening<'b, S>, C, N>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let k: &'b [f64] = self.0.sweep.step().k;
+        let k = Square(literal(k.as_chunks().0.first_chunk()));
+        self.0.lanes::<C, 1, N>(&k);
+    }
+}
+
+impl<'b, S: Sweep<'b>, const C: usize> Kernel for Pairs<'_, Opening<'b, S>, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let k: &'b [f64] = self.0.sweep.step().k;
+        self.0.lanes::<C, 2, HALF>(&Blocks(pairs::blocks(k)));
+    }
+}
