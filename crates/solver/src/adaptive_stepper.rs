@@ -159,7 +159,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                         size = longer;
                         continue;
                     }
-                    match self.control.judge(h, &estimate) {
+                    let contraction = core.contraction();
+                    match self.control.judge(h, &estimate, contraction) {
                         Judgement::Accept => {
                             self.accept(place, outcome);
                             return Ok(self.inner.view());

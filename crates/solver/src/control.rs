@@ -28,12 +28,33 @@ const MOST_PREDICTED: f64 = 2.0;
 const MOST_GROWTH: f64 = 4.0;
 /// … and of how much a refused step is shortened.
 const MOST_SHRINKAGE: f64 = 0.1;
+/// A tolerance that allows steps this many times as long as sweeps are made for asks for Newton's method.
+const NEWTON: f64 = 32.0;
 /// Tries with shorter steps to find an α, before the step is carried or refused.
 pub(crate) const TRIES_FOR_ALPHA: u32 = 8;
 /// A step for which no α was found is shortened to this, …
 const FOR_ALPHA: f64 = 0.75;
 /// … and the next ones with it, but by this much less from step to step.
 const RELEASE: f64 = 1.03;
+
+/// How the sweeps of a step contracted: Z changed by `rate` of what it had changed before, and that goes like h to the `power`.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Contraction {
+    pub(crate) rate: f64,
+    pub(crate) power: i32,
+}
+
+impl Contraction {
+    /// The size, relative to that of the step, where sweeps cost least for the time they cover.
+    fn cheapest(&self) -> f64 {
+        let power = f64::from(self.power);
+        let best: f64 = std::env::var("BEST")
+            .ok()
+            .and_then(|x| x.parse().ok())
+            .unwrap_or(1.0);
+        ((-power * best).exp() / self.rate).powf(1.0 / power)
+    }
+}
 
 /// What control remembers between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,12 +97,21 @@ impl Control {
     }
 
     /// Judges a step of size `h` by its estimate, and if it is accepted proposes the next.
-    pub(crate) fn judge(&mut self, h: f64, estimate: &Estimate) -> Judgement {
+    pub(crate) fn judge(
+        &mut self,
+        h: f64,
+        estimate: &Estimate,
+        contraction: Option<Contraction>,
+    ) -> Judgement {
         let ratio = self.ratio(estimate);
         if !(estimate.error <= ACCEPTED * self.tolerance) {
             return Judgement::Refuse(h * (SAFETY * ratio).max(MOST_SHRINKAGE));
         }
-        let growth = ratio.min(MOST_GROWTH);
+        let mut growth = ratio.min(MOST_GROWTH);
+        let cheapest = contraction.map_or(f64::INFINITY, |sweeps| sweeps.cheapest());
+        if ratio <= NEWTON * cheapest {
+            growth = growth.min(cheapest);
+        }
         let near = estimate.nearness;
         let predicted = (1.0 - near) / (1.0 + growth * near).max(f64::MIN_POSITIVE);
         let predicted = predicted.clamp(1.0 / MOST_PREDICTED, MOST_PREDICTED);

@@ -51,6 +51,7 @@ mod opening;
 mod options;
 mod outcome;
 mod pairs;
+mod prolongation;
 mod response;
 mod reversible;
 mod reversible_stepper;

@@ -1,5 +1,6 @@
 //! The step by sweeps: when they are tried, what they start from, and what they leave to Newton and to others.
 
+use crate::control::Contraction;
 use crate::options::{Settings, StageSolver};
 use crate::state::State;
 use crate::step::Core;
@@ -65,6 +66,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         };
         if self.pause.left > 0 {
             self.pause.left -= 1;
+            sweeps.seen = T::int(0);
             return Err(Trouble::Slow);
         }
         if !self.constraints.is_empty() && self.start.y != y.hi {
@@ -116,6 +118,20 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
         }
         swept
+    }
+
+    /// How the sweeps of the step made last contracted, if they were tried.
+    pub(crate) fn contraction(&self) -> Option<Contraction> {
+        let sweeps = self.sweeps.as_ref()?;
+        let rate = sweeps.seen.to_f64();
+        (rate > 0.0).then_some(Contraction {
+            rate,
+            power: if sweeps.iterate.kinetic.is_some() {
+                2
+            } else {
+                1
+            },
+        })
     }
 
     /// Sees to it that L of the step made last stands in the stages and in the guess: sweeps keep it until somebody asks.

@@ -18,9 +18,9 @@
 use crate::constraint::Constraint;
 use crate::newton::{ENERGY_STAGNATED, Failure};
 use crate::outcome::Counts;
+use crate::prolongation::Prolongation;
 use crate::response::Response;
 use crate::slopes::Slopes;
-use crate::start::Prolongation;
 use crate::state::State;
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Kinetic, Pattern};
@@ -100,6 +100,8 @@ pub(crate) struct Sweeps<T: Float> {
     /// Sweeps of that step, and the last change of Z.
     made: u32,
     change: T,
+    /// The worst contraction seen in it; 0 if none was.
+    pub(crate) seen: T,
     /// Remembered from step to step: contraction, |g| before the α's moved, and what a relative change of the state is worth in g.
     rate: T,
     defect: T,
@@ -134,10 +136,11 @@ impl<T: Float> Sweeps<T> {
             alphas: vec![zero; gauss.stages() - 1],
             made: 0,
             change: zero,
+            seen: zero,
             rate: T::ratio(1, 2),
             defect: zero,
             scale: zero,
-            prolongation: Prolongation::new(iterate.stride),
+            prolongation: Prolongation::new(gauss),
             iterate,
         }
     }
@@ -185,6 +188,7 @@ impl<T: Float> Sweeps<T> {
                 } else {
                     0
                 };
+                self.seen = self.seen.max(rate);
                 self.rate = self.rate.max(rate).min(T::ratio(9, 10));
             }
             let grows = slow > 1 && change > T::int(2) * last;
@@ -195,6 +199,7 @@ impl<T: Float> Sweeps<T> {
                 }
                 self.iterate.begin(gauss, (task.y, task.h));
                 (last, slow, self.rate) = (T::INFINITY, 0, T::ratio(1, 4));
+                self.seen = zero;
                 continue;
             }
             let error = change * self.tail();
@@ -310,10 +315,11 @@ impl<T: Float> Sweeps<T> {
     fn begin(&mut self, gauss: &Gauss<T>, task: &SweepTask<'_, T>) {
         self.alphas.copy_from_slice(task.alphas);
         self.made = 0;
+        self.seen = T::int(0);
         let step = (task.y, task.h);
         match task.last {
             Some(last) => {
-                self.prolongation.make(gauss, last, task.known.is_some());
+                (self.prolongation).make(self.iterate.set, last, task.known.is_some());
                 let (foretold, known) = (&self.prolongation, task.known);
                 self.iterate.begin_from_last(gauss, step, foretold, known);
             }
