@@ -79,7 +79,7 @@ impl<T: Float> Adaptive<T> {
         let n = inner.y.hi.len();
         AdaptiveStepper {
             control: Control::new(self.tolerance.to_f64(), stages, most, first),
-            decay: Decay::new(stages, n, self.tolerance, self.scales),
+            decay: Decay::new(&inner.core.stages.gauss, n, self.tolerance, self.scales),
             time_low: T::int(0),
             min_step: self.min_step,
             max_steps: self.max_steps,
@@ -145,11 +145,11 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             self.inner.core.last_resort = false;
             match made {
                 Ok(outcome) => {
-                    self.inner.core.fetch_l();
-                    let core = &self.inner.core;
-                    let estimate =
-                        self.decay
-                            .estimate(&core.stages, core.guess.last().0, &self.inner.y);
+                    let (core, y) = (&self.inner.core, &self.inner.y);
+                    let estimate = match core.swept_l() {
+                        Some(l) => self.decay.estimate_by_component(l, y),
+                        None => self.decay.estimate(core.guess.last().0, y),
+                    };
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
                         && let Some(longer) = self.control.first_is_timid(h, &estimate)

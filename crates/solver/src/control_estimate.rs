@@ -19,9 +19,10 @@
 //!
 //! Cost: s² n multiplications, no evaluation of H.
 
-use crate::stages::Stages;
+use crate::mix::stride_for;
 use crate::state::State;
-use equip_scalar::Float;
+use equip_scalar::{Float, InstructionSet, mix_stages};
+use equip_tableau::Gauss;
 
 /// What the coefficients of a step say.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,70 +35,112 @@ pub(crate) struct Estimate {
 
 #[derive(Debug)]
 pub(crate) struct Decay<T: Float> {
-    /// Absolute scales of positions and momenta, where the user gave them.
+    set: InstructionSet,
+    s: usize,
+    stride: usize,
+    /// Scales of positions and momenta, where the user gave them.
     scales: [Option<T>; 2],
     /// √tolerance.
     share: T,
-    /// h γ_k.
-    coefficient: Vec<T>,
-    /// h γ_{k−1}.
-    before: Vec<T>,
-    /// ⟨γ_k, γ_{k−1}⟩ and ⟨γ_{k−1}, γ_{k−1}⟩ of positions and momenta, both with h².
-    products: Vec<[[T; 2]; 2]>,
-    /// h‖γ_k‖ of positions and momenta.
-    norms: Vec<[T; 2]>,
+    /// P_k(c_i) at i·stride + k.
+    legendre: Vec<T>,
+    /// L component by component, of a step whose stages stand one after the other.
+    increments: Vec<T>,
+    /// h γ_k of component c at c·stride + k.
+    coefficients: Vec<T>,
+    /// h‖γ_k‖ of positions and momenta, each of length `stride`.
+    norms: [Vec<T>; 2],
 }
 
 impl<T: Float> Decay<T> {
-    pub(crate) fn new(s: usize, n: usize, tolerance: T, scales: [Option<T>; 2]) -> Self {
+    pub(crate) fn new(gauss: &Gauss<T>, n: usize, tolerance: T, scales: [Option<T>; 2]) -> Self {
+        let s = gauss.stages();
+        let stride = stride_for::<T>(s);
+        let zeros = |len: usize| vec![T::int(0); len];
+        let mut legendre = zeros(s * stride);
+        for k in 0..s {
+            for (i, &p) in gauss.legendre(k).iter().enumerate() {
+                legendre[i * stride + k] = p;
+            }
+        }
         Decay {
+            set: InstructionSet::best(),
+            s,
+            stride,
             scales,
             share: tolerance.sqrt(),
-            coefficient: vec![T::int(0); n],
-            before: vec![T::int(0); n],
-            products: vec![[[T::int(0); 2]; 2]; s],
-            norms: vec![[T::int(0); 2]; s],
+            legendre,
+            increments: zeros(n * stride),
+            coefficients: zeros(n * stride),
+            norms: [zeros(stride), zeros(stride)],
         }
     }
 
-    /// The estimate for the step from `y` whose increments are `l`.
-    pub(crate) fn estimate(&mut self, stages: &Stages<T>, l: &[T], y: &State<T>) -> Estimate {
-        let (s, n) = (stages.count(), stages.n);
-        for k in 0..s {
-            std::mem::swap(&mut self.before, &mut self.coefficient);
-            self.coefficient.fill(T::int(0));
-            for (&p, l) in stages.gauss.legendre(k).iter().zip(l.chunks_exact(n)) {
-                let sums = self.coefficient.iter_mut().zip(l);
-                sums.for_each(|(sum, &l)| *sum += p * l);
+    /// The estimate for the step from `y` whose L_i, blocks of length n, are `l`.
+    pub(crate) fn estimate(&mut self, l: &[T], y: &State<T>) -> Estimate {
+        let n = y.hi.len();
+        for (i, l) in l.chunks_exact(n).enumerate() {
+            for (c, &l) in l.iter().enumerate() {
+                self.increments[c * self.stride + i] = l;
             }
-            self.norms[k] = group_norms(&self.coefficient);
-            self.products[k] = [
-                group_products(&self.coefficient, &self.before),
-                group_products(&self.before, &self.before),
-            ];
+        }
+        let increments = std::mem::take(&mut self.increments);
+        let estimate = self.estimate_by_component(&increments, y);
+        self.increments = increments;
+        estimate
+    }
+
+    /// The same from L as sweeps have it: component c of stage i at c·stride + i.
+    pub(crate) fn estimate_by_component(&mut self, l: &[T], y: &State<T>) -> Estimate {
+        let (set, s, stride) = (self.set, self.s, self.stride);
+        mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
+        let half = self.coefficients.len() / 2;
+        for (norms, rows) in self
+            .norms
+            .iter_mut()
+            .zip(self.coefficients.chunks_exact(half))
+        {
+            norms.fill(T::int(0));
+            for row in rows.chunks_exact(stride) {
+                for (norm, &x) in norms.iter_mut().zip(row) {
+                    let x = x.abs();
+                    *norm = if x > *norm { x } else { *norm };
+                }
+            }
         }
         let sizes = group_norms(&y.hi);
         let units = [0, 1].map(|g| {
             let least = self.scales[g].unwrap_or(self.share * sizes[g]);
-            self.norms.iter().fold(least, |a, norm| a.max(norm[g]))
+            self.norms[g]
+                .iter()
+                .take(s)
+                .fold(least, |a, &norm| a.max(norm))
         });
         Estimate {
-            error: self.error(units, s),
-            nearness: self.nearness(units, s),
+            error: self.error(units),
+            nearness: self.nearness(units),
         }
     }
 
     /// 1/z from the last two ratios w of coefficients, the smaller one, and none if they differ in sign.
-    fn nearness(&self, units: [T; 2], s: usize) -> f64 {
+    fn nearness(&self, units: [T; 2]) -> f64 {
+        let half = self.coefficients.len() / 2;
         let ratio = |k: usize| {
-            let [across, along] = self.products[k].map(|x| {
-                let parts = x.iter().zip(units).filter(|(_, unit)| *unit > T::int(0));
-                parts.fold(0.0, |sum, (&x, unit)| sum + (x / (unit * unit)).to_f64())
-            });
+            let (mut across, mut along) = (0.0, 0.0);
+            for (rows, unit) in self.coefficients.chunks_exact(half).zip(units) {
+                if unit > T::int(0) {
+                    let unit = T::int(1) / unit;
+                    for row in rows.chunks_exact(self.stride) {
+                        let (x, before) = ((row[k] * unit).to_f64(), (row[k - 1] * unit).to_f64());
+                        across += x * before;
+                        along += before * before;
+                    }
+                }
+            }
             if along > 0.0 { across / along } else { 0.0 }
         };
-        let last = ratio(s - 1);
-        let before = if s > 2 { ratio(s - 2) } else { last };
+        let last = ratio(self.s - 1);
+        let before = if self.s > 2 { ratio(self.s - 2) } else { last };
         let w = if last * before > 0.0 {
             last.abs().min(before.abs()).copysign(last)
         } else {
@@ -107,20 +150,25 @@ impl<T: Float> Decay<T> {
     }
 
     /// max θ_g², infinite if it is not a number.
-    fn error(&self, units: [T; 2], s: usize) -> f64 {
-        let mut worst = 0.0;
-        for (g, unit) in units.into_iter().enumerate() {
-            if unit == T::int(0) {
-                continue;
-            }
-            let theta = |k: usize| (self.norms[k][g] / unit).to_f64().powf(s as f64 / k as f64);
-            let before = if s > 2 { theta(s - 2) } else { 0.0 };
-            let theta = theta(s - 1).max(before);
-            if !(theta * theta <= worst) {
-                worst = theta * theta;
-            }
+    fn error(&self, units: [T; 2]) -> f64 {
+        let s = self.s;
+        let power = |k: usize| {
+            let groups = self
+                .norms
+                .iter()
+                .zip(units)
+                .filter(|(_, unit)| *unit != T::int(0));
+            let relative = groups.map(|(norms, unit)| (norms[k] / unit).to_f64());
+            let worst = relative.fold(0.0, |a, x| if x > a || x.is_nan() { x } else { a });
+            worst.powf(2.0 * s as f64 / k as f64)
+        };
+        let before = if s > 2 { power(s - 2) } else { 0.0 };
+        let last = power(s - 1);
+        if last.is_nan() || before.is_nan() {
+            f64::INFINITY
+        } else {
+            last.max(before)
         }
-        if worst.is_nan() { f64::INFINITY } else { worst }
     }
 }
 
@@ -128,11 +176,4 @@ impl<T: Float> Decay<T> {
 fn group_norms<T: Float>(y: &[T]) -> [T; 2] {
     let (q, p) = y.split_at(y.len() / 2);
     [q, p].map(|x| x.iter().fold(T::int(0), |a, x| a.max(x.abs())))
-}
-
-/// Scalar products of the positions and of the momenta.
-fn group_products<T: Float>(x: &[T], y: &[T]) -> [T; 2] {
-    let m = x.len() / 2;
-    let product = |x: &[T], y: &[T]| x.iter().zip(y).fold(T::int(0), |sum, (&x, &y)| sum + x * y);
-    [product(&x[..m], &y[..m]), product(&x[m..], &y[m..])]
 }

@@ -134,6 +134,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         })
     }
 
+    /// L of the step made last component by component, if sweeps have made it.
+    pub(crate) fn swept_l(&self) -> Option<&[T]> {
+        let sweeps = self.sweeps.as_ref()?;
+        self.guess.is_swept().then_some(&*sweeps.iterate.l)
+    }
+
     /// Sees to it that L of the step made last stands in the stages and in the guess: sweeps keep it until somebody asks.
     pub(crate) fn fetch_l(&mut self) {
         let Some(sweeps) = &self.sweeps else {
