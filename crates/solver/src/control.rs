@@ -10,6 +10,15 @@
 //!
 //! $$ h^+ = \hat h\, \frac{1 - 1/z}{1 + \hat h / (h z)} . $$
 //!
+//! A tolerance may allow steps that sweeps take long for: their contraction ρ goes like h (like h² where the positions alone are unknown), and so
+//! does what a step costs, the more the larger it is. Such steps are made as long as costs least for the time they cover,
+//!
+//! $$ h^+ \le h \min\Big(1, \frac{1 - 1/z}{1 + \hat h/(hz)}\Big) \Big(\frac{\rho_0}{\rho}\Big)^{1/p}, $$
+//!
+//! unless the tolerance allows so much more that Newton's method, which minds no size, pays. They are more accurate than was asked for then, for less. Kepler's
+//! problem, e = 0.9, s = 8, tolerance 1e-9: 28 steps a revolution with 5.6 sweeps each and 8e-11 after 1000 revolutions, where by the tolerance
+//! alone it is 14 steps with 16 sweeps and 2e-6, in 1.8 times the time.
+//!
 //! Nothing is remembered of earlier steps, so there is nothing to hunt with. Kepler's problem, e = 0.9, s = 8, tolerance 1e-12: 20 steps and two
 //! refusals per revolution; with ĥ prolonged by its last ratio (predictive control, Gustafsson 1994) 21 and 6, with ĥ alone 26 and 11.
 //!
@@ -28,6 +37,9 @@ const MOST_PREDICTED: f64 = 2.0;
 const MOST_GROWTH: f64 = 4.0;
 /// … and of how much a refused step is shortened.
 const MOST_SHRINKAGE: f64 = 0.1;
+/// Contraction, per power of the step size, at which sweeps cost least for the time they cover. Twice the size takes three times the sweeps: the
+/// start is foretold worse, and the α's that remove a larger defect disturb the stages more.
+const BEST: f64 = 0.058;
 /// A tolerance that allows steps this many times as long as sweeps are made for asks for Newton's method.
 const NEWTON: f64 = 32.0;
 /// Tries with shorter steps to find an α, before the step is carried or refused.
@@ -46,13 +58,9 @@ pub(crate) struct Contraction {
 
 impl Contraction {
     /// The size, relative to that of the step, where sweeps cost least for the time they cover.
-    fn cheapest(&self) -> f64 {
+    fn cheapest(self) -> f64 {
         let power = f64::from(self.power);
-        let best: f64 = std::env::var("BEST")
-            .ok()
-            .and_then(|x| x.parse().ok())
-            .unwrap_or(1.0);
-        ((-power * best).exp() / self.rate).powf(1.0 / power)
+        (BEST.powf(power) / self.rate).powf(1.0 / power)
     }
 }
 
@@ -107,16 +115,17 @@ impl Control {
         if !(estimate.error <= ACCEPTED * self.tolerance) {
             return Judgement::Refuse(h * (SAFETY * ratio).max(MOST_SHRINKAGE));
         }
-        let mut growth = ratio.min(MOST_GROWTH);
-        let cheapest = contraction.map_or(f64::INFINITY, |sweeps| sweeps.cheapest());
-        if ratio <= NEWTON * cheapest {
-            growth = growth.min(cheapest);
-        }
+        let growth = ratio.min(MOST_GROWTH);
         let near = estimate.nearness;
         let predicted = (1.0 - near) / (1.0 + growth * near).max(f64::MIN_POSITIVE);
         let predicted = predicted.clamp(1.0 / MOST_PREDICTED, MOST_PREDICTED);
+        let mut share = SAFETY * growth * predicted;
+        let cheapest = contraction.map_or(f64::INFINITY, Contraction::cheapest);
+        if ratio <= NEWTON * cheapest {
+            share = share.min(cheapest * predicted.min(1.0));
+        }
         let Memory { next, held } = &mut self.memory;
-        *next = (*held * SAFETY * h * growth * predicted).min(self.most);
+        *next = (*held * h * share).min(self.most);
         *held = (RELEASE * *held).min(1.0);
         Judgement::Accept
     }

@@ -31,6 +31,8 @@ use equip_tableau::Gauss;
 const MAX_SWEEPS: u32 = 80;
 /// Contraction, in hundredths, at which Newton is the better choice.
 const SLOW_PERCENT: i64 = 70;
+/// What is allowed of the contraction at the beginning of a step: a change of this many times the first.
+const ALLOWANCE: i64 = 16;
 /// Changes of Z below this many ε are rounding if they do not shrink.
 const ROUNDING: i64 = 256;
 /// Errors of the end point below ε over this are of no account. With 4 angular momentum grows by 1e-17 a step in Kepler's problem, with
@@ -169,6 +171,7 @@ impl<T: Float> Sweeps<T> {
         self.rate = (self.rate / T::int(2)).max(T::ratio(1, 1000));
         let mut disturbed = false;
         let mut threshold = self.defect;
+        let mut allowed = T::INFINITY;
         let mut alphas = Alphas {
             slope: zero,
             last: None,
@@ -192,7 +195,14 @@ impl<T: Float> Sweeps<T> {
                 self.rate = self.rate.max(rate).min(T::ratio(9, 10));
             }
             let grows = slow > 1 && change > T::int(2) * last;
-            if slow > 2 || grows || !change.is_finite() {
+            // Not one sweep after the other, perhaps, but on the whole.
+            allowed = if last.is_finite() {
+                allowed * T::ratio(SLOW_PERCENT, 100)
+            } else {
+                T::int(ALLOWANCE) * change
+            };
+            let behind = alphas.moves == 0 && !rounding && change > allowed;
+            if slow > 2 || grows || behind || !change.is_finite() {
                 // Prolonged too far, perhaps.
                 if alphas.moves > 0 || !std::mem::take(&mut prolonged) {
                     return Err(Trouble::Slow);
