@@ -40,13 +40,12 @@ const ROUNDING: i64 = 256;
 const SETTLED: i64 = 64;
 /// Defects of the step with α = 0 up to this many floors are left to later steps: to remove less is to move by rounding.
 const AT_FLOOR: i64 = 4;
-/// Where sweeps contract badly rounding is blown up: so many that stagnate end the step.
+/// Where sweeps contract badly rounding is blown up: so many that stagnate end the step, …
 const STILL: u32 = 3;
+/// … and with changes above this many ε it is for Newton, if he may be asked: quadratic invariants would leak as much.
+const BLOWN_UP: i64 = 16;
 /// Moves of the α's allowed in a step.
 const MAX_MOVES: u32 = 24;
-/// g is evaluated when what the stages leave uncertain of it is below what is expected of g by this factor: an evaluation with the end point
-/// takes as long as a sweep of a small system.
-const LATE: i64 = 4;
 /// What is expected to remain of g when the α's have moved.
 const REMAINS: i64 = 8;
 /// Before directions are taken g is to be known this well: they are taken from the stages as they are then.
@@ -220,6 +219,9 @@ impl<T: Float> Sweeps<T> {
             let settled = (observed && error <= eps / T::int(SETTLED))
                 || (stagnates && error <= eps)
                 || still == STILL;
+            if still == STILL && change > T::int(BLOWN_UP) * eps && task.rule != Rule::Slopes {
+                return Err(Trouble::Slow);
+            }
             disturbed = self.iterate.was_remeasured;
             last = change;
             let Some(constraint) = constraint.as_deref_mut() else {
@@ -231,7 +233,7 @@ impl<T: Float> Sweeps<T> {
             };
             let uncertain = error * self.scale;
             let early = match task.rule {
-                Rule::Slopes => T::int(LATE) * uncertain <= threshold,
+                Rule::Slopes => uncertain <= threshold,
                 Rule::Response if alphas.moves > 0 => true,
                 Rule::Response => self.is_near(error, threshold),
                 Rule::Newton => false,
