@@ -49,21 +49,6 @@ const FOR_ALPHA: f64 = 0.75;
 /// … and the next ones with it, but by this much less from step to step.
 const RELEASE: f64 = 1.03;
 
-/// How the sweeps of a step contracted: Z changed by `rate` of what it had changed before, and that goes like h to the `power`.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Contraction {
-    pub(crate) rate: f64,
-    pub(crate) power: i32,
-}
-
-impl Contraction {
-    /// The size, relative to that of the step, where sweeps cost least for the time they cover.
-    fn cheapest(self) -> f64 {
-        let power = f64::from(self.power);
-        (BEST.powf(power) / self.rate).powf(1.0 / power)
-    }
-}
-
 /// What control remembers between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Memory {
@@ -104,12 +89,13 @@ impl Control {
         }
     }
 
-    /// Judges a step of size `h` by its estimate, and if it is accepted proposes the next.
+    /// Judges a step of size `h` by its estimate, and if it is accepted proposes the next. `contraction` is that of its sweeps, if there were any, as
+    /// a power that goes like h.
     pub(crate) fn judge(
         &mut self,
         h: f64,
         estimate: &Estimate,
-        contraction: Option<Contraction>,
+        contraction: Option<f64>,
     ) -> Judgement {
         let ratio = self.ratio(estimate);
         if !(estimate.error <= ACCEPTED * self.tolerance) {
@@ -120,7 +106,7 @@ impl Control {
         let predicted = (1.0 - near) / (1.0 + growth * near).max(f64::MIN_POSITIVE);
         let predicted = predicted.clamp(1.0 / MOST_PREDICTED, MOST_PREDICTED);
         let mut share = SAFETY * growth * predicted;
-        let cheapest = contraction.map_or(f64::INFINITY, Contraction::cheapest);
+        let cheapest = contraction.map_or(f64::INFINITY, |contraction| BEST / contraction);
         if ratio <= NEWTON * cheapest {
             share = share.min(cheapest * predicted.min(1.0));
         }

@@ -12,10 +12,11 @@
 //! stands for the displacement of y1. It is invariant under scaling of q against p. Under reversal of time φ_j becomes ∓φ_j, and v_k keeps
 //! its ratio to the others: the direction is that of the step made backwards.
 //!
-//! Cost: 2m s² products for the coefficients, about m s² for the sums.
+//! Cost: 2m s² products for the coefficients, about 16 m s for the sums, j side by side in vectors.
 
+use crate::mix::{groups_of, lanes_of};
 use crate::sweep::Iterate;
-use equip_scalar::{Float, mix_stages};
+use equip_scalar::{Float, Kernel, mix_stages};
 use equip_tableau::Gauss;
 
 /// So many α's move. The higher ones disturb the stages the more for the same displacement of y1, and with small defects their slopes
@@ -28,14 +29,15 @@ pub(crate) struct Slopes<T: Float> {
     legendre: Vec<T>,
     /// φ: component c of φ_j at c·stride + j.
     coefficients: Vec<T>,
-    /// W(a, j) and its bound at a·s + j.
-    products: Vec<T>,
-    bounds: Vec<T>,
-    /// ω(k, j) at k·s + j.
-    omega: Vec<T>,
-    /// v_k, k = 1 … s − 1.
-    pub(crate) v: Vec<T>,
-    /// The direction d.
+    /// ‖φ_j^q‖ and ‖φ_j^p‖.
+    norms: [Vec<T>; 2],
+    /// ω(k, j) and ω(k − 1, j) for the j > k that W(k − 1, j) and W(k, j) come with, else 0; at (k − 1)·stride + j.
+    ahead: Vec<T>,
+    behind: Vec<T>,
+    /// v_k and w_k of the α's that move.
+    v: [T; LEADING],
+    w: [T; LEADING],
+    /// The direction d, one for each α.
     pub(crate) d: Vec<T>,
 }
 
@@ -44,82 +46,67 @@ impl<T: Float> Slopes<T> {
         let (s, stride) = (iterate.s, iterate.stride);
         let zeros = |len: usize| vec![T::int(0); len];
         let mut legendre = zeros(s * stride);
-        let mut omega = zeros(s * s);
         for j in 0..s {
             for (i, &p) in gauss.legendre(j).iter().enumerate() {
                 legendre[i * stride + j] = p;
             }
-            for k in (0..j).filter(|k| (j - k) % 2 == 1) {
-                let square = (2 * k + 1) * (2 * j + 1);
-                omega[k * s + j] = T::int(2) * T::int(square as i64).sqrt();
+        }
+        let omega = |k: usize, j: usize| {
+            let square = (2 * k + 1) * (2 * j + 1);
+            T::int(2) * T::int(square as i64).sqrt()
+        };
+        let (mut ahead, mut behind) = (zeros(LEADING * stride), zeros(LEADING * stride));
+        for k in 1..s.min(LEADING + 1) {
+            for j in k + 1..s {
+                let place = (k - 1) * stride + j;
+                if (j - k) % 2 == 1 {
+                    ahead[place] = omega(k, j);
+                } else {
+                    behind[place] = omega(k - 1, j);
+                }
             }
         }
         Slopes {
             legendre,
             coefficients: zeros(iterate.n * stride),
-            products: zeros(s * s),
-            bounds: zeros(s * s),
-            omega,
-            v: zeros(s - 1),
+            norms: [zeros(stride), zeros(stride)],
+            ahead,
+            behind,
+            v: [T::int(0); LEADING],
+            w: [T::int(0); LEADING],
             d: zeros(s - 1),
         }
     }
 
     /// Slopes and direction at the current L. Returns whether there is a direction.
     pub(crate) fn take(&mut self, iterate: &Iterate<T>, h: T) -> bool {
-        let (s, stride, m) = (iterate.s, iterate.stride, iterate.n / 2);
+        let (set, s, stride) = (iterate.set, iterate.s, iterate.stride);
         mix_stages(
-            iterate.set,
+            set,
             &self.legendre,
             &iterate.l,
             &mut self.coefficients,
             s,
             stride,
         );
-        self.take_products(s, stride, m);
+        set.run(&mut Sums { slopes: self, s });
         let zero = T::int(0);
         let mut largest = zero;
-        for k in 1..s.min(LEADING + 1) {
-            let (mut v, mut w) = (zero, zero);
-            for j in k..s {
-                let (ahead, behind) = (self.omega[k * s + j], self.omega[(k - 1) * s + j]);
-                let (a, b) = ((k - 1) * s + j, k * s + j);
-                v += ahead * self.products[a] - behind * self.products[b];
-                w += ahead * self.bounds[a];
-                if j > k {
-                    w += behind * self.bounds[b];
-                }
+        for ((v, w), d) in self.v.iter_mut().zip(self.w).zip(&mut self.d) {
+            *v = -*v / h;
+            let w = w / h;
+            *d = *v / (w * w);
+            if !d.is_finite() {
+                *d = zero;
             }
-            self.v[k - 1] = -v / h;
-            w /= h;
-            let d = self.v[k - 1] / (w * w);
-            self.d[k - 1] = if d.is_finite() { d } else { zero };
-            largest = largest.max(self.d[k - 1].abs());
+            largest = largest.max(d.abs());
         }
         if !(largest > zero) {
             return false;
         }
-        self.d.iter_mut().for_each(|d| *d /= largest);
+        let inverse = T::int(1) / largest;
+        self.d.iter_mut().take(LEADING).for_each(|d| *d *= inverse);
         true
-    }
-
-    /// W(a, j) = φ_a^p·φ_j^q − φ_a^q·φ_j^p and ‖φ_a^p‖‖φ_j^q‖ + ‖φ_a^q‖‖φ_j^p‖ for a ≤ j, j − a even.
-    fn take_products(&mut self, s: usize, stride: usize, m: usize) {
-        let (q, p) = self.coefficients.split_at(m * stride);
-        let along = |x: &[T], a: usize, y: &[T], j: usize| {
-            let (x, y) = (x.chunks_exact(stride), y.chunks_exact(stride));
-            x.zip(y).fold(T::int(0), |sum, (x, y)| sum + x[a] * y[j])
-        };
-        let mut norms = [[T::int(0); 2]; crate::MAX_STAGES];
-        for (j, norm) in norms.iter_mut().enumerate().take(s) {
-            *norm = [along(q, j, q, j).sqrt(), along(p, j, p, j).sqrt()];
-        }
-        for a in 0..s.min(LEADING + 1) {
-            for j in (a..s).step_by(2) {
-                self.products[a * s + j] = along(p, a, q, j) - along(q, a, p, j);
-                self.bounds[a * s + j] = norms[a][1] * norms[j][0] + norms[a][0] * norms[j][1];
-            }
-        }
     }
 
     /// Σ_k v_k d_k.
@@ -127,4 +114,95 @@ impl<T: Float> Slopes<T> {
         let terms = self.v.iter().zip(&self.d);
         terms.fold(T::int(0), |sum, (&v, &d)| sum + v * d)
     }
+}
+
+/// The sums over j: −h v_k and h w_k.
+struct Sums<'a, T: Float> {
+    slopes: &'a mut Slopes<T>,
+    s: usize,
+}
+
+impl<T: Float> Kernel for Sums<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        match lanes_of::<T>(self.s) {
+            4 => self.lanes::<4>(),
+            8 => self.lanes::<8>(),
+            _ => self.lanes::<1>(),
+        }
+    }
+}
+
+impl<T: Float> Sums<'_, T> {
+    #[inline(always)]
+    fn lanes<const N: usize>(&mut self) {
+        let groups = groups_of::<T, N>(self.s);
+        let stride = groups * N;
+        let slopes = &mut *self.slopes;
+        let half = slopes.coefficients.len() / 2;
+        let (q, p) = slopes.coefficients.split_at(half);
+        for (norms, rows) in slopes.norms.iter_mut().zip([q, p]) {
+            for g in 0..groups {
+                let mut squares = [T::int(0); N];
+                for row in rows.as_chunks::<N>().0.iter().skip(g).step_by(groups) {
+                    for j in 0..N {
+                        squares[j] += row[j] * row[j];
+                    }
+                }
+                norms.as_chunks_mut::<N>().0[g] = squares.map(|x| x.sqrt());
+            }
+        }
+        let [norms_q, norms_p] = &slopes.norms;
+        let known = self.s.min(LEADING + 1);
+        let (mut v, mut w) = ([[T::int(0); N]; LEADING], [[T::int(0); N]; LEADING]);
+        for g in 0..groups {
+            let at = |x: &[T], row: usize| -> [T; N] { x.as_chunks().0[row * groups + g] };
+            for a in 0..known {
+                // W(a, j) and its bound.
+                let (mut product, mut bound) = ([T::int(0); N], [T::int(0); N]);
+                for c in 0..half / stride {
+                    let (q_a, p_a) = (q[c * stride + a], p[c * stride + a]);
+                    let (q_j, p_j) = (at(q, c), at(p, c));
+                    for j in 0..N {
+                        product[j] += p_a * q_j[j] - q_a * p_j[j];
+                    }
+                }
+                let (q_j, p_j) = (at(norms_q, 0), at(norms_p, 0));
+                for j in 0..N {
+                    bound[j] = norms_p[a] * q_j[j] + norms_q[a] * p_j[j];
+                }
+                if a < LEADING {
+                    let ahead = at(&slopes.ahead, a);
+                    for j in 0..N {
+                        v[a][j] += ahead[j] * product[j];
+                        w[a][j] += ahead[j] * bound[j];
+                    }
+                }
+                if a > 0 {
+                    let behind = at(&slopes.behind, a - 1);
+                    for j in 0..N {
+                        v[a - 1][j] -= behind[j] * product[j];
+                        w[a - 1][j] += behind[j] * bound[j];
+                    }
+                }
+            }
+        }
+        slopes.v = v.map(sum);
+        slopes.w = w.map(sum);
+    }
+}
+
+/// The sum of N numbers, a power of 2, half against half.
+#[inline(always)]
+fn sum<T: Float, const N: usize>(mut x: [T; N]) -> T {
+    let mut count = N;
+    while count > 1 {
+        count /= 2;
+        for i in 0..count {
+            x[i] += x[i + count];
+        }
+    }
+    x[0]
 }

@@ -1,6 +1,5 @@
 //! The step by sweeps: when they are tried, what they start from, and what they leave to Newton and to others.
 
-use crate::control::Contraction;
 use crate::options::{Settings, StageSolver};
 use crate::state::State;
 use crate::step::Core;
@@ -120,18 +119,16 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         swept
     }
 
-    /// How the sweeps of the step made last contracted, if they were tried.
-    pub(crate) fn contraction(&self) -> Option<Contraction> {
+    /// How the sweeps of the step made last contracted, if they were tried, as a power that goes like h: with the positions alone as unknowns a
+    /// sweep is two.
+    pub(crate) fn contraction(&self) -> Option<f64> {
         let sweeps = self.sweeps.as_ref()?;
         let rate = sweeps.seen.to_f64();
-        (rate > 0.0).then_some(Contraction {
-            rate,
-            power: if sweeps.iterate.kinetic.is_some() {
-                2
-            } else {
-                1
-            },
-        })
+        let contraction = match sweeps.iterate.kinetic {
+            Some(_) => rate.sqrt(),
+            None => rate,
+        };
+        (contraction > 0.0).then_some(contraction)
     }
 
     /// L of the step made last component by component, if sweeps have made it.
