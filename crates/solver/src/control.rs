@@ -60,9 +60,10 @@ pub(crate) struct Memory {
 
 #[derive(Debug)]
 pub(crate) struct Control {
-    tolerance: f64,
-    /// 2s.
-    order: f64,
+    /// tol^{1/(2s)}, to be had by the ϱ of the estimate.
+    wanted: f64,
+    /// Ratio (tol / e)^{1/(2s)} down to which a step is accepted.
+    accepted: f64,
     /// Largest step.
     most: f64,
     pub(crate) memory: Memory,
@@ -78,9 +79,10 @@ pub(crate) enum Judgement {
 
 impl Control {
     pub(crate) fn new(tolerance: f64, stages: usize, most: f64, first: f64) -> Self {
+        let root = |x: f64| x.powf(1.0 / (2 * stages) as f64);
         Control {
-            tolerance,
-            order: 2.0 * stages as f64,
+            wanted: root(tolerance),
+            accepted: root(1.0 / ACCEPTED),
             most,
             memory: Memory {
                 next: first.min(most),
@@ -98,7 +100,7 @@ impl Control {
         contraction: Option<f64>,
     ) -> Judgement {
         let ratio = self.ratio(estimate);
-        if !(estimate.error <= ACCEPTED * self.tolerance) {
+        if !(ratio >= self.accepted) {
             return Judgement::Refuse(h * (SAFETY * ratio).max(MOST_SHRINKAGE));
         }
         let growth = ratio.min(MOST_GROWTH);
@@ -118,7 +120,7 @@ impl Control {
 
     /// (tol / e)^{1/(2s)}.
     fn ratio(&self, estimate: &Estimate) -> f64 {
-        (self.tolerance / estimate.error).powf(1.0 / self.order)
+        self.wanted / estimate.decay
     }
 
     /// After a step of size `h` that could not be solved, for want of α's or else: the size to try.

@@ -4,10 +4,10 @@
 //! point it is passed by the part of the flow's derivative that is orthogonal to all polynomials of degree below s, which decays alike. So
 //! the end point, of order 2s, has an error of about the *square* of the relative size of γ_s:
 //!
-//! $$ \mathrm{est} = \max_{g \in \{q, p\}} \theta_g^2, \qquad
-//!    \theta = \max\Big( \theta_{s-1}^{s/(s-1)}, \theta_{s-2}^{s/(s-2)} \Big), \qquad \theta_k = \frac{h \lVert \gamma_k \rVert}{\max(h \max_j \lVert \gamma_j \rVert, a)} . $$
+//! $$ \mathrm{est} = \varrho^{2s}, \qquad
+//!    \varrho = \max_{g \in \{q, p\}} \max\Big( \theta_{s-1}^{1/(s-1)}, \theta_{s-2}^{1/(s-2)} \Big), \qquad \theta_k = \frac{h \lVert \gamma_k \rVert_g}{\max(h \max_j \lVert \gamma_j \rVert_g, a)} . $$
 //!
-//! The powers extrapolate a geometric decay to k = s; two coefficients are used because every other one vanishes where the motion is
+//! ϱ is the ratio of a geometric decay; two coefficients are used because every other one vanishes where the motion is
 //! even or odd about the middle of the step. Norms are maximum norms over the positions and over the momenta. Relative to the motion in
 //! the step, not to the state: that knows no origin and sees a close encounter of two bodies among many. Motion below the absolute
 //! scale a is not resolved further; a = √tolerance times the largest component of the group unless the user says otherwise.
@@ -27,8 +27,8 @@ use equip_tableau::Gauss;
 /// What the coefficients of a step say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Estimate {
-    /// Error of the end point relative to the motion in the step.
-    pub(crate) error: f64,
+    /// ϱ: to the power 2s it is the error of the end point relative to the motion in the step.
+    pub(crate) decay: f64,
     /// 1/z: half a step divided by the signed distance from its middle to what the motion is about to meet, or leaves behind; within ±1.
     pub(crate) nearness: f64,
 }
@@ -117,7 +117,7 @@ impl<T: Float> Decay<T> {
                 .fold(least, |a, &norm| a.max(norm))
         });
         Estimate {
-            error: self.error(units),
+            decay: self.decay(units),
             nearness: self.nearness(units),
         }
     }
@@ -149,21 +149,17 @@ impl<T: Float> Decay<T> {
         2.0 * w / (1.0 + w * w)
     }
 
-    /// max θ_g², infinite if it is not a number.
-    fn error(&self, units: [T; 2]) -> f64 {
-        let s = self.s;
-        let power = |k: usize| {
-            let groups = self
-                .norms
-                .iter()
-                .zip(units)
-                .filter(|(_, unit)| *unit != T::int(0));
-            let relative = groups.map(|(norms, unit)| (norms[k] / unit).to_f64());
+    /// ϱ, infinite if it is not a number.
+    fn decay(&self, units: [T; 2]) -> f64 {
+        let ratio = |k: usize| {
+            let groups = self.norms.iter().zip(units);
+            let moving = groups.filter(|(_, unit)| *unit != T::int(0));
+            let relative = moving.map(|(norms, unit)| (norms[k] / unit).to_f64());
             let worst = relative.fold(0.0, |a, x| if x > a || x.is_nan() { x } else { a });
-            worst.powf(2.0 * s as f64 / k as f64)
+            worst.powf(1.0 / k as f64)
         };
-        let before = if s > 2 { power(s - 2) } else { 0.0 };
-        let last = power(s - 1);
+        let before = if self.s > 2 { ratio(self.s - 2) } else { 0.0 };
+        let last = ratio(self.s - 1);
         if last.is_nan() || before.is_nan() {
             f64::INFINITY
         } else {

@@ -7,7 +7,7 @@
 //! Cost: s³ multiplications.
 
 use crate::MAX_STAGES;
-use crate::mix::{groups_of, lanes_of, stride_for};
+use crate::mix::{add, groups_of, lanes_of, scaled, stride_for};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 
@@ -16,12 +16,12 @@ use equip_tableau::Gauss;
 pub(crate) struct Prolongation<T> {
     pub(crate) e: Vec<T>,
     pub(crate) rho: Vec<T>,
-    /// √(2k+1) P_k(c_j) at k·s + j.
+    /// √(2k+1) P_k(c_j) at k·stride + j.
     legendre: Vec<T>,
     /// c_i.
     nodes: Vec<T>,
-    /// 1/(k+1).
-    inverses: Vec<T>,
+    /// (2k+1)/(k+1) and k/(k+1), of the recurrence of Legendre polynomials, k = 0 … s − 1.
+    recurrence: Vec<[T; 2]>,
     /// Where the step starts in the last one, its size over that, the size of that, and whether the gradient at the start is known.
     made_for: Option<([T; 3], bool)>,
 }
@@ -32,16 +32,20 @@ impl<T: Float> Prolongation<T> {
         let stride = stride_for::<T>(s);
         let mut nodes = vec![T::int(0); stride];
         nodes[..s].copy_from_slice(gauss.nodes());
-        let row = |k: usize| {
+        let mut legendre = vec![T::int(0); s * stride];
+        for k in 0..s {
             let norm = T::int(2 * k as i64 + 1).sqrt();
-            gauss.legendre(k).iter().map(move |&p| norm * p)
-        };
+            for (to, &p) in legendre[k * stride..].iter_mut().zip(gauss.legendre(k)) {
+                *to = norm * p;
+            }
+        }
+        let recurrence = |k: i64| [T::ratio(2 * k + 1, k + 1), T::ratio(k, k + 1)];
         Prolongation {
             e: vec![T::int(0); stride * stride],
             rho: vec![T::int(0); stride],
-            legendre: (0..s).flat_map(row).collect(),
+            legendre,
             nodes,
-            inverses: (1..=s as i64).map(|k| T::ratio(1, k)).collect(),
+            recurrence: (0..s as i64).map(recurrence).collect(),
             made_for: None,
         }
     }
@@ -75,21 +79,21 @@ impl<T: Float> Kernel for Make<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match lanes_of::<T>(self.to.inverses.len()) {
-            4 => self.lanes::<4>(),
-            8 => self.lanes::<8>(),
-            _ => self.lanes::<1>(),
+        match lanes_of::<T>(self.to.recurrence.len()) {
+            4 => self.lanes::<4, 4>(),
+            8 => self.lanes::<8, 4>(),
+            _ => self.lanes::<1, 1>(),
         }
     }
 }
 
 impl<T: Float> Make<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) {
+    fn lanes<const N: usize, const B: usize>(&mut self) {
         let to = &mut *self.to;
-        let s = to.inverses.len();
+        let s = to.recurrence.len();
         let mut at_start = [[T::int(0); 1]; MAX_STAGES + 1];
-        classical(&to.inverses, [self.start], &mut at_start);
+        classical(&to.recurrence, [self.start], &mut at_start);
         let scale = T::int(-1) / self.h;
         let groups = groups_of::<T, N>(s);
         let e = to.e.as_chunks_mut::<N>().0;
@@ -97,7 +101,7 @@ impl<T: Float> Make<'_, T> {
         for (g, nodes) in to.nodes.as_chunks::<N>().0.iter().enumerate() {
             let mut at_node = [[T::int(0); N]; MAX_STAGES + 1];
             let tau = std::array::from_fn(|i| self.start + self.ratio * nodes[i]);
-            classical(&to.inverses, tau, &mut at_node);
+            classical(&to.recurrence, tau, &mut at_node);
             if self.known {
                 rho[g] = at_node[s].map(|p| p / at_start[s][0]);
             } else {
@@ -108,14 +112,20 @@ impl<T: Float> Make<'_, T> {
                     p[i] = scale * (p[i] - rho[g][i] * a[0]);
                 }
             }
-            for j in 0..s {
-                let mut sum = [T::int(0); N];
-                for (p, row) in at_node.iter().zip(to.legendre.chunks_exact(s)) {
-                    for i in 0..N {
-                        sum[i] += p[i] * row[j];
+            let rows = to.legendre.chunks_exact(groups * N);
+            for block in (0..groups * N).step_by(B) {
+                let mut sums = [[T::int(0); N]; B];
+                for (p, row) in at_node.iter().zip(rows.clone()) {
+                    let Some(row) = row[block..].first_chunk::<B>() else {
+                        continue;
+                    };
+                    for b in 0..B {
+                        add(&mut sums[b], &scaled(p, row[b]));
                     }
                 }
-                e[j * groups + g] = sum;
+                for (b, sum) in sums.into_iter().enumerate() {
+                    e[(block + b) * groups + g] = sum;
+                }
             }
         }
     }
@@ -124,18 +134,14 @@ impl<T: Float> Make<'_, T> {
 /// The classical Legendre polynomials L_0 … L_s at 2τ − 1: P_k = √(2k+1) L_k.
 #[inline(always)]
 fn classical<T: Float, const N: usize>(
-    inverses: &[T],
+    recurrence: &[[T; 2]],
     tau: [T; N],
     out: &mut [[T; N]; MAX_STAGES + 1],
 ) {
     let x = tau.map(|tau| (tau + tau) - T::int(1));
     (out[0], out[1]) = ([T::int(1); N], x);
-    for (k, &inverse) in inverses.iter().enumerate().skip(1) {
-        let (two, one) = (
-            T::int(2 * k as i64 + 1) * inverse,
-            T::int(k as i64) * inverse,
-        );
-        out[k + 1] = std::array::from_fn(|i| two * x[i] * out[k][i] - one * out[k - 1][i]);
+    for (k, &[ahead, back]) in recurrence.iter().enumerate().skip(1) {
+        out[k + 1] = std::array::from_fn(|i| ahead * x[i] * out[k][i] - back * out[k - 1][i]);
     }
 }
 
