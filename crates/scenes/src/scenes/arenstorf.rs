@@ -56,6 +56,7 @@ impl Energy for Arenstorf {
         2
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let mu = Num::<S>::from(self.mu);
         let rest = 1.0 - mu;

@@ -39,6 +39,7 @@ impl Energy for ChargedParticle {
         2
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let r = (q[0] * q[0] + q[1] * q[1]).sqrt();
         let strength = ratio(1, 3) * (self.b * r);

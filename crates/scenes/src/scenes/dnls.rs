@@ -63,6 +63,7 @@ impl Energy for Dnls {
         self.n
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let hop = |j: usize| {
             let (dq, dp) = (q[(j + 1) % self.n] - q[j], p[(j + 1) % self.n] - p[j]);

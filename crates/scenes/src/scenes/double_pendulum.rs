@@ -72,6 +72,7 @@ impl Energy for DoublePendulum {
         2
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let d = p[1] - p[0];
         let kinetic = (2.0 * (p[1] * p[1]) + d * d + 2.0 * (p[1] * d * q[1].cos()))

@@ -29,6 +29,7 @@ impl Energy for FaouHairerPham {
         1
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let (q, p) = (q[0], p[0]);
         let kinetic = ratio(1, 3) * p.powi(3) - 0.5 * p;

@@ -41,6 +41,7 @@ impl Energy for Fpu {
         2 * self.m
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let (slow, fast) = q.split_at(self.m);
         let omega = Num::<S>::from(self.omega);

@@ -54,6 +54,7 @@ impl Energy for FputBeta {
         self.n
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let kinetic: Num<S> = p.iter().map(|&p| p * p).sum();
         let inner = q.windows(2).map(|pair| pair[1] - pair[0]);

@@ -3,6 +3,7 @@
 use equip_scalar::{Num, Scalar};
 
 /// The energy of bodies with masses m in d dimensions.
+#[inline(always)]
 pub(crate) fn energy<S: Scalar>(
     d: usize,
     gravity: Num<S>,

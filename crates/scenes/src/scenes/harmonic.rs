@@ -47,6 +47,7 @@ impl Energy for Harmonic {
         self.m
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let mut omega = Num::from(self.omega);
         let mut twice = p[0] * p[0] + omega * omega * (q[0] * q[0]);

@@ -61,6 +61,7 @@ impl Energy for HenonHeiles {
         2
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let quadratic = 0.5 * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]);
         quadratic + q[0] * q[0] * q[1] - ratio(1, 3) * (q[1] * q[1] * q[1])

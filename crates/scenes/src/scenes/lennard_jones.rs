@@ -58,6 +58,7 @@ impl Energy for LennardJones {
         2 * self.n
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let kinetic: Num<S> = p.iter().map(|&p| p * p).sum();
         let mut pairs = Vec::with_capacity(self.n * self.n / 2);

@@ -48,6 +48,7 @@ impl Energy for LotkaVolterra {
         1
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         (p[0].exp() - self.b * p[0]) + (q[0].exp() - self.a * q[0])
     }

@@ -67,6 +67,7 @@ impl Energy for Ring {
         3 * self.n
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let masses = vec![Num::from(ratio(1, self.n as i64)); self.n];
         gravity::energy(3, Num::from(1.0), &masses, q, p)

@@ -81,6 +81,7 @@ impl Energy for OuterSolarSystem {
         3 * self.bodies()
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let gravity = Num::from(G);
         let masses: Vec<_> = GM.iter().take(self.bodies()).map(|&gm| Num::from(gm) / gravity).collect();

@@ -62,6 +62,7 @@ impl Energy for Pendulum {
         1
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         0.5 * (p[0] * p[0]) - q[0].cos()
     }

@@ -33,6 +33,7 @@ impl Energy for Pythagorean {
         6
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         gravity::energy(2, Num::from(1.0), &MASSES.map(Num::from), q, p)
     }

@@ -44,6 +44,7 @@ impl Energy for Quartic {
         1
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         0.5 * (p[0] * p[0]) + 0.25 * q[0].powi(4)
     }

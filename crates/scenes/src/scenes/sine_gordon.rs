@@ -46,6 +46,7 @@ impl Energy for SineGordon {
         self.n
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let density = Num::<S>::from(self.n as f64) / self.length;
         let kinetic: Num<S> = p.iter().map(|&p| p * p).sum();

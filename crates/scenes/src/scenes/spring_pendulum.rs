@@ -39,6 +39,7 @@ impl Energy for SpringPendulum {
         2
     }
 
+    #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let stretch = (q[0] * q[0] + q[1] * q[1]).sqrt() - 1.0;
         0.5 * (p[0] * p[0] + p[1] * p[1]) + self.g * q[1] + 0.5 * (self.k * (stretch * stretch))
