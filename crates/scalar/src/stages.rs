@@ -72,6 +72,12 @@ macro_rules! by_columns {
             _ => $mix.any(),
         }
     };
+    ($mix:expr, two groups, $columns:expr, [$($literal:literal)*]) => {
+        match $columns {
+            $($literal => $mix.two_groups::<$literal>(),)*
+            _ => $mix.any(),
+        }
+    };
 }
 
 impl Kernel for Mix<'_> {
@@ -84,6 +90,7 @@ impl Kernel for Mix<'_> {
         match self.stride {
             4 => by_columns!(self, 4, stages, [2 3 4]),
             8 => by_columns!(self, 8, stages, [5 6 7 8]),
+            16 => by_columns!(self, two groups, stages, [9 10 11 12 13 14 15 16]),
             _ => self.any(),
         }
     }
@@ -107,6 +114,25 @@ impl Mix<'_> {
                 sum = sum + k[j] * Lanes::splat(l[j]);
             }
             *z = sum.0;
+        }
+    }
+
+    /// Two groups of 8 lanes and S columns: K is too long for the registers.
+    #[inline(always)]
+    fn two_groups<const S: usize>(&mut self) {
+        let Some(columns) = self.k.as_chunks::<16>().0.first_chunk::<S>() else {
+            return;
+        };
+        let (l, z) = (self.l.as_chunks::<16>().0, self.z.as_chunks_mut::<16>().0);
+        for (l, z) in l.iter().zip(z) {
+            for (g, z) in z.as_chunks_mut::<8>().0.iter_mut().enumerate() {
+                let column = |j: usize| -> Lanes<8> { Lanes(columns[j].as_chunks().0[g]) };
+                let mut sum = column(0) * Lanes::splat(l[0]);
+                for j in 1..S {
+                    sum = sum + column(j) * Lanes::splat(l[j]);
+                }
+                *z = sum.0;
+            }
         }
     }
 

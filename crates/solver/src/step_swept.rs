@@ -119,9 +119,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         swept
     }
 
-    /// How the sweeps of the step made last contracted, if they were tried, as a power that goes like h: with the positions alone as unknowns a
-    /// sweep is two.
+    /// How the sweeps of the step made last contracted, if they were tried and are most of its work, as a power that goes like h: with the positions
+    /// alone as unknowns a sweep is two.
     pub(crate) fn contraction(&self) -> Option<f64> {
+        if self.rule == Rule::Newton && !self.constraints.is_empty() {
+            return None;
+        }
         let sweeps = self.sweeps.as_ref()?;
         let rate = sweeps.seen.to_f64();
         let contraction = match sweeps.iterate.kinetic {
