@@ -53,6 +53,7 @@ mod pairs;
 mod response;
 mod reversible;
 mod reversible_stepper;
+mod rows;
 mod run;
 mod shifted;
 mod simplified;
