@@ -2,6 +2,7 @@
 //!
 //! Lanes are the stages: all loops run over arrays of 4 or 8 places, which the compiler turns into vector instructions of whatever
 //! set it is compiled for; floats that are no vector elements go stage by stage. Sums have one order, so the bits are the same on every set.
+//! Up to 16 stages of doubles go through [`crate::rows`].
 //!
 //! Cost: s² products for each component that K is applied to.
 
@@ -92,8 +93,9 @@ impl<T: Float> Kernel for Whole<'_, T> {
 }
 
 impl<T: Float> Whole<'_, T> {
+    /// For any number of groups.
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) -> T {
+    pub(crate) fn lanes<const N: usize>(&mut self) -> T {
         let mut step = self.0.views::<N>();
         let (n, groups) = (step.hi.len(), step.hb.len());
         let m = n / 2;
@@ -130,8 +132,9 @@ impl<T: Float> Kernel for Half<'_, T> {
 }
 
 impl<T: Float> Half<'_, T> {
+    /// For any number of groups.
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) -> T {
+    pub(crate) fn lanes<const N: usize>(&mut self) -> T {
         let mut step = self.step.views::<N>();
         let (n, groups) = (step.hi.len(), step.hb.len());
         let m = n / 2;

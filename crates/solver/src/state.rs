@@ -193,3 +193,44 @@ impl<T: Float> Advance<'_, T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mix::stride_for;
+
+    #[test]
+    fn components_abreast_have_the_bits_of_single_ones() {
+        for s in [3, 4, 6, 8, 11, 16, 24] {
+            let (n, stride) = (70, stride_for::<f64>(s));
+            let number = |i: usize| ((i * i + 3 * i) as f64 * 0.377).sin();
+            let from = State {
+                hi: (0..n).map(|c| 1e3 * number(c)).collect(),
+                lo: (0..n).map(|c| 1e-14 * number(c + 9)).collect(),
+            };
+            let mut increments = vec![0.0; n * stride];
+            for (i, x) in increments.iter_mut().enumerate() {
+                if i % stride < s {
+                    *x = number(i);
+                }
+            }
+            for set in InstructionSet::available() {
+                let mut next = from.clone();
+                from.advance_by_component(set, &increments, s, &mut next);
+                for (c, increments) in increments.chunks_exact(stride).enumerate() {
+                    let one = State {
+                        hi: vec![from.hi[c]],
+                        lo: vec![from.lo[c]],
+                    };
+                    let mut expected = one.clone();
+                    one.advance_by_component(set, increments, s, &mut expected);
+                    let bits = |hi: f64, lo: f64| (hi.to_bits(), lo.to_bits());
+                    assert!(
+                        bits(next.hi[c], next.lo[c]) == bits(expected.hi[0], expected.lo[0]),
+                        "component {c}, s = {s}, {set:?}"
+                    );
+                }
+            }
+        }
+    }
+}
