@@ -152,7 +152,6 @@ impl<T: Float> Whole<'_, T> {
                 let row = times(&hb[g], &gradients[from][g]);
                 l[c][g] = if negative { row.map(|x| -x) } else { row };
             }
-            in_memory(&mut l[c]);
         }
         step.advance(k, block, change);
     }
