@@ -121,6 +121,14 @@ impl<const N: usize> Scalar for Lanes<N> {
     /// Squaring and multiplying from the lowest bit of |n| upwards, as `f64::powi` does.
     #[inline(always)]
     fn powi(x: Self, n: i32) -> Self {
+        match n {
+            // Without the loop, which the compiler does not always unroll: a chain's gradient takes three quarters of the time.
+            3 => return x * (x * x),
+            4 => return (x * x) * (x * x),
+            5 => return x * ((x * x) * (x * x)),
+            6 => return (x * x) * ((x * x) * (x * x)),
+            _ => {}
+        }
         let mut exponent = n.unsigned_abs();
         let mut square = x;
         let mut power: Option<Self> = None;

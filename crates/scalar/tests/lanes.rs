@@ -7,7 +7,7 @@ use equip_scalar::{
 /// Every operation on x and y, in any number.
 #[rustfmt::skip]
 #[inline(always)]
-fn everything<S: Piecewise>(x: S, y: S) -> [S; 40] {
+fn everything<S: Piecewise>(x: S, y: S) -> [S; 43] {
     let c = Constant::Double(2.5);
     [
         x + y, x - y, x * y, x / y, -x,
@@ -17,14 +17,14 @@ fn everything<S: Piecewise>(x: S, y: S) -> [S; 40] {
         S::cosh(x), S::tanh(x), S::hypot(x, y), S::abs(x), S::min(x, y),
         S::max(x, y), S::powf(x, c), S::pow(x, y), S::sign(x), S::at_most(x, y),
         S::where_nonzero(x, y), S::times_slope(x, y), S::powf_slope(x, S::powf(x, c), c), S::powi(x, 0), S::powi(x, 1),
-        S::powi(x, 2), S::powi(x, 3), S::powi(x, 7), S::powi(x, -1), S::powi(x, -6),
+        S::powi(x, 2), S::powi(x, 3), S::powi(x, 4), S::powi(x, 5), S::powi(x, 6), S::powi(x, 7), S::powi(x, -1), S::powi(x, -6),
     ]
 }
 
 struct Everything<const N: usize>([f64; N], [f64; N]);
 
 impl<const N: usize> Kernel for Everything<N> {
-    type Output = [Lanes<N>; 40];
+    type Output = [Lanes<N>; 43];
     #[inline(always)]
     fn run(&mut self) -> Self::Output {
         everything(Lanes(self.0), Lanes(self.1))

@@ -55,6 +55,7 @@ mod prolongation;
 mod response;
 mod reversible;
 mod reversible_stepper;
+mod rows;
 mod run;
 mod shifted;
 mod simplified;

@@ -2,10 +2,12 @@
 //!
 //! Lanes are the stages: all loops run over arrays of 4 or 8 places, which the compiler turns into vector instructions of whatever
 //! set it is compiled for; floats that are no vector elements go stage by stage. Sums have one order, so the bits are the same on every set.
+//! Up to 16 stages of doubles go through [`crate::rows`].
 //!
 //! Cost: s² products for each component that K is applied to.
 
-use crate::pairs::has_pairs;
+use crate::pairs::{Blocks, has_pairs};
+use crate::rows::{Columns, Square};
 use crate::start::largest;
 use equip_scalar::{Float, Kernel};
 
@@ -26,6 +28,12 @@ pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
         Some(_) if s <= 4 => 4,
         Some(_) => 8,
     }
+}
+
+/// Groups that `s` stages stand in.
+#[inline(always)]
+fn groups_of_lanes<T: Float>(s: usize) -> usize {
+    stride_for::<T>(s) / lanes_of::<T>(s)
 }
 
 /// Groups of N lanes that `s` stages stand in.
@@ -70,20 +78,24 @@ impl<T: Float> Kernel for Whole<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) -> T {
-        if has_pairs::<T>(self.0.s) {
-            return self.by_pairs();
+        let (k, s) = (self.0.k, self.0.s);
+        if has_pairs::<T>(s) {
+            return self.by_rows(&Blocks::of(k));
         }
-        match lanes_of::<T>(self.0.s) {
-            4 => self.lanes::<4>(),
-            8 => self.lanes::<8>(),
+        match (groups_of_lanes::<T>(s), lanes_of::<T>(s)) {
+            (1, 4) => self.by_rows(&Square::<T, 4>::of(k)),
+            (1, 8) => self.by_rows(&Square::<T, 8>::of(k)),
+            (2, 8) => self.by_rows(&Columns::<T, 2, 8>::of(k, s)),
+            (_, 8) => self.lanes::<8>(),
             _ => self.lanes::<1>(),
         }
     }
 }
 
 impl<T: Float> Whole<'_, T> {
+    /// For any number of groups.
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) -> T {
+    pub(crate) fn lanes<const N: usize>(&mut self) -> T {
         let mut step = self.0.views::<N>();
         let (n, groups) = (step.hi.len(), step.hb.len());
         let m = n / 2;
@@ -105,20 +117,24 @@ impl<T: Float> Kernel for Half<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) -> T {
-        if has_pairs::<T>(self.step.s) {
-            return self.by_pairs();
+        let (k, s) = (self.step.k, self.step.s);
+        if has_pairs::<T>(s) {
+            return self.by_rows(&Blocks::of(k));
         }
-        match lanes_of::<T>(self.step.s) {
-            4 => self.lanes::<4>(),
-            8 => self.lanes::<8>(),
+        match (groups_of_lanes::<T>(s), lanes_of::<T>(s)) {
+            (1, 4) => self.by_rows(&Square::<T, 4>::of(k)),
+            (1, 8) => self.by_rows(&Square::<T, 8>::of(k)),
+            (2, 8) => self.by_rows(&Columns::<T, 2, 8>::of(k, s)),
+            (_, 8) => self.lanes::<8>(),
             _ => self.lanes::<1>(),
         }
     }
 }
 
 impl<T: Float> Half<'_, T> {
+    /// For any number of groups.
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) -> T {
+    pub(crate) fn lanes<const N: usize>(&mut self) -> T {
         let mut step = self.step.views::<N>();
         let (n, groups) = (step.hi.len(), step.hb.len());
         let m = n / 2;
@@ -225,15 +241,8 @@ impl<T: Float, const N: usize> Moved<T, N> {
 
     #[inline(always)]
     pub(crate) fn reduce(&self) -> T {
-        let mut sum = self.sum;
-        let mut count = N;
-        while count > 1 {
-            count /= 2;
-            for i in 0..count {
-                sum[i] += sum[i + count];
-            }
-        }
-        if sum[0].is_finite() {
+        // Not the sum of the sums: in quest of it the compiler would take the vectors of the loop apart.
+        if self.sum.iter().all(|sum| sum.is_finite()) {
             largest(self.largest)
         } else {
             T::NAN

@@ -12,7 +12,8 @@
 //!
 //! Cost: s²/2 products for each component.
 
-use crate::mix::{Half, Moved, Step, Whole, add, placed, scaled, sum_of, times};
+use crate::mix::{add, scaled, sum_of};
+use crate::rows::{self, Mixes};
 use equip_scalar::Float;
 use std::array::from_fn;
 
@@ -20,7 +21,7 @@ use std::array::from_fn;
 pub(crate) const HALF: usize = 8;
 
 /// A row of L or Z: the first half of the stages, and the second.
-type Row<T> = [[T; HALF]; 2];
+type Row<T> = rows::Row<T, 2, HALF>;
 
 /// Whether `s` stages of this float are mixed by pairs.
 #[inline(always)]
@@ -76,92 +77,19 @@ pub(crate) fn blocks<T: Float>(k: &[T]) -> &[[[T; HALF]; HALF]; 2] {
     }
 }
 
-impl<T: Float> Half<'_, T> {
-    /// The sweep from the gradients on, component by component.
+/// K as P and Q.
+pub(crate) struct Blocks<T>([[[T; HALF]; HALF]; 2]);
+
+impl<T: Float> Blocks<T> {
     #[inline(always)]
-    pub(crate) fn by_pairs(&mut self) -> T {
-        let m = self.inverse_masses.len();
-        let k = blocks(self.step.k);
-        let mut rows = Rows::of(&mut self.step);
-        let mut change = Moved::<T, HALF>::new();
-        for c in 0..m {
-            let forces = rows.gradients[c];
-            rows.l[c + m] = from_fn(|g| times(&rows.hb[g], &forces[g]).map(|x| -x));
-            let z = product(k, &folded(&rows.l[c + m]));
-            let p: Row<T> = from_fn(|g| placed(rows.hi[c + m], rows.lo[c + m], &z[g]));
-            let (w, b) = (self.inverse_masses[c], self.offset[c]);
-            rows.l[c] = from_fn(|g| times(&rows.hb[g], &p[g].map(|p| w * p + b)));
-            rows.points[c + m] = p;
-            rows.advance(c, k, &mut change);
-        }
-        change.reduce()
+    pub(crate) fn of(k: &[T]) -> Self {
+        Blocks(*blocks(k))
     }
 }
 
-impl<T: Float> Whole<'_, T> {
-    /// The sweep from the gradients on, component by component.
+impl<T: Float> Mixes<T, 2, HALF> for Blocks<T> {
     #[inline(always)]
-    pub(crate) fn by_pairs(&mut self) -> T {
-        let n = self.0.hi.len();
-        let k = blocks(self.0.k);
-        let mut rows = Rows::of(&mut self.0);
-        let mut change = Moved::<T, HALF>::new();
-        for c in 0..n {
-            let gradient = rows.gradients[(c + n / 2) % n];
-            let l: Row<T> = from_fn(|g| times(&rows.hb[g], &gradient[g]));
-            rows.l[c] = if c < n / 2 {
-                l
-            } else {
-                l.map(|x| x.map(|x| -x))
-            };
-            rows.advance(c, k, &mut change);
-        }
-        change.reduce()
+    fn mixed(&self, l: &Row<T>) -> Row<T> {
+        product(&self.0, &folded(l))
     }
-}
-
-/// A step in rows.
-struct Rows<'a, T> {
-    hb: &'a Row<T>,
-    hi: &'a [T],
-    lo: &'a [T],
-    inverse_scale: &'a [T],
-    gradients: &'a [Row<T>],
-    l: &'a mut [Row<T>],
-    z: &'a mut [Row<T>],
-    points: &'a mut [Row<T>],
-}
-
-impl<'a, T: Float> Rows<'a, T> {
-    #[inline(always)]
-    fn of(step: &'a mut Step<'_, T>) -> Self {
-        let [hb, ..] = rows(step.hb) else {
-            panic!("there is a weight for each of the stages");
-        };
-        Rows {
-            hb,
-            hi: step.hi,
-            lo: step.lo,
-            inverse_scale: step.inverse_scale,
-            gradients: rows(step.gradients),
-            l: step.l.as_chunks_mut().0.as_chunks_mut().0,
-            z: step.z.as_chunks_mut().0.as_chunks_mut().0,
-            points: step.points.as_chunks_mut().0.as_chunks_mut().0,
-        }
-    }
-
-    /// Z ← K L and the stages, for one component.
-    #[inline(always)]
-    fn advance(&mut self, c: usize, k: &[[[T; HALF]; HALF]; 2], change: &mut Moved<T, HALF>) {
-        let (hi, lo) = (self.hi[c], self.lo[c]);
-        let before = std::mem::replace(&mut self.z[c], product(k, &folded(&self.l[c])));
-        self.points[c] = from_fn(|g| placed(hi, lo, &self.z[c][g]));
-        for (z, before) in self.z[c].iter().zip(&before) {
-            change.see(z, before, self.inverse_scale[c]);
-        }
-    }
-}
-
-fn rows<T>(x: &[T]) -> &[Row<T>] {
-    x.as_chunks().0.as_chunks().0
 }

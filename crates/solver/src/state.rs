@@ -88,34 +88,149 @@ impl<T: Float> Kernel for Advance<'_, T> {
     }
 }
 
+/// Components that are added up abreast, lane for lane: so many that the compiler takes vectors of them. Of one component alone every addition
+/// waits for the one before.
+const ABREAST: usize = 32;
+
+/// Numbers of the components abreast, for each lane.
+type Abreast<T, const N: usize> = [[T; ABREAST]; N];
+
 impl<T: Float> Advance<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) {
+        let n = self.from.hi.len();
+        let abreast = if N > 1 { n - n % ABREAST } else { 0 };
+        if abreast > 0 {
+            let mut room: [Abreast<T, N>; 2] = [[[T::int(0); ABREAST]; N]; 2];
+            for first in (0..abreast).step_by(ABREAST) {
+                self.several::<N>(first, &mut room);
+            }
+        }
+        for c in abreast..n {
+            self.one::<N>(c);
+        }
+    }
+
+    /// Component c.
+    #[inline(always)]
+    fn one<const N: usize>(&mut self, c: usize) {
         let groups = groups_of::<T, N>(self.s);
-        let increments = self.increments.as_chunks::<N>().0;
-        let next = self.next.hi.iter_mut().zip(&mut self.next.lo);
-        let start = self.from.hi.iter().zip(&self.from.lo);
-        for (c, ((hi, lo), (&hi0, &lo0))) in next.zip(start).enumerate() {
-            let row = &increments[c * groups..(c + 1) * groups];
-            let (mut sum, mut lost) = (row[0], [T::int(0); N]);
-            for x in &row[1..] {
-                for i in 0..N {
-                    let (s, e) = T::two_sum(sum[i], x[i]);
-                    sum[i] = s;
-                    lost[i] += e;
+        let row = &self.increments.as_chunks::<N>().0[c * groups..(c + 1) * groups];
+        let (mut sum, mut lost) = (row[0], [T::int(0); N]);
+        for x in &row[1..] {
+            for i in 0..N {
+                let (s, e) = T::two_sum(sum[i], x[i]);
+                sum[i] = s;
+                lost[i] += e;
+            }
+        }
+        let mut count = N;
+        while count > 1 {
+            count /= 2;
+            for i in 0..count {
+                let (s, e) = T::two_sum(sum[i], sum[i + count]);
+                sum[i] = s;
+                lost[i] = (lost[i] + lost[i + count]) + e;
+            }
+        }
+        let (y, e) = T::two_sum(self.from.hi[c], sum[0]);
+        (self.next.hi[c], self.next.lo[c]) = T::two_sum(y, e + (lost[0] + self.from.lo[c]));
+    }
+
+    /// The same for the components from `first` on.
+    #[inline(always)]
+    fn several<const N: usize>(&mut self, first: usize, [sum, lost]: &mut [Abreast<T, N>; 2]) {
+        let groups = groups_of::<T, N>(self.s);
+        let rows = &self.increments.as_chunks::<N>().0[first * groups..(first + ABREAST) * groups];
+        let mut count = N / 2;
+        if groups == 1 {
+            let rows: &[[T; N]; ABREAST] = match rows.first_chunk() {
+                Some(rows) => rows,
+                None => return,
+            };
+            for i in 0..count {
+                for c in 0..ABREAST {
+                    let (s, e) = T::two_sum(rows[c][i], rows[c][i + count]);
+                    sum[i][c] = s;
+                    lost[i][c] = T::int(0) + e;
                 }
             }
-            let mut count = N;
-            while count > 1 {
-                count /= 2;
-                for i in 0..count {
-                    let (s, e) = T::two_sum(sum[i], sum[i + count]);
-                    sum[i] = s;
-                    lost[i] = (lost[i] + lost[i + count]) + e;
+        } else {
+            count = N;
+            for i in 0..N {
+                for c in 0..ABREAST {
+                    let (s, e) = T::two_sum(rows[c * groups][i], rows[c * groups + 1][i]);
+                    sum[i][c] = s;
+                    lost[i][c] = T::int(0) + e;
+                }
+                for g in 2..groups {
+                    for c in 0..ABREAST {
+                        let (s, e) = T::two_sum(sum[i][c], rows[c * groups + g][i]);
+                        sum[i][c] = s;
+                        lost[i][c] += e;
+                    }
                 }
             }
-            let (y, e) = T::two_sum(hi0, sum[0]);
-            (*hi, *lo) = T::two_sum(y, e + (lost[0] + lo0));
+        }
+        while count > 1 {
+            count /= 2;
+            let (sums, others) = sum.split_at_mut(count);
+            let (losts, others_lost) = lost.split_at_mut(count);
+            for i in 0..count {
+                for c in 0..ABREAST {
+                    let (s, e) = T::two_sum(sums[i][c], others[i][c]);
+                    sums[i][c] = s;
+                    losts[i][c] = (losts[i][c] + others_lost[i][c]) + e;
+                }
+            }
+        }
+        let block = first..first + ABREAST;
+        let (hi0, lo0) = (&self.from.hi[block.clone()], &self.from.lo[block.clone()]);
+        let (hi, lo) = (&mut self.next.hi[block.clone()], &mut self.next.lo[block]);
+        for c in 0..ABREAST {
+            let (y, e) = T::two_sum(hi0[c], sum[0][c]);
+            (hi[c], lo[c]) = T::two_sum(y, e + (lost[0][c] + lo0[c]));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mix::stride_for;
+
+    #[test]
+    fn components_abreast_have_the_bits_of_single_ones() {
+        for s in [3, 4, 6, 8, 11, 16, 24] {
+            let (n, stride) = (70, stride_for::<f64>(s));
+            let number = |i: usize| ((i * i + 3 * i) as f64 * 0.377).sin();
+            let from = State {
+                hi: (0..n).map(|c| 1e3 * number(c)).collect(),
+                lo: (0..n).map(|c| 1e-14 * number(c + 9)).collect(),
+            };
+            let mut increments = vec![0.0; n * stride];
+            for (i, x) in increments.iter_mut().enumerate() {
+                if i % stride < s {
+                    *x = number(i);
+                }
+            }
+            for set in InstructionSet::available() {
+                let mut next = from.clone();
+                from.advance_by_component(set, &increments, s, &mut next);
+                for (c, increments) in increments.chunks_exact(stride).enumerate() {
+                    let one = State {
+                        hi: vec![from.hi[c]],
+                        lo: vec![from.lo[c]],
+                    };
+                    let mut expected = one.clone();
+                    one.advance_by_component(set, increments, s, &mut expected);
+                    let bits = |hi: f64, lo: f64| (hi.to_bits(), lo.to_bits());
+                    assert!(
+                        bits(next.hi[c], next.lo[c]) == bits(expected.hi[0], expected.lo[0]),
+                        "component {c}, s = {s}, {set:?}"
+                    );
+                }
+            }
         }
     }
 }
