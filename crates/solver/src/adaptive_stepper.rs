@@ -20,7 +20,7 @@ const TRIES_FOR_FIRST: u32 = 20;
 /// What an encounter's floor still excuses fades by this from step to step: a defect that it leaves is repaired within a few steps. Left alone, the 1e-9 that
 /// stay after the closest encounter of the Pythagorean problem make its error at t = 60 a thousand times as large.
 const FADING: i64 = 2;
-/// A step may be stretched by 1/16 to reach the end of the run.
+/// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
 const STRETCH: i64 = 16;
 
 /// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
@@ -218,7 +218,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         if let Some(end) = end {
             let left = (end - now) - low;
             let zero = T::int(0);
-            if left <= h + h / T::int(STRETCH) {
+            let allowed = left <= h || left.to_f64() <= self.control.most;
+            if left <= h + h / T::int(STRETCH) && allowed {
                 return Place {
                     h: left,
                     time: end,

@@ -65,7 +65,7 @@ pub(crate) struct Control {
     /// Ratio (tol / e)^{1/(2s)} down to which a step is accepted.
     accepted: f64,
     /// Largest step.
-    most: f64,
+    pub(crate) most: f64,
     pub(crate) memory: Memory,
 }
 
