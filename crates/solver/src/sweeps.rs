@@ -326,6 +326,12 @@ impl<T: Float> Sweeps<T> {
         }
     }
 
+    /// Whether α's were asked for that mean that g does not react to them: no other solver finds any.
+    pub(crate) fn are_alphas_out_of_reach(&self) -> bool {
+        let most = T::int(1) / T::EPSILON.sqrt();
+        !self.alphas.iter().all(|a| a.abs() <= most)
+    }
+
     /// What is remembered from step to step.
     pub(crate) fn memory(&self) -> [T; 3] {
         [self.rate, self.defect, self.scale]
