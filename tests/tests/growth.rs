@@ -1,9 +1,10 @@
 //! How the work of a step grows: with the size of the system not at all but for the size itself, with the stages slowly. Counts, no clock.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::Hamiltonian;
-use equip_scenes::Instance;
-use equip_solver::{Counts, Equip, Gauss, Method, StageSolver};
+use equip_autodiff::{Energy, Hamiltonian};
+use equip_scalar::Constant;
+use equip_scenes::{Instance, energies::FputBeta};
+use equip_solver::{Counts, Equip, Gauss, Method, Outcome, StageSolver};
 use equip_tests::{Start, henon_heiles, kepler};
 
 fn counts(
@@ -89,4 +90,23 @@ fn more_stages_take_few_more_sweeps() {
             assert!(sweeps <= *most, "scene {i}, s = {s}: {sweeps} a step");
         }
     }
+}
+
+/// 16384 masses: H is a sum that rounds by up to 8 of its floors, to which no α reacts. Steps are those of Gauss, or halves of them.
+#[test]
+fn defects_of_a_long_sum_are_not_for_alphas() {
+    let n = 16384;
+    let chain = FputBeta {
+        n,
+        beta: Constant::from(0.3),
+        amplitude: Constant::from(10.0),
+    };
+    let energy = Hamiltonian::new(n, |q, p| chain.energy(q, p)).unwrap();
+    let mode = |i: usize| 10.0 * (std::f64::consts::PI * i as f64 / (n + 1) as f64).sin();
+    let q: Vec<f64> = (1..=n).map(mode).collect();
+    let p = vec![0.0; n];
+    let start = (&energy, q.as_slice(), p.as_slice());
+    let c = counts(Equip::stages(4), 0.2, 4, start, StageSolver::Automatic);
+    println!("{c:?}");
+    assert_eq!(c.outcome(Outcome::Solved) + c.newton_iterations, 0);
 }

@@ -10,6 +10,8 @@ use std::time::Instant;
 
 /// Samples taken along a run.
 const SAMPLES: u64 = 1000;
+/// Defects of so many floors are left to later steps: within them the energy moves as that of Gauss does.
+const LEFT: f64 = 4.0;
 
 /// What a run of n steps leaves behind. Energies and moments of the samples are those of the f64 states, computed in
 /// double-double.
@@ -129,7 +131,10 @@ impl Long {
         } = trend(&self.energies);
         let drift = slope.abs() * self.energies.len() as f64;
         let noise = 4.0 * standard_error * self.energies.len() as f64;
-        assert!(drift <= noise.max(self.floor), "energy drifts by {drift:e}");
+        assert!(
+            drift <= noise.max(LEFT * self.floor),
+            "energy drifts by {drift:e}"
+        );
         self.walks_at_random();
     }
 
@@ -176,11 +181,9 @@ fn kepler_ten_million_steps_with_4_stages() {
     kepler_keeps_both(4, 100, 10_000_000);
 }
 
-/// Measured growth from 10⁵ to 10⁷ steps: 86 and 74 times for Gauss with 3 and 4 stages, 126 times for EQUIP with 3. A random
-/// walk would grow 10 times. That was with what an iteration stopped at 4 ε leaves of Z − K L, which repeats from period to period; not
-/// repeated since it goes on to rounding.
+/// Measured: 6.1 times from 10⁵ to 10⁶ steps; a random walk grows 3.2 times.
 #[test]
-#[ignore = "long: run with cargo test -p equip-tests --release --test long -- --ignored"]
+#[ignore = "long: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
 fn the_angular_momentum_of_kepler_walks_at_random() {
     let largest = |n| {
         let run = kepler_run(Gauss::stages(4), 100, n);
@@ -189,9 +192,31 @@ fn the_angular_momentum_of_kepler_walks_at_random() {
     assert!(largest(1_000_000) <= 2.0 * 10.0_f64.sqrt() * largest(100_000));
 }
 
+/// Moves bodies in space to where their common centre of mass rests at the origin. In the reference's frame it moves 6.8e-6 astronomical units
+/// a day: after 10⁸ days all positions are 680 units off, and their rounding is a hundred times what it was at the start.
+fn to_barycentre(hamiltonian: &Hamiltonian, q: &mut [f64], p: &mut [f64]) {
+    // ∂H/∂p at momenta 1 has the masses.
+    let n = q.len();
+    let y: Vec<f64> = q.iter().copied().chain(vec![1.0; n]).collect();
+    let mut gradient = vec![0.0; 2 * n];
+    hamiltonian.evaluator::<f64>().gradient(&y, &mut gradient);
+    let masses: Vec<f64> = gradient[n..].iter().map(|x| x.recip()).collect();
+    for axis in 0..3 {
+        let along = || (axis..n).step_by(3);
+        let all: f64 = along().map(|k| masses[k]).sum();
+        let centre = along().map(|k| masses[k] * q[k]).sum::<f64>() / all;
+        let velocity = along().map(|k| p[k]).sum::<f64>() / all;
+        for k in along() {
+            q[k] -= centre;
+            p[k] -= masses[k] * velocity;
+        }
+    }
+}
+
 fn outer_solar_system(method: Method, h: f64, days: f64) -> Long {
     let instance = Instance::from_reference("outer_ss").unwrap();
-    let (q, p) = instance.initial::<f64>();
+    let (mut q, mut p) = instance.initial::<f64>();
+    to_barycentre(instance.hamiltonian(), &mut q, &mut p);
     let n = (days / h).round() as u64;
     // The third component of the total angular momentum.
     let moment: Moment = |q, p| {

@@ -119,6 +119,14 @@ impl<T: Float> Constraint<T> {
         in_floors(self.defect, self.floor)
     }
 
+    /// |g| in units of the mean of the floors at both ends of the step, of components with these `sizes`: the same for the step made
+    /// backwards. ∇I was evaluated at both.
+    pub(crate) fn in_floors_of_both_ends(&self, sizes: &[T]) -> T {
+        let moved = products(&self.gradient, sizes) + products(&self.start_gradient, sizes);
+        let scale = T::int(2) * self.reference.abs() + moved / T::int(2);
+        in_floors(self.defect, T::EPSILON * (scale + T::MIN_POSITIVE))
+    }
+
     /// The floor by which g is judged at the end of a step: its own if g is there, else the inherited one if that is larger.
     pub(crate) fn judging_floor(&self) -> T {
         if self.in_floors() <= T::int(1) {

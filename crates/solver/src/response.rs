@@ -130,7 +130,8 @@ impl<T: Float> Response<T> {
             return false;
         }
         let [least, full] = AIMED_AT.map(T::int);
-        let share = ((constraint.in_floors() - least) / (full - least)).min(T::int(1));
+        let floors = constraint.in_floors_of_both_ends(&self.sizes);
+        let share = ((floors - least) / (full - least)).min(T::int(1));
         let aims = share > T::int(0)
             && match &mut self.finer {
                 Some(finer) => {

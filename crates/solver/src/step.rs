@@ -11,7 +11,7 @@ use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
 use crate::state::State;
 use crate::step_swept::{KnownGradient, Pause, can_sweep, rule};
-use crate::sweeps::{Rule, Sweeps};
+use crate::sweeps::{Rule, Sweeps, Trouble};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
@@ -286,6 +286,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             if let (StageSolver::Sweeps, Some(sweeps)) = (self.settings.stage_solver, &self.sweeps)
             {
                 return Err(sweeps.failure(trouble));
+            }
+            // A defect of a few floors that α's do not reach, or whatever no α reaches: an H of many terms is not known any better.
+            let out_of_reach = self
+                .sweeps
+                .as_ref()
+                .is_some_and(Sweeps::are_alphas_out_of_reach);
+            if trouble == Trouble::NoAlpha && (out_of_reach || nearly_met(&self.constraints)) {
+                return Err(Failure::NoAlpha);
             }
             let mut solved = self.solve(y, h, constrained, (Norm::Slow, 0), next);
             for norm in [Norm::Resolved, Norm::Plain] {

@@ -38,7 +38,7 @@ impl Pause {
 }
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
-    /// For steps that are to be made backwards: Newton's α's are the same then to the last few bits, those by sweeps to 1e-14 … 1e-13.
+    /// For steps that are to be made backwards: Newton's α's are the same then to the last few bits, those by sweeps to 1e-16 … 1e-14.
     pub(crate) fn leave_alphas_to_newton(&mut self) {
         if self.rule == Rule::Response {
             self.rule = Rule::Newton;

@@ -50,6 +50,8 @@ const MAX_MOVES: u32 = 24;
 const REMAINS: i64 = 8;
 /// Before directions are taken g is to be known this well: they are taken from the stages as they are then.
 const CLEAR: i64 = 1024;
+/// … and the stages to so many ε: the local error aimed at is the difference of two ends, and as wrong as they are.
+const THERE: i64 = 4;
 
 /// Why a step is left to Newton.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -310,7 +312,7 @@ impl<T: Float> Sweeps<T> {
     fn is_near(&self, error: T, g: T) -> bool {
         let eps = T::EPSILON;
         let exact = T::int(1 << 20) * error * g <= eps * self.scale;
-        exact && error <= eps.sqrt() && T::int(CLEAR) * error * self.scale <= g
+        exact && error <= T::int(THERE) * eps && T::int(CLEAR) * error * self.scale <= g
     }
 
     /// What a change of Z by 1 leaves of an error at the end point. With positions alone as unknowns ρ is the product of a half sweep
@@ -349,6 +351,12 @@ impl<T: Float> Sweeps<T> {
                 correction: self.change,
             },
         }
+    }
+
+    /// Whether α's were asked for that mean that g does not react to them: no other solver finds any.
+    pub(crate) fn are_alphas_out_of_reach(&self) -> bool {
+        let most = T::int(1) / T::EPSILON.sqrt();
+        !self.alphas.iter().all(|a| a.abs() <= most)
     }
 
     /// What is remembered from step to step.

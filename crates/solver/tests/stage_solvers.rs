@@ -150,9 +150,9 @@ fn a_kept_factorisation_serves_for_many_steps() {
 
 /// 40 unknowns a stage, 6 stages: full Newton factorises one matrix of size 240, simplified Newton three complex ones of size 40, the
 /// work of (2/3) 240³ against 3 · (8/3) 40³ operations: 18 to 1. Both factorise in every iteration here; seconds are those of whole
-/// runs, with Hessians (6 to 1), gradients and solves.
+/// runs, with Hessians (6 to 1), gradients and solves. Measured 4.20 and 0.36 ms, 11.7 to 1.
 #[test]
-#[ignore = "timing: run with cargo test -p equip-solver --release --test stage_solvers -- --ignored --nocapture"]
+#[ignore = "timing: run with cargo test -p equip-solver --release --test all stage_solvers:: -- --ignored --nocapture"]
 fn a_factorisation_of_simplified_newton_is_an_order_cheaper() {
     let scene = instance("dnls", &[("n", "20")]);
     let (q, p) = scene.initial::<f64>();

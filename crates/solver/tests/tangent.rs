@@ -108,9 +108,12 @@ fn order_and_chaos_of_henon_heiles() {
         let ratio = x.megno / (x.lyapunov * t / 2.0);
         assert!((0.8..1.25).contains(&ratio), "{ratio}");
     }
-    // λ(t) of a chaotic orbit wanders, and any rounding leads to another one: measured 0.076, 0.056 and 0.050; on another trajectory 0.076, 0.053, and
-    // 0.043 at t = 10⁵.
-    let found = chaotic[2].lyapunov;
+    // λ(t) of a chaotic orbit wanders, and any rounding leads to another one: measured 0.025 to 0.056 at t = 5·10⁴ on 16 neighbours. The mean of four
+    // is off by 16 %.
+    let neighbours = ["-0.2500000001", "-0.2500000002", "-0.2500000003"];
+    let others = neighbours.map(|q2| indicators(q2, "0", &times)[2].lyapunov);
+    let found = (others.iter().sum::<f64>() + chaotic[2].lyapunov) / 4.0;
+    println!("λ = {:.4}, neighbours {others:.4?}", chaotic[2].lyapunov);
     assert!((found - 0.047).abs() < 0.35 * 0.047, "{found}");
     let regular = indicators("0.483", "0", &times[..2]);
     for (t, x) in times.iter().zip(&regular) {
