@@ -6,8 +6,8 @@ use equip_scalar::{Float, Num, Scalar};
 ///
 /// What a closure cannot be: generic over the number. The compiler turns it into machine code for floats and for dual
 /// numbers, which for up to four degrees of freedom beats any tape. A comparison of the state does not
-/// compile here, as [`Num`] has none; use `.min()`, `.max()` and `.abs()`. Mark the method `#[inline(always)]`, or
-/// gradients at many points at once are slow.
+/// compile here, as [`Num`] has none; use `.min()`, `.max()` and `.abs()`. Mark the method `#[inline(always)]`: it
+/// is compiled together with the stage sweeps then, which take half the time.
 ///
 /// The macro [`hamiltonian!`](crate::hamiltonian) writes such a type from closure-like text.
 ///
@@ -23,6 +23,7 @@ use equip_scalar::{Float, Num, Scalar};
 ///     fn degrees_of_freedom(&self) -> usize {
 ///         2
 ///     }
+///     #[inline(always)]
 ///     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
 ///         0.5 * (p[0] * p[0] + p[1] * p[1]) - self.mu / (q[0] * q[0] + q[1] * q[1]).sqrt()
 ///     }
