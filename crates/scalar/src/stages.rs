@@ -128,8 +128,8 @@ impl Mix<'_> {
             for (g, z) in z.as_chunks_mut::<8>().0.iter_mut().enumerate() {
                 let column = |j: usize| -> Lanes<8> { Lanes(columns[j].as_chunks().0[g]) };
                 let mut sum = column(0) * Lanes::splat(l[0]);
-                for j in 1..S {
-                    sum = sum + column(j) * Lanes::splat(l[j]);
+                for (j, &l) in l.iter().enumerate().take(S).skip(1) {
+                    sum = sum + column(j) * Lanes::splat(l);
                 }
                 *z = sum.0;
             }

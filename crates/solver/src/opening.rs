@@ -29,7 +29,7 @@ pub(crate) trait Sweep<'a> {
     /// Unknown components for each degree of freedom.
     const WIDTH: usize;
     fn step(&self) -> &Step<'a, f64>;
-    fn from_slopes<const C: usize, const G: usize, const N: usize>(
+    fn finish<const C: usize, const G: usize, const N: usize>(
         &mut self,
         slopes: &[[Lanes<N>; C]; G],
         k: &impl Mixes<G, N>,
@@ -42,7 +42,7 @@ impl<'a> Sweep<'a> for Half<'a, f64> {
         &self.step
     }
     #[inline(always)]
-    fn from_slopes<const C: usize, const G: usize, const N: usize>(
+    fn finish<const C: usize, const G: usize, const N: usize>(
         &mut self,
         slopes: &[[Lanes<N>; C]; G],
         k: &impl Mixes<G, N>,
@@ -57,7 +57,7 @@ impl<'a> Sweep<'a> for Whole<'a, f64> {
         &self.0
     }
     #[inline(always)]
-    fn from_slopes<const C: usize, const G: usize, const N: usize>(
+    fn finish<const C: usize, const G: usize, const N: usize>(
         &mut self,
         slopes: &[[Lanes<N>; C]; G],
         k: &impl Mixes<G, N>,
@@ -106,7 +106,7 @@ impl<'a, S: Sweep<'a>> Opening<'a, S> {
                 }));
             }
         }
-        self.sweep.from_slopes(&slopes, k);
+        self.sweep.finish(&slopes, k);
         let step = self.sweep.step();
         let points = step.points.as_chunks::<N>().0;
         for (c, (scale, &hi)) in self.scale.iter_mut().zip(step.hi).enumerate().take(2 * m) {
