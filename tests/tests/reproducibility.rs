@@ -221,8 +221,9 @@ fn steps_with_large_alphas_return() {
 
 #[test]
 fn equip_returns_in_double_double() {
-    // Measured 3.0e-30; headroom 10.
-    assert!(reversal::<DoubleDouble>(Equip::stages(3)) < 3e-29);
+    // Measured 7.4e-29, and 1e-30 to 1.3e-28 with 90 to 112 steps a period in place of 100, if the number is even. If it is odd a step has the
+    // apocentre in its middle, where g does not react to the α's: 1e-22.
+    assert!(reversal::<DoubleDouble>(Equip::stages(3)) < 4e-28);
 }
 
 #[test]

@@ -5,8 +5,8 @@
 //! entries at once: s² products for each α_k ≠ 0, in vector instructions.
 
 use crate::aligned::{Aligned, Places};
-use crate::mix::stride_for;
 use crate::pairs::{HALF, fill, has_pairs};
+use crate::row::stride_for;
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 

@@ -19,7 +19,7 @@
 //!
 //! Cost: s² n multiplications, no evaluation of H.
 
-use crate::mix::stride_for;
+use crate::row::stride_for;
 use crate::state::State;
 use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_tableau::Gauss;

@@ -15,8 +15,8 @@
 //! Cost: a gradient at all stages for each group of columns; a sweep of one side nnz·s + 2m s² products. Nothing is allocated.
 
 use crate::hessians::turned;
-use crate::mix::lanes_of;
 use crate::outcome::Counts;
+use crate::row::by_lanes;
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel, mix_stages};
@@ -335,11 +335,7 @@ impl<T: Float> Kernel for Times<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match lanes_of::<T>(self.stride) {
-            4 => self.lanes::<4>(),
-            8 => self.lanes::<8>(),
-            _ => self.lanes::<1>(),
-        }
+        by_lanes!(T, self.stride, self)
     }
 }
 

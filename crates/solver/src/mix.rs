@@ -1,50 +1,23 @@
 //! The linear half of a sweep, from the gradients to the next stages, compiled for every instruction set.
 //!
-//! Lanes are the stages: all loops run over arrays of 4 or 8 places, which the compiler turns into vector instructions of whatever
-//! set it is compiled for; floats that are no vector elements go stage by stage. Sums have one order, so the bits are the same on every set.
-//! Up to 16 stages of doubles go through [`crate::rows`].
+//! Three forms: [`crate::whole`], [`crate::half`], [`crate::draft`]. Each is written for components of any length, and by rows of literal
+//! length for up to 16 stages of doubles: the same operations in the same order, bit for bit, and K stays in registers. In a chain of 1024 masses
+//! with 8 stages a position and its momentum take 11 ns by rows in place of 24 on AVX-512, where the arithmetic alone is 44 vector instructions, two a
+//! cycle. Products that wait for each other are done in loops of their own over a block of components. Four components written side by side are
+//! taken apart by the compiler, and are slower than the general form.
 //!
 //! Cost: s² products for each component that K is applied to.
 
-use crate::pairs::{Blocks, has_pairs};
-use crate::rows::{Columns, Square};
+use crate::pairs::{HALF, has_pairs};
+use crate::product::{Columns, Mixes, Square, product_any};
+use crate::row::{difference, lanes_of, literal, placed, rows, rows_mut, stride_for};
 use crate::start::largest;
-use equip_scalar::{Float, Kernel};
+use equip_scalar::Float;
+use std::ops::Range;
 
-/// Lanes that `s` stages of this float are padded to.
-pub(crate) fn stride_for<T: Float>(s: usize) -> usize {
-    match T::as_doubles(&[]) {
-        None => s,
-        Some(_) if s <= 4 => 4,
-        Some(_) => s.next_multiple_of(8),
-    }
-}
-
-/// Lanes that are worked on together.
-#[inline(always)]
-pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
-    match T::as_doubles(&[]) {
-        None => 1,
-        Some(_) if s <= 4 => 4,
-        Some(_) => 8,
-    }
-}
-
-/// Groups that `s` stages stand in.
-#[inline(always)]
-fn groups_of_lanes<T: Float>(s: usize) -> usize {
-    stride_for::<T>(s) / lanes_of::<T>(s)
-}
-
-/// Groups of N lanes that `s` stages stand in.
-#[inline(always)]
-pub(crate) fn groups_of<T: Float, const N: usize>(s: usize) -> usize {
-    stride_for::<T>(s) / N
-}
-
-/// What both forms need: the method, the start of the step, and where things go. Component c of stage i stands at `c·stride + i`.
+/// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands at `c·stride + i`.
 pub(crate) struct Step<'a, T> {
-    /// K(α), column by column; or P and Q of [`crate::pairs`].
+    /// K(α), column by column; or P and Q of [`crate::pairs`]. Of a [`Draft`] K B K, column by column.
     pub(crate) k: &'a [T],
     /// h b_i.
     pub(crate) hb: &'a [T],
@@ -62,103 +35,113 @@ pub(crate) struct Step<'a, T> {
     pub(crate) s: usize,
 }
 
-/// Z ← K L with L = h b J∇H, all components. Gives the largest change of Z relative to the sizes of the components; not finite if
-/// anything is not.
-pub(crate) struct Whole<'a, T>(pub(crate) Step<'a, T>);
+/// A form of the sweep, for any lengths.
+pub(crate) trait Mix<'a, T: Float> {
+    /// Its matrix for sixteen stages of doubles.
+    type Sixteen: Mixes<T, 2, HALF>;
+    fn sixteen(k: &'a [T]) -> Self::Sixteen;
+    fn step(&mut self) -> &mut Step<'a, T>;
+    /// Components whose Z is made.
+    fn unknowns(&self) -> usize;
+    /// By literal lengths, for the unknown components of a block.
+    fn block<const G: usize, const N: usize>(
+        &mut self,
+        k: &impl Mixes<T, G, N>,
+        block: Range<usize>,
+        change: &mut Moved<T, N>,
+    );
+    /// For component c, of any number of groups.
+    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<T, N>);
 
-/// L_p = −h b ∇U, P = p + K L_p, L_q = h b (M⁻¹ P + b), Z_q ← K L_q, with a diagonal M⁻¹. Gives the change of Z_q.
-pub(crate) struct Half<'a, T> {
-    pub(crate) step: Step<'a, T>,
-    pub(crate) inverse_masses: &'a [T],
-    pub(crate) offset: &'a [T],
-}
-
-impl<T: Float> Kernel for Whole<'_, T> {
-    type Output = T;
-
+    /// All of it. Gives the largest change of Z relative to the sizes of the components; not finite if anything is not.
     #[inline(always)]
-    fn run(&mut self) -> T {
-        let (k, s) = (self.0.k, self.0.s);
+    fn mix(&mut self) -> T {
+        let (k, s) = (self.step().k, self.step().s);
         if has_pairs::<T>(s) {
-            return self.by_rows(&Blocks::of(k));
+            return self.by_rows(&Self::sixteen(k));
         }
-        match (groups_of_lanes::<T>(s), lanes_of::<T>(s)) {
-            (1, 4) => self.by_rows(&Square::<T, 4>::of(k)),
-            (1, 8) => self.by_rows(&Square::<T, 8>::of(k)),
-            (2, 8) => self.by_rows(&Columns::<T, 2, 8>::of(k, s)),
+        match (stride_for::<T>(s), lanes_of::<T>(s)) {
+            (4, 4) => self.square::<4>(k),
+            (8, 8) => self.square::<8>(k),
+            (16, 8) => self.by_rows(&Columns::<T, 2, 8>::of(rows(k), s)),
             (_, 8) => self.lanes::<8>(),
             _ => self.lanes::<1>(),
         }
     }
-}
 
-impl<T: Float> Whole<'_, T> {
-    /// For any number of groups.
     #[inline(always)]
-    pub(crate) fn lanes<const N: usize>(&mut self) -> T {
-        let mut step = self.0.views::<N>();
-        let (n, groups) = (step.hi.len(), step.hb.len());
-        let m = n / 2;
+    fn square<const N: usize>(&mut self, k: &'a [T]) -> T {
+        // A copy: what is written to the rows cannot change it.
+        let k = *literal(k.as_chunks().0.first_chunk());
+        self.by_rows::<1, N>(&Square(&k))
+    }
+
+    #[inline(always)]
+    fn by_rows<const G: usize, const N: usize>(&mut self, k: &impl Mixes<T, G, N>) -> T {
+        let (mut change, unknowns) = (Moved::new(), self.unknowns());
+        for first in (0..unknowns).step_by(BLOCK) {
+            self.block(k, first..unknowns.min(first + BLOCK), &mut change);
+        }
+        change.reduce()
+    }
+
+    #[inline(always)]
+    fn lanes<const N: usize>(&mut self) -> T {
         let mut change = Moved::<T, N>::new();
-        for c in 0..n {
-            let (from, negative) = if c < m { (c + m, false) } else { (c - m, true) };
-            for g in 0..groups {
-                let l = times(&step.hb[g], &step.gradients[from * groups + g]);
-                step.l[c * groups + g] = if negative { l.map(|x| -x) } else { l };
-            }
-            step.advance(c, &mut change);
+        for c in 0..self.unknowns() {
+            self.one(c, &mut change);
         }
         change.reduce()
     }
 }
 
-impl<T: Float> Kernel for Half<'_, T> {
-    type Output = T;
+/// Components whose rows stay in the first-level cache from one loop to the next.
+const BLOCK: usize = 32;
 
+impl<'a, T: Float> Step<'a, T> {
+    /// The same, if the floats are doubles.
     #[inline(always)]
-    fn run(&mut self) -> T {
-        let (k, s) = (self.step.k, self.step.s);
-        if has_pairs::<T>(s) {
-            return self.by_rows(&Blocks::of(k));
-        }
-        match (groups_of_lanes::<T>(s), lanes_of::<T>(s)) {
-            (1, 4) => self.by_rows(&Square::<T, 4>::of(k)),
-            (1, 8) => self.by_rows(&Square::<T, 8>::of(k)),
-            (2, 8) => self.by_rows(&Columns::<T, 2, 8>::of(k, s)),
-            (_, 8) => self.lanes::<8>(),
-            _ => self.lanes::<1>(),
+    pub(crate) fn in_doubles(self) -> Option<Step<'a, f64>> {
+        Some(Step {
+            k: T::as_doubles(self.k)?,
+            hb: T::as_doubles(self.hb)?,
+            hi: T::as_doubles(self.hi)?,
+            lo: T::as_doubles(self.lo)?,
+            inverse_scale: T::as_doubles(self.inverse_scale)?,
+            gradients: T::as_doubles_mut(self.gradients)?,
+            l: T::as_doubles_mut(self.l)?,
+            folded: T::as_doubles_mut(self.folded)?,
+            z: T::as_doubles_mut(self.z)?,
+            points: T::as_doubles_mut(self.points)?,
+            s: self.s,
+        })
+    }
+
+    /// Z ← K L and the stages, for the components of a block.
+    #[inline(always)]
+    pub(crate) fn advance<const G: usize, const N: usize>(
+        &mut self,
+        k: &impl Mixes<T, G, N>,
+        block: Range<usize>,
+        change: &mut Moved<T, N>,
+    ) {
+        let l = &rows::<T, G, N>(self.l)[block.clone()];
+        let z = &mut rows_mut::<T, G, N>(self.z)[block.clone()];
+        let points = &mut rows_mut::<T, G, N>(self.points)[block.clone()];
+        let (hi, lo) = (&self.hi[block.clone()], &self.lo[block.clone()]);
+        let inverse_scale = &self.inverse_scale[block.clone()];
+        for c in 0..block.len() {
+            let moved = k.mixed(&l[c]);
+            for g in 0..G {
+                change.see(&difference(&moved[g], &z[c][g]), inverse_scale[c]);
+                points[c][g] = placed(hi[c], lo[c], &moved[g]);
+            }
+            z[c] = moved;
         }
     }
-}
 
-impl<T: Float> Half<'_, T> {
-    /// For any number of groups.
     #[inline(always)]
-    pub(crate) fn lanes<const N: usize>(&mut self) -> T {
-        let mut step = self.step.views::<N>();
-        let (n, groups) = (step.hi.len(), step.hb.len());
-        let m = n / 2;
-        let mut change = Moved::<T, N>::new();
-        for c in 0..m {
-            let (q, p) = (c * groups, (c + m) * groups);
-            for g in 0..groups {
-                step.l[p + g] = times(&step.hb[g], &step.gradients[q + g]).map(|x| -x);
-            }
-            let (w, b) = (self.inverse_masses[c], self.offset[c]);
-            for g in 0..groups {
-                let momenta = step.placed(c + m, &step.mixed(p, g));
-                step.l[q + g] = times(&step.hb[g], &momenta.map(|p| w * p + b));
-                step.points[p + g] = momenta;
-            }
-            step.advance(c, &mut change);
-        }
-        change.reduce()
-    }
-}
-
-impl<T: Float> Step<'_, T> {
-    #[inline(always)]
-    fn views<const N: usize>(&mut self) -> Views<'_, T, N> {
+    pub(crate) fn views<const N: usize>(&mut self) -> Views<'_, T, N> {
         Views {
             k: self.k.as_chunks().0,
             hb: self.hb.as_chunks().0,
@@ -167,6 +150,7 @@ impl<T: Float> Step<'_, T> {
             inverse_scale: self.inverse_scale,
             gradients: self.gradients.as_chunks().0,
             l: self.l.as_chunks_mut().0,
+            folded: self.folded.as_chunks_mut().0,
             z: self.z.as_chunks_mut().0,
             points: self.points.as_chunks_mut().0,
             s: self.s,
@@ -175,42 +159,52 @@ impl<T: Float> Step<'_, T> {
 }
 
 /// The same in groups of N lanes.
-struct Views<'a, T, const N: usize> {
-    k: &'a [[T; N]],
-    hb: &'a [[T; N]],
-    hi: &'a [T],
-    lo: &'a [T],
-    inverse_scale: &'a [T],
-    gradients: &'a [[T; N]],
-    l: &'a mut [[T; N]],
-    z: &'a mut [[T; N]],
-    points: &'a mut [[T; N]],
-    s: usize,
+pub(crate) struct Views<'a, T, const N: usize> {
+    pub(crate) k: &'a [[T; N]],
+    pub(crate) hb: &'a [[T; N]],
+    pub(crate) hi: &'a [T],
+    pub(crate) lo: &'a [T],
+    pub(crate) inverse_scale: &'a [T],
+    pub(crate) gradients: &'a [[T; N]],
+    pub(crate) l: &'a mut [[T; N]],
+    pub(crate) folded: &'a mut [[T; N]],
+    pub(crate) z: &'a mut [[T; N]],
+    pub(crate) points: &'a mut [[T; N]],
+    pub(crate) s: usize,
 }
 
 impl<T: Float, const N: usize> Views<'_, T, N> {
     /// Σ_j K_ij L_j for the stages of group g, of the component whose L begins at `row`.
     #[inline(always)]
-    fn mixed(&self, row: usize, g: usize) -> [T; N] {
+    pub(crate) fn mixed(&self, row: usize, g: usize) -> [T; N] {
         product_any(self.k, &self.l[row..row + self.hb.len()], g, self.s)
-    }
-
-    #[inline(always)]
-    fn placed(&self, c: usize, z: &[T; N]) -> [T; N] {
-        placed(self.hi[c], self.lo[c], z)
     }
 
     /// Z ← K L and the stages, for one component.
     #[inline(always)]
-    fn advance(&mut self, c: usize, change: &mut Moved<T, N>) {
+    pub(crate) fn advance(&mut self, c: usize, change: &mut Moved<T, N>) {
         let groups = self.hb.len();
         for g in 0..groups {
             let z = self.mixed(c * groups, g);
-            change.see(&z, &self.z[c * groups + g], self.inverse_scale[c]);
-            self.points[c * groups + g] = self.placed(c, &z);
-            self.z[c * groups + g] = z;
+            self.moved(c, g, z, change);
         }
     }
+
+    /// Z and the stages of component c, group g.
+    #[inline(always)]
+    pub(crate) fn moved(&mut self, c: usize, g: usize, z: [T; N], change: &mut Moved<T, N>) {
+        let at = c * self.hb.len() + g;
+        change.see(&difference(&z, &self.z[at]), self.inverse_scale[c]);
+        self.points[at] = placed(self.hi[c], self.lo[c], &z);
+        self.z[at] = z;
+    }
+}
+
+/// What is to be read from memory number by number, where it has just been written: to take the numbers out of a vector the processor needs
+/// the units that multiply and add.
+#[inline(always)]
+pub(crate) fn in_memory<R>(row: &mut R) -> &R {
+    std::hint::black_box(row)
 }
 
 /// Changes of Z, lane by lane. Z of the padding is zero.
@@ -221,7 +215,7 @@ pub(crate) struct Moved<T, const N: usize> {
 
 impl<T: Float, const N: usize> Moved<T, N> {
     #[inline(always)]
-    pub(crate) fn new() -> Self {
+    fn new() -> Self {
         let zeros = [T::int(0); N];
         Moved {
             largest: zeros,
@@ -230,9 +224,9 @@ impl<T: Float, const N: usize> Moved<T, N> {
     }
 
     #[inline(always)]
-    pub(crate) fn see(&mut self, z: &[T; N], before: &[T; N], inverse_scale: T) {
-        for i in 0..N {
-            let moved = (z[i] - before[i]).abs() * inverse_scale;
+    pub(crate) fn see(&mut self, by: &[T; N], inverse_scale: T) {
+        for (i, by) in by.iter().enumerate() {
+            let moved = by.abs() * inverse_scale;
             let most = self.largest[i];
             self.largest[i] = if moved > most { moved } else { most };
             self.sum[i] += moved;
@@ -240,7 +234,7 @@ impl<T: Float, const N: usize> Moved<T, N> {
     }
 
     #[inline(always)]
-    pub(crate) fn reduce(&self) -> T {
+    fn reduce(&self) -> T {
         // Not the sum of the sums: in quest of it the compiler would take the vectors of the loop apart.
         if self.sum.iter().all(|sum| sum.is_finite()) {
             largest(self.largest)
@@ -250,69 +244,111 @@ impl<T: Float, const N: usize> Moved<T, N> {
     }
 }
 
-/// Σ_j K_ij L_j for the stages of group g, L standing in as many groups.
-#[inline(always)]
-pub(crate) fn product_any<T: Float, const N: usize>(
-    k: &[[T; N]],
-    l: &[[T; N]],
-    g: usize,
-    s: usize,
-) -> [T; N] {
-    if N > 1
-        && let [l] = l
-        && let Some(columns) = k.first_chunk::<N>()
-    {
-        // The padding of K is zero.
-        return product(columns, l);
-    }
-    let groups = l.len();
-    let l = l.as_flattened();
-    let mut sum = scaled(&k[g], l[0]);
-    for (j, &l) in l.iter().enumerate().take(s).skip(1) {
-        add(&mut sum, &scaled(&k[j * groups + g], l));
-    }
-    sum
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draft::Draft;
+    use crate::half::Half;
+    use crate::whole::Whole;
+    use equip_scalar::InstructionSet;
 
-/// Σ_j K_ij L_j for one group of stages, by literal lengths.
-#[inline(always)]
-pub(crate) fn product<T: Float, const N: usize>(columns: &[[T; N]; N], l: &[T; N]) -> [T; N] {
-    sum_of(std::array::from_fn(|j| scaled(&columns[j], l[j])))
-}
+    /// Uneven numbers of all sizes in [−1, 1].
+    fn numbers(len: usize, seed: usize) -> Vec<f64> {
+        (0..len)
+            .map(|i| ((i * i + 7 * i + seed) as f64 * 0.731).sin())
+            .collect()
+    }
 
-/// The sum of N terms, a power of 2. The first and the last are added first, and so on inwards: the chain of additions is short.
-#[inline(always)]
-pub(crate) fn sum_of<T: Float, const N: usize>(mut terms: [[T; N]; N]) -> [T; N] {
-    let mut count = N;
-    while count > 1 {
-        count /= 2;
-        for j in 0..count {
-            let other = terms[2 * count - 1 - j];
-            add(&mut terms[j], &other);
+    /// What a sweep of m positions and momenta writes, and the change it returns.
+    fn made(
+        s: usize,
+        m: usize,
+        run: impl FnOnce(Step<'_, f64>, &[f64], &[f64]) -> f64,
+    ) -> Vec<f64> {
+        let stride = stride_for::<f64>(s);
+        let padded = |x: &[f64]| -> Vec<f64> {
+            let rows = x.chunks_exact(s);
+            rows.flat_map(|row| [row, &vec![0.0; stride - s]].concat())
+                .collect()
+        };
+        let mut k = padded(&numbers(s * s, 1));
+        k.resize(stride * stride, 0.0);
+        let hb = padded(&numbers(s, 2));
+        let [hi, lo, inverse_scale, w, b] = [3, 4, 5, 6, 7].map(|seed| numbers(2 * m, seed));
+        let [mut gradients, mut l, mut folded, mut z, mut points] =
+            [8, 9, 10, 11, 12].map(|seed| padded(&numbers(2 * m * s, seed)));
+        let step = Step {
+            k: &k,
+            hb: &hb,
+            hi: &hi,
+            lo: &lo,
+            inverse_scale: &inverse_scale,
+            gradients: &mut gradients,
+            l: &mut l,
+            folded: &mut folded,
+            z: &mut z,
+            points: &mut points,
+            s,
+        };
+        let change = run(step, &w[..m], &b[..m]);
+        [l, z, points, vec![change]].concat()
+    }
+
+    fn half<'a>(step: Step<'a, f64>, w: &'a [f64], b: &'a [f64]) -> Half<'a, f64> {
+        Half {
+            step,
+            inverse_masses: w,
+            offset: b,
         }
     }
-    terms[0]
-}
 
-/// y0 + Z of a component, y0 = hi + lo.
-#[inline(always)]
-pub(crate) fn placed<T: Float, const N: usize>(hi: T, lo: T, z: &[T; N]) -> [T; N] {
-    std::array::from_fn(|i| hi + (z[i] + lo))
-}
+    fn draft<'a>(step: Step<'a, f64>, w: &'a [f64], b: &'a [f64]) -> Draft<'a, f64> {
+        Draft {
+            half: half(step, w, b),
+            h: 0.75,
+        }
+    }
 
-#[inline(always)]
-pub(crate) fn times<T: Float, const N: usize>(a: &[T; N], b: &[T; N]) -> [T; N] {
-    std::array::from_fn(|i| a[i] * b[i])
-}
-
-#[inline(always)]
-pub(crate) fn scaled<T: Float, const N: usize>(a: &[T; N], b: T) -> [T; N] {
-    std::array::from_fn(|i| a[i] * b)
-}
-
-#[inline(always)]
-pub(crate) fn add<T: Float, const N: usize>(a: &mut [T; N], b: &[T; N]) {
-    for i in 0..N {
-        a[i] += b[i];
+    #[test]
+    fn rows_have_the_bits_of_the_general_form() {
+        for (s, m) in [
+            (2, 1),
+            (4, 33),
+            (6, 70),
+            (8, 5),
+            (8, 64),
+            (9, 40),
+            (12, 3),
+            (15, 33),
+        ] {
+            let four = s <= 4;
+            let expected = [
+                made(s, m, |step, w, b| match half(step, w, b) {
+                    mut task if four => task.lanes::<4>(),
+                    mut task => task.lanes::<8>(),
+                }),
+                made(s, m, |step, _, _| match Whole(step) {
+                    mut task if four => task.lanes::<4>(),
+                    mut task => task.lanes::<8>(),
+                }),
+                made(s, m, |step, w, b| match draft(step, w, b) {
+                    mut task if four => task.lanes::<4>(),
+                    mut task => task.lanes::<8>(),
+                }),
+            ];
+            for set in InstructionSet::available() {
+                let found = [
+                    made(s, m, |step, w, b| set.run(&mut half(step, w, b))),
+                    made(s, m, |step, _, _| set.run(&mut Whole(step))),
+                    made(s, m, |step, w, b| set.run(&mut draft(step, w, b))),
+                ];
+                for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+                    assert!(
+                        found.to_bits() == expected.to_bits(),
+                        "s = {s}, m = {m}, {set:?}"
+                    );
+                }
+            }
+        }
     }
 }

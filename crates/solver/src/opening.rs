@@ -3,10 +3,12 @@
 //! The same as [`Foretell`](crate::start::Foretell), [`crate::mix`] and [`Sizes`](crate::start::Sizes) one after the other, bit for bit, for
 //! states as short as those of [`crate::small`].
 
-use crate::mix::{Half, Step, Whole, product_any};
-use crate::pairs::{self, HALF, has_pairs};
-use crate::small::{Blocks, Mixes, Square, half_from, literal, whole_from};
+use crate::pairs::{HALF, has_pairs};
+use crate::product::{Mixes, Square, product_any};
+use crate::row::literal;
+use crate::small::Small;
 use crate::start::{largest, resolve, see};
+use crate::whole::conjugate;
 use equip_scalar::{InstructionSet, Kernel, Lanes};
 use std::array::from_fn;
 
@@ -24,49 +26,7 @@ pub(crate) struct Opening<'a, S> {
     pub(crate) inverse_scale: &'a mut [f64],
 }
 
-/// A sweep after its gradients.
-pub(crate) trait Sweep<'a> {
-    /// Unknown components for each degree of freedom.
-    const WIDTH: usize;
-    fn step(&self) -> &Step<'a, f64>;
-    fn finish<const C: usize, const G: usize, const N: usize>(
-        &mut self,
-        slopes: &[[Lanes<N>; C]; G],
-        k: &impl Mixes<G, N>,
-    ) -> f64;
-}
-
-impl<'a> Sweep<'a> for Half<'a, f64> {
-    const WIDTH: usize = 1;
-    fn step(&self) -> &Step<'a, f64> {
-        &self.step
-    }
-    #[inline(always)]
-    fn finish<const C: usize, const G: usize, const N: usize>(
-        &mut self,
-        slopes: &[[Lanes<N>; C]; G],
-        k: &impl Mixes<G, N>,
-    ) -> f64 {
-        half_from(self, slopes, k)
-    }
-}
-
-impl<'a> Sweep<'a> for Whole<'a, f64> {
-    const WIDTH: usize = 2;
-    fn step(&self) -> &Step<'a, f64> {
-        &self.0
-    }
-    #[inline(always)]
-    fn finish<const C: usize, const G: usize, const N: usize>(
-        &mut self,
-        slopes: &[[Lanes<N>; C]; G],
-        k: &impl Mixes<G, N>,
-    ) -> f64 {
-        whole_from(self, slopes, k)
-    }
-}
-
-impl<'a, S: Sweep<'a>> Opening<'a, S> {
+impl<'a, S: Small<'a>> Opening<'a, S> {
     /// Does it, if there is a kernel for these lengths. The unknown components are numbered by literals, as are the lanes.
     pub(crate) fn run(&mut self, set: InstructionSet) -> Option<()> {
         let step = self.sweep.step();
@@ -88,20 +48,20 @@ impl<'a, S: Sweep<'a>> Opening<'a, S> {
     }
 
     #[inline(always)]
-    fn lanes<const C: usize, const G: usize, const N: usize>(&mut self, k: &impl Mixes<G, N>) {
+    fn lanes<const C: usize, const G: usize, const N: usize>(&mut self, k: &impl Mixes<f64, G, N>) {
         let m = C / S::WIDTH;
         let (e, rho) = (self.e.as_chunks::<N>().0, self.rho.as_chunks::<N>().0);
         let l = self.l.as_chunks::<N>().0;
         let s = self.sweep.step().s;
         let mut slopes = [[Lanes::splat(0.0); C]; G];
         for c in 0..C {
-            let (from, by_position) = if c < m { (c + m, true) } else { (c - m, false) };
+            let (from, by_momentum) = conjugate(c, 2 * m);
             let row: &[[f64; N]; G] = literal(l[from * G..].first_chunk());
             let at_start = self.known.map_or(0.0, |known| known[c]);
             for g in 0..G {
                 let guess = product_any(e, row, g, s);
                 slopes[g][c] = Lanes(from_fn(|i| {
-                    let x = if by_position { guess[i] } else { -guess[i] };
+                    let x = if by_momentum { -guess[i] } else { guess[i] };
                     x + rho[g][i] * at_start
                 }));
             }
@@ -123,7 +83,7 @@ impl<'a, S: Sweep<'a>> Opening<'a, S> {
 struct OneGroup<'a, S, const C: usize, const N: usize>(&'a mut S);
 struct Pairs<'a, S, const C: usize>(&'a mut S);
 
-impl<'b, S: Sweep<'b>, const C: usize, const N: usize> Kernel
+impl<'b, S: Small<'b>, const C: usize, const N: usize> Kernel
     for OneGroup<'_, Opening<'b, S>, C, N>
 {
     type Output = ();
@@ -136,12 +96,12 @@ impl<'b, S: Sweep<'b>, const C: usize, const N: usize> Kernel
     }
 }
 
-impl<'b, S: Sweep<'b>, const C: usize> Kernel for Pairs<'_, Opening<'b, S>, C> {
+impl<'b, S: Small<'b>, const C: usize> Kernel for Pairs<'_, Opening<'b, S>, C> {
     type Output = ();
 
     #[inline(always)]
     fn run(&mut self) {
         let k: &'b [f64] = self.0.sweep.step().k;
-        self.0.lanes::<C, 2, HALF>(&Blocks(pairs::blocks(k)));
+        self.0.lanes::<C, 2, HALF>(&S::sixteen(k));
     }
 }

@@ -12,8 +12,8 @@
 //!
 //! Cost: s²/2 products for each component.
 
-use crate::mix::{add, scaled, sum_of};
-use crate::rows::{self, Mixes};
+use crate::product::Mixes;
+use crate::row::{self, add, literal, scaled, sum_of};
 use equip_scalar::Float;
 use std::array::from_fn;
 
@@ -21,7 +21,7 @@ use std::array::from_fn;
 pub(crate) const HALF: usize = 8;
 
 /// A row of L or Z: the first half of the stages, and the second.
-type Row<T> = rows::Row<T, 2, HALF>;
+type Row<T> = row::Row<T, 2, HALF>;
 
 /// Whether `s` stages of this float are mixed by pairs.
 #[inline(always)]
@@ -43,7 +43,7 @@ pub(crate) fn fill<T: Float>(u: impl Fn(usize, usize) -> T, k: &mut [T]) {
 
 /// S and D.
 #[inline(always)]
-pub(crate) fn folded<T: Float>(l: &Row<T>) -> Row<T> {
+fn folded<T: Float>(l: &Row<T>) -> Row<T> {
     let last = backwards(&l[1]);
     [
         from_fn(|i| l[0][i] + last[i]),
@@ -53,7 +53,7 @@ pub(crate) fn folded<T: Float>(l: &Row<T>) -> Row<T> {
 
 /// K L for one component from its S and D, `k` being P and Q.
 #[inline(always)]
-pub(crate) fn product<T: Float>(k: &[[[T; HALF]; HALF]; 2], [s, d]: &Row<T>) -> Row<T> {
+fn product<T: Float>(k: &[[[T; HALF]; HALF]; 2], [s, d]: &Row<T>) -> Row<T> {
     let half = T::ratio(1, 2);
     let odd = sum_of(from_fn(|j| scaled(&k[0][j], s[j])));
     let even = sum_of(from_fn(|j| scaled(&k[1][j], d[j])));
@@ -68,28 +68,24 @@ fn backwards<T: Float>(x: &[T; HALF]) -> [T; HALF] {
     from_fn(|i| x[HALF - 1 - i])
 }
 
-/// P and Q by literal lengths.
-#[inline(always)]
-pub(crate) fn blocks<T: Float>(k: &[T]) -> &[[[T; HALF]; HALF]; 2] {
-    match k.as_chunks().0.as_chunks().0.first_chunk() {
-        Some(blocks) => blocks,
-        None => panic!("P and Q have {HALF} columns each"),
-    }
-}
-
 /// K as P and Q.
-pub(crate) struct Blocks<T>([[[T; HALF]; HALF]; 2]);
+pub(crate) struct Blocks<'a, T>(pub(crate) &'a [[[T; HALF]; HALF]; 2]);
 
-impl<T: Float> Blocks<T> {
+impl<'a, T: Float> Blocks<'a, T> {
     #[inline(always)]
-    pub(crate) fn of(k: &[T]) -> Self {
-        Blocks(*blocks(k))
+    pub(crate) fn of(k: &'a [T]) -> Self {
+        Blocks(literal(k.as_chunks().0.as_chunks().0.first_chunk()))
     }
 }
 
-impl<T: Float> Mixes<T, 2, HALF> for Blocks<T> {
+impl<T: Float> Mixes<T, 2, HALF> for Blocks<'_, T> {
     #[inline(always)]
-    fn mixed(&self, l: &Row<T>) -> Row<T> {
-        product(&self.0, &folded(l))
+    fn folded(&self, l: &Row<T>) -> Row<T> {
+        folded(l)
+    }
+
+    #[inline(always)]
+    fn product(&self, folded: &Row<T>) -> Row<T> {
+        product(self.0, folded)
     }
 }

@@ -7,7 +7,7 @@
 //! Cost: s³ multiplications.
 
 use crate::MAX_STAGES;
-use crate::mix::{add, groups_of, lanes_of, scaled, stride_for};
+use crate::row::{add, groups_of, lanes_of, scaled, stride_for};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 

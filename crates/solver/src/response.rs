@@ -329,7 +329,7 @@ impl<T: Float> Finer<T> {
             }
         });
         for made in 0..MAX_FINER {
-            let change = self.iterate.sweep(energy, y, made == 0);
+            let change = self.iterate.sweep(energy, y, false);
             self.evaluations += (s + 1) as u64;
             if !change.is_finite() {
                 return false;

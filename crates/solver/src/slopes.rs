@@ -14,7 +14,7 @@
 //!
 //! Cost: 2m s² products for the coefficients, about 16 m s for the sums, j side by side in vectors.
 
-use crate::mix::{groups_of, lanes_of};
+use crate::row::{by_lanes, groups_of};
 use crate::sweep::Iterate;
 use equip_scalar::{Float, Kernel, mix_stages};
 use equip_tableau::Gauss;
@@ -127,11 +127,7 @@ impl<T: Float> Kernel for Sums<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match lanes_of::<T>(self.s) {
-            4 => self.lanes::<4>(),
-            8 => self.lanes::<8>(),
-            _ => self.lanes::<1>(),
-        }
+        by_lanes!(T, self.s, self)
     }
 }
 

@@ -14,7 +14,9 @@
 //!
 //! Cost: s² products for each unknown component.
 
-use crate::mix::{groups_of, lanes_of, product_any};
+use crate::product::product_any;
+use crate::row::{by_lanes, groups_of};
+use crate::whole::conjugate;
 use equip_scalar::{Float, Kernel};
 use std::ops::Range;
 
@@ -39,11 +41,7 @@ impl<T: Float> Kernel for Foretell<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match lanes_of::<T>(self.s) {
-            4 => self.lanes::<4>(),
-            8 => self.lanes::<8>(),
-            _ => self.lanes::<1>(),
-        }
+        by_lanes!(T, self.s, self)
     }
 }
 
@@ -56,13 +54,13 @@ impl<T: Float> Foretell<'_, T> {
         let gradients = self.gradients.as_chunks_mut::<N>().0;
         let groups = groups_of::<T, N>(s);
         for c in 0..self.wanted {
-            let (from, by_position) = if c < m { (c + m, true) } else { (c - m, false) };
+            let (from, by_momentum) = conjugate(c, 2 * m);
             let row = &l[from * groups..(from + 1) * groups];
             let at_start = self.known.map_or(T::int(0), |known| known[c]);
             for (g, rho) in rho.iter().enumerate() {
                 let mut guess = product_any(e, row, g, s);
                 for i in 0..N {
-                    let x = if by_position { guess[i] } else { -guess[i] };
+                    let x = if by_momentum { -guess[i] } else { guess[i] };
                     guess[i] = x + rho[i] * at_start;
                 }
                 gradients[c * groups + g] = guess;
@@ -84,11 +82,7 @@ impl<T: Float> Kernel for Sizes<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match lanes_of::<T>(self.s) {
-            4 => self.lanes::<4>(),
-            8 => self.lanes::<8>(),
-            _ => self.lanes::<1>(),
-        }
+        by_lanes!(T, self.s, self)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The state y = (q, p) with the part that rounding would lose, and the compensated update.
 
-use crate::mix::{groups_of, lanes_of};
+use crate::row::{by_lanes, groups_of};
 use equip_scalar::{Float, InstructionSet, Kernel};
 
 /// A state carried to about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
@@ -80,11 +80,7 @@ impl<T: Float> Kernel for Advance<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match lanes_of::<T>(self.s) {
-            4 => self.lanes::<4>(),
-            8 => self.lanes::<8>(),
-            _ => self.lanes::<1>(),
-        }
+        by_lanes!(T, self.s, self)
     }
 }
 
@@ -197,7 +193,7 @@ impl<T: Float> Advance<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mix::stride_for;
+    use crate::row::stride_for;
 
     #[test]
     fn components_abreast_have_the_bits_of_single_ones() {

@@ -65,7 +65,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         };
         if self.pause.left > 0 {
             self.pause.left -= 1;
-            sweeps.seen = T::int(0);
+            sweeps.contraction.seen = T::int(0);
             return Err(Trouble::Slow);
         }
         if !self.constraints.is_empty() && self.start.y != y.hi {
@@ -126,7 +126,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             return None;
         }
         let sweeps = self.sweeps.as_ref()?;
-        let rate = sweeps.seen.to_f64();
+        let rate = sweeps.contraction.seen.to_f64();
         let contraction = match sweeps.iterate.kinetic {
             Some(_) => rate.sqrt(),
             None => rate,

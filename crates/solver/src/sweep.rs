@@ -1,35 +1,86 @@
 //! One sweep of the stage equations, all stages at once: Z ← K(α) L(Z).
 //!
 //! Component c of stage i stands at `c·stride + i`, so that the stages lie side by side in SIMD registers; the places from s to
-//! `stride` are padding. Two forms:
+//! `stride` are padding. Three forms, [`crate::whole`], [`crate::half`] and [`crate::draft`]:
 //!
 //! | H | unknowns | one sweep |
 //! |---|---|---|
 //! | any | Z of all 2m components | ∇H at the stages; Z ← K L |
 //! | T(p) + U(q), T = ½ Σ w_c p_c² + b·p | Z of the m positions | ∇U at the stages; P ← p + K L_p; L_q = h b ∇T(P); Z_q ← K L_q |
+//! | the same, while Z is far from the last | Z of the m positions | ∇U at the stages; Z_q ← Z_q + h M⁻¹ K B K ΔL_p |
 //!
 //! The second takes half the sweeps and only the derivative of U: with M⁻¹ known, ∇T needs no differentiation. Nothing is multiplied out:
 //! K enters as K, with K_ij + K_ji = 1 to the last bit, so quadratic invariants are kept to rounding.
 //!
-//! Where Z ← K L stands: for any system in [`crate::mix`]; for short states whose H is compiled, as one kernel with it, in
-//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`].
+//! How they are gone through: for any system in [`crate::mix`]; for short states whose H is compiled, as one kernel with it, in
+//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`.
 //!
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated. Kepler, on 3 GHz with AVX-512: 200 cycles
 //! with s = 8, 315 with s = 16.
 
+mod begin;
+
 use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
-use crate::mix::{Half, Step, Whole, stride_for};
-use crate::opening::Opening;
+use crate::draft::{Draft, twice};
+use crate::half::Half;
+use crate::mix::Step;
 use crate::pairs::{HALF, has_pairs};
-use crate::prolongation::Prolongation;
-use crate::small::ByPairs;
-use crate::start::{Foretell, Sizes, resolve};
+use crate::row::stride_for;
+use crate::small::{OneGroup, TwoGroups};
 use crate::state::State;
+use crate::whole::Whole;
 use equip_autodiff::{Evaluate, Kinetic};
 use equip_scalar::{Float, InstructionSet};
 use equip_tableau::Gauss;
-use std::ops::Range;
+
+/// The forms of a sweep.
+enum Form<'a, T> {
+    Whole(Whole<'a, T>),
+    Half(Half<'a, T>),
+    Draft(Draft<'a, T>),
+}
+
+/// What the next sweep of an iterate does, with all it reads and writes.
+macro_rules! form {
+    ($iterate:ident, $y:expr, $inverse_scale:expr) => {{
+        let twice = ($iterate.twice.as_deref()).filter(|_| $iterate.is_draft);
+        let step = $crate::mix::Step {
+            k: twice.unwrap_or(&$iterate.k),
+            hb: &$iterate.hb,
+            hi: &$y.hi,
+            lo: &$y.lo,
+            inverse_scale: $inverse_scale,
+            gradients: &mut $iterate.gradients,
+            l: &mut $iterate.l,
+            folded: &mut $iterate.folded,
+            z: &mut $iterate.z,
+            points: &mut $iterate.points,
+            s: $iterate.s,
+        };
+        let draft = twice.map(|_| $iterate.h);
+        $crate::sweep::Form::new(step, $iterate.kinetic.as_ref(), draft)
+    }};
+}
+use form;
+
+impl<'a, T: Float> Form<'a, T> {
+    #[inline(always)]
+    fn new(step: Step<'a, T>, kinetic: Option<&'a Kinetic<T>>, draft: Option<T>) -> Self {
+        let Some(kinetic) = kinetic else {
+            return Form::Whole(Whole(step));
+        };
+        let half = Half {
+            step,
+            inverse_masses: kinetic.diagonal().unwrap_or_default(),
+            offset: kinetic.offset(),
+        };
+        match draft {
+            None => Form::Half(half),
+            Some(h) => Form::Draft(Draft { half, h }),
+        }
+    }
+}
 
 /// The iterate Z with its L, and what a sweep needs of the method.
 #[derive(Debug)]
@@ -65,6 +116,12 @@ pub(crate) struct Iterate<T: Float> {
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
     inverse_scale: Vec<T>,
+    /// K B K, if the α's a step starts from are zero.
+    twice: Option<Aligned<T>>,
+    /// The last sweep was a draft: L is not there.
+    pub(crate) is_draft: bool,
+    /// No sweep of this step has been made.
+    is_first: bool,
     /// This step began from foretold gradients: all components have been measured.
     is_prolonged: bool,
     /// The last sweep moved Z by more than 1/8 of its size.
@@ -94,13 +151,16 @@ impl<T: Float> Iterate<T> {
             None => gauss.skew_columns_into(alphas, stride, &mut k_start),
         }
         k.copy_from_slice(&k_start);
+        let kinetic = kinetic.filter(|kinetic| kinetic.diagonal().is_some());
+        let twice = (kinetic.is_some() && alphas.iter().all(|&alpha| alpha == T::int(0)))
+            .then(|| twice(gauss, &mut places));
         let hb = places.zeros(stride);
         let mut rows = || places.zeros(n * stride);
         Iterate {
             s,
             stride,
             n,
-            kinetic: kinetic.filter(|kinetic| kinetic.diagonal().is_some()),
+            kinetic,
             set,
             columns,
             k,
@@ -117,6 +177,9 @@ impl<T: Float> Iterate<T> {
             gradients: rows(),
             scale: vec![T::int(0); n],
             inverse_scale: vec![T::int(0); n],
+            twice,
+            is_draft: false,
+            is_first: true,
             is_prolonged: false,
             was_far: false,
             was_remeasured: false,
@@ -140,108 +203,6 @@ impl<T: Float> Iterate<T> {
         self.k_has_moved = true;
     }
 
-    /// A step of size `h` begins at `y` with the α's to start from, at Z = 0.
-    pub(crate) fn begin(&mut self, gauss: &Gauss<T>, (y, h): (&State<T>, T)) {
-        self.set_step(gauss, h);
-        let len = self.unknowns() * self.stride;
-        self.z[..len].fill(T::int(0));
-        self.place(y);
-        self.measure(y, 0..self.unknowns());
-        self.is_prolonged = false;
-        self.was_far = false;
-    }
-
-    fn set_step(&mut self, gauss: &Gauss<T>, h: T) {
-        if self.h != h {
-            self.h = h;
-            for (hb, &b) in self.hb.iter_mut().zip(gauss.weights()) {
-                *hb = h * b;
-            }
-        }
-        if std::mem::take(&mut self.k_has_moved) {
-            self.k.copy_from_slice(&self.k_start);
-        }
-    }
-
-    /// The same from the gradients that the L of the last step foretells.
-    pub(crate) fn begin_from_last(
-        &mut self,
-        gauss: &Gauss<T>,
-        (y, h): (&State<T>, T),
-        prolongation: &Prolongation<T>,
-        known: Option<&[T]>,
-    ) {
-        self.set_step(gauss, h);
-        std::mem::swap(&mut self.l, &mut self.l_before);
-        self.is_prolonged = true;
-        self.was_far = false;
-        if self.open(y, prolongation, known).is_some() {
-            return;
-        }
-        let wanted = self.unknowns();
-        self.set.run(&mut Foretell {
-            e: &prolongation.e,
-            rho: &prolongation.rho,
-            l: &self.l_before,
-            known,
-            gradients: &mut self.gradients,
-            m: self.n / 2,
-            wanted,
-            s: self.s,
-        });
-        self.mix(y);
-        self.measure(y, 0..self.n);
-    }
-
-    /// All of this as one kernel, if there is one for these lengths.
-    fn open(
-        &mut self,
-        y: &State<T>,
-        prolongation: &Prolongation<T>,
-        known: Option<&[T]>,
-    ) -> Option<()> {
-        let step = Step {
-            k: T::as_doubles(&self.k)?,
-            hb: T::as_doubles(&self.hb)?,
-            hi: T::as_doubles(&y.hi)?,
-            lo: T::as_doubles(&y.lo)?,
-            // The change of Z from what it was in the last step is nobody's concern.
-            inverse_scale: &[0.0; 4],
-            gradients: T::as_doubles_mut(&mut self.gradients)?,
-            l: T::as_doubles_mut(&mut self.l)?,
-            folded: T::as_doubles_mut(&mut self.folded)?,
-            z: T::as_doubles_mut(&mut self.z)?,
-            points: T::as_doubles_mut(&mut self.points)?,
-            s: self.s,
-        };
-        let known = match known {
-            Some(known) => Some(T::as_doubles(known)?),
-            None => None,
-        };
-        macro_rules! opening {
-            ($sweep:expr) => {
-                Opening {
-                    sweep: $sweep,
-                    e: T::as_doubles(&prolongation.e)?,
-                    rho: T::as_doubles(&prolongation.rho)?,
-                    l: T::as_doubles(&self.l_before)?,
-                    known,
-                    scale: T::as_doubles_mut(&mut self.scale)?,
-                    inverse_scale: T::as_doubles_mut(&mut self.inverse_scale)?,
-                }
-                .run(self.set)
-            };
-        }
-        match &self.kinetic {
-            None => opening!(Whole(step)),
-            Some(kinetic) => opening!(Half {
-                step,
-                inverse_masses: T::as_doubles(kinetic.diagonal()?)?,
-                offset: T::as_doubles(kinetic.offset())?,
-            }),
-        }
-    }
-
     /// Stages from Z.
     fn place(&mut self, y: &State<T>) {
         let (stride, unknowns) = (self.stride, self.unknowns());
@@ -256,18 +217,6 @@ impl<T: Float> Iterate<T> {
                 *x = hi + (z + lo);
             }
         }
-    }
-
-    /// Measures components by their stages.
-    fn measure(&mut self, y: &State<T>, components: Range<usize>) {
-        let stride = self.stride;
-        self.set.run(&mut Sizes {
-            hi: &y.hi[components.clone()],
-            points: &self.points[components.start * stride..components.end * stride],
-            scale: &mut self.scale[components.clone()],
-            s: self.s,
-        });
-        resolve(&mut self.scale, &mut self.inverse_scale, components);
     }
 
     /// Takes over L of a step that was solved stage by stage, blocks of length n.
@@ -312,8 +261,13 @@ impl<T: Float> Iterate<T> {
     }
 
     /// One sweep from the step's start `y`. Returns the largest change of Z relative to the sizes of the components; not finite if
-    /// anything is not. In the `first` sweep of a step what was not known before is measured.
-    pub(crate) fn sweep<E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>, first: bool) -> T {
+    /// anything is not. In the first sweep of a step what was not known before is measured. With `draft` by [`crate::draft`], if
+    /// that can be and nothing else needs the momenta.
+    pub(crate) fn sweep<E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>, draft: bool) -> T {
+        let unknown = std::mem::take(&mut self.is_first) && !self.is_prolonged;
+        // What was measured on stages that were far off is measured again.
+        let measures = self.was_far || unknown;
+        self.is_draft = draft && !measures && !self.k_has_moved && self.twice.is_some();
         let fused = match self.stride {
             4 => self.fuse::<4, E>(energy, y),
             8 => self.fuse::<8, E>(energy, y),
@@ -327,8 +281,7 @@ impl<T: Float> Iterate<T> {
                 self.mix(y)
             }
         };
-        // What was measured on stages that were far off is measured again.
-        if self.was_far || (first && !self.is_prolonged) {
+        if measures {
             self.measure(y, 0..self.n);
         }
         self.was_remeasured = self.was_far;
@@ -339,36 +292,20 @@ impl<T: Float> Iterate<T> {
     /// The whole sweep as one kernel, if there is one for this energy in this float type.
     #[inline(always)]
     fn fuse<const N: usize, E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>) -> Option<T> {
-        let step = Step {
-            k: T::as_doubles(&self.k)?,
-            hb: T::as_doubles(&self.hb)?,
-            hi: T::as_doubles(&y.hi)?,
-            lo: T::as_doubles(&y.lo)?,
-            inverse_scale: T::as_doubles(&self.inverse_scale)?,
-            gradients: T::as_doubles_mut(&mut self.gradients)?,
-            l: T::as_doubles_mut(&mut self.l)?,
-            folded: T::as_doubles_mut(&mut self.folded)?,
-            z: T::as_doubles_mut(&mut self.z)?,
-            points: T::as_doubles_mut(&mut self.points)?,
-            s: self.s,
-        };
-        let Some(kinetic) = &self.kinetic else {
-            let change = if has_pairs::<T>(self.s) {
-                energy.fuse_gradients::<HALF, _>(&mut ByPairs(Whole(step)))
-            } else {
-                energy.fuse_gradients::<N, _>(&mut Whole(step))
+        let two_groups = has_pairs::<T>(self.s);
+        macro_rules! fused {
+            ($method:ident, $task:expr) => {
+                if two_groups {
+                    energy.$method::<HALF, _>(&mut TwoGroups($task))
+                } else {
+                    energy.$method::<N, _>(&mut OneGroup($task))
+                }
             };
-            return change.map(T::exact);
-        };
-        let half = Half {
-            step,
-            inverse_masses: T::as_doubles(kinetic.diagonal()?)?,
-            offset: T::as_doubles(kinetic.offset())?,
-        };
-        let change = if has_pairs::<T>(self.s) {
-            energy.fuse_forces::<HALF, _>(&mut ByPairs(half))
-        } else {
-            energy.fuse_forces::<N, _>(&mut { half })
+        }
+        let change = match form!(self, y, &self.inverse_scale) {
+            Form::Whole(task) => fused!(fuse_gradients, task.in_doubles()?),
+            Form::Half(task) => fused!(fuse_forces, task.in_doubles()?),
+            Form::Draft(task) => fused!(fuse_forces, task.in_doubles()?),
         };
         change.map(T::exact)
     }
@@ -387,31 +324,17 @@ impl<T: Float> Iterate<T> {
 
     /// L from the gradients, Z ← K L, and the stages; P and L_q on the way, where momenta are not unknowns.
     fn mix(&mut self, y: &State<T>) -> T {
-        let step = Step {
-            k: &self.k,
-            hb: &self.hb,
-            hi: &y.hi,
-            lo: &y.lo,
-            inverse_scale: &self.inverse_scale,
-            gradients: &mut self.gradients,
-            l: &mut self.l,
-            folded: &mut self.folded,
-            z: &mut self.z,
-            points: &mut self.points,
-            s: self.s,
-        };
-        match &self.kinetic {
-            None => self.set.run(&mut Whole(step)),
-            Some(kinetic) => self.set.run(&mut Half {
-                step,
-                inverse_masses: kinetic.diagonal().unwrap_or_default(),
-                offset: kinetic.offset(),
-            }),
+        let set = self.set;
+        match form!(self, y, &self.inverse_scale) {
+            Form::Whole(mut task) => set.run(&mut task),
+            Form::Half(mut task) => set.run(&mut task),
+            Form::Draft(mut task) => set.run(&mut task),
         }
     }
 
     /// After K has changed for the first time in the step: Z ← K L with the gradients there are. What Z was is kept.
     pub(crate) fn mix_anew(&mut self, y: &State<T>) {
+        debug_assert!(!self.is_draft);
         self.z_before.copy_from_slice(&self.z);
         self.mix(y);
     }

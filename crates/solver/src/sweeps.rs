@@ -1,21 +1,21 @@
 //! System (7) by sweeps Z ← K(α) L(Z), α's moved while the sweeps contract: no factorisation.
 //!
-//! A sweep changes Z by Δ and, contracting by ρ, leaves an error of about Δρ/(1 − ρ). As soon as that is well below what the energy
-//! residual g of the last step was, g is evaluated and the α's move by t = −g/(dg/dt) along a direction; later moves use the
-//! slope observed. Sweeps go on until Z and g are at round-off. Two rules for the direction:
+//! As soon as what the sweeps have left ([`crate::contraction`]) is well below what the energy residual g of the last step was, g is evaluated and
+//! the α's move by t = −g/(dg/dt) along a direction; later moves use the slope observed. Sweeps go on until Z and g are at round-off.
+//! Until then, and while g is not looked at, they are drafts ([`crate::draft`]). Two rules for the direction:
 //!
 //! * *Response* ([`crate::response`]): towards the exact flow, as Newton's. Z follows by the linearised response, so moves cost no sweep.
 //! * *Slopes* ([`crate::slopes`]): from Legendre coefficients, without any Hessian. The first move is followed by K L formed
 //!   anew, further ones by the observed change of Z.
 //!
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged; else, or where sweeps from there do not contract, Z = 0.
-//! *End.* The predicted error of the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is below ε, or
-//! Δ does not shrink three times; and |g| is at its floor, or stalls near it, or with α = 0 is within 4 floors.
+//! *End.* The stages have settled, and |g| is at its floor, or stalls near it, or with α = 0 is within 4 floors and not worth an α.
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found. Newton takes the step then.
 //!
 //! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step; that of the direction.
 
 use crate::constraint::Constraint;
+use crate::contraction::Contraction;
 use crate::newton::{ENERGY_STAGNATED, Failure};
 use crate::outcome::Counts;
 use crate::prolongation::Prolongation;
@@ -29,19 +29,10 @@ use equip_tableau::Gauss;
 
 /// Sweeps allowed in a step.
 const MAX_SWEEPS: u32 = 80;
-/// Contraction, in hundredths, at which Newton is the better choice.
-const SLOW_PERCENT: i64 = 70;
-/// What is allowed of the contraction at the beginning of a step: a change of this many times the first.
-const ALLOWANCE: i64 = 16;
-/// Changes of Z below this many ε are rounding if they do not shrink.
-const ROUNDING: i64 = 256;
-/// Errors of the end point below ε over this are of no account. With 4 angular momentum grows by 1e-17 a step in Kepler's problem, with
-/// 64 not at all, for 0.4 sweeps more.
-const SETTLED: i64 = 64;
+/// Sweeps that are expected to change Z by more than so many ε are drafts.
+const DRAFT: i64 = 64;
 /// Defects of the step with α = 0 up to this many floors are left to later steps: to remove less is to move by rounding.
 const AT_FLOOR: i64 = 4;
-/// Where sweeps contract badly rounding is blown up: so many that stagnate end the step, …
-const STILL: u32 = 3;
 /// … and with changes above this many ε it is for Newton, if he may be asked: quadratic invariants would leak as much.
 const BLOWN_UP: i64 = 16;
 /// Moves of the α's allowed in a step.
@@ -100,13 +91,10 @@ pub(crate) struct Sweeps<T: Float> {
     pub(crate) alphas: Vec<T>,
     /// Their last move.
     delta: Vec<T>,
-    /// Sweeps of that step, and the last change of Z.
+    /// Sweeps of that step.
     made: u32,
-    change: T,
-    /// The worst contraction seen in it; 0 if none was.
-    pub(crate) seen: T,
-    /// Remembered from step to step: contraction, |g| before the α's moved, and what a relative change of the state is worth in g.
-    rate: T,
+    pub(crate) contraction: Contraction<T>,
+    /// Remembered from step to step: |g| before the α's moved, and what a relative change of the state is worth in g.
     defect: T,
     scale: T,
     prolongation: Prolongation<T>,
@@ -138,9 +126,7 @@ impl<T: Float> Sweeps<T> {
             delta: vec![zero; gauss.stages() - 1],
             alphas: vec![zero; gauss.stages() - 1],
             made: 0,
-            change: zero,
-            seen: zero,
-            rate: T::ratio(1, 2),
+            contraction: Contraction::new(iterate.kinetic.is_some()),
             defect: zero,
             scale: zero,
             prolongation: Prolongation::new(gauss),
@@ -150,7 +136,7 @@ impl<T: Float> Sweeps<T> {
 
     /// Forgets what was remembered of earlier steps.
     pub(crate) fn forget(&mut self) {
-        self.rate = T::ratio(1, 2);
+        self.contraction.set_rate(T::ratio(1, 2));
         self.defect = T::int(0);
         self.scale = T::int(0);
     }
@@ -167,12 +153,12 @@ impl<T: Float> Sweeps<T> {
         self.begin(gauss, task);
         let mut prolonged = task.last.is_some();
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
-        let (mut last, mut last_out) = (T::INFINITY, T::INFINITY);
-        let (mut slow, mut still) = (0, 0);
-        self.rate = (self.rate / T::int(2)).max(T::ratio(1, 1000));
-        let mut disturbed = false;
+        let mut last_out = T::INFINITY;
+        // Where g was at its floor, as it mostly is, it is looked at when the stages are there.
         let mut threshold = self.defect;
-        let mut allowed = T::INFINITY;
+        if threshold <= self.scale * eps {
+            threshold = zero;
+        }
         let mut alphas = Alphas {
             slope: zero,
             last: None,
@@ -180,52 +166,29 @@ impl<T: Float> Sweeps<T> {
             moves: 0,
         };
         for _ in 0..MAX_SWEEPS {
-            let change = self.iterate.sweep(energy, task.y, !last.is_finite());
+            let draft = self.is_far(threshold, task.rule);
+            let change = self.iterate.sweep(energy, task.y, draft);
             counts.sweeps += 1;
             counts.gradients += self.iterate.s as u64;
-            (self.made, self.change) = (self.made + 1, change);
-            let rounding = change <= T::int(ROUNDING) * eps;
-            if last.is_finite() && !disturbed && last > T::int(ROUNDING) * eps {
-                let rate = change / last;
-                slow = if rate > T::ratio(SLOW_PERCENT, 100) {
-                    slow + 1
-                } else {
-                    0
-                };
-                self.seen = self.seen.max(rate);
-                self.rate = self.rate.max(rate).min(T::ratio(9, 10));
-            }
-            let grows = slow > 1 && change > T::int(2) * last;
-            // Not one sweep after the other, perhaps, but on the whole.
-            allowed = if last.is_finite() {
-                allowed * T::ratio(SLOW_PERCENT, 100)
-            } else {
-                T::int(ALLOWANCE) * change
-            };
-            let behind = alphas.moves == 0 && !rounding && change > allowed;
-            if slow > 2 || grows || behind || !change.is_finite() {
+            self.made += 1;
+            let (remeasured, alone) = (self.iterate.was_remeasured, alphas.moves == 0);
+            if !self.contraction.see(change, remeasured, alone) {
                 // Prolonged too far, perhaps.
-                if alphas.moves > 0 || !std::mem::take(&mut prolonged) {
+                if !alone || !std::mem::take(&mut prolonged) {
                     return Err(Trouble::Slow);
                 }
                 self.iterate.begin(gauss, (task.y, task.h));
-                (last, slow, self.rate) = (T::INFINITY, 0, T::ratio(1, 4));
-                self.seen = zero;
+                self.contraction.begin_from_nothing();
                 continue;
             }
-            let error = change * self.tail();
-            let observed = last.is_finite() || change <= T::int(4) * eps;
-            // Rounding, and sweeps contract well enough for it not to be blown up.
-            let stagnates = rounding && !disturbed && change > last / T::int(2);
-            still = if stagnates { still + 1 } else { 0 };
-            let settled = (observed && error <= eps / T::int(SETTLED))
-                || (stagnates && error <= eps)
-                || still == STILL;
-            if still == STILL && change > T::int(BLOWN_UP) * eps && task.rule != Rule::Slopes {
+            if self.iterate.is_draft {
+                continue;
+            }
+            let settled = self.contraction.is_settled();
+            let blown_up = change > T::int(BLOWN_UP) * eps && task.rule != Rule::Slopes;
+            if self.contraction.stands_still() && blown_up {
                 return Err(Trouble::Slow);
             }
-            disturbed = self.iterate.was_remeasured;
-            last = change;
             let Some(constraint) = constraint.as_deref_mut() else {
                 if settled {
                     self.iterate.end_point(task.y, next);
@@ -233,6 +196,7 @@ impl<T: Float> Sweeps<T> {
                 }
                 continue;
             };
+            let error = self.contraction.error();
             let uncertain = error * self.scale;
             let early = match task.rule {
                 Rule::Slopes => uncertain <= threshold,
@@ -250,7 +214,7 @@ impl<T: Float> Sweeps<T> {
             }
             self.scale = constraint.scale;
             if settled {
-                constraint.add_noise(error.min(change));
+                constraint.add_noise(self.contraction.noise());
             }
             let (g, out) = (constraint.defect, constraint.in_floors());
             if alphas.moves == 0 {
@@ -267,7 +231,7 @@ impl<T: Float> Sweeps<T> {
                 return Ok(());
             }
             if settled && alphas.moves == 0 {
-                if constraint.in_judging_floors() <= T::int(AT_FLOOR) {
+                if task.rule != Rule::Slopes && constraint.in_judging_floors() <= T::int(AT_FLOOR) {
                     return Ok(());
                 }
                 if task.rule == Rule::Newton {
@@ -298,13 +262,28 @@ impl<T: Float> Sweeps<T> {
                         return Err(Trouble::StagesOnly);
                     }
                 }
-                if !self.move_alphas(gauss, (g, uncertain + constraint.floor), &mut alphas, task) {
+                let noise = uncertain + constraint.floor;
+                if !self.move_alphas(gauss, (g, noise), &mut alphas, task) {
+                    let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
+                    if alone && settled && at_floor {
+                        // No α is worth this.
+                        self.alphas.copy_from_slice(task.alphas);
+                        return Ok(());
+                    }
                     return Err(Trouble::NoAlpha);
                 }
-                disturbed = true;
+                self.contraction.disturb();
             }
         }
         Err(Trouble::Slow)
+    }
+
+    /// Whether the next sweep leaves others to come: by the contraction seen it changes Z by more than round-off, and g will not be looked at
+    /// after it.
+    fn is_far(&self, threshold: T, rule: Rule) -> bool {
+        let (change, error) = self.contraction.foretold();
+        change > T::int(DRAFT) * T::EPSILON
+            && (rule != Rule::Slopes || error * self.scale >= T::int(16) * threshold)
     }
 
     /// Whether stages with this `error` are near enough to take directions from, for a defect of `g`: g stands out, and the error of
@@ -315,21 +294,10 @@ impl<T: Float> Sweeps<T> {
         exact && error <= T::int(THERE) * eps && T::int(CLEAR) * error * self.scale <= g
     }
 
-    /// What a change of Z by 1 leaves of an error at the end point. With positions alone as unknowns ρ is the product of a half sweep
-    /// from the positions to the momenta and one back; the momenta at the end have had the first only.
-    fn tail(&self) -> T {
-        let rate = self.rate;
-        let share = match self.iterate.kinetic {
-            Some(_) => rate.sqrt(),
-            None => rate,
-        };
-        share / (T::int(1) - rate)
-    }
-
     fn begin(&mut self, gauss: &Gauss<T>, task: &SweepTask<'_, T>) {
         self.alphas.copy_from_slice(task.alphas);
         self.made = 0;
-        self.seen = T::int(0);
+        self.contraction.begin();
         let step = (task.y, task.h);
         match task.last {
             Some(last) => {
@@ -345,10 +313,10 @@ impl<T: Float> Sweeps<T> {
     pub(crate) fn failure(&self, trouble: Trouble) -> Failure<T> {
         match trouble {
             Trouble::NoAlpha => Failure::NoAlpha,
-            Trouble::Slow if !self.change.is_finite() => Failure::NotFinite,
+            Trouble::Slow if !self.contraction.change.is_finite() => Failure::NotFinite,
             Trouble::Slow | Trouble::StagesOnly => Failure::NoConvergence {
                 iterations: self.made,
-                correction: self.change,
+                correction: self.contraction.change,
             },
         }
     }
@@ -361,11 +329,12 @@ impl<T: Float> Sweeps<T> {
 
     /// What is remembered from step to step.
     pub(crate) fn memory(&self) -> [T; 3] {
-        [self.rate, self.defect, self.scale]
+        [self.contraction.rate, self.defect, self.scale]
     }
 
     pub(crate) fn restore(&mut self, [rate, defect, scale]: [T; 3]) {
-        (self.rate, self.defect, self.scale) = (rate, defect, scale);
+        self.contraction.set_rate(rate);
+        (self.defect, self.scale) = (defect, scale);
     }
 
     /// Moves the α's to where g vanishes by the slope known. Returns whether they stay within their bound.

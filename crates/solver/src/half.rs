@@ -1,0 +1,163 @@
+//! The sweep of H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p, the positions unknown: L_p = −h b ∇U, P = p + K L_p, L_q = h b (M⁻¹ P + b), Z_q ← K L_q.
+
+use crate::mix::{Mix, Moved, Step, in_memory};
+use crate::pairs::Blocks;
+use crate::product::Mixes;
+use crate::row::{Row, difference, literal, placed, rows, rows_mut, times};
+use crate::small::{Small, change, numbers, rows_of};
+use equip_scalar::{Float, Kernel, Lanes};
+use std::array::from_fn;
+use std::ops::Range;
+
+pub(crate) struct Half<'a, T> {
+    pub(crate) step: Step<'a, T>,
+    /// w and b.
+    pub(crate) inverse_masses: &'a [T],
+    pub(crate) offset: &'a [T],
+}
+
+impl<T: Float> Kernel for Half<'_, T> {
+    type Output = T;
+
+    #[inline(always)]
+    fn run(&mut self) -> T {
+        self.mix()
+    }
+}
+
+/// −h b ∇U for a group of stages.
+#[inline(always)]
+pub(crate) fn force<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N]) -> [T; N] {
+    times(hb, gradient).map(|x| -x)
+}
+
+impl<'a, T: Float> Half<'a, T> {
+    #[inline(always)]
+    pub(crate) fn in_doubles(self) -> Option<Half<'a, f64>> {
+        Some(Half {
+            step: self.step.in_doubles()?,
+            inverse_masses: T::as_doubles(self.inverse_masses)?,
+            offset: T::as_doubles(self.offset)?,
+        })
+    }
+}
+
+impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
+    type Sixteen = Blocks<'a, T>;
+
+    #[inline(always)]
+    fn sixteen(k: &'a [T]) -> Blocks<'a, T> {
+        Blocks::of(k)
+    }
+
+    #[inline(always)]
+    fn step(&mut self) -> &mut Step<'a, T> {
+        &mut self.step
+    }
+
+    #[inline(always)]
+    fn unknowns(&self) -> usize {
+        self.inverse_masses.len()
+    }
+
+    #[inline(always)]
+    fn block<const G: usize, const N: usize>(
+        &mut self,
+        k: &impl Mixes<T, G, N>,
+        block: Range<usize>,
+        change: &mut Moved<T, N>,
+    ) {
+        let m = self.inverse_masses.len();
+        let (len, momenta) = (block.len(), block.start + m..block.end + m);
+        let step = &mut self.step;
+        let hb: Row<T, G, N> = *literal(rows(step.hb).first());
+        let gradients = &rows::<T, G, N>(step.gradients)[block.clone()];
+        let (l_q, l_p) = rows_mut::<T, G, N>(step.l).split_at_mut(m);
+        let (l_q, l_p) = (&mut l_q[block.clone()], &mut l_p[block.clone()]);
+        let p = &mut rows_mut::<T, G, N>(step.points)[momenta.clone()];
+        let (hi, lo) = (&step.hi[momenta.clone()], &step.lo[momenta]);
+        let w = &self.inverse_masses[block.clone()];
+        let b = &self.offset[block.clone()];
+        for c in 0..len {
+            for g in 0..G {
+                l_p[c][g] = force(&hb[g], &gradients[c][g]);
+            }
+            let moved = k.mixed(in_memory(&mut l_p[c]));
+            for g in 0..G {
+                let momenta = placed(hi[c], lo[c], &moved[g]);
+                l_q[c][g] = times(&hb[g], &momenta.map(|p| w[c] * p + b[c]));
+                p[c][g] = momenta;
+            }
+        }
+        step.advance(k, block, change);
+    }
+
+    #[inline(always)]
+    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<T, N>) {
+        let (w, b) = (self.inverse_masses[c], self.offset[c]);
+        let mut step = self.step.views::<N>();
+        let (m, groups) = (step.hi.len() / 2, step.hb.len());
+        let (q, p) = (c * groups, (c + m) * groups);
+        for g in 0..groups {
+            step.l[p + g] = force(&step.hb[g], &step.gradients[q + g]);
+        }
+        for g in 0..groups {
+            let momenta = placed(step.hi[c + m], step.lo[c + m], &step.mixed(p, g));
+            step.l[q + g] = times(&step.hb[g], &momenta.map(|p| w * p + b));
+            step.points[p + g] = momenta;
+        }
+        step.advance(c, change);
+    }
+}
+
+impl<'a> Small<'a> for Half<'a, f64> {
+    const WIDTH: usize = 1;
+
+    #[inline(always)]
+    fn finish<const C: usize, const G: usize, const N: usize>(
+        &mut self,
+        slopes: &[[Lanes<N>; C]; G],
+        k: &impl Mixes<f64, G, N>,
+    ) -> f64 {
+        let step = &mut self.step;
+        let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
+        let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
+        let (hi_p, lo_p) = (numbers::<C>(&step.hi[C..]), numbers::<C>(&step.lo[C..]));
+        let (w, b) = (numbers::<C>(self.inverse_masses), numbers::<C>(self.offset));
+        let (l_q, l_p) = step.l.split_at_mut(C * G * N);
+        let (l_q, l_p) = (rows_of::<C, G, N>(l_q), rows_of::<C, G, N>(l_p));
+        let (q, p) = step.points.split_at_mut(C * G * N);
+        let (q, p) = (rows_of::<C, G, N>(q), rows_of::<C, G, N>(p));
+        let (z, kept) = (
+            rows_of::<C, G, N>(step.z),
+            rows_of::<C, G, N>(step.gradients),
+        );
+        let folded = rows_of::<C, G, N>(step.folded);
+
+        for c in 0..C {
+            let l: Row<f64, G, N> = from_fn(|g| force(&hb[g], &slopes[g][c].0));
+            folded[c] = k.folded(&l);
+            l_p[c] = l;
+            kept[c] = from_fn(|g| slopes[g][c].0);
+        }
+        for c in 0..C {
+            let moved = k.product(&folded[c]);
+            let momenta: Row<f64, G, N> = from_fn(|g| placed(hi_p[c], lo_p[c], &moved[g]));
+            let l: Row<f64, G, N> =
+                from_fn(|g| times(&hb[g], &momenta[g].map(|p| w[c] * p + b[c])));
+            folded[c] = k.folded(&l);
+            l_q[c] = l;
+            p[c] = momenta;
+        }
+        let mut by = [[[0.0; N]; G]; C];
+        for c in 0..C {
+            let moved = k.product(&folded[c]);
+            q[c] = from_fn(|g| placed(hi[c], lo[c], &moved[g]));
+            for g in 0..G {
+                by[c][g] = difference(&moved[g], &z[c][g]);
+            }
+            z[c] = moved;
+        }
+        change(&by, numbers(step.inverse_scale))
+    }
+}

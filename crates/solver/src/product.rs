@@ -1,0 +1,117 @@
+//! K L for one component, K standing column by column. Sums have one order, so the bits are the same on every instruction set.
+//!
+//! Cost: s² products; by pairs of stages ([`crate::pairs`]) half of them.
+
+use crate::row::{Row, add, scaled, sum_of};
+use equip_scalar::Float;
+use std::array::from_fn;
+
+/// K in one of the forms it is kept in. The product has two parts: what is read number by number is best read from memory, where
+/// the first part puts it.
+pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
+    /// What the product reads.
+    #[inline(always)]
+    fn folded(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
+        *l
+    }
+
+    fn product(&self, folded: &Row<T, G, N>) -> Row<T, G, N>;
+
+    #[inline(always)]
+    fn mixed(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
+        self.product(&self.folded(l))
+    }
+}
+
+/// As many columns as places in one group of stages.
+pub(crate) struct Square<'a, T, const N: usize>(pub(crate) &'a [[T; N]; N]);
+
+impl<T: Float, const N: usize> Mixes<T, 1, N> for Square<'_, T, N> {
+    #[inline(always)]
+    fn product(&self, [l]: &Row<T, 1, N>) -> Row<T, 1, N> {
+        [product(self.0, l)]
+    }
+}
+
+/// As many columns as places in two groups: chains of additions as short as by pairs.
+pub(crate) struct Sixteen<'a, T, const N: usize>(pub(crate) &'a [[Row<T, 2, N>; N]; 2]);
+
+impl<T: Float, const N: usize> Mixes<T, 2, N> for Sixteen<'_, T, N> {
+    #[inline(always)]
+    fn product(&self, l: &Row<T, 2, N>) -> Row<T, 2, N> {
+        let [first, last] = self.0;
+        let mut sums = [group(first, 0, &l[0]), group(first, 1, &l[0])];
+        add(&mut sums[0], &group(last, 0, &l[1]));
+        add(&mut sums[1], &group(last, 1, &l[1]));
+        sums
+    }
+}
+
+/// What N columns give to group g.
+#[inline(always)]
+fn group<T: Float, const N: usize>(columns: &[Row<T, 2, N>; N], g: usize, l: &[T; N]) -> [T; N] {
+    sum_of(from_fn(|j| scaled(&columns[j][g], l[j])))
+}
+
+/// The first columns, in several groups.
+pub(crate) struct Columns<'a, T, const G: usize, const N: usize> {
+    first: Row<T, G, N>,
+    further: &'a [Row<T, G, N>],
+}
+
+impl<'a, T: Float, const G: usize, const N: usize> Columns<'a, T, G, N> {
+    #[inline(always)]
+    pub(crate) fn of(columns: &'a [Row<T, G, N>], s: usize) -> Self {
+        Columns {
+            first: columns[0],
+            further: &columns[1..s],
+        }
+    }
+}
+
+impl<T: Float, const G: usize, const N: usize> Mixes<T, G, N> for Columns<'_, T, G, N> {
+    #[inline(always)]
+    fn product(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
+        let l = l.as_flattened();
+        let mut sum = self.first;
+        for part in &mut sum {
+            *part = scaled(part, l[0]);
+        }
+        for (column, &l) in self.further.iter().zip(&l[1..]) {
+            for g in 0..G {
+                add(&mut sum[g], &scaled(&column[g], l));
+            }
+        }
+        sum
+    }
+}
+
+/// Σ_j K_ij L_j for the stages of group g, L standing in as many groups.
+#[inline(always)]
+pub(crate) fn product_any<T: Float, const N: usize>(
+    k: &[[T; N]],
+    l: &[[T; N]],
+    g: usize,
+    s: usize,
+) -> [T; N] {
+    if N > 1
+        && let [l] = l
+        && let Some(columns) = k.first_chunk::<N>()
+    {
+        // The padding of K is zero.
+        return product(columns, l);
+    }
+    let groups = l.len();
+    let l = l.as_flattened();
+    let mut sum = scaled(&k[g], l[0]);
+    for (j, &l) in l.iter().enumerate().take(s).skip(1) {
+        add(&mut sum, &scaled(&k[j * groups + g], l));
+    }
+    sum
+}
+
+/// Σ_j K_ij L_j for one group of stages, by literal lengths.
+#[inline(always)]
+fn product<T: Float, const N: usize>(columns: &[[T; N]; N], l: &[T; N]) -> [T; N] {
+    sum_of(from_fn(|j| scaled(&columns[j], l[j])))
+}
