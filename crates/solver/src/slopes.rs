@@ -94,7 +94,7 @@ impl<T: Float> Slopes<T> {
         let mut largest = zero;
         for ((v, w), d) in self.v.iter_mut().zip(&mut self.w).zip(&mut self.d) {
             *v = -*v / h;
-            *w = *w / h;
+            *w /= h;
             *d = *v / (*w * *w);
             if !d.is_finite() {
                 *d = zero;

@@ -11,7 +11,7 @@
 //!
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged; else, or where sweeps from there do not contract, Z = 0.
 //! *End.* The predicted error of the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is below ε, or
-//! Δ does not shrink three times; and |g| is at its floor, or stalls near it, or with α = 0 is within 4 floors.
+//! Δ does not shrink three times; and |g| is at its floor, or stalls near it, or with α = 0 or slopes is within 4 floors.
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found. Newton takes the step then.
 //!
 //! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step; that of the direction.
