@@ -14,7 +14,7 @@
 //! tried, and r forgotten by degrees. Where sweeps contract badly one of them does not show how far the end point moves, and nothing is
 //! tried either.
 //!
-//! Cost: where nothing is tried that of the slopes, less than half a sweep; else a product K L, one sweep, and those that settle the stages.
+//! Cost: where nothing is tried that of the slopes; else a product K L, one sweep, and those that settle the stages.
 
 use crate::moves::Moves;
 use crate::outcome::Counts;
