@@ -61,8 +61,8 @@ pub struct Checkpoint {
     /// h, then L, of the step that the next guess prolongs.
     pub(crate) guess: Vec<Exact>,
     pub(crate) solver: SolverMemory,
-    /// What sweeps remember: contraction, defect and scale of the energy, and the steps that are left to Newton.
-    pub(crate) sweeps: Option<[Exact; 3]>,
+    /// What sweeps remember: contraction, defect and scale of the energy, how far slopes move the end point; and the steps that are left to Newton.
+    pub(crate) sweeps: Option<[Exact; 4]>,
     pub(crate) pause: [u32; 2],
     /// The floors that the constraints have inherited.
     pub(crate) inherited: Vec<Exact>,

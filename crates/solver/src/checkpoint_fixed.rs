@@ -185,8 +185,10 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Exact::read_all(&from.guess, &mut guess, "the guess")?;
         self.core.guess.remember(&guess[1..], guess[0]);
         self.core.newton.restore(&from.solver)?;
-        if let (Some(sweeps), Some([rate, defect, scale])) = (&mut self.core.sweeps, &from.sweeps) {
-            sweeps.restore([rate.read()?, defect.read()?, scale.read()?]);
+        if let (Some(sweeps), Some([rate, defect, scale, reach])) =
+            (&mut self.core.sweeps, &from.sweeps)
+        {
+            sweeps.restore([rate.read()?, defect.read()?, scale.read()?, reach.read()?]);
         }
         [self.core.pause.left, self.core.pause.next] = from.pause;
         if from.inherited.len() != self.core.constraints.len() {

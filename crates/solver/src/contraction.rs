@@ -101,6 +101,11 @@ impl<T: Float> Contraction<T> {
         self.is_apart = true;
     }
 
+    /// A sweep that is not to be compared with others has changed Z.
+    pub(crate) fn jump(&mut self, change: T) {
+        (self.change, self.left, self.is_apart) = (change, change, true);
+    }
+
     /// A sweep has changed Z by `change`, and with it perhaps what it is relative to. Returns whether it is worth while to go on; before
     /// anything but sweeps has moved Z (`alone`) it is not if they do not contract on the whole.
     pub(crate) fn see(&mut self, change: T, is_remeasured: bool, alone: bool) -> bool {

@@ -92,10 +92,10 @@ impl<T: Float> Slopes<T> {
         set.run(&mut Sums { slopes: self, s });
         let zero = T::int(0);
         let mut largest = zero;
-        for ((v, w), d) in self.v.iter_mut().zip(self.w).zip(&mut self.d) {
+        for ((v, w), d) in self.v.iter_mut().zip(&mut self.w).zip(&mut self.d) {
             *v = -*v / h;
-            let w = w / h;
-            *d = *v / (w * w);
+            *w /= h;
+            *d = *v / (*w * *w);
             if !d.is_finite() {
                 *d = zero;
             }
@@ -107,6 +107,12 @@ impl<T: Float> Slopes<T> {
         let inverse = T::int(1) / largest;
         self.d.iter_mut().take(LEADING).for_each(|d| *d *= inverse);
         true
+    }
+
+    /// Σ_k w_k |α_k| for α's along d that change g by 1: what they move, by the bounds.
+    pub(crate) fn displacement(&self) -> T {
+        let terms = self.w.iter().zip(&self.d);
+        terms.fold(T::int(0), |sum, (&w, &d)| sum + (w * d).abs()) / self.slope().abs()
     }
 
     /// Σ_k v_k d_k.

@@ -108,7 +108,7 @@ pub(crate) struct Iterate<T: Float> {
     /// Room for S and D.
     folded: Aligned<T>,
     /// K L of the last sweep.
-    z: Aligned<T>,
+    pub(crate) z: Aligned<T>,
     /// Z before the α's moved.
     z_before: Aligned<T>,
     pub(crate) points: Aligned<T>,

@@ -5,21 +5,24 @@
 //! Until then, and while g is not looked at, they are drafts ([`crate::draft`]). Two rules for the direction:
 //!
 //! * *Response* ([`crate::response`]): towards the exact flow, as Newton's. Z follows by the linearised response, so moves cost no sweep.
+//!   Slight defects are removed by slopes where that moves the end point little ([`crate::slight`]).
 //! * *Slopes* ([`crate::slopes`]): from Legendre coefficients, without any Hessian. The first move is followed by K L formed
 //!   anew, further ones by the observed change of Z.
 //!
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged; else, or where sweeps from there do not contract, Z = 0.
-//! *End.* The stages have settled, and |g| is at its floor, or stalls near it, or with α = 0 is within 4 floors and not worth an α.
+//! *End.* The stages have settled, and |g| is at its floor, or stalls near it, or with α = 0 or slopes is within 4 floors and not worth more.
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found. Newton takes the step then.
 //!
 //! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step; that of the direction.
 
 use crate::constraint::Constraint;
 use crate::contraction::Contraction;
+use crate::moves::Moves;
 use crate::newton::{ENERGY_STAGNATED, Failure};
 use crate::outcome::Counts;
 use crate::prolongation::Prolongation;
 use crate::response::Response;
+use crate::slight::Slight;
 use crate::slopes::Slopes;
 use crate::state::State;
 use crate::sweep::Iterate;
@@ -31,12 +34,11 @@ use equip_tableau::Gauss;
 const MAX_SWEEPS: u32 = 80;
 /// Sweeps that are expected to change Z by more than so many ε are drafts.
 const DRAFT: i64 = 64;
-/// Defects of the step with α = 0 up to this many floors are left to later steps: to remove less is to move by rounding.
+/// Defects of the step with α = 0 up to this many floors are left to later steps if slopes do not remove them: to remove less by more is
+/// to move by rounding.
 const AT_FLOOR: i64 = 4;
 /// … and with changes above this many ε it is for Newton, if he may be asked: quadratic invariants would leak as much.
 const BLOWN_UP: i64 = 16;
-/// Moves of the α's allowed in a step.
-const MAX_MOVES: u32 = 24;
 /// What is expected to remain of g when the α's have moved.
 const REMAINS: i64 = 8;
 /// Before directions are taken g is to be known this well: they are taken from the stages as they are then.
@@ -84,13 +86,13 @@ pub(crate) enum Rule {
 #[derive(Debug)]
 pub(crate) struct Sweeps<T: Float> {
     pub(crate) iterate: Iterate<T>,
-    slopes: Slopes<T>,
+    pub(crate) slopes: Slopes<T>,
     /// Made when the α's are to move by it.
-    response: Option<Response<T>>,
+    pub(crate) response: Option<Response<T>>,
     /// α of the step solved last.
     pub(crate) alphas: Vec<T>,
     /// Their last move.
-    delta: Vec<T>,
+    pub(crate) delta: Vec<T>,
     /// Sweeps of that step.
     made: u32,
     pub(crate) contraction: Contraction<T>,
@@ -98,16 +100,8 @@ pub(crate) struct Sweeps<T: Float> {
     defect: T,
     scale: T,
     prolongation: Prolongation<T>,
-}
-
-/// Progress of the α's in a step: α = α_start + t d.
-struct Alphas<T> {
-    t: T,
-    /// dg/dt.
-    slope: T,
-    /// t, g and the uncertainty of g before the last move.
-    last: Option<(T, T, T)>,
-    moves: u32,
+    /// What removes slight defects where others are left to responses.
+    pub(crate) slight: Slight<T>,
 }
 
 impl<T: Float> Sweeps<T> {
@@ -130,6 +124,7 @@ impl<T: Float> Sweeps<T> {
             defect: zero,
             scale: zero,
             prolongation: Prolongation::new(gauss),
+            slight: Slight::new(n, iterate.stride, responds.is_some()),
             iterate,
         }
     }
@@ -139,6 +134,7 @@ impl<T: Float> Sweeps<T> {
         self.contraction.set_rate(T::ratio(1, 2));
         self.defect = T::int(0);
         self.scale = T::int(0);
+        self.slight.forget();
     }
 
     /// Solves for Z, and for the α's if there is a constraint; on success `next` is the end point.
@@ -159,12 +155,7 @@ impl<T: Float> Sweeps<T> {
         if threshold <= self.scale * eps {
             threshold = zero;
         }
-        let mut alphas = Alphas {
-            slope: zero,
-            last: None,
-            t: zero,
-            moves: 0,
-        };
+        let mut alphas = Moves::new(task.rule);
         for _ in 0..MAX_SWEEPS {
             let draft = self.is_far(threshold, task.rule);
             let change = self.iterate.sweep(energy, task.y, draft);
@@ -200,7 +191,7 @@ impl<T: Float> Sweeps<T> {
             let uncertain = error * self.scale;
             let early = match task.rule {
                 Rule::Slopes => uncertain <= threshold,
-                Rule::Response if alphas.moves > 0 => true,
+                Rule::Response if alphas.moves > 0 => alphas.by_response,
                 Rule::Response => self.is_near(error, threshold),
                 Rule::Newton => false,
             };
@@ -229,6 +220,23 @@ impl<T: Float> Sweeps<T> {
                 && (out <= one || (out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2)))
             {
                 return Ok(());
+            }
+            if task.rule == Rule::Response && (settled || self.is_near(error, g.abs())) {
+                let by_slopes = !alphas.by_response;
+                if by_slopes && out > last_out / T::int(2) {
+                    let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
+                    return at_floor.then_some(()).ok_or(Trouble::StagesOnly);
+                }
+                let seen = (g, uncertain + constraint.floor, out);
+                if alphas.moves == 0
+                    && out > one
+                    && let Some(change) =
+                        self.remove_slight(gauss, energy, seen, (&mut alphas, next), task, counts)
+                {
+                    self.contraction.jump(change);
+                    last_out = out;
+                    continue;
+                }
             }
             if settled && alphas.moves == 0 {
                 if task.rule != Rule::Slopes && constraint.in_judging_floors() <= T::int(AT_FLOOR) {
@@ -328,73 +336,13 @@ impl<T: Float> Sweeps<T> {
     }
 
     /// What is remembered from step to step.
-    pub(crate) fn memory(&self) -> [T; 3] {
-        [self.contraction.rate, self.defect, self.scale]
+    pub(crate) fn memory(&self) -> [T; 4] {
+        let rate = self.contraction.rate;
+        [rate, self.defect, self.scale, self.slight.reach]
     }
 
-    pub(crate) fn restore(&mut self, [rate, defect, scale]: [T; 3]) {
+    pub(crate) fn restore(&mut self, [rate, defect, scale, reach]: [T; 4]) {
         self.contraction.set_rate(rate);
-        (self.defect, self.scale) = (defect, scale);
-    }
-
-    /// Moves the α's to where g vanishes by the slope known. Returns whether they stay within their bound.
-    fn move_alphas(
-        &mut self,
-        gauss: &Gauss<T>,
-        (g, noise): (T, T),
-        alphas: &mut Alphas<T>,
-        task: &SweepTask<'_, T>,
-    ) -> bool {
-        if alphas.moves == MAX_MOVES {
-            return false;
-        }
-        let by_response = self
-            .response
-            .as_ref()
-            .filter(|_| task.rule == Rule::Response);
-        let start = alphas.t;
-        let mut by_base = T::int(0);
-        match alphas.last {
-            None => match by_response {
-                Some(response) => {
-                    alphas.slope = response.slope;
-                    by_base = response.by_base;
-                }
-                None if self.slopes.take(&self.iterate, task.h) => {
-                    alphas.slope = self.slopes.slope();
-                }
-                None => return false,
-            },
-            Some((t, g_last, noise_last)) => {
-                let ratio = (g - g_last) / (alphas.t - t) / alphas.slope;
-                let margin = if by_response.is_some() { 2 } else { 8 };
-                let clear = (g - g_last).abs() > T::int(margin) * (noise + noise_last);
-                if clear && ratio > T::ratio(1, 4) && ratio < T::int(4) {
-                    alphas.slope *= ratio;
-                }
-            }
-        }
-        // What α⁰ has done to g is no response to t.
-        alphas.last = Some((alphas.t, g + by_base, noise));
-        alphas.t -= (g + by_base) / alphas.slope;
-        alphas.moves += 1;
-        let d = by_response.map_or(&self.slopes.d, |response| &response.d);
-        for (k, alpha) in self.alphas.iter_mut().enumerate() {
-            let base = by_response.map_or(T::int(0), |response| response.base[k]);
-            let moved = task.alphas[k] + base + alphas.t * d[k];
-            self.delta[k] = moved - *alpha;
-            *alpha = moved;
-        }
-        let bound = task.alpha_bound;
-        if !(alphas.t.is_finite() && self.alphas.iter().all(|a| a.abs() <= bound)) {
-            return false;
-        }
-        self.iterate.set_alphas(gauss, &self.alphas);
-        match by_response {
-            Some(response) => response.follow(&mut self.iterate, task.y, &self.delta),
-            None if alphas.moves == 1 => self.iterate.mix_anew(task.y),
-            None => (self.iterate).extrapolate(task.y, (alphas.t - start) / start),
-        }
-        true
+        (self.defect, self.scale, self.slight.reach) = (defect, scale, reach);
     }
 }

@@ -51,10 +51,13 @@ fn times_of_kepler() {
     let scene = equip_scenes::find("kepler").unwrap();
     let apsis = |_, q: &[f64], p: &[f64]| q[0] * p[0] + q[1] * p[1];
     let mut found = Vec::new();
-    for percent in 50..=70 {
+    for (s, percent) in [8, 10, 12, 16]
+        .iter()
+        .flat_map(|&s| (50..=70).map(move |e| (s, e)))
+    {
         let scene = scene.instance(&[("e", &format!("0.{percent}"))]).unwrap();
         let (q, p) = scene.initial::<f64>();
-        let run = Equip::stages(8)
+        let run = Equip::stages(s)
             .tolerance(1e-15)
             .event(Event::new("apsis", apsis))
             .integrate(scene.hamiltonian(), &q, &p, 0.0..=7.0)
@@ -66,8 +69,8 @@ fn times_of_kepler() {
     let mean = found.iter().sum::<f64>() / found.len() as f64;
     let worst = found.into_iter().fold(0.0, f64::max);
     println!("Kepler: {mean:.1} ulp, worst {worst}");
-    // Measured 3.6, the worst 12.
-    assert!(mean <= 4.0 && worst <= 16.0);
+    // Measured 4.5, the worst 22.
+    assert!(mean <= 5.0 && worst <= 32.0);
 }
 
 #[test]
