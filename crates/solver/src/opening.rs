@@ -4,20 +4,18 @@
 //! states as short as those of [`crate::small`].
 
 use crate::pairs::{HALF, has_pairs};
-use crate::product::{Mixes, Square, product_any};
+use crate::product::{Mixes, Square};
+use crate::prolongation::View;
 use crate::row::literal;
 use crate::small::Small;
 use crate::start::{largest, resolve, see};
 use crate::whole::conjugate;
 use equip_scalar::{InstructionSet, Kernel, Lanes};
-use std::array::from_fn;
 
 /// What the start of a step reads and writes beside what a sweep does.
 pub(crate) struct Opening<'a, S> {
     pub(crate) sweep: S,
-    /// E and ρ.
-    pub(crate) e: &'a [f64],
-    pub(crate) rho: &'a [f64],
+    pub(crate) prolongation: View<'a, f64>,
     /// L of the last step.
     pub(crate) l: &'a [f64],
     /// ∇H at the start of the step, if it is known.
@@ -50,20 +48,18 @@ impl<'a, S: Small<'a>> Opening<'a, S> {
     #[inline(always)]
     fn lanes<const C: usize, const G: usize, const N: usize>(&mut self, k: &impl Mixes<f64, G, N>) {
         let m = C / S::WIDTH;
-        let (e, rho) = (self.e.as_chunks::<N>().0, self.rho.as_chunks::<N>().0);
         let l = self.l.as_chunks::<N>().0;
         let s = self.sweep.step().s;
         let mut slopes = [[Lanes::splat(0.0); C]; G];
         for c in 0..C {
             let (from, by_momentum) = conjugate(c, 2 * m);
             let row: &[[f64; N]; G] = literal(l[from * G..].first_chunk());
+            let mut room = [[0.0; N]; G];
+            let row = self.prolongation.prepared(row, &mut room, s);
             let at_start = self.known.map_or(0.0, |known| known[c]);
-            for g in 0..G {
-                let guess = product_any(e, row, g, s);
-                slopes[g][c] = Lanes(from_fn(|i| {
-                    let x = if by_momentum { -guess[i] } else { guess[i] };
-                    x + rho[g][i] * at_start
-                }));
+            let sign = if by_momentum { -1.0 } else { 1.0 };
+            for (g, slopes) in slopes.iter_mut().enumerate() {
+                slopes[c] = Lanes(self.prolongation.foretell(row, (g, s), sign, at_start));
             }
         }
         self.sweep.finish(&slopes, k);

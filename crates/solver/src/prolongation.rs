@@ -2,11 +2,13 @@
 //!
 //! $$ E_{ij} = -\frac1h \sum_{k<s} \bigl(P_k(\tau_i) - \rho_i P_k(a)\bigr) P_k(c_j), \qquad \rho_i = P_s(\tau_i)/P_s(a), \quad \tau_i = a + r c_i . $$
 //!
-//! Made anew whenever the ratio r of the steps changes, with variable steps at every step: the nodes stand side by side in vectors.
+//! Made anew whenever the ratio r of the steps changes, with variable steps at every step: the nodes stand side by side in vectors. E is the product of
+//! two matrices then, and for fewer components than stages it is cheaper to apply one after the other.
 //!
-//! Cost: s³ multiplications.
+//! Cost: s³ multiplications for E, s² without.
 
 use crate::MAX_STAGES;
+use crate::product::product_any;
 use crate::row::{add, groups_of, lanes_of, scaled, stride_for};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
@@ -14,10 +16,16 @@ use equip_tableau::Gauss;
 /// E and ρ, column by column.
 #[derive(Debug)]
 pub(crate) struct Prolongation<T> {
-    pub(crate) e: Vec<T>,
-    pub(crate) rho: Vec<T>,
+    /// E, or its first factor.
+    e: Vec<T>,
+    rho: Vec<T>,
     /// √(2k+1) P_k(c_j) at k·stride + j.
     legendre: Vec<T>,
+    /// The same at j·stride + k: the second factor.
+    coefficients: Vec<T>,
+    /// Components that it is applied to, and whether as two factors.
+    components: usize,
+    is_factored: bool,
     /// c_i.
     nodes: Vec<T>,
     /// (2k+1)/(k+1) and k/(k+1), of the recurrence of Legendre polynomials, k = 0 … s − 1.
@@ -27,16 +35,19 @@ pub(crate) struct Prolongation<T> {
 }
 
 impl<T: Float> Prolongation<T> {
-    pub(crate) fn new(gauss: &Gauss<T>) -> Self {
+    /// For so many components.
+    pub(crate) fn new(gauss: &Gauss<T>, components: usize) -> Self {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
         let mut nodes = vec![T::int(0); stride];
         nodes[..s].copy_from_slice(gauss.nodes());
         let mut legendre = vec![T::int(0); s * stride];
+        let mut coefficients = vec![T::int(0); stride * stride];
         for k in 0..s {
             let norm = T::int(2 * k as i64 + 1).sqrt();
-            for (to, &p) in legendre[k * stride..].iter_mut().zip(gauss.legendre(k)) {
-                *to = norm * p;
+            for (j, &p) in gauss.legendre(k).iter().enumerate() {
+                legendre[k * stride + j] = norm * p;
+                coefficients[j * stride + k] = norm * p;
             }
         }
         let recurrence = |k: i64| [T::ratio(2 * k + 1, k + 1), T::ratio(k, k + 1)];
@@ -44,9 +55,21 @@ impl<T: Float> Prolongation<T> {
             e: vec![T::int(0); stride * stride],
             rho: vec![T::int(0); stride],
             legendre,
+            coefficients,
+            components,
+            is_factored: false,
             nodes,
             recurrence: (0..s as i64).map(recurrence).collect(),
             made_for: None,
+        }
+    }
+
+    /// As it is applied to L.
+    pub(crate) fn view(&self) -> View<'_, T> {
+        View {
+            e: &self.e,
+            coefficients: self.is_factored.then_some(&self.coefficients),
+            rho: &self.rho,
         }
     }
 
@@ -55,6 +78,8 @@ impl<T: Float> Prolongation<T> {
         let made_for = Some(([start, ratio, h], known));
         if self.made_for != made_for {
             self.made_for = made_for;
+            let s = self.recurrence.len();
+            self.is_factored = ratio != T::int(1) && self.components < s;
             set.run(&mut Make {
                 to: self,
                 start,
@@ -63,6 +88,60 @@ impl<T: Float> Prolongation<T> {
                 known,
             });
         }
+    }
+}
+
+/// E, or its factors, and ρ.
+#[derive(Clone, Copy)]
+pub(crate) struct View<'a, T> {
+    e: &'a [T],
+    coefficients: Option<&'a [T]>,
+    rho: &'a [T],
+}
+
+impl<'a, T: Float> View<'a, T> {
+    /// The same, if the floats are doubles.
+    pub(crate) fn in_doubles(self) -> Option<View<'a, f64>> {
+        let coefficients = match self.coefficients {
+            Some(coefficients) => Some(T::as_doubles(coefficients)?),
+            None => None,
+        };
+        Some(View {
+            e: T::as_doubles(self.e)?,
+            coefficients,
+            rho: T::as_doubles(self.rho)?,
+        })
+    }
+
+    /// E L + ρ ∇H(y0) of the group g of stages, from the L of a component, here in room for what it is multiplied with first.
+    #[inline(always)]
+    pub(crate) fn foretell<const N: usize>(
+        &self,
+        l: &[[T; N]],
+        (g, s): (usize, usize),
+        sign: T,
+        at_start: T,
+    ) -> [T; N] {
+        let guess = product_any(self.e.as_chunks::<N>().0, l, g, s);
+        let rho = self.rho.as_chunks::<N>().0[g];
+        std::array::from_fn(|i| sign * guess[i] + rho[i] * at_start)
+    }
+
+    /// What E, or its first factor, is applied to: L, or its Legendre coefficients in `room`.
+    #[inline(always)]
+    pub(crate) fn prepared<'b, const N: usize>(
+        &self,
+        l: &'b [[T; N]],
+        room: &'b mut [[T; N]],
+        s: usize,
+    ) -> &'b [[T; N]] {
+        let Some(coefficients) = self.coefficients else {
+            return l;
+        };
+        for (g, to) in room.iter_mut().enumerate() {
+            *to = product_any(coefficients.as_chunks::<N>().0, l, g, s);
+        }
+        room
     }
 }
 
@@ -112,6 +191,12 @@ impl<T: Float> Make<'_, T> {
                     p[i] = scale * (p[i] - rho[g][i] * a[0]);
                 }
             }
+            if to.is_factored {
+                for (k, p) in at_node.iter().enumerate().take(s) {
+                    e[k * groups + g] = *p;
+                }
+                continue;
+            }
             let rows = to.legendre.chunks_exact(groups * N);
             for block in (0..groups * N).step_by(B) {
                 let mut sums = [[T::int(0); N]; B];
@@ -139,9 +224,15 @@ fn classical<T: Float, const N: usize>(
     out: &mut [[T; N]; MAX_STAGES + 1],
 ) {
     let x = tau.map(|tau| (tau + tau) - T::int(1));
-    (out[0], out[1]) = ([T::int(1); N], x);
-    for (k, &[ahead, back]) in recurrence.iter().enumerate().skip(1) {
-        out[k + 1] = std::array::from_fn(|i| ahead * x[i] * out[k][i] - back * out[k - 1][i]);
+    let (mut before, mut now) = ([T::int(1); N], x);
+    (out[0], out[1]) = (before, now);
+    for (out, &[ahead, back]) in out[2..].iter_mut().zip(&recurrence[1..]) {
+        let mut next = now;
+        for i in 0..N {
+            next[i] = ahead * x[i] * now[i] - back * before[i];
+        }
+        (before, now) = (now, next);
+        *out = next;
     }
 }
 
@@ -155,23 +246,43 @@ mod tests {
         for s in 2..=16 {
             let gauss = Gauss::<T>::new(s).unwrap_or_else(|e| panic!("{e}"));
             for set in InstructionSet::available() {
-                let mut made = Prolongation::new(&gauss);
-                let (start, ratio, h) = (T::int(1), T::ratio(3, 4), T::ratio(1, 8));
-                made.make(set, [start, ratio, h], true);
-                let power =
-                    |x: T| (0..s).fold(T::int(1), |product, _| product * (x - T::ratio(3, 4)));
-                let stride = stride_for::<T>(s);
-                for (i, &c) in gauss.nodes().iter().enumerate() {
-                    let terms = gauss.nodes().iter().zip(gauss.weights()).enumerate();
-                    let sum = terms.fold(T::int(0), |sum, (j, (&c, &b))| {
-                        sum - made.e[j * stride + i] * h * b * power(c)
-                    });
-                    let found = sum + made.rho[i] * power(start);
-                    let error = (found - power(start + ratio * c)).abs().to_f64();
-                    assert!(error <= most * 6f64.powi(s as i32), "s = {s}: {error}");
+                for components in [1, s] {
+                    let mut made = Prolongation::new(&gauss, components);
+                    let (start, ratio, h) = (T::int(1), T::ratio(3, 4), T::ratio(1, 8));
+                    made.make(set, [start, ratio, h], true);
+                    let power =
+                        |x: T| (0..s).fold(T::int(1), |product, _| product * (x - T::ratio(3, 4)));
+                    let stride = stride_for::<T>(s);
+                    let mut l = vec![[T::int(0); 1]; stride];
+                    for ((l, &c), &b) in l.iter_mut().zip(gauss.nodes()).zip(gauss.weights()) {
+                        *l = [-(h * b * power(c))];
+                    }
+                    let found = match crate::row::lanes_of::<T>(s) {
+                        4 => foretold::<T, 4>(&made, l.as_flattened(), s, power(start)),
+                        8 => foretold::<T, 8>(&made, l.as_flattened(), s, power(start)),
+                        _ => foretold::<T, 1>(&made, l.as_flattened(), s, power(start)),
+                    };
+                    for (&found, &c) in found.iter().zip(gauss.nodes()) {
+                        let error = (found - power(start + ratio * c)).abs().to_f64();
+                        assert!(error <= most * 6f64.powi(s as i32), "s = {s}: {error}");
+                    }
                 }
             }
         }
+    }
+
+    fn foretold<T: Float, const N: usize>(
+        made: &Prolongation<T>,
+        l: &[T],
+        s: usize,
+        at_start: T,
+    ) -> Vec<T> {
+        let (view, l) = (made.view(), l.as_chunks::<N>().0);
+        let mut room = vec![[T::int(0); N]; l.len()];
+        let prepared = view.prepared(l, &mut room, s);
+        (0..l.len())
+            .flat_map(|g| view.foretell(prepared, (g, s), T::int(1), at_start))
+            .collect()
     }
 
     #[test]

@@ -14,7 +14,8 @@
 //!
 //! Cost: s² products for each unknown component.
 
-use crate::product::product_any;
+use crate::MAX_STAGES;
+use crate::prolongation::View;
 use crate::row::{by_lanes, groups_of};
 use crate::whole::conjugate;
 use equip_scalar::{Float, Kernel};
@@ -22,9 +23,7 @@ use std::ops::Range;
 
 /// Gradients as they are foretold.
 pub(crate) struct Foretell<'a, T> {
-    /// E and ρ.
-    pub(crate) e: &'a [T],
-    pub(crate) rho: &'a [T],
+    pub(crate) prolongation: View<'a, T>,
     /// L of the last step, all components.
     pub(crate) l: &'a [T],
     /// ∇H at the start of the step, if it is known.
@@ -49,21 +48,18 @@ impl<T: Float> Foretell<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) {
         let (s, m) = (self.s, self.m);
-        let (e, rho) = (self.e.as_chunks::<N>().0, self.rho.as_chunks::<N>().0);
         let l = self.l.as_chunks::<N>().0;
         let gradients = self.gradients.as_chunks_mut::<N>().0;
         let groups = groups_of::<T, N>(s);
+        let mut room = [[T::int(0); N]; MAX_STAGES];
         for c in 0..self.wanted {
             let (from, by_momentum) = conjugate(c, 2 * m);
             let row = &l[from * groups..(from + 1) * groups];
+            let row = self.prolongation.prepared(row, &mut room[..groups], s);
             let at_start = self.known.map_or(T::int(0), |known| known[c]);
-            for (g, rho) in rho.iter().enumerate() {
-                let mut guess = product_any(e, row, g, s);
-                for i in 0..N {
-                    let x = if by_momentum { -guess[i] } else { guess[i] };
-                    guess[i] = x + rho[i] * at_start;
-                }
-                gradients[c * groups + g] = guess;
+            let sign = T::int(if by_momentum { -1 } else { 1 });
+            for g in 0..groups {
+                gradients[c * groups + g] = self.prolongation.foretell(row, (g, s), sign, at_start);
             }
         }
     }

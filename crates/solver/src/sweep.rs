@@ -187,7 +187,7 @@ impl<T: Float> Iterate<T> {
     }
 
     /// Components that are unknown: all, or the positions.
-    fn unknowns(&self) -> usize {
+    pub(crate) fn unknowns(&self) -> usize {
         match self.kinetic {
             Some(_) => self.n / 2,
             None => self.n,

@@ -123,7 +123,7 @@ impl<T: Float> Sweeps<T> {
             contraction: Contraction::new(iterate.kinetic.is_some()),
             defect: zero,
             scale: zero,
-            prolongation: Prolongation::new(gauss),
+            prolongation: Prolongation::new(gauss, iterate.unknowns()),
             slight: Slight::new(n, iterate.stride, responds.is_some()),
             iterate,
         }

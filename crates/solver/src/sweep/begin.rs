@@ -49,8 +49,7 @@ impl<T: Float> Iterate<T> {
         }
         let wanted = self.unknowns();
         self.set.run(&mut Foretell {
-            e: &prolongation.e,
-            rho: &prolongation.rho,
+            prolongation: prolongation.view(),
             l: &self.l_before,
             known,
             gradients: &mut self.gradients,
@@ -73,8 +72,7 @@ impl<T: Float> Iterate<T> {
             ($task:expr) => {
                 Opening {
                     sweep: $task.in_doubles()?,
-                    e: T::as_doubles(&prolongation.e)?,
-                    rho: T::as_doubles(&prolongation.rho)?,
+                    prolongation: prolongation.view().in_doubles()?,
                     l: T::as_doubles(&self.l_before)?,
                     known: match known {
                         Some(known) => Some(T::as_doubles(known)?),
