@@ -111,7 +111,8 @@ impl<T: Float> Contraction<T> {
     pub(crate) fn see(&mut self, change: T, is_remeasured: bool, alone: bool) -> bool {
         let eps = T::EPSILON;
         let (last, is_first) = (self.change, !self.change.is_finite());
-        let compares = !is_first && !std::mem::replace(&mut self.is_apart, is_remeasured);
+        let is_apart = std::mem::replace(&mut self.is_apart, is_remeasured);
+        let compares = !is_first && !is_apart;
         let is_rounding = change <= T::int(ROUNDING) * eps;
         if compares && last > T::int(ROUNDING) * eps {
             let is_slow = change > last * T::ratio(SLOW_PERCENT, 100);
@@ -175,5 +176,41 @@ impl<T: Float> Contraction<T> {
     pub(crate) fn foretold(&self) -> (T, T) {
         let next = self.left * self.rate;
         (next, next * self.tail)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first two changes tell the contraction; one that the sizes or the α's have part in does not.
+    #[test]
+    fn the_worst_contraction_is_seen() {
+        let mut contraction = Contraction::<f64>::new(false);
+        contraction.begin();
+        assert!(contraction.see(1.0, false, true));
+        assert_eq!(contraction.seen, 0.0);
+        assert!(contraction.see(0.125, false, true));
+        assert_eq!(contraction.seen, 0.125);
+        contraction.disturb();
+        assert!(contraction.see(0.0625, false, false));
+        assert_eq!(contraction.seen, 0.125);
+        assert!(contraction.see(0.03125, false, false));
+        assert_eq!((contraction.seen, contraction.rate), (0.5, 0.5));
+    }
+
+    /// Near round-off it is by the contraction that the stages are known to be there, not by the noise of the last change.
+    #[test]
+    fn noise_is_no_error() {
+        let eps = f64::EPSILON;
+        let mut contraction = Contraction::<f64>::new(false);
+        contraction.set_rate(0.0);
+        contraction.begin();
+        for change in [1e-8, 1e-10, 1e-12, 1e-14] {
+            assert!(contraction.see(change, false, true) && !contraction.is_settled());
+        }
+        assert!(contraction.see(2.0 * eps, false, true));
+        assert!(contraction.is_settled());
+        assert!(contraction.error() < eps / 64.0 && eps / 64.0 < contraction.noise());
     }
 }
