@@ -13,7 +13,7 @@
 use crate::aligned::{Aligned, Places};
 use crate::half::{Half, force};
 use crate::mix::{Mix, Moved, Step, in_memory};
-use crate::pairs::{HALF, has_pairs};
+use crate::pairs::HALF;
 use crate::product::{Mixes, Sixteen, product_any};
 use crate::row::{Row, add, difference, literal, placed, rows, rows_mut, scaled, stride_for};
 use crate::small::{Small, change, numbers, rows_of};
@@ -77,7 +77,6 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
 
     #[inline(always)]
     fn sixteen(k: &'a [T]) -> Self::Sixteen {
-        debug_assert!(has_pairs::<T>(16));
         Sixteen(literal(rows(k).as_chunks().0.first_chunk()))
     }
 

@@ -17,7 +17,7 @@ use std::ops::Range;
 
 /// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands at `c·stride + i`.
 pub(crate) struct Step<'a, T> {
-    /// K(α), column by column; or P and Q of [`crate::pairs`]. Of a [`Draft`] K B K, column by column.
+    /// K(α), column by column; or P and Q of [`crate::pairs`]. Of [`crate::draft`] K B K, column by column.
     pub(crate) k: &'a [T],
     /// h b_i.
     pub(crate) hb: &'a [T],

@@ -59,11 +59,24 @@ fn times_of_kepler() {
         let (q, p) = scene.initial::<f64>();
         let run = Equip::stages(s)
             .tolerance(1e-15)
+            .dense()
             .event(Event::new("apsis", apsis))
             .integrate(scene.hamiltonian(), &q, &p, 0.0..=7.0)
             .unwrap();
         let times: Vec<f64> = run.events().iter().map(|e| e.time).collect();
         assert_eq!(times.len(), 2);
+        // On the trajectory that there is the root lies within 4 ulp.
+        let sign = |t: f64| {
+            let (q, p) = run.trajectory().unwrap().at(t).unwrap();
+            apsis(t, &q, &p) > 0.0
+        };
+        for &t in &times {
+            let ulp = t.next_up() - t;
+            assert!(
+                sign(t - 4.0 * ulp) != sign(t + 4.0 * ulp),
+                "s = {s}, e = 0.{percent}: {t}"
+            );
+        }
         found.extend([ulps(times[0], PI), ulps(times[1], TAU)]);
     }
     let mean = found.iter().sum::<f64>() / found.len() as f64;
