@@ -7,24 +7,24 @@
 
 use crate::Energy;
 use crate::dual::Dual;
-use equip_scalar::{Constant, Float, Lanes, Num, Piecewise};
+use equip_scalar::{Constant, Float, Lanes, Num, Pack, Piecewise};
 
 /// Points in a group.
 const LANES: usize = 4;
 
 /// Points component by component.
 #[derive(Debug)]
-pub(crate) struct Batch<'a> {
-    pub(crate) states: &'a [f64],
-    pub(crate) gradients: &'a mut [f64],
+pub(crate) struct Batch<'a, T> {
+    pub(crate) states: &'a [T],
+    pub(crate) gradients: &'a mut [T],
     pub(crate) stride: usize,
     pub(crate) count: usize,
 }
 
-impl<'a> Batch<'a> {
+impl<'a> Batch<'a, f64> {
     /// `None` if the numbers are not `f64`.
     #[inline(always)]
-    pub(crate) fn of<T: Float>(
+    pub(crate) fn of_doubles<T: Float>(
         states: &'a [T],
         gradients: &'a mut [T],
         stride: usize,
@@ -39,7 +39,7 @@ impl<'a> Batch<'a> {
     }
 }
 
-impl Batch<'_> {
+impl Batch<'_, f64> {
     /// ∇H of a system with N components. Compiled once for an energy, not for every caller.
     #[inline(never)]
     pub(crate) fn gradients<E: Energy, const N: usize>(self, energy: &E) {

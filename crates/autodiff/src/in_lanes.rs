@@ -1,32 +1,31 @@
 //! [`InLanes`]: the closure route at many points at once, the tape replayed over lanes.
 //!
-//! Points are taken in groups of 8, or of 4 where there is no room for more. Memory: 96 bytes a slot of the tapes.
+//! Points are taken in groups of 8, or of 4 where there is no room for more. Memory: 12 numbers a slot of the tapes.
 
 use crate::batch::Batch;
 use crate::replay::forward;
 use crate::tape::{Tape, Transfer};
 use crate::values::Replay;
-use equip_scalar::{Float, InstructionSet, Kernel, Lanes};
-use std::any::TypeId;
+use equip_scalar::{Float, InstructionSet, Kernel, Pack};
 
 /// Workspace of both tapes in both widths.
 #[derive(Debug, Clone)]
-pub(crate) struct InLanes {
+pub(crate) struct InLanes<T: Float> {
     set: InstructionSet,
-    gradient: Widths,
-    forces: Option<Widths>,
+    gradient: Widths<T>,
+    forces: Option<Widths<T>>,
 }
 
 #[derive(Debug, Clone)]
-struct Widths {
-    four: Replay<Lanes<4>>,
-    eight: Replay<Lanes<8>>,
+struct Widths<T: Float> {
+    four: Replay<T::Pack<4>>,
+    eight: Replay<T::Pack<8>>,
 }
 
-impl InLanes {
-    /// `None` if `T` is not `f64`.
-    pub(crate) fn new<T: Float>(gradient: &Tape, forces: Option<&Tape>) -> Option<Self> {
-        (TypeId::of::<T>() == TypeId::of::<f64>()).then(|| InLanes {
+impl<T: Float> InLanes<T> {
+    /// `None` if numbers of this type are best worked on one by one.
+    pub(crate) fn new(gradient: &Tape, forces: Option<&Tape>) -> Option<Self> {
+        (T::WIDTH > 1).then(|| InLanes {
             set: InstructionSet::best(),
             gradient: Widths::new(gradient),
             forces: forces.map(Widths::new),
@@ -37,38 +36,36 @@ impl InLanes {
         self.set = set;
     }
 
-    pub(crate) fn gradients(&mut self, tape: &Tape, batch: Option<Batch>) {
-        if let Some(batch) = batch {
-            self.gradient.run(self.set, tape, batch);
-        }
+    pub(crate) fn gradients(&mut self, tape: &Tape, batch: Batch<T>) {
+        self.gradient.run(self.set, tape, batch);
     }
 
-    pub(crate) fn forces(&mut self, tape: &Tape, batch: Option<Batch>) {
-        if let (Some(batch), Some(forces)) = (batch, &mut self.forces) {
+    pub(crate) fn forces(&mut self, tape: &Tape, batch: Batch<T>) {
+        if let Some(forces) = &mut self.forces {
             forces.run(self.set, tape, batch);
         }
     }
 }
 
-impl Widths {
+impl<T: Float> Widths<T> {
     fn new(tape: &Tape) -> Self {
         Widths {
-            four: Replay::lanes(tape),
-            eight: Replay::lanes(tape),
+            four: Replay::packs(tape),
+            eight: Replay::packs(tape),
         }
     }
 
-    fn run(&mut self, set: InstructionSet, tape: &Tape, batch: Batch) {
+    fn run(&mut self, set: InstructionSet, tape: &Tape, batch: Batch<T>) {
         if batch.stride <= 4 {
             let replay = &mut self.four;
-            set.run(&mut Group {
+            set.run(&mut Group::<T, 4> {
                 tape,
                 replay,
                 batch,
             });
         } else {
             let replay = &mut self.eight;
-            set.run(&mut Group {
+            set.run(&mut Group::<T, 8> {
                 tape,
                 replay,
                 batch,
@@ -78,13 +75,13 @@ impl Widths {
 }
 
 /// A tape and the points to replay it at.
-struct Group<'a, const L: usize> {
+struct Group<'a, T: Float, const L: usize> {
     tape: &'a Tape,
-    replay: &'a mut Replay<Lanes<L>>,
-    batch: Batch<'a>,
+    replay: &'a mut Replay<T::Pack<L>>,
+    batch: Batch<'a, T>,
 }
 
-impl<const L: usize> Kernel for Group<'_, L> {
+impl<T: Float, const L: usize> Kernel for Group<'_, T, L> {
     type Output = ();
 
     #[inline(always)]
@@ -102,7 +99,7 @@ impl<const L: usize> Kernel for Group<'_, L> {
                 for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
                     let rows = batch.states[components.start * stride..].chunks_exact(stride);
                     for (place, row) in values[slots.clone()].iter_mut().zip(rows) {
-                        *place = Lanes::load(&row[at..]);
+                        *place = Pack::load(&row[at..]);
                     }
                 }
                 forward(tape, &tape.runs[block.runs.clone()], exponents, values);

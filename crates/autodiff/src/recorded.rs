@@ -99,7 +99,7 @@ impl System for Recorded {
             forces: forces.map(Replay::new),
             single: Replay::tangents(&shared.gradient),
             several: Replay::tangents(&shared.gradient),
-            in_lanes: InLanes::new::<T>(&shared.gradient_in_lanes, forces),
+            in_lanes: InLanes::new(&shared.gradient_in_lanes, forces),
             shared,
         }
     }
@@ -114,8 +114,8 @@ pub struct RecordedEvaluator<T: Float> {
     forces: Option<Replay<T>>,
     single: Replay<Tangent<T, 1>>,
     several: Replay<Tangent<T, DIRECTIONS>>,
-    /// Present when `T` is `f64`.
-    in_lanes: Option<InLanes>,
+    /// If `T` has vectors.
+    in_lanes: Option<InLanes<T>>,
 }
 
 impl<T: Float> RecordedEvaluator<T> {
@@ -163,14 +163,15 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         } = &*self.shared;
         let n = 2 * structure.degrees_of_freedom;
         check_batch(n, [states.len(), gradients.len()], stride, count);
+        let batch = Batch {
+            states,
+            gradients,
+            stride,
+            count,
+        };
         match &mut self.in_lanes {
-            Some(lanes) => lanes.gradients(
-                gradient_in_lanes,
-                Batch::of(states, gradients, stride, count),
-            ),
-            None => self
-                .gradient
-                .each(gradient, states, gradients, stride, count),
+            Some(lanes) => lanes.gradients(gradient_in_lanes, batch),
+            None => self.gradient.each(gradient, batch),
         }
     }
 
@@ -187,10 +188,16 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         require_separable(structure);
         let m = structure.degrees_of_freedom;
         check_batch(m, [positions.len(), gradients.len()], stride, count);
+        let batch = Batch {
+            states: positions,
+            gradients,
+            stride,
+            count,
+        };
         if let (Some(tape), Some(replay)) = (forces, &mut self.forces) {
             match &mut self.in_lanes {
-                Some(lanes) => lanes.forces(tape, Batch::of(positions, gradients, stride, count)),
-                None => replay.each(tape, positions, gradients, stride, count),
+                Some(lanes) => lanes.forces(tape, batch),
+                None => replay.each(tape, batch),
             }
         }
     }

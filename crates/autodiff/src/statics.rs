@@ -1,7 +1,7 @@
 //! [`Static`]: the trait route. H is compiled for floats and for dual numbers.
 //!
 //! The structure comes from recording the same method on a tape. The gradient is the hand-written one if there is
-//! one, else that of dual numbers of fixed length for n = 2m = 2, 4, 6, 8, else that of the tape. The Hessian is
+//! one, else in doubles that of dual numbers of fixed length for n = 2m = 2, 4, 6, 8, else that of the tape. The Hessian is
 //! the tape's. Measured on Kepler (n = 4): gradient 3.8 ns by hand, 5.4 ns by dual numbers, 4.8 ns a point by dual numbers
 //! over lanes, 52 ns by the tape.
 
@@ -150,6 +150,9 @@ impl<E: Energy, T: Float> StaticEvaluator<E, T> {
 
     #[inline(always)]
     fn differentiate(&mut self, y: &[T], gradient: &mut [T]) -> T {
+        if by_tape::<T>() {
+            return self.tape.gradient(y, gradient);
+        }
         let energy = &*self.route.energy;
         by_length!(y, N => dual_gradient::<E, T, N>(energy, y, gradient), {
             self.tape.gradient(y, gradient)
@@ -203,10 +206,10 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
                 .each(states, gradients, stride, count, |y, gradient| {
                     supplied(energy, y, gradient);
                 });
-        } else if n > LARGEST {
+        } else if n > LARGEST || by_tape::<T>() {
             self.tape
                 .gradients_by_component(states, gradients, stride, count);
-        } else if let Some(batch) = Batch::of(states, gradients, stride, count) {
+        } else if let Some(batch) = Batch::of_doubles(states, gradients, stride, count) {
             match n {
                 2 => batch.gradients::<E, 2>(energy),
                 4 => batch.gradients::<E, 4>(energy),
@@ -240,10 +243,10 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
                 .each(positions, gradients, stride, count, |y, gradient| {
                     supplied(energy, y, gradient);
                 });
-        } else if 2 * m > LARGEST {
+        } else if 2 * m > LARGEST || by_tape::<T>() {
             self.tape
                 .forces_by_component(positions, gradients, stride, count);
-        } else if let Some(batch) = Batch::of(positions, gradients, stride, count) {
+        } else if let Some(batch) = Batch::of_doubles(positions, gradients, stride, count) {
             match m {
                 1 => batch.forces::<E, 1>(energy),
                 2 => batch.forces::<E, 2>(energy),
@@ -296,6 +299,13 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
     fn hessian(&mut self, y: &[T], entries: &mut [T]) {
         self.tape.hessian(y, entries);
     }
+}
+
+/// Whether the tape over vectors is as good: what an operation costs outweighs what it costs to find it, and the energy is
+/// not compiled once more for each set of instructions.
+#[inline(always)]
+fn by_tape<T: Float>() -> bool {
+    T::WIDTH > 1 && T::as_doubles(&[]).is_none()
 }
 
 #[inline(always)]

@@ -1,9 +1,10 @@
 //! [`Replay`]: the values of all slots of a tape, in one kind of number.
 
+use crate::batch::Batch;
 use crate::replay::forward;
 use crate::tangent::Tangent;
 use crate::tape::{Block, Tape, Transfer};
-use equip_scalar::{Constant, Float, Lanes, Piecewise};
+use equip_scalar::{Constant, Float, Pack, Piecewise};
 
 /// Workspace for replaying one tape. Constants, and what depends on them alone, are computed when it is made.
 #[derive(Debug, Clone)]
@@ -40,17 +41,11 @@ impl<T: Float> Replay<T> {
     }
 
     /// Replays at each point of a batch that stands component by component.
-    pub(crate) fn each(
-        &mut self,
-        tape: &Tape,
-        states: &[T],
-        results: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
-        for i in 0..count {
-            let found = self.run(tape, |k| states[k * stride + i]);
-            for (row, &result) in results.chunks_exact_mut(stride).zip(found) {
+    pub(crate) fn each(&mut self, tape: &Tape, batch: Batch<T>) {
+        let stride = batch.stride;
+        for i in 0..batch.count {
+            let found = self.run(tape, |k| batch.states[k * stride + i]);
+            for (row, &result) in batch.gradients.chunks_exact_mut(stride).zip(found) {
                 row[i] = result;
             }
         }
@@ -63,13 +58,14 @@ impl<T: Float, const C: usize> Replay<Tangent<T, C>> {
     }
 }
 
-impl<const N: usize> Replay<Lanes<N>> {
-    pub(crate) fn lanes(tape: &Tape) -> Self {
-        Replay::<f64>::new(tape).widened(Lanes::splat)
-    }
-}
-
 impl<S> Replay<S> {
+    pub(crate) fn packs<T: Float, const N: usize>(tape: &Tape) -> Self
+    where
+        S: Pack<T, N>,
+    {
+        Replay::<T>::new(tape).widened(S::splat)
+    }
+
     fn widened<W>(self, wide: impl Fn(S) -> W) -> Replay<W> {
         Replay {
             results: self.results.into_iter().map(&wide).collect(),

@@ -1,6 +1,6 @@
 //! `f64` as [`Scalar`] and [`Float`].
 
-use crate::{Constant, Float, Forward, Forward2, ParseFloatError, Scalar};
+use crate::{Constant, Float, Forward, Forward2, Lanes, ParseFloatError, Scalar};
 
 macro_rules! functions {
     ($($f:ident),*) => {$(
@@ -59,6 +59,8 @@ impl Float for f64 {
     const INFINITY: f64 = f64::INFINITY;
     const NAN: f64 = f64::NAN;
 
+    const WIDTH: usize = 8;
+    type Pack<const N: usize> = Lanes<N>;
     type Forward<const N: usize> = Forward<f64, N>;
     type Forward2<const N: usize> = Forward2<f64, N>;
 

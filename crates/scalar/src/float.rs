@@ -1,6 +1,6 @@
 //! [`Float`]: what the integrator computes in.
 
-use crate::{FirstOrder, Scalar, SecondOrder};
+use crate::{FirstOrder, Pack, Scalar, SecondOrder};
 use nalgebra::RealField;
 use std::fmt::{Display, LowerExp};
 
@@ -36,6 +36,10 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
     /// Not a number.
     const NAN: Self;
 
+    /// How many numbers are best worked on together: 8, or 1 where there are no vectors.
+    const WIDTH: usize;
+    /// `N` numbers that undergo the same operations.
+    type Pack<const N: usize>: Pack<Self, N>;
     /// Dual number with `N` first derivatives over this type.
     type Forward<const N: usize>: FirstOrder<Self, N>;
     /// Dual number with `N` first and N×N second derivatives over this type.

@@ -4,7 +4,7 @@
 //! `f64` alone. Arithmetic, √, |x|, min, max and the selections of [`Piecewise`] become vector instructions inside a
 //! [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin` over 8 lanes: 68 ns).
 
-use crate::{Constant, Piecewise, Scalar};
+use crate::{Constant, Float, Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// N doubles, usually one for each stage of a step.
@@ -17,37 +17,6 @@ impl<const N: usize> Lanes<N> {
     #[inline(always)]
     pub fn splat(x: f64) -> Self {
         Lanes([x; N])
-    }
-
-    /// The first N numbers of a slice. Of a shorter one, which must not be empty, the last number fills the rest.
-    #[inline(always)]
-    pub fn load(from: &[f64]) -> Self {
-        match from.first_chunk::<N>() {
-            Some(chunk) => Lanes(*chunk),
-            None => Self::load_part(from),
-        }
-    }
-
-    #[inline(always)]
-    fn load_part(from: &[f64]) -> Self {
-        let mut lanes = [from[from.len() - 1]; N];
-        for (lane, &x) in lanes.iter_mut().zip(from) {
-            *lane = x;
-        }
-        Lanes(lanes)
-    }
-
-    /// Writes the lanes to a slice; one shorter than N receives as many as it can hold.
-    #[inline(always)]
-    pub fn store(self, to: &mut [f64]) {
-        match to.first_chunk_mut::<N>() {
-            Some(chunk) => *chunk = self.0,
-            None => {
-                for (place, &lane) in to.iter_mut().zip(&self.0) {
-                    *place = lane;
-                }
-            }
-        }
     }
 }
 
@@ -177,5 +146,36 @@ impl<const N: usize> Piecewise for Lanes<N> {
             all &= f64::is_regular(x.0[k]);
         }
         all
+    }
+}
+
+impl<const N: usize> Pack<f64, N> for Lanes<N> {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Lanes::splat(x)
+    }
+
+    #[inline(always)]
+    fn of(from: &[f64; N]) -> Self {
+        Lanes(*from)
+    }
+
+    #[inline(always)]
+    fn numbers(self) -> [f64; N] {
+        self.0
+    }
+
+    #[inline(always)]
+    fn heads(self) -> [f64; N] {
+        self.0
+    }
+
+    #[inline(always)]
+    fn two_sum(a: Self, b: Self) -> (Self, Self) {
+        let (mut sum, mut rest) = (a, b);
+        for k in 0..N {
+            (sum.0[k], rest.0[k]) = f64::two_sum(a.0[k], b.0[k]);
+        }
+        (sum, rest)
     }
 }

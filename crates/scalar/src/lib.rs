@@ -9,7 +9,8 @@
 //! | [`Num`] | the wrapper a user's generic energy sees: `0.5 * q[0]`, `q[0].sin()`, never `q[0] < 1.0` |
 //! | [`Constant`] | a constant in H that is as exact as the float type that later reads it |
 //! | [`DoubleDouble`] | about 31 digits, as an unevaluated sum of two `f64` |
-//! | [`Lanes`] | N doubles at once, one for each stage; vector instructions inside a [`Kernel`] |
+//! | [`Lanes`], [`DoubleDoubles`] | N doubles or double-doubles at once, one for each stage; vector instructions inside a [`Kernel`] |
+//! | [`Pack`] | either of them, in generic code |
 //! | [`Forward`], [`Forward2`] | dual numbers with first, with first and second derivatives (through num-dual) |
 //!
 //! `Scalar` declares its functions without a receiver (`S::sin(x)`, not `x.sin()`), so that in code
@@ -27,18 +28,20 @@ mod glue;
 mod instructions;
 mod lanes;
 mod num;
+mod pack;
 mod piecewise;
 mod recording;
 mod scalar;
 mod stages;
 
 pub use constant::{Constant, decimal, ratio};
-pub use double_double::DoubleDouble;
+pub use double_double::{DoubleDouble, DoubleDoubles};
 pub use float::{Float, ParseFloatError};
 pub use forward::{FirstOrder, Forward, Forward2, SecondOrder};
 pub use instructions::{InstructionSet, Kernel};
 pub use lanes::Lanes;
 pub use num::Num;
+pub use pack::Pack;
 pub use piecewise::Piecewise;
 pub use recording::{Attempt, Recording};
 pub use scalar::Scalar;

@@ -1,6 +1,6 @@
 //! Z = K L for all components at once: the linear half of a stage sweep.
 
-use crate::{Float, InstructionSet, Kernel, Lanes};
+use crate::{Float, InstructionSet, Kernel, Lanes, Pack};
 
 /// Z_i = Σ_j K_ij L_j for every component, `stages` being the number of i and of j.
 ///
@@ -41,20 +41,69 @@ pub fn mix_stages<T: Float>(
             stages,
             stride,
         }),
-        _ => mix(k, l, z, stride),
+        _ => set.run(&mut MixPacks {
+            k,
+            l,
+            z,
+            stages,
+            stride,
+        }),
     }
 }
 
 /// One component after the other, in any float type.
-fn mix<T: Float>(k: &[T], l: &[T], z: &mut [T], stride: usize) {
-    for (l, z) in l.chunks_exact(stride).zip(z.chunks_exact_mut(stride)) {
-        for (i, z) in z.iter_mut().enumerate() {
-            let first = k[i] * l[0];
-            let further = k.chunks_exact(stride).zip(l).skip(1);
-            *z = further.fold(first, |sum, (column, &l)| sum + column[i] * l);
+struct MixPacks<'a, T> {
+    k: &'a [T],
+    l: &'a [T],
+    z: &'a mut [T],
+    stages: usize,
+    stride: usize,
+}
+
+impl<T: Float> Kernel for MixPacks<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        match self.stride {
+            4 if T::WIDTH > 1 => self.packs::<4>(),
+            stride if T::WIDTH > 1 && stride % 8 == 0 => self.packs::<8>(),
+            _ => self.packs::<1>(),
         }
     }
 }
+
+impl<T: Float> MixPacks<'_, T> {
+    #[inline(always)]
+    fn packs<const N: usize>(&mut self) {
+        let groups = self.stride / N;
+        let (k, z) = (self.k.as_chunks::<N>().0, self.z.as_chunks_mut::<N>().0);
+        let mut columns = [[T::Pack::splat(T::int(0))]; BLOCK];
+        for g in 0..groups {
+            for first in (0..self.stages).step_by(BLOCK) {
+                let count = BLOCK.min(self.stages - first);
+                for (j, column) in columns[..count].iter_mut().enumerate() {
+                    *column = [T::Pack::of(&k[(first + j) * groups + g])];
+                }
+                let rows = self
+                    .l
+                    .chunks_exact(self.stride)
+                    .zip(z.chunks_exact_mut(groups));
+                for (l, z) in rows {
+                    let sum = T::Pack::dot(&columns[..count], 0, &l[first..]);
+                    z[g] = if first == 0 {
+                        sum.numbers()
+                    } else {
+                        (T::Pack::of(&z[g]) + sum).numbers()
+                    };
+                }
+            }
+        }
+    }
+}
+
+/// Columns that are put into packs at a time.
+const BLOCK: usize = 32;
 
 struct Mix<'a> {
     k: &'a [f64],

@@ -6,8 +6,8 @@
 
 use crate::aligned::{Aligned, Places};
 use crate::pairs::{HALF, fill, has_pairs};
-use crate::row::stride_for;
-use equip_scalar::{Float, InstructionSet, Kernel};
+use crate::row::{add, scaled, stride_for};
+use equip_scalar::{Float, InstructionSet, Kernel, Pack, Piecewise, Scalar};
 use equip_tableau::Gauss;
 
 /// U(0) and the T_k, laid out as K is: column by column, or as P and Q of [`crate::pairs`].
@@ -84,19 +84,37 @@ impl<T: Float> Kernel for Fill<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
+        match T::WIDTH {
+            1 => self.packs::<1>(),
+            // Strides are multiples of it.
+            _ => self.packs::<4>(),
+        }
+    }
+}
+
+impl<T: Float> Fill<'_, T> {
+    #[inline(always)]
+    fn packs<const N: usize>(&mut self) {
         let (columns, k) = (self.columns, &mut *self.k);
         k.copy_from_slice(&columns.unperturbed);
+        let k = k.as_chunks_mut::<N>().0;
         for (basis, &alpha) in columns.basis.iter().zip(self.alphas) {
             if alpha != T::int(0) {
-                for (u, &t) in k.iter_mut().zip(&**basis) {
-                    *u += alpha * t;
+                for (u, t) in k.iter_mut().zip(basis.as_chunks().0) {
+                    add(u, &scaled(t, alpha));
                 }
             }
         }
         if let Some((half, one)) = &columns.half_and_one {
-            for ((k, &half), &one) in k.iter_mut().zip(&**half).zip(&**one) {
-                let large = half + k.abs();
-                *k = if *k < T::int(0) { one - large } else { large };
+            let constants = half.as_chunks().0.iter().zip(one.as_chunks().0);
+            for (k, (half, one)) in k.iter_mut().zip(constants) {
+                let u = T::Pack::of(k);
+                let large = T::Pack::of(half) + T::Pack::abs(u);
+                let small = T::Pack::of(one) - large;
+                let takes_large = T::Pack::at_most(T::Pack::splat(T::int(0)), u);
+                let takes_small = T::Pack::splat(T::int(1)) - takes_large;
+                let large = T::Pack::where_nonzero(large, takes_large);
+                *k = (large + T::Pack::where_nonzero(small, takes_small)).numbers();
             }
         }
     }

@@ -95,7 +95,7 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
         &mut self,
         k: &impl Mixes<T, G, N>,
         block: Range<usize>,
-        change: &mut Moved<T, N>,
+        change: &mut Moved<N>,
     ) {
         let m = self.unknowns();
         let (h, step) = (self.h, &mut self.half.step);
@@ -123,7 +123,7 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
     }
 
     #[inline(always)]
-    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<T, N>) {
+    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<N>) {
         let (m, h, w) = (self.unknowns(), self.h, self.half.inverse_masses[c]);
         let step = self.half.step.views::<N>();
         let groups = step.hb.len();

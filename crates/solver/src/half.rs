@@ -3,7 +3,7 @@
 use crate::mix::{Mix, Moved, Step, in_memory};
 use crate::pairs::Blocks;
 use crate::product::Mixes;
-use crate::row::{Row, difference, literal, placed, rows, rows_mut, times};
+use crate::row::{Row, difference, linear, literal, placed, rows, rows_mut, times};
 use crate::small::{Small, change, numbers, rows_of};
 use equip_scalar::{Float, Kernel, Lanes};
 use std::array::from_fn;
@@ -65,7 +65,7 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
         &mut self,
         k: &impl Mixes<T, G, N>,
         block: Range<usize>,
-        change: &mut Moved<T, N>,
+        change: &mut Moved<N>,
     ) {
         let m = self.inverse_masses.len();
         let (len, momenta) = (block.len(), block.start + m..block.end + m);
@@ -85,7 +85,7 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
             let moved = k.mixed(in_memory(&mut l_p[c]));
             for g in 0..G {
                 let momenta = placed(hi[c], lo[c], &moved[g]);
-                l_q[c][g] = times(&hb[g], &momenta.map(|p| w[c] * p + b[c]));
+                l_q[c][g] = times(&hb[g], &linear(w[c], &momenta, b[c]));
                 p[c][g] = momenta;
             }
         }
@@ -93,7 +93,7 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
     }
 
     #[inline(always)]
-    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<T, N>) {
+    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<N>) {
         let (w, b) = (self.inverse_masses[c], self.offset[c]);
         let mut step = self.step.views::<N>();
         let (m, groups) = (step.hi.len() / 2, step.hb.len());
@@ -103,7 +103,7 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
         }
         for g in 0..groups {
             let momenta = placed(step.hi[c + m], step.lo[c + m], &step.mixed(p, g));
-            step.l[q + g] = times(&step.hb[g], &momenta.map(|p| w * p + b));
+            step.l[q + g] = times(&step.hb[g], &linear(w, &momenta, b));
             step.points[p + g] = momenta;
         }
         step.advance(c, change);
@@ -143,8 +143,7 @@ impl<'a> Small<'a> for Half<'a, f64> {
         for c in 0..C {
             let moved = k.product(&folded[c]);
             let momenta: Row<f64, G, N> = from_fn(|g| placed(hi_p[c], lo_p[c], &moved[g]));
-            let l: Row<f64, G, N> =
-                from_fn(|g| times(&hb[g], &momenta[g].map(|p| w[c] * p + b[c])));
+            let l: Row<f64, G, N> = from_fn(|g| times(&hb[g], &linear(w[c], &momenta[g], b[c])));
             folded[c] = k.folded(&l);
             l_q[c] = l;
             p[c] = momenta;

@@ -16,7 +16,7 @@
 
 use crate::hessians::turned;
 use crate::outcome::Counts;
-use crate::row::by_lanes;
+use crate::row::{add, by_lanes, times};
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel, mix_stages};
@@ -360,9 +360,7 @@ impl<T: Float> Times<'_, T> {
                             &entries[e * groups + g],
                             &x[(column * sides + side) * groups + g],
                         );
-                        for i in 0..N {
-                            sum[i] += a[i] * b[i];
-                        }
+                        add(&mut sum, &times(a, b));
                     }
                     for x in &mut sum {
                         *x *= sign;

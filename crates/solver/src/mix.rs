@@ -1,6 +1,6 @@
 //! The linear half of a sweep, from the gradients to the next stages, compiled for every instruction set.
 //!
-//! Three forms: [`crate::whole`], [`crate::half`], [`crate::draft`]. Each is written for components of any length, and by rows of literal
+//! Three forms: [`crate::whole`], [`crate::half`], [`crate::draft`]. Each is written for rows of any length, and by rows of literal
 //! length for up to 16 stages of doubles: the same operations in the same order, bit for bit, and K stays in registers. In a chain of 1024 masses
 //! with 8 stages a position and its momentum take 11 ns by rows in place of 24 on AVX-512, where the arithmetic alone is 44 vector instructions, two a
 //! cycle. Products that wait for each other are done in loops of their own over a block of components. Four components written side by side are
@@ -9,10 +9,10 @@
 //! Cost: s² products for each component that K is applied to.
 
 use crate::pairs::{HALF, has_pairs};
-use crate::product::{Columns, Mixes, Square, product_any};
-use crate::row::{difference, lanes_of, literal, placed, rows, rows_mut, stride_for};
+use crate::product::{Columns, Mixes, Packed, Square, product_any};
+use crate::row::{by_lanes, difference, is_double, literal, placed, rows, rows_mut, stride_for};
 use crate::start::largest;
-use equip_scalar::Float;
+use equip_scalar::{Float, Pack};
 use std::ops::Range;
 
 /// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands at `c·stride + i`.
@@ -48,10 +48,10 @@ pub(crate) trait Mix<'a, T: Float> {
         &mut self,
         k: &impl Mixes<T, G, N>,
         block: Range<usize>,
-        change: &mut Moved<T, N>,
+        change: &mut Moved<N>,
     );
     /// For component c, of any number of groups.
-    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<T, N>);
+    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<N>);
 
     /// All of it. Gives the largest change of Z relative to the sizes of the components; not finite if anything is not.
     #[inline(always)]
@@ -60,12 +60,14 @@ pub(crate) trait Mix<'a, T: Float> {
         if has_pairs::<T>(s) {
             return self.by_rows(&Self::sixteen(k));
         }
-        match (stride_for::<T>(s), lanes_of::<T>(s)) {
-            (4, 4) => self.square::<4>(k),
-            (8, 8) => self.square::<8>(k),
-            (16, 8) => self.by_rows(&Columns::<T, 2, 8>::of(rows(k), s)),
-            (_, 8) => self.lanes::<8>(),
-            _ => self.lanes::<1>(),
+        match stride_for::<T>(s) {
+            4 if is_double::<T>() => self.square::<4>(k),
+            8 if is_double::<T>() => self.square::<8>(k),
+            16 if is_double::<T>() => self.by_rows(&Columns::<T, 2, 8>::of(rows(k), s)),
+            4 => self.by_rows(&Packed::<T, 1, 4>::of(rows(k), s)),
+            8 => self.by_rows(&Packed::<T, 1, 8>::of(rows(k), s)),
+            16 => self.by_rows(&Packed::<T, 2, 8>::of(rows(k), s)),
+            _ => by_lanes!(T, s, self),
         }
     }
 
@@ -87,7 +89,7 @@ pub(crate) trait Mix<'a, T: Float> {
 
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) -> T {
-        let mut change = Moved::<T, N>::new();
+        let mut change = Moved::<N>::new();
         for c in 0..self.unknowns() {
             self.one(c, &mut change);
         }
@@ -123,7 +125,7 @@ impl<'a, T: Float> Step<'a, T> {
         &mut self,
         k: &impl Mixes<T, G, N>,
         block: Range<usize>,
-        change: &mut Moved<T, N>,
+        change: &mut Moved<N>,
     ) {
         let l = &rows::<T, G, N>(self.l)[block.clone()];
         let z = &mut rows_mut::<T, G, N>(self.z)[block.clone()];
@@ -182,7 +184,7 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
 
     /// Z ← K L and the stages, for one component.
     #[inline(always)]
-    pub(crate) fn advance(&mut self, c: usize, change: &mut Moved<T, N>) {
+    pub(crate) fn advance(&mut self, c: usize, change: &mut Moved<N>) {
         let groups = self.hb.len();
         for g in 0..groups {
             let z = self.mixed(c * groups, g);
@@ -192,7 +194,7 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
 
     /// Z and the stages of component c, group g.
     #[inline(always)]
-    pub(crate) fn moved(&mut self, c: usize, g: usize, z: [T; N], change: &mut Moved<T, N>) {
+    pub(crate) fn moved(&mut self, c: usize, g: usize, z: [T; N], change: &mut Moved<N>) {
         let at = c * self.hb.len() + g;
         change.see(&difference(&z, &self.z[at]), self.inverse_scale[c]);
         self.points[at] = placed(self.hi[c], self.lo[c], &z);
@@ -207,25 +209,25 @@ pub(crate) fn in_memory<R>(row: &mut R) -> &R {
     std::hint::black_box(row)
 }
 
-/// Changes of Z, lane by lane. Z of the padding is zero.
-pub(crate) struct Moved<T, const N: usize> {
-    largest: [T; N],
-    sum: [T; N],
+/// Changes of Z, lane by lane: their size is asked for, so `f64` will do. Z of the padding is zero.
+pub(crate) struct Moved<const N: usize> {
+    largest: [f64; N],
+    sum: [f64; N],
 }
 
-impl<T: Float, const N: usize> Moved<T, N> {
+impl<const N: usize> Moved<N> {
     #[inline(always)]
     fn new() -> Self {
-        let zeros = [T::int(0); N];
         Moved {
-            largest: zeros,
-            sum: zeros,
+            largest: [0.0; N],
+            sum: [0.0; N],
         }
     }
 
     #[inline(always)]
-    pub(crate) fn see(&mut self, by: &[T; N], inverse_scale: T) {
-        for (i, by) in by.iter().enumerate() {
+    pub(crate) fn see<T: Float>(&mut self, by: &[T; N], inverse_scale: T) {
+        let inverse_scale = inverse_scale.to_f64();
+        for (i, by) in T::Pack::of(by).heads().into_iter().enumerate() {
             let moved = by.abs() * inverse_scale;
             let most = self.largest[i];
             self.largest[i] = if moved > most { moved } else { most };
@@ -234,10 +236,10 @@ impl<T: Float, const N: usize> Moved<T, N> {
     }
 
     #[inline(always)]
-    fn reduce(&self) -> T {
+    fn reduce<T: Float>(&self) -> T {
         // Not the sum of the sums: in quest of it the compiler would take the vectors of the loop apart.
         if self.sum.iter().all(|sum| sum.is_finite()) {
-            largest(self.largest)
+            T::exact(largest(self.largest))
         } else {
             T::NAN
         }

@@ -4,7 +4,6 @@
 
 use crate::sweeps::{Rule, SweepTask, Sweeps};
 use equip_scalar::Float;
-use equip_tableau::Gauss;
 
 /// Moves of the α's allowed in a step.
 const MAX_MOVES: u32 = 24;
@@ -37,7 +36,6 @@ impl<T: Float> Sweeps<T> {
     /// Moves the α's to where g vanishes by the slope known. Returns whether they stay within their bound.
     pub(crate) fn move_alphas(
         &mut self,
-        gauss: &Gauss<T>,
         (g, noise): (T, T),
         alphas: &mut Moves<T>,
         task: &SweepTask<'_, T>,
@@ -83,7 +81,7 @@ impl<T: Float> Sweeps<T> {
         if !(alphas.t.is_finite() && self.alphas.iter().all(|a| a.abs() <= bound)) {
             return false;
         }
-        self.iterate.set_alphas(gauss, &self.alphas);
+        self.iterate.set_alphas(&self.alphas);
         match by_response {
             Some(response) => response.follow(&mut self.iterate, task.y, &self.delta),
             None if alphas.moves == 1 => self.iterate.mix_anew(task.y),

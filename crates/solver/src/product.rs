@@ -2,8 +2,9 @@
 //!
 //! Cost: s² products; by pairs of stages ([`crate::pairs`]) half of them.
 
-use crate::row::{Row, add, scaled, sum_of};
-use equip_scalar::Float;
+use crate::MAX_STAGES;
+use crate::row::{Row, add, is_double, scaled, sum_of};
+use equip_scalar::{Float, Pack};
 use std::array::from_fn;
 
 /// K in one of the forms it is kept in. The product has two parts: what is read number by number is best read from memory, where
@@ -86,6 +87,39 @@ impl<T: Float, const G: usize, const N: usize> Mixes<T, G, N> for Columns<'_, T,
     }
 }
 
+/// The first columns, of numbers that take more than one word: put into packs once, and all groups together.
+pub(crate) struct Packed<T: Float, const G: usize, const N: usize> {
+    columns: [[T::Pack<N>; G]; MOST],
+    s: usize,
+}
+
+/// Stages of the longest rows by literal length.
+const MOST: usize = 16;
+
+impl<T: Float, const G: usize, const N: usize> Packed<T, G, N> {
+    #[inline(always)]
+    pub(crate) fn of(columns: &[Row<T, G, N>], s: usize) -> Self {
+        let mut packed = [[T::Pack::splat(T::int(0)); G]; MOST];
+        for (packed, column) in packed.iter_mut().zip(columns).take(s) {
+            for g in 0..G {
+                packed[g] = T::Pack::of(&column[g]);
+            }
+        }
+        Packed { columns: packed, s }
+    }
+}
+
+impl<T: Float, const G: usize, const N: usize> Mixes<T, G, N> for Packed<T, G, N> {
+    #[inline(always)]
+    fn product(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
+        let mut sums = [[T::int(0); N]; G];
+        for g in 0..G {
+            sums[g] = T::Pack::dot(&self.columns[..self.s], g, l.as_flattened()).numbers();
+        }
+        sums
+    }
+}
+
 /// Σ_j K_ij L_j for the stages of group g, L standing in as many groups.
 #[inline(always)]
 pub(crate) fn product_any<T: Float, const N: usize>(
@@ -94,14 +128,18 @@ pub(crate) fn product_any<T: Float, const N: usize>(
     g: usize,
     s: usize,
 ) -> [T; N] {
-    if N > 1
-        && let [l] = l
-        && let Some(columns) = k.first_chunk::<N>()
-    {
+    let groups = l.len();
+    if !is_double::<T>() {
+        let mut packed = [[T::Pack::splat(T::int(0))]; MAX_STAGES];
+        for (j, packed) in packed.iter_mut().enumerate().take(s) {
+            *packed = [T::Pack::of(&k[j * groups + g])];
+        }
+        return T::Pack::dot(&packed[..s], 0, l.as_flattened()).numbers();
+    }
+    if let ([l], Some(columns)) = (l, k.first_chunk::<N>()) {
         // The padding of K is zero.
         return product(columns, l);
     }
-    let groups = l.len();
     let l = l.as_flattened();
     let mut sum = scaled(&k[g], l[0]);
     for (j, &l) in l.iter().enumerate().take(s).skip(1) {

@@ -1,30 +1,32 @@
 //! How a component's numbers at the stages lie: a *row* is G groups of N lanes, a lane for each stage and padding behind.
 //!
-//! Lanes are worked on by loops over arrays of 4 or 8 places, which the compiler turns into vector instructions of whatever set it is
-//! compiled for; floats that are no vector elements go stage by stage.
+//! Rows are arrays in memory and [`Pack`]s in arithmetic, which the compiler turns into vector instructions of whatever set it is
+//! compiled for.
 
-use equip_scalar::Float;
+use equip_scalar::{Float, Pack};
 use std::array::from_fn;
 
 pub(crate) type Row<T, const G: usize, const N: usize> = [[T; N]; G];
 
 /// Lanes that `s` stages of this float are padded to.
 pub(crate) fn stride_for<T: Float>(s: usize) -> usize {
-    match T::as_doubles(&[]) {
-        None => s,
-        Some(_) if s <= 4 => 4,
-        Some(_) => s.next_multiple_of(8),
-    }
+    s.next_multiple_of(lanes_of::<T>(s))
 }
 
 /// Lanes that are worked on together.
 #[inline(always)]
 pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
-    match T::as_doubles(&[]) {
-        None => 1,
-        Some(_) if s <= 4 => 4,
-        Some(_) => 8,
+    match T::WIDTH {
+        1 => 1,
+        _ if s <= 4 => 4,
+        _ => 8,
     }
+}
+
+/// Whether this float is `f64`, which literal lengths and kernels of their own are for.
+#[inline(always)]
+pub(crate) fn is_double<T: Float>() -> bool {
+    T::as_doubles(&[]).is_some()
 }
 
 /// Groups of N lanes that `s` stages stand in.
@@ -68,32 +70,53 @@ pub(crate) fn literal<R>(found: Option<R>) -> R {
     }
 }
 
+/// Doubles lane by lane, of which the compiler makes better vectors where many rows are at work, others in packs.
+macro_rules! each_lane {
+    (|$i:ident| $number:expr, $pack:expr) => {
+        if is_double::<T>() {
+            from_fn(|$i| $number)
+        } else {
+            ($pack).numbers()
+        }
+    };
+}
+
 /// y0 + Z of a component, y0 = hi + lo.
 #[inline(always)]
 pub(crate) fn placed<T: Float, const N: usize>(hi: T, lo: T, z: &[T; N]) -> [T; N] {
-    from_fn(|i| hi + (z[i] + lo))
+    each_lane!(
+        |i| hi + (z[i] + lo),
+        T::Pack::splat(hi) + (T::Pack::of(z) + T::Pack::splat(lo))
+    )
 }
 
 #[inline(always)]
 pub(crate) fn times<T: Float, const N: usize>(a: &[T; N], b: &[T; N]) -> [T; N] {
-    from_fn(|i| a[i] * b[i])
+    each_lane!(|i| a[i] * b[i], T::Pack::of(a) * T::Pack::of(b))
 }
 
 #[inline(always)]
 pub(crate) fn difference<T: Float, const N: usize>(a: &[T; N], b: &[T; N]) -> [T; N] {
-    from_fn(|i| a[i] - b[i])
+    each_lane!(|i| a[i] - b[i], T::Pack::of(a) - T::Pack::of(b))
 }
 
 #[inline(always)]
 pub(crate) fn scaled<T: Float, const N: usize>(a: &[T; N], b: T) -> [T; N] {
-    from_fn(|i| a[i] * b)
+    each_lane!(|i| a[i] * b, T::Pack::of(a) * T::Pack::splat(b))
+}
+
+/// w·x + b.
+#[inline(always)]
+pub(crate) fn linear<T: Float, const N: usize>(w: T, x: &[T; N], b: T) -> [T; N] {
+    each_lane!(
+        |i| w * x[i] + b,
+        T::Pack::splat(w) * T::Pack::of(x) + T::Pack::splat(b)
+    )
 }
 
 #[inline(always)]
 pub(crate) fn add<T: Float, const N: usize>(a: &mut [T; N], b: &[T; N]) {
-    for i in 0..N {
-        a[i] += b[i];
-    }
+    *a = each_lane!(|i| a[i] + b[i], T::Pack::of(a) + T::Pack::of(b));
 }
 
 /// The sum of N terms, a power of 2. The first and the last are added first, and so on inwards: the chain of additions is short.

@@ -22,7 +22,6 @@ use crate::state::State;
 use crate::sweeps::{Rule, SweepTask, Sweeps};
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_tableau::Gauss;
 
 /// Defects of more floors are for responses. With 64 Hénon–Heiles, where the end point moves far for a floor, came back from 250 steps ten times
 /// as far off as by responses: whether slopes may is told by earlier steps, and those of the way back are others.
@@ -72,7 +71,6 @@ impl<T: Float> Sweeps<T> {
     /// Returns the change of Z in it; nothing if the step is as it was before.
     pub(crate) fn remove_slight<E: Evaluate<T>>(
         &mut self,
-        gauss: &Gauss<T>,
         energy: &mut E,
         (g, noise, floors): (T, T, T),
         (alphas, next): (&mut Moves<T>, &mut State<T>),
@@ -96,7 +94,7 @@ impl<T: Float> Sweeps<T> {
         self.keep(next);
         alphas.by_response = false;
         let (mut change, mut moved) = (T::INFINITY, T::INFINITY);
-        if self.move_alphas(gauss, (g, noise), alphas, task) {
+        if self.move_alphas((g, noise), alphas, task) {
             change = self.iterate.sweep(energy, task.y, false);
             counts.sweeps += 1;
             counts.gradients += self.iterate.s as u64;
@@ -108,7 +106,7 @@ impl<T: Float> Sweeps<T> {
             return Some(change);
         }
         self.alphas.copy_from_slice(task.alphas);
-        self.iterate.set_alphas(gauss, &self.alphas);
+        self.iterate.set_alphas(&self.alphas);
         self.put_back();
         self.iterate.end_point(task.y, next);
         *alphas = Moves::new(Rule::Response);

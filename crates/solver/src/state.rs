@@ -1,7 +1,7 @@
 //! The state y = (q, p) with the part that rounding would lose, and the compensated update.
 
-use crate::row::{by_lanes, groups_of};
-use equip_scalar::{Float, InstructionSet, Kernel};
+use crate::row::{by_lanes, groups_of, is_double};
+use equip_scalar::{Float, InstructionSet, Kernel, Pack};
 
 /// A state carried to about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,6 +84,16 @@ impl<T: Float> Kernel for Advance<'_, T> {
     }
 }
 
+/// The numbers from `count` on, in front.
+#[inline(always)]
+fn half<T: Float, const N: usize>(x: T::Pack<N>, count: usize) -> T::Pack<N> {
+    let mut numbers = x.numbers();
+    for i in 0..count {
+        numbers[i] = numbers[i + count];
+    }
+    T::Pack::of(&numbers)
+}
+
 /// Components that are added up abreast, lane for lane: so many that the compiler takes vectors of them. Of one component alone every addition
 /// waits for the one before.
 const ABREAST: usize = 32;
@@ -95,7 +105,7 @@ impl<T: Float> Advance<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) {
         let n = self.from.hi.len();
-        let abreast = if N > 1 { n - n % ABREAST } else { 0 };
+        let abreast = if is_double::<T>() { n - n % ABREAST } else { 0 };
         if abreast > 0 {
             let mut room: [Abreast<T, N>; 2] = [[[T::int(0); ABREAST]; N]; 2];
             for first in (0..abreast).step_by(ABREAST) {
@@ -103,7 +113,11 @@ impl<T: Float> Advance<'_, T> {
             }
         }
         for c in abreast..n {
-            self.one::<N>(c);
+            if is_double::<T>() {
+                self.one::<N>(c);
+            } else {
+                self.one_in_packs::<N>(c);
+            }
         }
     }
 
@@ -131,6 +145,29 @@ impl<T: Float> Advance<'_, T> {
         }
         let (y, e) = T::two_sum(self.from.hi[c], sum[0]);
         (self.next.hi[c], self.next.lo[c]) = T::two_sum(y, e + (lost[0] + self.from.lo[c]));
+    }
+
+    /// Component c of floats of more than one word: of `f64` the compiler takes vectors of lanes by itself, and better ones.
+    #[inline(always)]
+    fn one_in_packs<const N: usize>(&mut self, c: usize) {
+        let groups = groups_of::<T, N>(self.s);
+        let row = &self.increments.as_chunks::<N>().0[c * groups..(c + 1) * groups];
+        let (mut sum, mut lost) = (T::Pack::of(&row[0]), T::Pack::splat(T::int(0)));
+        for x in &row[1..] {
+            let (s, e) = T::Pack::two_sum(sum, T::Pack::of(x));
+            sum = s;
+            lost = lost + e;
+        }
+        let mut count = N;
+        while count > 1 {
+            count /= 2;
+            let (s, e) = T::Pack::two_sum(sum, half::<T, N>(sum, count));
+            sum = s;
+            lost = (lost + half::<T, N>(lost, count)) + e;
+        }
+        let (sum, lost) = (sum.numbers()[0], lost.numbers()[0]);
+        let (y, e) = T::two_sum(self.from.hi[c], sum);
+        (self.next.hi[c], self.next.lo[c]) = T::two_sum(y, e + (lost + self.from.lo[c]));
     }
 
     /// The same for the components from `first` on.

@@ -163,12 +163,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 pub(crate) fn rule<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> Rule {
     match settings.stage_solver {
         StageSolver::Sweeps => Rule::Slopes,
-        // In wide numbers directions are repeated to a fixed point, which is Newton's.
         StageSolver::Automatic
-            if constraints == 1
-                && settings.first_alpha == Some(1)
-                && s > 2
-                && T::as_doubles(&[]).is_some() =>
+            if constraints == 1 && settings.first_alpha == Some(1) && s > 2 && T::WIDTH > 1 =>
         {
             Rule::Response
         }

@@ -91,8 +91,8 @@ pub(crate) struct Iterate<T: Float> {
     /// T(p), if it is quadratic with a diagonal M⁻¹.
     pub(crate) kinetic: Option<Kinetic<T>>,
     pub(crate) set: InstructionSet,
-    /// How K is made in vector instructions, of floats that have them.
-    columns: Option<Columns<T>>,
+    /// How K is made.
+    columns: Columns<T>,
     /// K(α) and K of the α's a step starts from, column by column.
     k: Aligned<T>,
     k_start: Aligned<T>,
@@ -145,11 +145,8 @@ impl<T: Float> Iterate<T> {
         let mut places = Places::default();
         let mut k = places.zeros(length_of::<T>(s));
         let mut k_start = places.zeros(length_of::<T>(s));
-        let columns = T::as_doubles(&[]).map(|_| Columns::new(gauss));
-        match &columns {
-            Some(columns) => columns.fill(set, alphas, &mut k_start),
-            None => gauss.skew_columns_into(alphas, stride, &mut k_start),
-        }
+        let columns = Columns::new(gauss);
+        columns.fill(set, alphas, &mut k_start);
         k.copy_from_slice(&k_start);
         let kinetic = kinetic.filter(|kinetic| kinetic.diagonal().is_some());
         let twice = (kinetic.is_some() && alphas.iter().all(|&alpha| alpha == T::int(0)))
@@ -195,11 +192,8 @@ impl<T: Float> Iterate<T> {
     }
 
     /// K for these α's.
-    pub(crate) fn set_alphas(&mut self, gauss: &Gauss<T>, alphas: &[T]) {
-        match &self.columns {
-            Some(columns) => columns.fill(self.set, alphas, &mut self.k),
-            None => gauss.skew_columns_into(alphas, self.stride, &mut self.k),
-        }
+    pub(crate) fn set_alphas(&mut self, alphas: &[T]) {
+        self.columns.fill(self.set, alphas, &mut self.k);
         self.k_has_moved = true;
     }
 

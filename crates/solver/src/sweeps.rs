@@ -231,7 +231,7 @@ impl<T: Float> Sweeps<T> {
                 if alphas.moves == 0
                     && out > one
                     && let Some(change) =
-                        self.remove_slight(gauss, energy, seen, (&mut alphas, next), task, counts)
+                        self.remove_slight(energy, seen, (&mut alphas, next), task, counts)
                 {
                     self.contraction.jump(change);
                     last_out = out;
@@ -271,7 +271,7 @@ impl<T: Float> Sweeps<T> {
                     }
                 }
                 let noise = uncertain + constraint.floor;
-                if !self.move_alphas(gauss, (g, noise), &mut alphas, task) {
+                if !self.move_alphas((g, noise), &mut alphas, task) {
                     let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
                     if alone && settled && at_floor {
                         // No α is worth this.

@@ -64,7 +64,7 @@ impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
         &mut self,
         k: &impl Mixes<T, G, N>,
         block: Range<usize>,
-        change: &mut Moved<T, N>,
+        change: &mut Moved<N>,
     ) {
         let step = &mut self.0;
         let hb: Row<T, G, N> = *literal(rows(step.hb).first());
@@ -80,7 +80,7 @@ impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
     }
 
     #[inline(always)]
-    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<T, N>) {
+    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<N>) {
         let mut step = self.0.views::<N>();
         let groups = step.hb.len();
         let (from, negative) = conjugate(c, step.hi.len());

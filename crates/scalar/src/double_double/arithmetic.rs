@@ -6,8 +6,8 @@
 //! operation.
 
 use super::natural::Natural;
-use super::transforms::{exponent, fast_two_sum, two_prod, two_sum};
-use super::{DoubleDouble, dd};
+use super::transforms::{exponent, two_sum};
+use super::{DoubleDouble, dd, words};
 use std::ops::{Add, Div, Mul, Neg, Rem, Sub};
 
 /// Below this a quotient or a root is computed after scaling, because the product in it would be inexact.
@@ -15,14 +15,9 @@ pub(super) const SAFE_MIN: f64 = super::transforms::power_of_two(-900);
 
 /// Operations without a look at special values, for use inside this module tree.
 impl DoubleDouble {
-    /// JMP algorithm 6, error below 3u² + 13u³ (u = 2⁻⁵³).
     #[inline(always)]
     pub(super) fn plus(self, other: Self) -> Self {
-        let (sh, sl) = two_sum(self.hi, other.hi);
-        let (th, tl) = two_sum(self.lo, other.lo);
-        let (vh, vl) = fast_two_sum(sh, sl + th);
-        let (hi, lo) = fast_two_sum(vh, tl + vl);
-        dd(if hi == 0.0 { sh } else { hi }, lo)
+        Self::of(words::plus(self.words(), other.words()))
     }
 
     /// JMP algorithm 4, error below 2u².
@@ -32,29 +27,19 @@ impl DoubleDouble {
         Self::ordered(sh, self.lo + sl)
     }
 
-    /// JMP algorithm 10, error below 5u² (Muller–Rideau 2022).
     #[inline(always)]
     pub(super) fn times(self, other: Self) -> Self {
-        let (p, e) = two_prod(self.hi, other.hi);
-        let (hi, lo) = fast_two_sum(p, e + (self.hi * other.lo + self.lo * other.hi));
-        dd(if hi == 0.0 { p } else { hi }, lo)
+        Self::of(words::times(self.words(), other.words()))
     }
 
-    /// JMP algorithm 7, error below 2u².
     #[inline(always)]
     pub(super) fn times_double(self, other: f64) -> Self {
-        let (ch, cl) = two_prod(self.hi, other);
-        let (th, tl) = fast_two_sum(ch, self.lo * other);
-        Self::ordered(th, tl + cl)
+        Self::of(words::times_word(self.words(), other))
     }
 
-    /// JMP algorithm 17, error below 15u² + 56u³.
     #[inline(always)]
     pub(super) fn over(self, other: Self) -> Self {
-        let q = self.hi / other.hi;
-        let r = other.times_double(q);
-        let rest = (self.hi - r.hi) + (self.lo - r.lo);
-        Self::ordered(q, rest / other.hi)
+        Self::of(words::over(self.words(), other.words()))
     }
 
     /// Half and double are exact but for subnormal numbers and overflow.

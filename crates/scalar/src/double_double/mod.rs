@@ -29,6 +29,7 @@ mod arithmetic;
 mod constants;
 mod exponential;
 mod inverse;
+mod lanes;
 mod logarithm;
 mod natural;
 mod parse;
@@ -40,6 +41,9 @@ mod tables;
 mod traits;
 mod transforms;
 mod trigonometric;
+mod words;
+
+pub use lanes::DoubleDoubles;
 
 use std::num::FpCategory;
 use transforms::{fast_two_sum, power_of_two, two_sum};
@@ -102,6 +106,17 @@ impl DoubleDouble {
     #[inline(always)]
     pub const fn expansion(self) -> [f64; 4] {
         [self.hi, self.lo, 0.0, 0.0]
+    }
+
+    #[inline(always)]
+    fn words(self) -> (f64, f64) {
+        (self.hi, self.lo)
+    }
+
+    /// From words that are known to be normalised.
+    #[inline(always)]
+    fn of((hi, lo): (f64, f64)) -> Self {
+        dd(hi, lo)
     }
 
     /// From parts of which the first is not smaller than the second.

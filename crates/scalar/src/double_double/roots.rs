@@ -1,18 +1,14 @@
 //! Square root, cube root, hypotenuse.
 
 use super::arithmetic::SAFE_MIN;
-use super::transforms::{exponent, power_of_two, two_prod};
-use super::{DoubleDouble, dd};
+use super::transforms::{exponent, power_of_two};
+use super::{DoubleDouble, dd, words};
 
 /// From here on s² might overflow.
-const SAFE_MAX: f64 = power_of_two(1000);
+pub(super) const SAFE_MAX: f64 = power_of_two(1000);
 
 impl DoubleDouble {
     /// √x; NaN below zero.
-    ///
-    /// One correction of the rounded root, s + (x − s²)/(2s) [Lefèvre, Louvet, Muller, Picot, Rideau, *Accurate
-    /// calculation of Euclidean norms using double-word arithmetic*, ACM TOMS 49 (2023), SQRTDWtoDW], error below
-    /// 25/8 u².
     #[inline]
     pub fn sqrt(self) -> Self {
         if SAFE_MIN <= self.hi && self.hi < SAFE_MAX {
@@ -27,10 +23,7 @@ impl DoubleDouble {
 
     #[inline(always)]
     fn root(self) -> Self {
-        let s = self.hi.sqrt();
-        let (p, e) = two_prod(s, s);
-        let rest = ((self.hi - p) - e) + self.lo;
-        Self::ordered(s, rest / (2.0 * s))
+        Self::of(words::root(self.words(), self.hi.sqrt()))
     }
 
     /// ∛x.

@@ -1,7 +1,6 @@
 //! [`DoubleDouble`] as [`Scalar`] and [`Float`].
 
-use super::transforms::two_sum;
-use super::{DoubleDouble, dd};
+use super::{DoubleDouble, DoubleDoubles, dd, words};
 use crate::{Constant, Float, Forward, Forward2, ParseFloatError, Scalar};
 
 macro_rules! functions {
@@ -61,6 +60,8 @@ impl Float for DoubleDouble {
     const INFINITY: Self = DoubleDouble::INFINITY;
     const NAN: Self = DoubleDouble::NAN;
 
+    const WIDTH: usize = 8;
+    type Pack<const N: usize> = DoubleDoubles<N>;
     type Forward<const N: usize> = Forward<DoubleDouble, N>;
     type Forward2<const N: usize> = Forward2<DoubleDouble, N>;
 
@@ -96,22 +97,10 @@ impl Float for DoubleDouble {
         DoubleDouble::is_nan(self)
     }
 
-    /// (s, e) with s + e = a + b exactly and |e| below 2⁻¹⁰⁴ |s|: the four parts are distilled by two-sums, the
-    /// first two are s. (Knuth's formula in double-double arithmetic would not be exact.)
+    /// (s, e) with s + e = a + b exactly and |e| below 2⁻¹⁰⁴ |s|. (Knuth's formula in double-double arithmetic would not be exact.)
     #[inline]
     fn two_sum(a: Self, b: Self) -> (Self, Self) {
-        let (s, sl) = two_sum(a.hi, b.hi);
-        let (t, tl) = two_sum(a.lo, b.lo);
-        let (m, ml) = two_sum(sl, t);
-        let (p, q) = two_sum(ml, tl);
-        // a + b = s + m + p + q
-        let (s, m) = two_sum(s, m);
-        let (m, p) = two_sum(m, p);
-        let (s, m) = two_sum(s, m);
-        let (p, q) = two_sum(p, q);
-        let (m, p) = two_sum(m, p);
-        let (p, q) = two_sum(p, q);
-        let (s, m) = two_sum(s, m);
+        let ((s, m), (p, q)) = words::distilled(a.words(), b.words());
         if m.is_nan() || q.is_nan() {
             return (a + b, Self::ZERO);
         }

@@ -1,8 +1,10 @@
-//! Error-free transforms of two `f64`, and exact powers of two.
+//! Error-free transforms of two words, and exact powers of two.
+
+use super::words::Word;
 
 /// a + b = s + e exactly, s = RN(a + b). [Møller 1965; Knuth, TAOCP 2, 4.2.2]
 #[inline(always)]
-pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+pub(super) fn two_sum<W: Word>(a: W, b: W) -> (W, W) {
     let s = a + b;
     let b_part = s - a;
     (s, (a - (s - b_part)) + (b - b_part))
@@ -10,22 +12,22 @@ pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
 
 /// The same for |a| ≥ |b| or a = 0. [Dekker 1971]
 #[inline(always)]
-pub(super) fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
+pub(super) fn fast_two_sum<W: Word>(a: W, b: W) -> (W, W) {
     let s = a + b;
     (s, b - (s - a))
 }
 
 /// a = high + low with at most 26 bits each. [Dekker 1971; Veltkamp] Overflows to NaN above 2⁹⁹⁶.
 #[inline(always)]
-fn split(a: f64) -> (f64, f64) {
-    let t = 134_217_729.0 * a; // 2²⁷ + 1
+fn split<W: Word>(a: W) -> (W, W) {
+    let t = W::word(134_217_729.0) * a; // 2²⁷ + 1
     let high = t - (t - a);
     (high, a - high)
 }
 
 /// a·b = p + e exactly, p = RN(ab), unless ab < 2⁻⁹⁶⁹ or a factor is above 2⁹⁹⁶ (then e is NaN). [Dekker 1971]
 #[inline(always)]
-pub(super) fn two_prod(a: f64, b: f64) -> (f64, f64) {
+pub(super) fn two_prod<W: Word>(a: W, b: W) -> (W, W) {
     let p = a * b;
     let (ah, al) = split(a);
     let (bh, bl) = split(b);

@@ -1,0 +1,322 @@
+//! [`DoubleDoubles`]: N double-doubles that undergo the same operations.
+//!
+//! Upper and lower words lie in [`Lanes`] of their own. Arithmetic, √, |x| and whole powers are vector instructions inside a
+//! [`Kernel`](crate::Kernel), without branches; one test of all lanes a result finds what [`DoubleDouble`] does by other
+//! means (infinities, NaN, numbers near the limits of the exponent), and then every lane is done as a `DoubleDouble`. So each lane has every bit of a
+//! computation with that number alone. The other elementary functions are N calls.
+
+use super::arithmetic::SAFE_MIN;
+use super::roots::SAFE_MAX;
+use super::words::{self, Dot, Pair, Word};
+use super::{DoubleDouble, dd};
+use crate::{Constant, Lanes, Pack, Piecewise, Scalar};
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// N double-doubles, usually one for each stage of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DoubleDoubles<const N: usize> {
+    hi: Lanes<N>,
+    lo: Lanes<N>,
+}
+
+impl<const N: usize> DoubleDoubles<N> {
+    #[inline(always)]
+    fn joined((hi, lo): Pair<Lanes<N>>) -> Self {
+        DoubleDoubles { hi, lo }
+    }
+
+    #[inline(always)]
+    fn words(self) -> Pair<Lanes<N>> {
+        (self.hi, self.lo)
+    }
+
+    /// Whether an infinity, a NaN or an overflow took part.
+    #[inline(always)]
+    fn is_special(&self) -> bool {
+        let mut any = false;
+        for k in 0..N {
+            any |= self.lo.0[k].is_nan();
+        }
+        any
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn one_by_one<const N: usize>(
+    x: &DoubleDoubles<N>,
+    y: &DoubleDoubles<N>,
+    f: fn(DoubleDouble, DoubleDouble) -> DoubleDouble,
+) -> DoubleDoubles<N> {
+    let (mut x, y) = (x.numbers(), y.numbers());
+    for k in 0..N {
+        x[k] = f(x[k], y[k]);
+    }
+    DoubleDoubles::of(&x)
+}
+
+#[inline(never)]
+fn each<const N: usize>(
+    x: &DoubleDoubles<N>,
+    f: impl Fn(DoubleDouble) -> DoubleDouble,
+) -> DoubleDoubles<N> {
+    DoubleDoubles::of(&x.numbers().map(f))
+}
+
+impl<const N: usize> Add for DoubleDoubles<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let sum = Self::joined(words::plus(self.words(), other.words()));
+        if sum.is_special() {
+            return one_by_one(&self, &other, |x, y| x + y);
+        }
+        sum
+    }
+}
+
+impl<const N: usize> Sub for DoubleDoubles<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self + (-other)
+    }
+}
+
+impl<const N: usize> Neg for DoubleDoubles<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::joined((-self.hi, -self.lo))
+    }
+}
+
+impl<const N: usize> Mul for DoubleDoubles<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        let product = Self::joined(words::times(self.words(), other.words()));
+        if product.is_special() {
+            return one_by_one(&self, &other, |x, y| x * y);
+        }
+        product
+    }
+}
+
+impl<const N: usize> Div for DoubleDoubles<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        let quotient = Self::joined(words::over(self.words(), other.words()));
+        let mut small = false;
+        for x in self.hi.0 {
+            small |= x.abs() < SAFE_MIN;
+        }
+        if small || quotient.is_special() {
+            return one_by_one(&self, &other, |x, y| x / y);
+        }
+        quotient
+    }
+}
+
+macro_rules! unary {
+    ($($f:ident),*) => {$(
+        #[inline(always)]
+        fn $f(x: Self) -> Self {
+            each(&x, DoubleDouble::$f)
+        }
+    )*};
+}
+
+macro_rules! binary {
+    ($($f:ident),*) => {$(
+        #[inline(always)]
+        fn $f(x: Self, y: Self) -> Self {
+            one_by_one(&x, &y, <DoubleDouble as Scalar>::$f)
+        }
+    )*};
+}
+
+impl<const N: usize> Scalar for DoubleDoubles<N> {
+    #[inline(always)]
+    fn constant(c: Constant) -> Self {
+        Self::splat(c.to())
+    }
+
+    #[inline(always)]
+    fn recip(x: Self) -> Self {
+        Self::splat(DoubleDouble::ONE) / x
+    }
+
+    #[inline(always)]
+    fn sqrt(x: Self) -> Self {
+        let mut ordinary = true;
+        for x in x.hi.0 {
+            ordinary &= SAFE_MIN <= x && x < SAFE_MAX;
+        }
+        if ordinary {
+            Self::joined(words::root(x.words(), Lanes::sqrt(x.hi)))
+        } else {
+            each(&x, DoubleDouble::sqrt)
+        }
+    }
+
+    /// By the multiplications of `DoubleDouble::powi`.
+    #[inline(always)]
+    fn powi(x: Self, n: i32) -> Self {
+        if n < 0 {
+            return each(&x, |x| x.powi(n));
+        }
+        let mut exponent = n.unsigned_abs();
+        let mut base = x;
+        let mut power = (exponent & 1 == 1).then_some(x);
+        while exponent > 1 {
+            base = base * base;
+            exponent >>= 1;
+            if exponent & 1 == 1 {
+                power = match power {
+                    Some(power) => Some(power * base),
+                    None => Some(base),
+                };
+            }
+        }
+        power.unwrap_or(Self::splat(DoubleDouble::ONE))
+    }
+
+    #[inline(always)]
+    fn powf(x: Self, c: Constant) -> Self {
+        each(&x, |x| Scalar::powf(x, c))
+    }
+
+    #[inline(always)]
+    fn abs(x: Self) -> Self {
+        let mut result = x;
+        for k in 0..N {
+            let negative = x.hi.0[k].is_sign_negative();
+            result.hi.0[k] = x.hi.0[k].abs();
+            result.lo.0[k] = if negative { -x.lo.0[k] } else { x.lo.0[k] };
+        }
+        result
+    }
+
+    unary!(
+        exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh
+    );
+    binary!(pow, atan2, hypot, min, max);
+}
+
+impl<const N: usize> Piecewise for DoubleDoubles<N> {
+    #[inline(always)]
+    fn sign(x: Self) -> Self {
+        Self::joined((Lanes::sign(x.hi), Lanes::splat(0.0)))
+    }
+
+    #[inline(always)]
+    fn at_most(x: Self, y: Self) -> Self {
+        let mut result = [0.0; N];
+        for k in 0..N {
+            let below = x.hi.0[k] < y.hi.0[k];
+            let equal = x.hi.0[k] == y.hi.0[k];
+            let is_at_most = below | (equal & (x.lo.0[k] <= y.lo.0[k]));
+            result[k] = if is_at_most { 1.0 } else { 0.0 };
+        }
+        Self::joined((Lanes(result), Lanes::splat(0.0)))
+    }
+
+    #[inline(always)]
+    fn where_nonzero(x: Self, test: Self) -> Self {
+        let zero = Lanes::splat(0.0);
+        Self::joined((
+            x.hi.unless_zero(test.hi, zero),
+            x.lo.unless_zero(test.hi, zero),
+        ))
+    }
+
+    #[inline(always)]
+    fn times_slope(rate: Self, slope: Self) -> Self {
+        one_by_one(&rate, &slope, Piecewise::times_slope)
+    }
+
+    #[inline(always)]
+    fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
+        let (x, mut power) = (x.numbers(), power.numbers());
+        for k in 0..N {
+            power[k] = Piecewise::powf_slope(x[k], power[k], c);
+        }
+        Self::of(&power)
+    }
+
+    #[inline(always)]
+    fn is_regular(x: Self) -> bool {
+        Lanes::is_regular(x.hi)
+    }
+}
+
+impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
+    #[inline(always)]
+    fn splat(x: DoubleDouble) -> Self {
+        Self::joined((Lanes::splat(x.hi), Lanes::splat(x.lo)))
+    }
+
+    #[inline(always)]
+    fn of(from: &[DoubleDouble; N]) -> Self {
+        let (mut hi, mut lo) = ([0.0; N], [0.0; N]);
+        for k in 0..N {
+            (hi[k], lo[k]) = (from[k].hi, from[k].lo);
+        }
+        Self::joined((Lanes(hi), Lanes(lo)))
+    }
+
+    #[inline(always)]
+    fn numbers(self) -> [DoubleDouble; N] {
+        let mut numbers = [DoubleDouble::ZERO; N];
+        for k in 0..N {
+            numbers[k] = dd(self.hi.0[k], self.lo.0[k]);
+        }
+        numbers
+    }
+
+    #[inline(always)]
+    fn heads(self) -> [f64; N] {
+        self.hi.0
+    }
+
+    #[inline(always)]
+    fn two_sum(a: Self, b: Self) -> (Self, Self) {
+        let (sum, rest) = words::distilled(a.words(), b.words());
+        let (sum, rest) = (Self::joined(sum), Self::joined(rest));
+        if sum.is_special() || rest.is_special() {
+            return (a + b, Self::splat(DoubleDouble::ZERO));
+        }
+        (sum, rest)
+    }
+
+    #[inline(always)]
+    fn dot<const G: usize>(a: &[[Self; G]], g: usize, b: &[DoubleDouble]) -> Self {
+        let mut dot = Dot::new();
+        for (a, &b) in a.iter().zip(b) {
+            dot.add(a[g].words(), Self::splat(b).words());
+        }
+        let total = Self::joined(dot.total());
+        if total.is_special() {
+            return special_dot(a, g, b);
+        }
+        total
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn special_dot<const N: usize, const G: usize>(
+    a: &[[DoubleDoubles<N>; G]],
+    g: usize,
+    b: &[DoubleDouble],
+) -> DoubleDoubles<N> {
+    let mut sums = [DoubleDouble::ZERO; N];
+    for (a, &b) in a.iter().zip(b) {
+        for (sum, a) in sums.iter_mut().zip(a[g].numbers()) {
+            *sum = *sum + a * b;
+        }
+    }
+    DoubleDoubles::of(&sums)
+}

@@ -1,0 +1,73 @@
+//! [`Pack`]: N numbers of a float type that undergo the same operations.
+
+use crate::{Float, Piecewise};
+
+/// N numbers side by side, in the form that vector instructions take: for generic code that does the same for many numbers.
+///
+/// Each place has every bit of a computation with that number alone. In memory the numbers stay one behind the other, as `[T; N]`.
+///
+/// ```
+/// use equip_scalar::{DoubleDouble, Float, Pack, Scalar};
+/// fn roots<T: Float>(x: &mut [T; 4]) {
+///     T::Pack::<4>::sqrt(Pack::of(x)).store(x);
+/// }
+/// let mut x = [1, 4, 9, 16].map(DoubleDouble::int);
+/// roots(&mut x);
+/// assert_eq!(x, [1, 2, 3, 4].map(DoubleDouble::int));
+/// ```
+pub trait Pack<T: Float, const N: usize>: Piecewise {
+    /// The same number in every place.
+    fn splat(x: T) -> Self;
+    /// The numbers of an array.
+    fn of(from: &[T; N]) -> Self;
+    /// The numbers one by one.
+    fn numbers(self) -> [T; N];
+    /// The numbers as the nearest `f64`.
+    fn heads(self) -> [f64; N];
+    /// As [`Float::two_sum`].
+    fn two_sum(a: Self, b: Self) -> (Self, Self);
+
+    /// The first N numbers of a slice. Of a shorter one, which must not be empty, the last number fills the rest.
+    #[inline(always)]
+    fn load(from: &[T]) -> Self {
+        match from.first_chunk::<N>() {
+            Some(chunk) => Self::of(chunk),
+            None => {
+                let mut numbers = [from[from.len() - 1]; N];
+                for (place, &x) in numbers.iter_mut().zip(from) {
+                    *place = x;
+                }
+                Self::of(&numbers)
+            }
+        }
+    }
+
+    /// Writes the numbers to a slice; one shorter than N receives as many as it can hold.
+    #[inline(always)]
+    fn store(self, to: &mut [T]) {
+        let numbers = self.numbers();
+        match to.first_chunk_mut::<N>() {
+            Some(chunk) => *chunk = numbers,
+            None => {
+                for (place, &x) in to.iter_mut().zip(&numbers) {
+                    *place = x;
+                }
+            }
+        }
+    }
+
+    /// Σ_j a_jg·b_j for one place g of several, in this order. Products and sums are rounded each for itself in floats that do so
+    /// cheaply; in others the sum as a whole is as exact as that.
+    #[inline(always)]
+    fn dot<const G: usize>(a: &[[Self; G]], g: usize, b: &[T]) -> Self {
+        let mut terms = a.iter().zip(b);
+        let Some((a, &b)) = terms.next() else {
+            return Self::splat(T::int(0));
+        };
+        let mut sum = a[g] * Self::splat(b);
+        for (a, &b) in terms {
+            sum = sum + a[g] * Self::splat(b);
+        }
+        sum
+    }
+}
