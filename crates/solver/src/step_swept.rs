@@ -1,10 +1,11 @@
 //! The step by sweeps: when they are tried, what they start from, and what they leave to Newton and to others.
 
 use crate::options::{Settings, StageSolver};
+use crate::springs::Springs;
 use crate::state::State;
 use crate::step::Core;
 use crate::sweeps::{Rule, SweepTask, Trouble};
-use equip_autodiff::Evaluate;
+use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
 
 /// A gradient of H and where it was taken.
@@ -42,6 +43,26 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     pub(crate) fn leave_alphas_to_newton(&mut self) {
         if self.rule == Rule::Response {
             self.rule = Rule::Newton;
+        }
+    }
+
+    /// The run is made of steps of size `h` and begins at `y`.
+    pub(crate) fn find_springs(&mut self, structure: &Structure, (y, h): (&[T], T)) {
+        if let Some(sweeps) = &mut self.sweeps
+            && T::as_doubles(&[]).is_some()
+            && self.start_alphas.iter().all(|&alpha| alpha == T::int(0))
+            && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
+        {
+            let pattern = (&structure.hessian, w);
+            let found = Springs::find(&self.stages.gauss, &mut self.energy, pattern, (y, h));
+            sweeps.iterate.springs = found;
+        }
+    }
+
+    /// The steps are of any size.
+    pub(crate) fn leave_out_springs(&mut self) {
+        if let Some(sweeps) = &mut self.sweeps {
+            sweeps.iterate.springs = None;
         }
     }
 

@@ -23,11 +23,13 @@ mod begin;
 use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
 use crate::draft::{Draft, twice};
+use crate::foresee::{Foresee, From};
 use crate::half::Half;
 use crate::mix::Step;
 use crate::pairs::{HALF, has_pairs};
 use crate::row::stride_for;
 use crate::small::{OneGroup, TwoGroups};
+use crate::springs::Springs;
 use crate::state::State;
 use crate::whole::Whole;
 use equip_autodiff::{Evaluate, Kinetic};
@@ -118,6 +120,8 @@ pub(crate) struct Iterate<T: Float> {
     inverse_scale: Vec<T>,
     /// K B K, if the α's a step starts from are zero.
     twice: Option<Aligned<T>>,
+    /// Components whose gradients are foreseen.
+    pub(crate) springs: Option<Springs<T>>,
     /// The last sweep was a draft: L is not there.
     pub(crate) is_draft: bool,
     /// No sweep of this step has been made.
@@ -178,6 +182,7 @@ impl<T: Float> Iterate<T> {
             scale: vec![T::int(0); n],
             inverse_scale: vec![T::int(0); n],
             twice,
+            springs: None,
             is_draft: false,
             is_first: true,
             is_prolonged: false,
@@ -269,6 +274,7 @@ impl<T: Float> Iterate<T> {
         let measures = self.was_far || unknown;
         self.is_draft = draft && !measures && !self.k_has_moved && self.twice.is_some();
         let fused = match self.stride {
+            _ if self.has_springs() => None,
             4 => self.fuse::<4, E>(energy, y),
             8 => self.fuse::<8, E>(energy, y),
             16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y),
@@ -278,6 +284,7 @@ impl<T: Float> Iterate<T> {
             Some(change) => change,
             None => {
                 self.evaluate(energy);
+                self.foresee(y, unknown);
                 self.mix(y)
             }
         };
@@ -322,6 +329,54 @@ impl<T: Float> Iterate<T> {
         }
     }
 
+    /// A step of size `h` begins at `y`: with springs, or without.
+    pub(crate) fn begin_springs<E: Evaluate<T>>(&mut self, energy: &mut E, (y, h): (&State<T>, T)) {
+        if let Some(springs) = &mut self.springs {
+            springs.begin(energy, (&y.hi, h));
+        }
+    }
+
+    /// Whether this step is made with springs.
+    fn has_springs(&self) -> bool {
+        (self.springs.as_ref()).is_some_and(|springs| springs.is_active)
+    }
+
+    /// Adds to the gradients on springs what they are about to change by: from Z = 0, or from Z as it was made by L.
+    fn foresee(&mut self, y: &State<T>, from_nothing: bool) {
+        if let (true, Some(springs), Some(kinetic)) =
+            (self.has_springs(), &self.springs, &self.kinetic)
+        {
+            self.set.run(&mut Foresee {
+                springs: &springs.springs,
+                matrices: &springs.matrices,
+                from: if from_nothing {
+                    From::Nothing(&y.hi, kinetic.offset())
+                } else {
+                    From::Made(&self.l)
+                },
+                hb: &self.hb,
+                gradients: &mut self.gradients,
+                m: self.n / 2,
+                s: self.s,
+            });
+        }
+    }
+
+    /// Z has been moved from what is in `folded`: the forces foreseen follow.
+    fn follow(&mut self) {
+        if !self.has_springs() {
+            return;
+        }
+        let (stride, m) = (self.stride, self.n / 2);
+        for spring in self.springs.iter().flat_map(|springs| &springs.springs) {
+            let (q, p) = (spring.c * stride, (spring.c + m) * stride);
+            for (i, &hb) in self.hb.iter().enumerate() {
+                let moved = self.z[q + i] - self.folded[q + i];
+                self.l[p + i] -= hb * (spring.kappa * moved);
+            }
+        }
+    }
+
     /// L from the gradients, Z ← K L, and the stages; P and L_q on the way, where momenta are not unknowns.
     fn mix(&mut self, y: &State<T>) -> T {
         let set = self.set;
@@ -342,17 +397,26 @@ impl<T: Float> Iterate<T> {
     /// After K has changed again, by `share` of the first change: Z moves by this share of how it has moved since.
     pub(crate) fn extrapolate(&mut self, y: &State<T>, share: T) {
         let len = self.unknowns() * self.stride;
+        if self.has_springs() {
+            self.folded[..len].copy_from_slice(&self.z[..len]);
+        }
         for (z, &before) in self.z[..len].iter_mut().zip(&*self.z_before) {
             *z += share * (*z - before);
         }
+        self.follow();
         self.place(y);
     }
 
     /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
     pub(crate) fn displace(&mut self, y: &State<T>, mut change: impl FnMut(usize, &mut [T])) {
         let unknowns = self.unknowns();
+        let len = unknowns * self.stride;
+        if self.has_springs() {
+            self.folded[..len].copy_from_slice(&self.z[..len]);
+        }
         let rows = self.z.chunks_exact_mut(self.stride).enumerate();
         rows.take(unknowns).for_each(|(c, z)| change(c, z));
+        self.follow();
         self.place(y);
     }
 

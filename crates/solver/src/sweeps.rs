@@ -146,6 +146,32 @@ impl<T: Float> Sweeps<T> {
         (next, task): (&mut State<T>, &SweepTask<'_, T>),
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
+        self.iterate.begin_springs(energy, (task.y, task.h));
+        let reborrowed = constraint.as_deref_mut();
+        let mut solved = self.try_once(gauss, energy, reborrowed, (&mut *next, task), counts);
+        let Some(springs) = &mut self.iterate.springs else {
+            return solved;
+        };
+        if solved == Err(Trouble::Slow) {
+            if !springs.has_failed() {
+                return solved;
+            }
+            solved = self.try_once(gauss, energy, constraint, (next, task), counts);
+        }
+        if let (Ok(()), Some(springs)) = (solved, &mut self.iterate.springs) {
+            springs.has_made(self.contraction.seen);
+        }
+        solved
+    }
+
+    fn try_once<E: Evaluate<T>>(
+        &mut self,
+        gauss: &Gauss<T>,
+        energy: &mut E,
+        mut constraint: Option<&mut Constraint<T>>,
+        (next, task): (&mut State<T>, &SweepTask<'_, T>),
+        counts: &mut Counts,
+    ) -> Result<(), Trouble> {
         self.begin(gauss, task);
         let mut prolonged = task.last.is_some();
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
@@ -311,6 +337,7 @@ impl<T: Float> Sweeps<T> {
             Some(last) => {
                 (self.prolongation).make(self.iterate.set, last, task.known.is_some());
                 let (foretold, known) = (&self.prolongation, task.known);
+                let step = (task.y, task.h, last[1]);
                 self.iterate.begin_from_last(gauss, step, foretold, known);
             }
             None => self.iterate.begin(gauss, step),

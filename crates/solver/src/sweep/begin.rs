@@ -1,6 +1,7 @@
 //! How a step begins: at Z = 0, or from the last step's gradients.
 
 use super::{Form, Iterate, form};
+use crate::foresee::{Foresee, From, Last};
 use crate::opening::Opening;
 use crate::prolongation::Prolongation;
 use crate::start::{Foretell, Sizes, resolve};
@@ -36,7 +37,7 @@ impl<T: Float> Iterate<T> {
     pub(crate) fn begin_from_last(
         &mut self,
         gauss: &Gauss<T>,
-        (y, h): (&State<T>, T),
+        (y, h, ratio): (&State<T>, T, T),
         prolongation: &Prolongation<T>,
         known: Option<&[T]>,
     ) {
@@ -44,7 +45,8 @@ impl<T: Float> Iterate<T> {
         std::mem::swap(&mut self.l, &mut self.l_before);
         (self.is_first, self.is_prolonged, self.was_far) = (true, true, false);
         self.is_draft = false;
-        if self.open(y, prolongation, known).is_some() {
+        let has_springs = self.has_springs();
+        if !has_springs && self.open(y, prolongation, known).is_some() {
             return;
         }
         let wanted = self.unknowns();
@@ -57,6 +59,23 @@ impl<T: Float> Iterate<T> {
             wanted,
             s: self.s,
         });
+        if let (true, Some(springs), Some(kinetic)) = (has_springs, &self.springs, &self.kinetic) {
+            let last = Last {
+                prolongation: prolongation.view(),
+                l: &self.l_before,
+                ratio: T::int(1) / ratio,
+                known,
+            };
+            self.set.run(&mut Foresee {
+                springs: &springs.springs,
+                matrices: &springs.matrices,
+                from: From::Last(&y.hi, kinetic.offset(), last),
+                hb: &self.hb,
+                gradients: &mut self.gradients,
+                m: self.n / 2,
+                s: self.s,
+            });
+        }
         self.mix(y);
         self.measure(y, 0..self.n);
     }
