@@ -13,18 +13,22 @@
 //!
 //! Cost: s² products for each spring in a sweep, 3 s² in the start of a step.
 
-use crate::MAX_STAGES;
 use crate::aligned::{Aligned, Places};
 use crate::draft::twice;
+use crate::half::force;
 use crate::linear::DenseLu;
+use crate::mix::in_memory;
 use crate::pairs::{HALF, has_pairs};
 use crate::product::{Mixes, Sixteen, product_any};
 use crate::prolongation::View;
-use crate::row::{by_lanes, groups_of, literal, rows, stride_for};
+use crate::row::{
+    Row, add, difference, lanes_of, literal, rows, rows_mut, scaled, stride_for, times,
+};
 use crate::springs::Spring;
 use equip_scalar::{Float, Kernel};
 use equip_tableau::Gauss;
 use nalgebra::DVector;
+use std::array::from_fn;
 
 /// M for one stiffness.
 #[derive(Debug)]
@@ -122,18 +126,23 @@ impl<T: Float> Kernel for Foresee<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        by_lanes!(T, self.s, self)
+        match (stride_for::<T>(self.s), lanes_of::<T>(self.s)) {
+            (4, 4) => self.rows::<1, 4>(),
+            (8, 8) => self.rows::<1, 8>(),
+            (16, 8) => self.rows::<2, 8>(),
+            (24, 8) => self.rows::<3, 8>(),
+            (32, 8) => self.rows::<4, 8>(),
+            _ => {}
+        }
     }
 }
 
 impl<T: Float> Foresee<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) {
-        let (s, m, groups) = (self.s, self.m, groups_of::<T, N>(self.s));
-        let hb = self.hb.as_chunks::<N>().0;
-        let gradients = self.gradients.as_chunks_mut::<N>().0;
-        let mut delta = [[T::int(0); N]; MAX_STAGES];
-        let mut room = [[T::int(0); N]; MAX_STAGES];
+    fn rows<const G: usize, const N: usize>(&mut self) {
+        let (s, m) = (self.s, self.m);
+        let hb: &Row<T, G, N> = literal(rows(self.hb).first());
+        let gradients = rows_mut::<T, G, N>(self.gradients);
         for &Spring {
             c,
             kappa,
@@ -142,67 +151,57 @@ impl<T: Float> Foresee<'_, T> {
         } in self.springs
         {
             let matrix = &self.matrices[matrix];
-            let gradient = &mut gradients[c * groups..(c + 1) * groups];
-            let delta = &mut delta[..groups];
-            let room = &mut room[..groups];
             if let From::Last(_, _, last) = &self.from {
-                let l = last.l.as_chunks::<N>().0;
-                let (l_q, l_p) = (&l[c * groups..][..groups], &l[(c + m) * groups..][..groups]);
-                apply(&matrix.back, l_q, room, s);
-                for g in 0..groups {
-                    for i in 0..N {
-                        delta[g][i] = l_p[g][i] + last.ratio * hb[g][i] * kappa * room[g][i];
-                    }
+                let l = rows::<T, G, N>(last.l);
+                let behind = applied(&matrix.back, &l[c], s);
+                let mut row = l[c + m];
+                for g in 0..G {
+                    add(&mut row[g], &scaled(&times(&hb[g], &behind[g]), last.ratio * kappa));
                 }
+                let mut room = [[T::int(0); N]; G];
+                let row = last.prolongation.prepared(&row, &mut room, s);
                 let at_start = last.known.map_or(T::int(0), |known| known[c]);
-                let prepared = last.prolongation.prepared(delta, room, s);
-                for (g, gradient) in gradient.iter_mut().enumerate() {
-                    *gradient = last.prolongation.foretell(prepared, (g, s), T::int(1), at_start);
-                }
+                gradients[c] = from_fn(|g| {
+                    (last.prolongation).foretell(row, (g, s), T::int(1), at_start)
+                });
             }
-            for g in 0..groups {
-                for i in 0..N {
-                    delta[g][i] = -(hb[g][i] * gradient[g][i]);
-                }
-            }
-            let mut velocity = T::int(0);
-            match self.from {
+            let gradient = &mut gradients[c];
+            let mut forces: Row<T, G, N> = from_fn(|g| force(&hb[g], &gradient[g]));
+            let velocity = match self.from {
                 From::Made(l) => {
-                    let l = &l.as_chunks::<N>().0[(c + m) * groups..][..groups];
-                    for g in 0..groups {
-                        for i in 0..N {
-                            delta[g][i] -= l[g][i];
-                        }
-                    }
+                    let l = &rows::<T, G, N>(l)[c + m];
+                    forces = from_fn(|g| difference(&forces[g], &l[g]));
+                    None
                 }
-                From::Nothing(hi, b) | From::Last(hi, b, _) => velocity = w * hi[c + m] + b[c],
+                From::Nothing(hi, b) | From::Last(hi, b, _) => Some(w * hi[c + m] + b[c]),
+            };
+            let moved = applied(&matrix.by_force, in_memory(&mut forces), s);
+            for g in 0..G {
+                add(&mut gradient[g], &scaled(&moved[g], kappa * w));
             }
-            apply(&matrix.by_force, delta, room, s);
-            let by_velocity = matrix.by_velocity.as_chunks::<N>().0;
-            let (kappa_w, kappa_v) = (kappa * w, kappa * velocity);
-            for g in 0..groups {
-                for i in 0..N {
-                    gradient[g][i] += kappa_w * room[g][i] + kappa_v * by_velocity[g][i];
+            if let Some(velocity) = velocity {
+                let by_velocity: &Row<T, G, N> = literal(rows(&matrix.by_velocity).first());
+                for g in 0..G {
+                    add(&mut gradient[g], &scaled(&by_velocity[g], kappa * velocity));
                 }
             }
         }
     }
 }
 
-/// Matrix times x, column by column.
+/// A matrix, column by column, times a row.
 #[inline(always)]
-fn apply<T: Float, const N: usize>(matrix: &[T], x: &[[T; N]], out: &mut [[T; N]], s: usize) {
-    if has_pairs::<T>(s) {
-        let x = x.as_flattened().as_chunks::<HALF>().0.as_chunks().0.first();
+fn applied<T: Float, const G: usize, const N: usize>(
+    matrix: &[T],
+    x: &Row<T, G, N>,
+    s: usize,
+) -> Row<T, G, N> {
+    if has_pairs::<T>(s)
+        && let Some(x) = rows::<T, 2, HALF>(x.as_flattened()).first()
+    {
         let columns = Sixteen(literal(rows(matrix).as_chunks().0.first_chunk()));
-        let product = columns.product(literal(x));
-        let out = out.as_flattened_mut();
-        for (out, product) in out.iter_mut().zip(product.as_flattened()) {
-            *out = *product;
-        }
-        return;
+        let product = columns.product(x);
+        return *literal(rows(product.as_flattened()).first());
     }
-    for (g, out) in out.iter_mut().enumerate() {
-        *out = product_any(matrix.as_chunks::<N>().0, x, g, s);
-    }
+    from_fn(|g| product_any(matrix.as_chunks().0, x, g, s))
 }

@@ -6,11 +6,13 @@
 //!
 //! *Which.* At the start of the run κ_c = ∂²U/∂q_c², where it stands out of its row of ∇²U by [`OUTWEIGHS`] and h² w κ is at least 1/[`SOFT`].
 //! Springs are those whose κ_c is still the same to 1/[`STEADY`] a step later.
-//! *Whether.* They stay if sweeps contract twice as well with them as without, which the first step was made, and as long as sweeps go on
-//! to contract well with them. What has once been given up is not tried again.
+//! *Whether.* The first step is made without them, or with them if its sweeps do not contract. They stay as long as in most steps sweeps contract
+//! twice as well with them as in the first step without. What has once been given up is not tried again.
 //!
 //! For fixed steps with α = 0 to begin with: the matrices hold for one h.
 
+use crate::checkpoint::{Exact, SpringsMemory};
+use crate::error::IntegrateError;
 use crate::foresee::Matrix;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::Float;
@@ -42,6 +44,7 @@ pub(crate) struct Spring<T> {
 
 /// How far it is known that they pay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Trial {
     /// No step has been made.
     Before,
@@ -58,12 +61,15 @@ pub(crate) struct Springs<T: Float> {
     h: T,
     pub(crate) springs: Vec<Spring<T>>,
     pub(crate) matrices: Vec<Matrix<T>>,
-    pub(crate) trial: Trial,
+    trial: Trial,
     /// How sweeps contracted without them.
-    pub(crate) without: T,
-    /// Steps made with them, and those that failed.
-    pub(crate) steps: u64,
-    pub(crate) failed: u64,
+    without: T,
+    /// Steps made with them, those that contracted no better or not at all, and those that the last step foretold badly.
+    steps: u64,
+    poor: u64,
+    misled: u64,
+    /// The κ_c they were made from.
+    found: Vec<(usize, T)>,
     /// Room for ∇²H, and its pattern; 1 over the masses.
     entries: Vec<T>,
     pattern: Pattern,
@@ -86,17 +92,17 @@ impl<T: Float> Springs<T> {
             let kappa = standing_out(pattern, w, &entries, c)?;
             (T::int(SOFT) * (h * h * w[c] * kappa) >= T::int(1)).then_some((c, kappa))
         });
-        Self::new(gauss, (pattern, w, h), found)
+        Self::new(gauss, (pattern, w, h), found.collect())
     }
 
     /// With these κ, the rest empty.
-    pub(crate) fn new(
+    fn new(
         gauss: &Gauss<T>,
         (pattern, w, h): (&Pattern, &[T], T),
-        found: impl Iterator<Item = (usize, T)>,
+        found: Vec<(usize, T)>,
     ) -> Option<Self> {
         let (mut springs, mut matrices) = (Vec::new(), Vec::<Matrix<T>>::new());
-        for (c, kappa) in found {
+        for &(c, kappa) in &found {
             let stiffness = h * h * w[c] * kappa;
             let alike = |m: &Matrix<T>| {
                 T::int(ALIKE) * (m.stiffness - stiffness).abs() <= m.stiffness
@@ -124,7 +130,9 @@ impl<T: Float> Springs<T> {
             trial: Trial::Before,
             without: T::ratio(NONE[0], NONE[1]),
             steps: 0,
-            failed: 0,
+            poor: 0,
+            misled: 0,
+            found,
             entries: vec![T::int(0); pattern.len()],
             pattern: pattern.clone(),
             w: w.to_vec(),
@@ -154,8 +162,8 @@ impl<T: Float> Springs<T> {
             self.trial = Trial::On;
             self.is_active = true;
         } else if self.is_active {
-            self.failed += 1;
-            self.judge(self.failed * 4 > self.steps + 4);
+            self.poor += 1;
+            self.judge();
         }
         first
     }
@@ -166,14 +174,62 @@ impl<T: Float> Springs<T> {
             (self.trial, self.without) = (Trial::Pending, seen);
         } else if self.is_active {
             self.steps += 1;
-            self.judge(self.steps == 1 && T::int(2) * seen > self.without);
+            self.poor += u64::from(T::int(2) * seen > self.without);
+            self.judge();
         }
     }
 
-    fn judge(&mut self, is_bad: bool) {
-        if is_bad {
+    fn judge(&mut self) {
+        if 4 * self.poor > self.steps + 8 {
             (self.trial, self.is_active) = (Trial::Off, false);
         }
+    }
+
+    /// Sweeps have not contracted from where the last step led to.
+    pub(crate) fn was_misled(&mut self) {
+        self.misled += u64::from(self.is_active);
+    }
+
+    /// Whether the last step as a whole is to foretell this one, or what is slow in it.
+    pub(crate) fn foretells(&self) -> bool {
+        !self.is_active || 8 * self.misled <= self.steps + 8
+    }
+
+    pub(crate) fn memory(&self) -> SpringsMemory {
+        SpringsMemory {
+            components: self.found.iter().map(|&(c, _)| c).collect(),
+            kappa: self.found.iter().map(|&(_, kappa)| Exact::of(kappa)).collect(),
+            kept: self.springs.iter().map(|spring| spring.c).collect(),
+            trial: self.trial,
+            without: Exact::of(self.without),
+            counts: [self.steps, self.poor, self.misled],
+        }
+    }
+
+    /// Those of a run that is resumed with steps of size `h`.
+    pub(crate) fn from_memory(
+        gauss: &Gauss<T>,
+        (pattern, w, h): (&Pattern, &[T], T),
+        memory: &SpringsMemory,
+    ) -> Result<Option<Self>, IntegrateError<T>> {
+        let SpringsMemory {
+            components, kappa, ..
+        } = memory;
+        let what = "the springs";
+        if components.len() != kappa.len() || components.iter().any(|&c| c >= w.len()) {
+            return Err(IntegrateError::CheckpointDamaged { what });
+        }
+        let mut values = vec![T::int(0); kappa.len()];
+        Exact::read_all(kappa, &mut values, what)?;
+        let found = components.iter().copied().zip(values).collect();
+        let mut springs = Self::new(gauss, (pattern, w, h), found);
+        if let Some(springs) = &mut springs {
+            springs.springs.retain(|s| memory.kept.contains(&s.c));
+            springs.trial = memory.trial;
+            springs.without = memory.without.read()?;
+            [springs.steps, springs.poor, springs.misled] = memory.counts;
+        }
+        Ok(springs)
     }
 }
 

@@ -1,5 +1,7 @@
 //! The step by sweeps: when they are tried, what they start from, and what they leave to Newton and to others.
 
+use crate::checkpoint::SpringsMemory;
+use crate::error::IntegrateError;
 use crate::options::{Settings, StageSolver};
 use crate::springs::Springs;
 use crate::state::State;
@@ -48,15 +50,38 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
     /// The run is made of steps of size `h` and begins at `y`.
     pub(crate) fn find_springs(&mut self, structure: &Structure, (y, h): (&[T], T)) {
+        let gauss = &self.stages.gauss;
         if let Some(sweeps) = &mut self.sweeps
             && T::as_doubles(&[]).is_some()
             && self.start_alphas.iter().all(|&alpha| alpha == T::int(0))
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
         {
             let pattern = (&structure.hessian, w);
-            let found = Springs::find(&self.stages.gauss, &mut self.energy, pattern, (y, h));
+            let found = Springs::find(gauss, &mut self.energy, pattern, (y, h));
             sweeps.iterate.springs = found;
         }
+    }
+
+    pub(crate) fn springs_memory(&self) -> Option<SpringsMemory> {
+        let sweeps = self.sweeps.as_ref()?;
+        sweeps.iterate.springs.as_ref().map(Springs::memory)
+    }
+
+    /// A run of steps of size `h` is resumed, with the springs it began with.
+    pub(crate) fn restore_springs(
+        &mut self,
+        structure: &Structure,
+        (memory, h): (Option<&SpringsMemory>, T),
+    ) -> Result<(), IntegrateError<T>> {
+        self.leave_out_springs();
+        if let (Some(sweeps), Some(memory)) = (&mut self.sweeps, memory)
+            && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
+        {
+            let found =
+                Springs::from_memory(&self.stages.gauss, (&structure.hessian, w, h), memory)?;
+            sweeps.iterate.springs = found;
+        }
+        Ok(())
     }
 
     /// The steps are of any size.

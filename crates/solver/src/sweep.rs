@@ -337,7 +337,7 @@ impl<T: Float> Iterate<T> {
     }
 
     /// Whether this step is made with springs.
-    fn has_springs(&self) -> bool {
+    pub(crate) fn has_springs(&self) -> bool {
         (self.springs.as_ref()).is_some_and(|springs| springs.is_active)
     }
 

@@ -24,6 +24,7 @@ use crate::prolongation::Prolongation;
 use crate::response::Response;
 use crate::slight::Slight;
 use crate::slopes::Slopes;
+use crate::springs::Springs;
 use crate::state::State;
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Kinetic, Pattern};
@@ -45,6 +46,9 @@ const REMAINS: i64 = 8;
 const CLEAR: i64 = 1024;
 /// … and the stages to so many ε: the local error aimed at is the difference of two ends, and as wrong as they are.
 const THERE: i64 = 4;
+
+/// Legendre coefficients that are prolonged where the motion on stiff springs is too fast to be foretold by all.
+const UNRESOLVED: usize = 2;
 
 /// Why a step is left to Newton.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,6 +200,9 @@ impl<T: Float> Sweeps<T> {
                 }
                 self.iterate.begin(gauss, (task.y, task.h));
                 self.contraction.begin_from_nothing();
+                if let Some(springs) = &mut self.iterate.springs {
+                    springs.was_misled();
+                }
                 continue;
             }
             if self.iterate.is_draft {
@@ -332,9 +339,13 @@ impl<T: Float> Sweeps<T> {
         self.alphas.copy_from_slice(task.alphas);
         self.made = 0;
         self.contraction.begin();
+        self.contraction.forgets = self.iterate.has_springs();
         let step = (task.y, task.h);
         match task.last {
             Some(last) => {
+                let whole = (self.iterate.springs.as_ref()).is_none_or(Springs::foretells);
+                let degree = if whole { gauss.stages() } else { UNRESOLVED };
+                self.prolongation.set_degree(degree);
                 (self.prolongation).make(self.iterate.set, last, task.known.is_some());
                 let (foretold, known) = (&self.prolongation, task.known);
                 let step = (task.y, task.h, last[1]);
