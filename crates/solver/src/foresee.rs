@@ -156,14 +156,16 @@ impl<T: Float> Foresee<'_, T> {
                 let behind = applied(&matrix.back, &l[c], s);
                 let mut row = l[c + m];
                 for g in 0..G {
-                    add(&mut row[g], &scaled(&times(&hb[g], &behind[g]), last.ratio * kappa));
+                    add(
+                        &mut row[g],
+                        &scaled(&times(&hb[g], &behind[g]), last.ratio * kappa),
+                    );
                 }
                 let mut room = [[T::int(0); N]; G];
                 let row = last.prolongation.prepared(&row, &mut room, s);
                 let at_start = last.known.map_or(T::int(0), |known| known[c]);
-                gradients[c] = from_fn(|g| {
-                    (last.prolongation).foretell(row, (g, s), T::int(1), at_start)
-                });
+                gradients[c] =
+                    from_fn(|g| (last.prolongation).foretell(row, (g, s), T::int(1), at_start));
             }
             let gradient = &mut gradients[c];
             let mut forces: Row<T, G, N> = from_fn(|g| force(&hb[g], &gradient[g]));
@@ -204,4 +206,62 @@ fn applied<T: Float, const G: usize, const N: usize>(
         return *literal(rows(product.as_flattened()).first());
     }
     from_fn(|g| product_any(matrix.as_chunks().0, x, g, s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use equip_scalar::InstructionSet;
+
+    /// On a spring alone what is foreseen is what is: κ(q + Z) for the Z that the equations have.
+    #[test]
+    fn a_spring_is_solved_for_at_once() {
+        for s in [3, 4, 7, 8, 12, 16, 20] {
+            let gauss = Gauss::<f64>::new(s).unwrap();
+            let (h, kappa, w) = (0.25, 700.0, 0.5);
+            let stride = stride_for::<f64>(s);
+            let matrices = [Matrix::new(&gauss, h, h * h * w * kappa).unwrap()];
+            let springs = [Spring {
+                c: 0,
+                kappa,
+                w,
+                matrix: 0,
+            }];
+            let mut hb = vec![0.0; stride];
+            for (hb, &b) in hb.iter_mut().zip(gauss.weights()) {
+                *hb = h * b;
+            }
+            let twice = twice(&gauss, &mut Places::default());
+            let l = vec![0.0; 2 * stride];
+            for set in InstructionSet::available() {
+                // Z = 0 as a guess, or as what no force and no velocity has made.
+                for p in [3.0, 0.0] {
+                    let hi = [2.0, p];
+                    let mut gradients = vec![kappa * hi[0]; stride];
+                    set.run(&mut Foresee {
+                        springs: &springs,
+                        matrices: &matrices,
+                        from: if p == 0.0 {
+                            From::Made(&l)
+                        } else {
+                            From::Nothing(&hi, &[0.25])
+                        },
+                        hb: &hb,
+                        gradients: &mut gradients,
+                        m: 1,
+                        s,
+                    });
+                    let velocity = if p == 0.0 { 0.0 } else { w * p + 0.25 };
+                    for (i, &c) in gauss.nodes().iter().enumerate() {
+                        let z = gradients[i] / kappa - hi[0];
+                        let sum: f64 = (0..s)
+                            .map(|j| twice[j * stride + i] * hb[j] * gradients[j])
+                            .sum();
+                        let made = h * velocity * c - h * w * sum;
+                        assert!((z - made).abs() < 2e-14, "s = {s}: {z}, {made}");
+                    }
+                }
+            }
+        }
+    }
 }

@@ -104,9 +104,8 @@ impl<T: Float> Springs<T> {
         let (mut springs, mut matrices) = (Vec::new(), Vec::<Matrix<T>>::new());
         for &(c, kappa) in &found {
             let stiffness = h * h * w[c] * kappa;
-            let alike = |m: &Matrix<T>| {
-                T::int(ALIKE) * (m.stiffness - stiffness).abs() <= m.stiffness
-            };
+            let alike =
+                |m: &Matrix<T>| T::int(ALIKE) * (m.stiffness - stiffness).abs() <= m.stiffness;
             let matrix = match matrices.iter().position(alike) {
                 Some(matrix) => matrix,
                 None if matrices.len() < MOST => {
@@ -198,7 +197,11 @@ impl<T: Float> Springs<T> {
     pub(crate) fn memory(&self) -> SpringsMemory {
         SpringsMemory {
             components: self.found.iter().map(|&(c, _)| c).collect(),
-            kappa: self.found.iter().map(|&(_, kappa)| Exact::of(kappa)).collect(),
+            kappa: self
+                .found
+                .iter()
+                .map(|&(_, kappa)| Exact::of(kappa))
+                .collect(),
             kept: self.springs.iter().map(|spring| spring.c).collect(),
             trial: self.trial,
             without: Exact::of(self.without),
@@ -244,4 +247,58 @@ fn standing_out<T: Float>(pattern: &Pattern, w: &[T], entries: &[T], c: usize) -
         }
     }
     (kappa > T::int(0) && kappa >= T::int(OUTWEIGHS) * rest).then_some(kappa)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use equip_autodiff::{Hamiltonian, System};
+
+    fn found(h: &Hamiltonian, y: &[f64], step: f64) -> Option<Springs<f64>> {
+        let gauss = Gauss::new(8).unwrap();
+        let w = vec![1.0; y.len() / 2];
+        let pattern = (&h.structure().hessian, &*w);
+        Springs::find(&gauss, &mut h.evaluator::<f64>(), pattern, (y, step))
+    }
+
+    #[test]
+    fn only_what_is_stiff_and_outweighs_its_row_is_a_spring() {
+        let h = Hamiltonian::new(4, |q, p| {
+            let soft = 0.25 * (q[0] - q[2]).powi(4) + 0.5 * (q[3] - q[0]).powi(2);
+            0.5 * p.iter().map(|&p| p * p).sum::<equip_autodiff::Var>()
+                + 1250.0 * (q[1] * q[1] + 1.001 * q[2] * q[2])
+                + soft
+        });
+        let h = h.unwrap();
+        let y = [1.0, 0.0, 0.02, 0.5, 1.0, 0.0, 1.0, 0.0];
+        let mut springs = found(&h, &y, 0.1).unwrap();
+        let components: Vec<_> = springs.springs.iter().map(|s| s.c).collect();
+        assert_eq!((components, springs.matrices.len()), (vec![1, 2], 1));
+        assert!(found(&h, &y, 0.005).is_none());
+        // The first step without, the next with them, while they are of use.
+        let mut energy = h.evaluator::<f64>();
+        let mut step = |springs: &mut Springs<f64>, seen, size| {
+            springs.begin(&mut energy, (&y, size));
+            let active = springs.is_active;
+            springs.has_made(seen);
+            active
+        };
+        assert!(!step(&mut springs, 0.2, 0.1) && step(&mut springs, 0.01, 0.1));
+        assert!(!step(&mut springs, 0.01, 0.05) && step(&mut springs, 0.01, 0.1));
+        while step(&mut springs, 0.15, 0.1) {}
+        assert_eq!((springs.steps, springs.poor), (6, 4));
+    }
+
+    /// Kepler's problem at the pericentre on the first axis: ∂²U/∂q₂² = 1/r³ stands alone in its row, but not for long.
+    #[test]
+    fn orbits_have_none() {
+        let h = Hamiltonian::new(2, |q, p| {
+            0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
+        });
+        let h = h.unwrap();
+        let mut springs = found(&h, &[0.4, 0.0, 0.0, 2.0], 0.25).unwrap();
+        springs.has_made(0.3);
+        springs.begin(&mut h.evaluator(), (&[0.25, 0.42, -1.1, 1.2], 0.25));
+        assert!(!springs.is_active && springs.trial == Trial::Off);
+    }
 }
