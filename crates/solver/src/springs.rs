@@ -191,7 +191,7 @@ impl<T: Float> Springs<T> {
 
     /// Whether the last step as a whole is to foretell this one, or what is slow in it.
     pub(crate) fn foretells(&self) -> bool {
-        !self.is_active || 8 * self.misled <= self.steps + 8
+        !self.is_active || 64 * self.misled <= self.steps + 64
     }
 
     pub(crate) fn memory(&self) -> SpringsMemory {
