@@ -167,13 +167,15 @@ impl<T: Float> Springs<T> {
         first
     }
 
-    /// A step has been made, in which the worst contraction was `seen`.
-    pub(crate) fn has_made(&mut self, seen: T) {
+    /// A step has been made; the worst contraction was `seen`, if the α's have had no part in it.
+    pub(crate) fn has_made(&mut self, seen: Option<T>) {
         if self.trial == Trial::Before {
-            (self.trial, self.without) = (Trial::Pending, seen);
+            self.trial = Trial::Pending;
+            self.without = seen.unwrap_or(self.without);
         } else if self.is_active {
             self.steps += 1;
-            self.poor += u64::from(T::int(2) * seen > self.without);
+            let is_poor = seen.is_some_and(|seen| T::int(2) * seen > self.without);
+            self.poor += u64::from(is_poor);
             self.judge();
         }
     }
@@ -280,7 +282,7 @@ mod tests {
         let mut step = |springs: &mut Springs<f64>, seen, size| {
             springs.begin(&mut energy, (&y, size));
             let active = springs.is_active;
-            springs.has_made(seen);
+            springs.has_made(Some(seen));
             active
         };
         assert!(!step(&mut springs, 0.2, 0.1) && step(&mut springs, 0.01, 0.1));
@@ -297,7 +299,7 @@ mod tests {
         });
         let h = h.unwrap();
         let mut springs = found(&h, &[0.4, 0.0, 0.0, 2.0], 0.25).unwrap();
-        springs.has_made(0.3);
+        springs.has_made(Some(0.3));
         springs.begin(&mut h.evaluator(), (&[0.25, 0.42, -1.1, 1.2], 0.25));
         assert!(!springs.is_active && springs.trial == Trial::Off);
     }
