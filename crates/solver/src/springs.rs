@@ -13,9 +13,9 @@
 
 use crate::checkpoint::{Exact, SpringsMemory};
 use crate::error::IntegrateError;
-use crate::foresee::Matrix;
+use crate::foresee::{Foresee, From, Matrix};
 use equip_autodiff::{Evaluate, Pattern};
-use equip_scalar::Float;
+use equip_scalar::{Float, InstructionSet};
 use equip_tableau::Gauss;
 
 /// A spring is so many times as large as the rest of its row of ∇²U, in units of equal masses.
@@ -60,7 +60,7 @@ pub(crate) enum Trial {
 pub(crate) struct Springs<T: Float> {
     h: T,
     pub(crate) springs: Vec<Spring<T>>,
-    pub(crate) matrices: Vec<Matrix<T>>,
+    matrices: Vec<Matrix<T>>,
     trial: Trial,
     /// How sweeps contracted without them.
     without: T,
@@ -194,6 +194,25 @@ impl<T: Float> Springs<T> {
     /// Whether the last step as a whole is to foretell this one, or what is slow in it.
     pub(crate) fn foretells(&self) -> bool {
         !self.is_active || 64 * self.misled <= self.steps + 64
+    }
+
+    /// Adds to the gradients of stages with these h b_i what they are about to change by.
+    pub(crate) fn foresee(
+        &self,
+        set: InstructionSet,
+        from: From<'_, T>,
+        (hb, gradients): (&[T], &mut [T]),
+        s: usize,
+    ) {
+        set.run(&mut Foresee {
+            springs: &self.springs,
+            matrices: &self.matrices,
+            from,
+            hb,
+            gradients,
+            m: self.w.len(),
+            s,
+        });
     }
 
     pub(crate) fn memory(&self) -> SpringsMemory {

@@ -13,17 +13,18 @@
 //! K enters as K, with K_ij + K_ji = 1 to the last bit, so quadratic invariants are kept to rounding.
 //!
 //! How they are gone through: for any system in [`crate::mix`]; for short states whose H is compiled, as one kernel with it, in
-//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`.
+//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`. On stiff springs gradients are foreseen
+//! ([`crate::springs`]): `sprung`.
 //!
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated. Kepler, on 3 GHz with AVX-512: 200 cycles
 //! with s = 8, 315 with s = 16; a draft a quarter less.
 
 mod begin;
+mod sprung;
 
 use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
 use crate::draft::{Draft, twice};
-use crate::foresee::{Foresee, From};
 use crate::half::Half;
 use crate::mix::Step;
 use crate::pairs::{HALF, has_pairs};
@@ -326,54 +327,6 @@ impl<T: Float> Iterate<T> {
             energy.forces_by_component(points, gradients, stride, s);
         } else {
             energy.gradients_by_component(points, gradients, stride, s);
-        }
-    }
-
-    /// A step of size `h` begins at `y`: with springs, or without.
-    pub(crate) fn begin_springs<E: Evaluate<T>>(&mut self, energy: &mut E, (y, h): (&State<T>, T)) {
-        if let Some(springs) = &mut self.springs {
-            springs.begin(energy, (&y.hi, h));
-        }
-    }
-
-    /// Whether this step is made with springs.
-    pub(crate) fn has_springs(&self) -> bool {
-        (self.springs.as_ref()).is_some_and(|springs| springs.is_active)
-    }
-
-    /// Adds to the gradients on springs what they are about to change by: from Z = 0, or from Z as it was made by L.
-    fn foresee(&mut self, y: &State<T>, from_nothing: bool) {
-        if let (true, Some(springs), Some(kinetic)) =
-            (self.has_springs(), &self.springs, &self.kinetic)
-        {
-            self.set.run(&mut Foresee {
-                springs: &springs.springs,
-                matrices: &springs.matrices,
-                from: if from_nothing {
-                    From::Nothing(&y.hi, kinetic.offset())
-                } else {
-                    From::Made(&self.l)
-                },
-                hb: &self.hb,
-                gradients: &mut self.gradients,
-                m: self.n / 2,
-                s: self.s,
-            });
-        }
-    }
-
-    /// Z has been moved from what is in `folded`: the forces foreseen follow.
-    fn follow(&mut self) {
-        if !self.has_springs() {
-            return;
-        }
-        let (stride, m) = (self.stride, self.n / 2);
-        for spring in self.springs.iter().flat_map(|springs| &springs.springs) {
-            let (q, p) = (spring.c * stride, (spring.c + m) * stride);
-            for (i, &hb) in self.hb.iter().enumerate() {
-                let moved = self.z[q + i] - self.folded[q + i];
-                self.l[p + i] -= hb * (spring.kappa * moved);
-            }
         }
     }
 

@@ -1,7 +1,6 @@
 //! How a step begins: at Z = 0, or from the last step's gradients.
 
 use super::{Form, Iterate, form};
-use crate::foresee::{Foresee, From, Last};
 use crate::opening::Opening;
 use crate::prolongation::Prolongation;
 use crate::start::{Foretell, Sizes, resolve};
@@ -33,7 +32,7 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// The same from the gradients that the L of the last step foretells.
+    /// The same, `ratio` times as long as the last step, from the gradients that the L of that foretells.
     pub(crate) fn begin_from_last(
         &mut self,
         gauss: &Gauss<T>,
@@ -45,8 +44,7 @@ impl<T: Float> Iterate<T> {
         std::mem::swap(&mut self.l, &mut self.l_before);
         (self.is_first, self.is_prolonged, self.was_far) = (true, true, false);
         self.is_draft = false;
-        let has_springs = self.has_springs();
-        if !has_springs && self.open(y, prolongation, known).is_some() {
+        if !self.has_springs() && self.open(y, prolongation, known).is_some() {
             return;
         }
         let wanted = self.unknowns();
@@ -59,23 +57,7 @@ impl<T: Float> Iterate<T> {
             wanted,
             s: self.s,
         });
-        if let (true, Some(springs), Some(kinetic)) = (has_springs, &self.springs, &self.kinetic) {
-            let last = Last {
-                prolongation: prolongation.view(),
-                l: &self.l_before,
-                ratio: T::int(1) / ratio,
-                known,
-            };
-            self.set.run(&mut Foresee {
-                springs: &springs.springs,
-                matrices: &springs.matrices,
-                from: From::Last(&y.hi, kinetic.offset(), last),
-                hb: &self.hb,
-                gradients: &mut self.gradients,
-                m: self.n / 2,
-                s: self.s,
-            });
-        }
+        self.foresee_from_last(y, T::int(1) / ratio, prolongation, known);
         self.mix(y);
         self.measure(y, 0..self.n);
     }
