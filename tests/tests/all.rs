@@ -13,6 +13,7 @@ mod order;
 mod pay_as_you_go;
 mod random;
 mod reproducibility;
+mod springs;
 mod stories;
 mod work;
 

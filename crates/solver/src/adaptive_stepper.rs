@@ -64,6 +64,7 @@ impl<T: Float> Adaptive<T> {
         inner.fingerprint = self.fingerprint();
         inner.core.settings.on_no_alpha = OnNoAlpha::Refuse;
         inner.core.last_resort = false;
+        inner.core.leave_out_springs();
         inner.variable = Some(VariableSteps {
             tolerance: self.tolerance,
             smallest: T::INFINITY,

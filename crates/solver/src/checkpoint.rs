@@ -9,6 +9,7 @@
 
 use crate::error::IntegrateError;
 use crate::outcome::{Counts, Outcome};
+use crate::springs::Trial;
 use equip_scalar::Float;
 
 /// The version of what is in a checkpoint.
@@ -70,6 +71,9 @@ pub struct Checkpoint {
     /// The deviation that is followed.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) chaos: Option<ChaosMemory>,
+    /// Stiff springs, if there were any at the start of the run.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) springs: Option<SpringsMemory>,
 }
 
 impl Checkpoint {
@@ -112,6 +116,18 @@ pub(crate) struct ControlMemory {
     pub(crate) largest: Exact,
     pub(crate) rejected: u64,
     pub(crate) failed: u64,
+}
+
+/// Which components are on stiff springs, and what is known of whether they pay.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct SpringsMemory {
+    pub(crate) components: Vec<usize>,
+    pub(crate) kappa: Vec<Exact>,
+    pub(crate) kept: Vec<usize>,
+    pub(crate) trial: Trial,
+    pub(crate) without: Exact,
+    pub(crate) counts: [u64; 3],
 }
 
 /// A deviation and what has been summed of it.

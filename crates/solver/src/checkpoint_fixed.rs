@@ -82,6 +82,8 @@ impl<T: Float> FixedStep<T> {
             });
         }
         stepper.restore(checkpoint)?;
+        let springs = (checkpoint.springs.as_ref(), self.h);
+        stepper.core.restore_springs(system.structure(), springs)?;
         Ok(stepper)
     }
 }
@@ -139,6 +141,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
                 .collect(),
             solver: self.core.newton.memory(),
             sweeps: (self.core.sweeps.as_ref()).map(|sweeps| sweeps.memory().map(Exact::of)),
+            springs: self.core.springs_memory(),
             pause: [self.core.pause.left, self.core.pause.next],
             inherited: (self.core.constraints.iter())
                 .map(|c| Exact::of(c.inherited))

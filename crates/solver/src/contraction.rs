@@ -13,6 +13,8 @@ use equip_scalar::Float;
 const SLOW_PERCENT: i64 = 70;
 /// What is allowed of the contraction at the beginning of a step: a change of this many times the first.
 const ALLOWANCE: i64 = 16;
+/// Sweeps are not taken to contract by more than this in advance.
+const LEAST: i64 = 1000;
 /// Changes of Z below this many ε are rounding if they do not shrink.
 const ROUNDING: i64 = 256;
 /// Changes of Z below this many ε have their share of rounding.
@@ -27,8 +29,11 @@ const STILL: u32 = 3;
 pub(crate) struct Contraction<T> {
     /// A sweep is two, from the positions to the momenta and back: ρ is the product of both, and what is left at the end point has had the first only.
     is_twofold: bool,
-    /// The worst contraction seen in the step; 0 if none was.
+    /// The worst contraction seen in the step, or where the first sweeps are not like the last the worse of the last two; 0 if none was.
     pub(crate) seen: T,
+    /// The last, and whether those before the one before it are forgotten.
+    last: T,
+    pub(crate) forgets: bool,
     /// ρ.
     pub(crate) rate: T,
     /// Error of the end point over the change of Z.
@@ -52,6 +57,8 @@ impl<T: Float> Contraction<T> {
         let mut new = Contraction {
             is_twofold,
             seen: zero,
+            last: zero,
+            forgets: false,
             rate: zero,
             tail: zero,
             change: zero,
@@ -78,7 +85,7 @@ impl<T: Float> Contraction<T> {
 
     /// A step begins.
     pub(crate) fn begin(&mut self) {
-        self.set_rate((self.rate / T::int(2)).max(T::ratio(1, 1000)));
+        self.set_rate((self.rate / T::int(2)).max(T::ratio(1, LEAST)));
         self.begin_anew();
     }
 
@@ -89,7 +96,7 @@ impl<T: Float> Contraction<T> {
     }
 
     fn begin_anew(&mut self) {
-        self.seen = T::int(0);
+        (self.seen, self.last) = (T::int(0), T::int(0));
         (self.change, self.left) = (T::INFINITY, T::INFINITY);
         (self.is_apart, self.is_settled) = (true, false);
         (self.slow, self.still) = (0, 0);
@@ -117,7 +124,11 @@ impl<T: Float> Contraction<T> {
         if compares && last > T::int(ROUNDING) * eps {
             let is_slow = change > last * T::ratio(SLOW_PERCENT, 100);
             self.slow = if is_slow { self.slow + 1 } else { 0 };
-            if change > self.seen * last {
+            if self.forgets {
+                let now = change / last;
+                self.seen = now.max(std::mem::replace(&mut self.last, now));
+                self.set_rate(self.seen.max(T::ratio(1, LEAST)));
+            } else if change > self.seen * last {
                 self.seen = change / last;
             }
             if self.seen > self.rate {

@@ -26,6 +26,8 @@ pub(crate) struct Prolongation<T> {
     /// Components that it is applied to, and whether as two factors.
     components: usize,
     is_factored: bool,
+    /// Legendre coefficients that are prolonged: s, or fewer.
+    degree: usize,
     /// c_i.
     nodes: Vec<T>,
     /// (2k+1)/(k+1) and k/(k+1), of the recurrence of Legendre polynomials, k = 0 … s − 1.
@@ -58,9 +60,18 @@ impl<T: Float> Prolongation<T> {
             coefficients,
             components,
             is_factored: false,
+            degree: s,
             nodes,
             recurrence: (0..s as i64).map(recurrence).collect(),
             made_for: None,
+        }
+    }
+
+    /// So many Legendre coefficients are prolonged from now on, s at most.
+    pub(crate) fn set_degree(&mut self, degree: usize) {
+        let degree = degree.min(self.recurrence.len());
+        if self.degree != degree {
+            (self.degree, self.made_for) = (degree, None);
         }
     }
 
@@ -170,7 +181,7 @@ impl<T: Float> Make<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize, const B: usize>(&mut self) {
         let to = &mut *self.to;
-        let s = to.recurrence.len();
+        let (s, degree) = (to.recurrence.len(), to.degree);
         let mut at_start = [[T::int(0); 1]; MAX_STAGES + 1];
         classical(&to.recurrence, [self.start], &mut at_start);
         let scale = T::int(-1) / self.h;
@@ -182,7 +193,7 @@ impl<T: Float> Make<'_, T> {
             let tau = std::array::from_fn(|i| self.start + self.ratio * nodes[i]);
             classical(&to.recurrence, tau, &mut at_node);
             if self.known {
-                rho[g] = at_node[s].map(|p| p / at_start[s][0]);
+                rho[g] = at_node[degree].map(|p| p / at_start[degree][0]);
             } else {
                 rho[g] = [T::int(0); N];
             }
@@ -191,6 +202,7 @@ impl<T: Float> Make<'_, T> {
                     p[i] = scale * (p[i] - rho[g][i] * a[0]);
                 }
             }
+            at_node[degree..].fill([T::int(0); N]);
             if to.is_factored {
                 for (k, p) in at_node.iter().enumerate().take(s) {
                     e[k * groups + g] = *p;

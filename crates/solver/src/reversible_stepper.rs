@@ -92,6 +92,7 @@ impl<T: Float> Reversible<T> {
         let n = inner.y.hi.len();
         inner.fingerprint = self.fingerprint();
         inner.core.leave_alphas_to_newton();
+        inner.core.leave_out_springs();
         inner.variable = Some(VariableSteps {
             tolerance: self.epsilon,
             smallest: T::INFINITY,

@@ -1,10 +1,13 @@
 //! The step by sweeps: when they are tried, what they start from, and what they leave to Newton and to others.
 
+use crate::checkpoint::SpringsMemory;
+use crate::error::IntegrateError;
 use crate::options::{Settings, StageSolver};
+use crate::springs::Springs;
 use crate::state::State;
 use crate::step::Core;
 use crate::sweeps::{Rule, SweepTask, Trouble};
-use equip_autodiff::Evaluate;
+use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
 
 /// A gradient of H and where it was taken.
@@ -42,6 +45,50 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     pub(crate) fn leave_alphas_to_newton(&mut self) {
         if self.rule == Rule::Response {
             self.rule = Rule::Newton;
+        }
+    }
+
+    /// The run is made of steps of size `h` and begins at `y`.
+    pub(crate) fn find_springs(&mut self, structure: &Structure, (y, h): (&[T], T)) {
+        let gauss = &self.stages.gauss;
+        if let Some(sweeps) = &mut self.sweeps
+            && T::as_doubles(&[]).is_some()
+            && self.start_alphas.iter().all(|&alpha| alpha == T::int(0))
+            && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
+        {
+            let by_slopes = self.rule == Rule::Slopes && !self.constraints.is_empty();
+            let pattern = (&structure.hessian, w, by_slopes);
+            let found = Springs::find(gauss, &mut self.energy, pattern, (y, h));
+            sweeps.iterate.springs = found;
+        }
+    }
+
+    pub(crate) fn springs_memory(&self) -> Option<SpringsMemory> {
+        let sweeps = self.sweeps.as_ref()?;
+        sweeps.iterate.springs.as_ref().map(Springs::memory)
+    }
+
+    /// A run of steps of size `h` is resumed, with the springs it began with.
+    pub(crate) fn restore_springs(
+        &mut self,
+        structure: &Structure,
+        (memory, h): (Option<&SpringsMemory>, T),
+    ) -> Result<(), IntegrateError<T>> {
+        self.leave_out_springs();
+        if let (Some(sweeps), Some(memory)) = (&mut self.sweeps, memory)
+            && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
+        {
+            let found =
+                Springs::from_memory(&self.stages.gauss, (&structure.hessian, w, h), memory)?;
+            sweeps.iterate.springs = found;
+        }
+        Ok(())
+    }
+
+    /// The steps are of any size.
+    pub(crate) fn leave_out_springs(&mut self) {
+        if let Some(sweeps) = &mut self.sweeps {
+            sweeps.iterate.springs = None;
         }
     }
 

@@ -164,7 +164,8 @@ impl<T: Float> FixedStep<T> {
         } else {
             stages - 1
         };
-        let core = Core::new(system, evaluator, settings, gauss, constraints);
+        let mut core = Core::new(system, evaluator, settings, gauss, constraints);
+        core.find_springs(system.structure(), (&y.hi, self.h));
         let measured = has_target || self.measure_energy;
         Ok(Stepper {
             method: self.method,

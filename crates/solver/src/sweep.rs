@@ -13,12 +13,14 @@
 //! K enters as K, with K_ij + K_ji = 1 to the last bit, so quadratic invariants are kept to rounding.
 //!
 //! How they are gone through: for any system in [`crate::mix`]; for short states whose H is compiled, as one kernel with it, in
-//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`.
+//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`. On stiff springs gradients are foreseen
+//! ([`crate::springs`]): `sprung`.
 //!
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated. Kepler, on 3 GHz with AVX-512: 200 cycles
 //! with s = 8, 315 with s = 16; a draft a quarter less.
 
 mod begin;
+mod sprung;
 
 use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
@@ -28,6 +30,7 @@ use crate::mix::Step;
 use crate::pairs::{HALF, has_pairs};
 use crate::row::stride_for;
 use crate::small::{OneGroup, TwoGroups};
+use crate::springs::Springs;
 use crate::state::State;
 use crate::whole::Whole;
 use equip_autodiff::{Evaluate, Kinetic};
@@ -118,6 +121,8 @@ pub(crate) struct Iterate<T: Float> {
     inverse_scale: Vec<T>,
     /// K B K, if the α's a step starts from are zero.
     twice: Option<Aligned<T>>,
+    /// Components whose gradients are foreseen.
+    pub(crate) springs: Option<Springs<T>>,
     /// The last sweep was a draft: L is not there.
     pub(crate) is_draft: bool,
     /// No sweep of this step has been made.
@@ -175,6 +180,7 @@ impl<T: Float> Iterate<T> {
             scale: vec![T::int(0); n],
             inverse_scale: vec![T::int(0); n],
             twice,
+            springs: None,
             is_draft: false,
             is_first: true,
             is_prolonged: false,
@@ -263,6 +269,7 @@ impl<T: Float> Iterate<T> {
         let measures = self.was_far || unknown;
         self.is_draft = draft && !measures && !self.k_has_moved && self.twice.is_some();
         let fused = match self.stride {
+            _ if self.has_springs() => None,
             4 => self.fuse::<4, E>(energy, y),
             8 => self.fuse::<8, E>(energy, y),
             16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y),
@@ -272,6 +279,7 @@ impl<T: Float> Iterate<T> {
             Some(change) => change,
             None => {
                 self.evaluate(energy);
+                self.foresee(y, unknown);
                 self.mix(y)
             }
         };
@@ -336,17 +344,26 @@ impl<T: Float> Iterate<T> {
     /// After K has changed again, by `share` of the first change: Z moves by this share of how it has moved since.
     pub(crate) fn extrapolate(&mut self, y: &State<T>, share: T) {
         let len = self.unknowns() * self.stride;
+        if self.has_springs() {
+            self.folded[..len].copy_from_slice(&self.z[..len]);
+        }
         for (z, &before) in self.z[..len].iter_mut().zip(&*self.z_before) {
             *z += share * (*z - before);
         }
+        self.follow();
         self.place(y);
     }
 
     /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
     pub(crate) fn displace(&mut self, y: &State<T>, mut change: impl FnMut(usize, &mut [T])) {
         let unknowns = self.unknowns();
+        let len = unknowns * self.stride;
+        if self.has_springs() {
+            self.folded[..len].copy_from_slice(&self.z[..len]);
+        }
         let rows = self.z.chunks_exact_mut(self.stride).enumerate();
         rows.take(unknowns).for_each(|(c, z)| change(c, z));
+        self.follow();
         self.place(y);
     }
 

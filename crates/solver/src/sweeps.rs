@@ -24,6 +24,7 @@ use crate::prolongation::Prolongation;
 use crate::response::Response;
 use crate::slight::Slight;
 use crate::slopes::Slopes;
+use crate::springs::Springs;
 use crate::state::State;
 use crate::sweep::Iterate;
 use equip_autodiff::{Evaluate, Kinetic, Pattern};
@@ -45,6 +46,9 @@ const REMAINS: i64 = 8;
 const CLEAR: i64 = 1024;
 /// … and the stages to so many ε: the local error aimed at is the difference of two ends, and as wrong as they are.
 const THERE: i64 = 4;
+
+/// Legendre coefficients that are prolonged where the motion on stiff springs is too fast to be foretold by all.
+const UNRESOLVED: usize = 2;
 
 /// Why a step is left to Newton.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,6 +150,33 @@ impl<T: Float> Sweeps<T> {
         (next, task): (&mut State<T>, &SweepTask<'_, T>),
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
+        self.iterate.begin_springs(energy, (task.y, task.h));
+        let reborrowed = constraint.as_deref_mut();
+        let mut solved = self.try_once(gauss, energy, reborrowed, (&mut *next, task), counts);
+        let Some(springs) = &mut self.iterate.springs else {
+            return solved;
+        };
+        if solved == Err(Trouble::Slow) {
+            if !springs.has_failed() {
+                return solved;
+            }
+            solved = self.try_once(gauss, energy, constraint, (next, task), counts);
+        }
+        if let (Ok(()), Some(springs)) = (solved, &mut self.iterate.springs) {
+            let are_at_start = self.alphas == task.alphas;
+            springs.has_made(are_at_start.then_some(self.contraction.seen));
+        }
+        solved
+    }
+
+    fn try_once<E: Evaluate<T>>(
+        &mut self,
+        gauss: &Gauss<T>,
+        energy: &mut E,
+        mut constraint: Option<&mut Constraint<T>>,
+        (next, task): (&mut State<T>, &SweepTask<'_, T>),
+        counts: &mut Counts,
+    ) -> Result<(), Trouble> {
         self.begin(gauss, task);
         let mut prolonged = task.last.is_some();
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
@@ -170,13 +201,22 @@ impl<T: Float> Sweeps<T> {
                 }
                 self.iterate.begin(gauss, (task.y, task.h));
                 self.contraction.begin_from_nothing();
+                if let Some(springs) = &mut self.iterate.springs {
+                    springs.was_misled();
+                }
                 continue;
             }
             if self.iterate.is_draft {
                 continue;
             }
             let settled = self.contraction.is_settled();
-            let blown_up = change > T::int(BLOWN_UP) * eps && task.rule != Rule::Slopes;
+            // The rounding of stiff forces is in the stages, whoever solves for them.
+            let springs = if self.iterate.has_springs() {
+                BLOWN_UP
+            } else {
+                1
+            };
+            let blown_up = change > T::int(springs * BLOWN_UP) * eps && task.rule != Rule::Slopes;
             if self.contraction.stands_still() && blown_up {
                 return Err(Trouble::Slow);
             }
@@ -306,11 +346,16 @@ impl<T: Float> Sweeps<T> {
         self.alphas.copy_from_slice(task.alphas);
         self.made = 0;
         self.contraction.begin();
+        self.contraction.forgets = self.iterate.has_springs();
         let step = (task.y, task.h);
         match task.last {
             Some(last) => {
+                let whole = (self.iterate.springs.as_ref()).is_none_or(Springs::foretells);
+                let degree = if whole { gauss.stages() } else { UNRESOLVED };
+                self.prolongation.set_degree(degree);
                 (self.prolongation).make(self.iterate.set, last, task.known.is_some());
                 let (foretold, known) = (&self.prolongation, task.known);
+                let step = (task.y, task.h, last[1]);
                 self.iterate.begin_from_last(gauss, step, foretold, known);
             }
             None => self.iterate.begin(gauss, step),

@@ -32,11 +32,11 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// The same from the gradients that the L of the last step foretells.
+    /// The same, `ratio` times as long as the last step, from the gradients that the L of that foretells.
     pub(crate) fn begin_from_last(
         &mut self,
         gauss: &Gauss<T>,
-        (y, h): (&State<T>, T),
+        (y, h, ratio): (&State<T>, T, T),
         prolongation: &Prolongation<T>,
         known: Option<&[T]>,
     ) {
@@ -44,7 +44,7 @@ impl<T: Float> Iterate<T> {
         std::mem::swap(&mut self.l, &mut self.l_before);
         (self.is_first, self.is_prolonged, self.was_far) = (true, true, false);
         self.is_draft = false;
-        if self.open(y, prolongation, known).is_some() {
+        if !self.has_springs() && self.open(y, prolongation, known).is_some() {
             return;
         }
         let wanted = self.unknowns();
@@ -57,6 +57,7 @@ impl<T: Float> Iterate<T> {
             wanted,
             s: self.s,
         });
+        self.foresee_from_last(y, T::int(1) / ratio, prolongation, known);
         self.mix(y);
         self.measure(y, 0..self.n);
     }

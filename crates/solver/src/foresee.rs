@@ -1,0 +1,267 @@
+//! What the gradient of a component on a stiff spring κ will have changed by when a sweep is made.
+//!
+//! Z_q = F(L_p), F linear, and L_p are the forces that are there, or foreseen. With δ the forces at Z_q less those that Z_q was made with, a sweep as
+//! it is would change Z_q by h w K B K δ. But as Z_q changes so does the force, by −h b κ ΔZ_q:
+//!
+//! $$ \Delta Z = h w\, M K B K\, \delta, \qquad M = (1 + h^2 w \kappa\, K B K B)^{-1} , $$
+//!
+//! and with κ ΔZ added to the gradient a sweep of any form, draft or not, does just this. At Z = 0, where there is nothing to compare with,
+//! ΔZ = M (h c (w p + b) − h² w K B K B ∇U). With α ≠ 0 the M of α = 0 is as good as any: what is solved does not depend on it.
+//!
+//! The start: of the last step the gradient less κ(q − q1), q1 being where it ended, is prolonged, for it has no part in the fast motion. K + Kᵀ = 1 1ᵀ, so
+//! the stages are Y = q1 − Kᵀ L_q.
+//!
+//! Cost: s² products for each spring in a sweep, 3 s² in the start of a step.
+
+use crate::aligned::{Aligned, Places};
+use crate::draft::twice;
+use crate::half::force;
+use crate::linear::DenseLu;
+use crate::mix::in_memory;
+use crate::pairs::{HALF, has_pairs};
+use crate::product::{Mixes, Sixteen, product_any};
+use crate::prolongation::View;
+use crate::row::{
+    Row, add, difference, lanes_of, literal, rows, rows_mut, scaled, stride_for, times,
+};
+use crate::springs::Spring;
+use equip_scalar::{Float, Kernel};
+use equip_tableau::Gauss;
+use nalgebra::DVector;
+use std::array::from_fn;
+
+/// M for one stiffness.
+#[derive(Debug)]
+pub(crate) struct Matrix<T> {
+    /// h² w κ.
+    pub(crate) stiffness: T,
+    /// h M K B K, column by column.
+    by_force: Aligned<T>,
+    /// h M c.
+    by_velocity: Vec<T>,
+    /// −Kᵀ, column by column.
+    back: Aligned<T>,
+}
+
+impl<T: Float> Matrix<T> {
+    pub(crate) fn new(gauss: &Gauss<T>, h: T, stiffness: T) -> Option<Self> {
+        let s = gauss.stages();
+        let stride = stride_for::<T>(s);
+        let mut places = Places::default();
+        let twice = twice(gauss, &mut places);
+        let mut lu = DenseLu::new(s);
+        let m = lu.matrix_mut();
+        for (j, &b) in gauss.weights().iter().enumerate() {
+            for i in 0..s {
+                m[(i, j)] = T::int(i64::from(i == j)) + stiffness * (twice[j * stride + i] * b);
+            }
+        }
+        lu.factor().ok()?;
+        let solved = |column: &[T]| {
+            let mut x = DVector::from_column_slice(&column[..s]);
+            lu.solve(&mut x);
+            x * h
+        };
+        let mut by_force = places.zeros(stride * stride);
+        for (to, from) in (by_force.chunks_exact_mut(stride))
+            .zip(twice.chunks_exact(stride))
+            .take(s)
+        {
+            to[..s].copy_from_slice(solved(from).as_slice());
+        }
+        let mut by_velocity = vec![T::int(0); stride];
+        by_velocity[..s].copy_from_slice(solved(gauss.nodes()).as_slice());
+        let mut k = vec![T::int(0); s * stride];
+        gauss.skew_columns_into(&vec![T::int(0); s - 1], stride, &mut k);
+        let mut back = places.zeros(stride * stride);
+        for j in 0..s {
+            for i in 0..s {
+                back[j * stride + i] = -k[i * stride + j];
+            }
+        }
+        Some(Matrix {
+            stiffness,
+            by_force,
+            by_velocity,
+            back,
+        })
+    }
+}
+
+/// Where the gradients are from.
+pub(crate) enum From<'a, T> {
+    /// Z, which was made with this L.
+    Made(&'a [T]),
+    /// Z = 0, the start (hi, b).
+    Nothing(&'a [T], &'a [T]),
+    /// The last step.
+    Last(&'a [T], &'a [T], Last<'a, T>),
+}
+
+/// The last step, and how it is prolonged.
+#[derive(Clone, Copy)]
+pub(crate) struct Last<'a, T> {
+    pub(crate) prolongation: View<'a, T>,
+    pub(crate) l: &'a [T],
+    /// Its size over that of this step.
+    pub(crate) ratio: T,
+    /// ∇H at the start of this step, if it is known.
+    pub(crate) known: Option<&'a [T]>,
+}
+
+/// Adds κ ΔZ to the gradients.
+pub(crate) struct Foresee<'a, T: Float> {
+    pub(crate) springs: &'a [Spring<T>],
+    pub(crate) matrices: &'a [Matrix<T>],
+    pub(crate) from: From<'a, T>,
+    pub(crate) hb: &'a [T],
+    pub(crate) gradients: &'a mut [T],
+    /// Degrees of freedom.
+    pub(crate) m: usize,
+    pub(crate) s: usize,
+}
+
+impl<T: Float> Kernel for Foresee<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        match (stride_for::<T>(self.s), lanes_of::<T>(self.s)) {
+            (4, 4) => self.rows::<1, 4>(),
+            (8, 8) => self.rows::<1, 8>(),
+            (16, 8) => self.rows::<2, 8>(),
+            (24, 8) => self.rows::<3, 8>(),
+            (32, 8) => self.rows::<4, 8>(),
+            _ => {}
+        }
+    }
+}
+
+impl<T: Float> Foresee<'_, T> {
+    #[inline(always)]
+    fn rows<const G: usize, const N: usize>(&mut self) {
+        let (s, m) = (self.s, self.m);
+        let hb: &Row<T, G, N> = literal(rows(self.hb).first());
+        let gradients = rows_mut::<T, G, N>(self.gradients);
+        for &Spring {
+            c,
+            kappa,
+            w,
+            matrix,
+        } in self.springs
+        {
+            let matrix = &self.matrices[matrix];
+            if let From::Last(_, _, last) = &self.from {
+                let l = rows::<T, G, N>(last.l);
+                let behind = applied(&matrix.back, &l[c], s);
+                let mut row = l[c + m];
+                for g in 0..G {
+                    add(
+                        &mut row[g],
+                        &scaled(&times(&hb[g], &behind[g]), last.ratio * kappa),
+                    );
+                }
+                let mut room = [[T::int(0); N]; G];
+                let row = last.prolongation.prepared(&row, &mut room, s);
+                let at_start = last.known.map_or(T::int(0), |known| known[c]);
+                gradients[c] =
+                    from_fn(|g| (last.prolongation).foretell(row, (g, s), T::int(1), at_start));
+            }
+            let gradient = &mut gradients[c];
+            let mut forces: Row<T, G, N> = from_fn(|g| force(&hb[g], &gradient[g]));
+            let velocity = match self.from {
+                From::Made(l) => {
+                    let l = &rows::<T, G, N>(l)[c + m];
+                    forces = from_fn(|g| difference(&forces[g], &l[g]));
+                    None
+                }
+                From::Nothing(hi, b) | From::Last(hi, b, _) => Some(w * hi[c + m] + b[c]),
+            };
+            let moved = applied(&matrix.by_force, in_memory(&mut forces), s);
+            for g in 0..G {
+                add(&mut gradient[g], &scaled(&moved[g], kappa * w));
+            }
+            if let Some(velocity) = velocity {
+                let by_velocity: &Row<T, G, N> = literal(rows(&matrix.by_velocity).first());
+                for g in 0..G {
+                    add(&mut gradient[g], &scaled(&by_velocity[g], kappa * velocity));
+                }
+            }
+        }
+    }
+}
+
+/// A matrix, column by column, times a row.
+#[inline(always)]
+fn applied<T: Float, const G: usize, const N: usize>(
+    matrix: &[T],
+    x: &Row<T, G, N>,
+    s: usize,
+) -> Row<T, G, N> {
+    if has_pairs::<T>(s)
+        && let Some(x) = rows::<T, 2, HALF>(x.as_flattened()).first()
+    {
+        let columns = Sixteen(literal(rows(matrix).as_chunks().0.first_chunk()));
+        let product = columns.product(x);
+        return *literal(rows(product.as_flattened()).first());
+    }
+    from_fn(|g| product_any(matrix.as_chunks().0, x, g, s))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use equip_scalar::InstructionSet;
+
+    /// On a spring alone what is foreseen is what is: κ(q + Z) for the Z that the equations have.
+    #[test]
+    fn a_spring_is_solved_for_at_once() {
+        for s in [3, 4, 7, 8, 12, 16, 20] {
+            let gauss = Gauss::<f64>::new(s).unwrap();
+            let (h, kappa, w) = (0.25, 700.0, 0.5);
+            let stride = stride_for::<f64>(s);
+            let matrices = [Matrix::new(&gauss, h, h * h * w * kappa).unwrap()];
+            let springs = [Spring {
+                c: 0,
+                kappa,
+                w,
+                matrix: 0,
+            }];
+            let mut hb = vec![0.0; stride];
+            for (hb, &b) in hb.iter_mut().zip(gauss.weights()) {
+                *hb = h * b;
+            }
+            let twice = twice(&gauss, &mut Places::default());
+            let l = vec![0.0; 2 * stride];
+            for set in InstructionSet::available() {
+                // Z = 0 as a guess, or as what no force and no velocity has made.
+                for p in [3.0, 0.0] {
+                    let hi = [2.0, p];
+                    let mut gradients = vec![kappa * hi[0]; stride];
+                    set.run(&mut Foresee {
+                        springs: &springs,
+                        matrices: &matrices,
+                        from: if p == 0.0 {
+                            From::Made(&l)
+                        } else {
+                            From::Nothing(&hi, &[0.25])
+                        },
+                        hb: &hb,
+                        gradients: &mut gradients,
+                        m: 1,
+                        s,
+                    });
+                    let velocity = if p == 0.0 { 0.0 } else { w * p + 0.25 };
+                    for (i, &c) in gauss.nodes().iter().enumerate() {
+                        let z = gradients[i] / kappa - hi[0];
+                        let sum: f64 = (0..s)
+                            .map(|j| twice[j * stride + i] * hb[j] * gradients[j])
+                            .sum();
+                        let made = h * velocity * c - h * w * sum;
+                        assert!((z - made).abs() < 2e-14, "s = {s}: {z}, {made}");
+                    }
+                }
+            }
+        }
+    }
+}

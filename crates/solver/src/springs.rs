@@ -1,0 +1,334 @@
+//! Stiff springs: where U(q) = ½ Σ κ_c q_c² + a remainder that bends much less, sweeps solve for the quadratic part exactly.
+//!
+//! With fixed gradients a sweep of H = T(p) + U(q) contracts by h² w ∇²U (KB)². Of that the part by κ is known before, for each component on its
+//! own: [`crate::foresee`] puts into the gradient what it will have changed by when the sweep is made, and what is left is the contraction by the
+//! remainder. The equations are the same, and so is what K makes of their solution.
+//!
+//! *Which.* At the start of the run κ_c = ∂²U/∂q_c², where it stands out of its row of ∇²U by [`OUTWEIGHS`] and h² w κ is at least 1/[`SOFT`].
+//! Springs are those whose κ_c is still the same to 1/[`STEADY`] a step later.
+//! *Whether.* The first step is made without them, or with them if its sweeps do not contract. They stay as long as in most steps sweeps contract
+//! twice as well with them as in the first step without. What has once been given up is not tried again.
+//!
+//! For fixed steps with α = 0 to begin with: the matrices hold for one h.
+
+use crate::checkpoint::{Exact, SpringsMemory};
+use crate::error::IntegrateError;
+use crate::foresee::{Foresee, From, Matrix};
+use equip_autodiff::{Evaluate, Pattern};
+use equip_scalar::{Float, InstructionSet};
+use equip_tableau::Gauss;
+
+/// A spring is so many times as large as the rest of its row of ∇²U, in units of equal masses.
+const OUTWEIGHS: i64 = 8;
+/// Springs with h² w κ below 1 over this are none.
+const SOFT: i64 = 4;
+/// Slopes from Legendre coefficients find α's where hω is no more than this times the stages: some 16 stages a period of the spring. With
+/// 12 stages and hω = 8 they keep the energy and ruin the trajectory (FPU, T = 200: 1e-1, where halved steps give 1e-7).
+const RESOLVED: [i64; 2] = [2, 5];
+/// The same spring a step later, to 1 over this.
+const STEADY: i64 = 16;
+/// Springs this alike, 1 over it, have one matrix.
+const ALIKE: i64 = 128;
+/// Matrices at most.
+const MOST: usize = 8;
+/// Contraction without springs of a step whose sweeps did not contract.
+const NONE: [i64; 2] = [7, 10];
+
+/// How a component is bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Spring<T> {
+    /// The component, κ, and 1 over its mass.
+    pub(crate) c: usize,
+    pub(crate) kappa: T,
+    pub(crate) w: T,
+    /// Which matrix.
+    pub(crate) matrix: usize,
+}
+
+/// How far it is known that they pay.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum Trial {
+    /// No step has been made.
+    Before,
+    /// A step without them has been made.
+    Pending,
+    /// They are made use of.
+    On,
+    /// They are not.
+    Off,
+}
+
+#[derive(Debug)]
+pub(crate) struct Springs<T: Float> {
+    h: T,
+    pub(crate) springs: Vec<Spring<T>>,
+    matrices: Vec<Matrix<T>>,
+    trial: Trial,
+    /// How sweeps contracted without them.
+    without: T,
+    /// Steps made with them, those that contracted no better or not at all, and those that the last step foretold badly.
+    steps: u64,
+    poor: u64,
+    misled: u64,
+    /// The κ_c they were made from.
+    found: Vec<(usize, T)>,
+    /// Room for ∇²H, and its pattern; 1 over the masses.
+    entries: Vec<T>,
+    pattern: Pattern,
+    w: Vec<T>,
+    /// Whether this step is made with them.
+    pub(crate) is_active: bool,
+}
+
+impl<T: Float> Springs<T> {
+    /// Those of steps of size `h` from `y`, those only that are resolved well enough to find α's `by_slopes`, if these are to be found so; `None`
+    /// if there are none.
+    pub(crate) fn find<E: Evaluate<T>>(
+        gauss: &Gauss<T>,
+        energy: &mut E,
+        (pattern, w, by_slopes): (&Pattern, &[T], bool),
+        (y, h): (&[T], T),
+    ) -> Option<Self> {
+        let most = T::ratio(gauss.stages() as i64 * RESOLVED[0], RESOLVED[1]);
+        let mut entries = vec![T::int(0); pattern.len()];
+        energy.hessian(y, &mut entries);
+        let found = (0..w.len()).filter_map(|c| {
+            let kappa = standing_out(pattern, w, &entries, c)?;
+            let stiffness = h * h * w[c] * kappa;
+            let is_resolved = !by_slopes || stiffness <= most * most;
+            (is_resolved && T::int(SOFT) * stiffness >= T::int(1)).then_some((c, kappa))
+        });
+        Self::new(gauss, (pattern, w, h), found.collect())
+    }
+
+    /// With these κ, the rest empty.
+    fn new(
+        gauss: &Gauss<T>,
+        (pattern, w, h): (&Pattern, &[T], T),
+        found: Vec<(usize, T)>,
+    ) -> Option<Self> {
+        let (mut springs, mut matrices) = (Vec::new(), Vec::<Matrix<T>>::new());
+        for &(c, kappa) in &found {
+            let stiffness = h * h * w[c] * kappa;
+            let alike =
+                |m: &Matrix<T>| T::int(ALIKE) * (m.stiffness - stiffness).abs() <= m.stiffness;
+            let matrix = match matrices.iter().position(alike) {
+                Some(matrix) => matrix,
+                None if matrices.len() < MOST => {
+                    matrices.push(Matrix::new(gauss, h, stiffness)?);
+                    matrices.len() - 1
+                }
+                None => continue,
+            };
+            let kappa = matrices[matrix].stiffness / (h * h * w[c]);
+            springs.push(Spring {
+                c,
+                kappa,
+                w: w[c],
+                matrix,
+            });
+        }
+        (!springs.is_empty()).then(|| Springs {
+            h,
+            springs,
+            matrices,
+            trial: Trial::Before,
+            without: T::ratio(NONE[0], NONE[1]),
+            steps: 0,
+            poor: 0,
+            misled: 0,
+            found,
+            entries: vec![T::int(0); pattern.len()],
+            pattern: pattern.clone(),
+            w: w.to_vec(),
+            is_active: false,
+        })
+    }
+
+    /// A step of size `h` begins at `y`.
+    pub(crate) fn begin<E: Evaluate<T>>(&mut self, energy: &mut E, (y, h): (&[T], T)) {
+        if self.trial == Trial::Pending {
+            energy.hessian(y, &mut self.entries);
+            let (pattern, w, entries) = (&self.pattern, &self.w, &self.entries);
+            self.springs.retain(|&Spring { c, kappa, .. }| {
+                standing_out(pattern, w, entries, c)
+                    .is_some_and(|now| T::int(STEADY) * (now - kappa).abs() <= kappa)
+            });
+            let any = !self.springs.is_empty();
+            self.trial = if any { Trial::On } else { Trial::Off };
+        }
+        self.is_active = self.trial == Trial::On && h == self.h;
+    }
+
+    /// Sweeps have not contracted. Returns whether they are worth another try at once, with springs.
+    pub(crate) fn has_failed(&mut self) -> bool {
+        let first = self.trial == Trial::Before;
+        if first {
+            self.trial = Trial::On;
+            self.is_active = true;
+        } else if self.is_active {
+            self.poor += 1;
+            self.judge();
+        }
+        first
+    }
+
+    /// A step has been made; the worst contraction was `seen`, if the α's have had no part in it.
+    pub(crate) fn has_made(&mut self, seen: Option<T>) {
+        if self.trial == Trial::Before {
+            self.trial = Trial::Pending;
+            self.without = seen.unwrap_or(self.without);
+        } else if self.is_active {
+            self.steps += 1;
+            let is_poor = seen.is_some_and(|seen| T::int(2) * seen > self.without);
+            self.poor += u64::from(is_poor);
+            self.judge();
+        }
+    }
+
+    fn judge(&mut self) {
+        if 4 * self.poor > self.steps + 8 {
+            (self.trial, self.is_active) = (Trial::Off, false);
+        }
+    }
+
+    /// Sweeps have not contracted from where the last step led to.
+    pub(crate) fn was_misled(&mut self) {
+        self.misled += u64::from(self.is_active);
+    }
+
+    /// Whether the last step as a whole is to foretell this one, or what is slow in it.
+    pub(crate) fn foretells(&self) -> bool {
+        !self.is_active || 64 * self.misled <= self.steps + 64
+    }
+
+    /// Adds to the gradients of stages with these h b_i what they are about to change by.
+    pub(crate) fn foresee(
+        &self,
+        set: InstructionSet,
+        from: From<'_, T>,
+        (hb, gradients): (&[T], &mut [T]),
+        s: usize,
+    ) {
+        set.run(&mut Foresee {
+            springs: &self.springs,
+            matrices: &self.matrices,
+            from,
+            hb,
+            gradients,
+            m: self.w.len(),
+            s,
+        });
+    }
+
+    pub(crate) fn memory(&self) -> SpringsMemory {
+        SpringsMemory {
+            components: self.found.iter().map(|&(c, _)| c).collect(),
+            kappa: self
+                .found
+                .iter()
+                .map(|&(_, kappa)| Exact::of(kappa))
+                .collect(),
+            kept: self.springs.iter().map(|spring| spring.c).collect(),
+            trial: self.trial,
+            without: Exact::of(self.without),
+            counts: [self.steps, self.poor, self.misled],
+        }
+    }
+
+    /// Those of a run that is resumed with steps of size `h`.
+    pub(crate) fn from_memory(
+        gauss: &Gauss<T>,
+        (pattern, w, h): (&Pattern, &[T], T),
+        memory: &SpringsMemory,
+    ) -> Result<Option<Self>, IntegrateError<T>> {
+        let SpringsMemory {
+            components, kappa, ..
+        } = memory;
+        let what = "the springs";
+        if components.len() != kappa.len() || components.iter().any(|&c| c >= w.len()) {
+            return Err(IntegrateError::CheckpointDamaged { what });
+        }
+        let mut values = vec![T::int(0); kappa.len()];
+        Exact::read_all(kappa, &mut values, what)?;
+        let found = components.iter().copied().zip(values).collect();
+        let mut springs = Self::new(gauss, (pattern, w, h), found);
+        if let Some(springs) = &mut springs {
+            springs.springs.retain(|s| memory.kept.contains(&s.c));
+            springs.trial = memory.trial;
+            springs.without = memory.without.read()?;
+            [springs.steps, springs.poor, springs.misled] = memory.counts;
+        }
+        Ok(springs)
+    }
+}
+
+/// κ_c, if it is positive and outweighs the rest of its row.
+fn standing_out<T: Float>(pattern: &Pattern, w: &[T], entries: &[T], c: usize) -> Option<T> {
+    let (mut kappa, mut rest) = (T::int(0), T::int(0));
+    for (place, j) in pattern.row(c) {
+        if j == c {
+            kappa = entries[place];
+        } else if j < w.len() {
+            rest += entries[place].abs() * (w[j] / w[c]).sqrt();
+        }
+    }
+    (kappa > T::int(0) && kappa >= T::int(OUTWEIGHS) * rest).then_some(kappa)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use equip_autodiff::{Hamiltonian, System};
+
+    fn found(h: &Hamiltonian, y: &[f64], step: f64, by_slopes: bool) -> Option<Springs<f64>> {
+        let gauss = Gauss::new(8).unwrap();
+        let w = vec![1.0; y.len() / 2];
+        let pattern = (&h.structure().hessian, &*w, by_slopes);
+        Springs::find(&gauss, &mut h.evaluator::<f64>(), pattern, (y, step))
+    }
+
+    #[test]
+    fn only_what_is_stiff_and_outweighs_its_row_is_a_spring() {
+        let h = Hamiltonian::new(4, |q, p| {
+            let soft = 0.25 * (q[0] - q[2]).powi(4) + 0.5 * (q[3] - q[0]).powi(2);
+            0.5 * p.iter().map(|&p| p * p).sum::<equip_autodiff::Var>()
+                + 1250.0 * (q[1] * q[1] + 1.001 * q[2] * q[2])
+                + soft
+        });
+        let h = h.unwrap();
+        let y = [1.0, 0.0, 0.02, 0.5, 1.0, 0.0, 1.0, 0.0];
+        let mut springs = found(&h, &y, 0.1, false).unwrap();
+        let components: Vec<_> = springs.springs.iter().map(|s| s.c).collect();
+        assert_eq!((components, springs.matrices.len()), (vec![1, 2], 1));
+        assert!(found(&h, &y, 0.005, false).is_none());
+        // ω = 50, 8 stages.
+        assert!(found(&h, &y, 0.06, true).is_some() && found(&h, &y, 0.07, true).is_none());
+        // The first step without, the next with them, while they are of use.
+        let mut energy = h.evaluator::<f64>();
+        let mut step = |springs: &mut Springs<f64>, seen, size| {
+            springs.begin(&mut energy, (&y, size));
+            let active = springs.is_active;
+            springs.has_made(Some(seen));
+            active
+        };
+        assert!(!step(&mut springs, 0.2, 0.1) && step(&mut springs, 0.01, 0.1));
+        assert!(!step(&mut springs, 0.01, 0.05) && step(&mut springs, 0.01, 0.1));
+        while step(&mut springs, 0.15, 0.1) {}
+        assert_eq!((springs.steps, springs.poor), (6, 4));
+    }
+
+    /// Kepler's problem at the pericentre on the first axis: ∂²U/∂q₂² = 1/r³ stands alone in its row, but not for long.
+    #[test]
+    fn orbits_have_none() {
+        let h = Hamiltonian::new(2, |q, p| {
+            0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
+        });
+        let h = h.unwrap();
+        let mut springs = found(&h, &[0.4, 0.0, 0.0, 2.0], 0.25).unwrap();
+        springs.has_made(Some(0.3));
+        springs.begin(&mut h.evaluator(), (&[0.25, 0.42, -1.1, 1.2], 0.25));
+        assert!(!springs.is_active && springs.trial == Trial::Off);
+    }
+}

@@ -1,0 +1,75 @@
+//! What a sweep does besides for components on stiff springs.
+
+use super::Iterate;
+use crate::foresee::{From, Last};
+use crate::prolongation::Prolongation;
+use crate::state::State;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+
+impl<T: Float> Iterate<T> {
+    /// A step of size `h` begins at `y`: with springs, or without.
+    pub(crate) fn begin_springs<E: Evaluate<T>>(&mut self, energy: &mut E, (y, h): (&State<T>, T)) {
+        if let Some(springs) = &mut self.springs {
+            springs.begin(energy, (&y.hi, h));
+        }
+    }
+
+    /// Whether this step is made with springs.
+    pub(crate) fn has_springs(&self) -> bool {
+        (self.springs.as_ref()).is_some_and(|springs| springs.is_active)
+    }
+
+    /// Adds to the gradients on springs what they are about to change by: from Z = 0, or from Z as it was made by L.
+    pub(super) fn foresee(&mut self, y: &State<T>, from_nothing: bool) {
+        if !self.has_springs() {
+            return;
+        }
+        if let (Some(springs), Some(kinetic)) = (&self.springs, &self.kinetic) {
+            let from = if from_nothing {
+                From::Nothing(&y.hi, kinetic.offset())
+            } else {
+                From::Made(&self.l)
+            };
+            springs.foresee(self.set, from, (&self.hb, &mut self.gradients), self.s);
+        }
+    }
+
+    /// Makes the gradients on springs from the last step, `ratio` times as long as this one, and adds what they change by from Z = 0.
+    pub(super) fn foresee_from_last(
+        &mut self,
+        y: &State<T>,
+        ratio: T,
+        prolongation: &Prolongation<T>,
+        known: Option<&[T]>,
+    ) {
+        if !self.has_springs() {
+            return;
+        }
+        if let (Some(springs), Some(kinetic)) = (&self.springs, &self.kinetic) {
+            let last = Last {
+                prolongation: prolongation.view(),
+                l: &self.l_before,
+                ratio,
+                known,
+            };
+            let from = From::Last(&y.hi, kinetic.offset(), last);
+            springs.foresee(self.set, from, (&self.hb, &mut self.gradients), self.s);
+        }
+    }
+
+    /// Z has been moved from what is in `folded`: the forces foreseen follow.
+    pub(super) fn follow(&mut self) {
+        if !self.has_springs() {
+            return;
+        }
+        let (stride, m) = (self.stride, self.n / 2);
+        for spring in self.springs.iter().flat_map(|springs| &springs.springs) {
+            let (q, p) = (spring.c * stride, (spring.c + m) * stride);
+            for (i, &hb) in self.hb.iter().enumerate() {
+                let moved = self.z[q + i] - self.folded[q + i];
+                self.l[p + i] -= hb * (spring.kappa * moved);
+            }
+        }
+    }
+}
