@@ -326,7 +326,7 @@ mod tests {
             0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
         });
         let h = h.unwrap();
-        let mut springs = found(&h, &[0.4, 0.0, 0.0, 2.0], 0.25).unwrap();
+        let mut springs = found(&h, &[0.4, 0.0, 0.0, 2.0], 0.25, false).unwrap();
         springs.has_made(Some(0.3));
         springs.begin(&mut h.evaluator(), (&[0.25, 0.42, -1.1, 1.2], 0.25));
         assert!(!springs.is_active && springs.trial == Trial::Off);
