@@ -7,7 +7,7 @@
 
 use crate::Energy;
 use crate::dual::Dual;
-use equip_scalar::{Constant, Float, Lanes, Num, Pack, Piecewise};
+use equip_scalar::{Constant, DoubleDouble, Float, Lanes, Num, Pack, Piecewise};
 
 /// Points in a group.
 const LANES: usize = 4;
@@ -35,6 +35,18 @@ impl<'a> Batch<'a, f64> {
             gradients: T::as_doubles_mut(gradients)?,
             stride,
             count,
+        })
+    }
+}
+
+impl<'a, T: Float> Batch<'a, T> {
+    /// The same, if the numbers are double-doubles.
+    pub(crate) fn in_double_doubles(self) -> Option<Batch<'a, DoubleDouble>> {
+        Some(Batch {
+            states: T::as_double_doubles(self.states)?,
+            gradients: T::as_double_doubles_mut(self.gradients)?,
+            stride: self.stride,
+            count: self.count,
         })
     }
 }

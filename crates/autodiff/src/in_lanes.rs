@@ -1,12 +1,13 @@
 //! [`InLanes`]: the closure route at many points at once, the tape replayed over lanes.
 //!
-//! Points are taken in groups of 8, or of 4 where there is no room for more. Memory: 12 numbers a slot of the tapes.
+//! Points are taken in groups of 8, doubles in groups of 4 where there is no room for more. Memory: 12 numbers a slot of the tapes.
 
 use crate::batch::Batch;
 use crate::replay::forward;
 use crate::tape::{Tape, Transfer};
 use crate::values::Replay;
-use equip_scalar::{Float, InstructionSet, Kernel, Pack};
+use equip_scalar::{DoubleDouble, DoubleDoubles, Float, InstructionSet, Kernel, Pack};
+use std::any::Any;
 
 /// Workspace of both tapes in both widths.
 #[derive(Debug, Clone)]
@@ -56,7 +57,13 @@ impl<T: Float> Widths<T> {
     }
 
     fn run(&mut self, set: InstructionSet, tape: &Tape, batch: Batch<T>) {
-        if batch.stride <= 4 {
+        if T::IS_DOUBLE_DOUBLE {
+            let replay: &mut dyn Any = &mut self.eight;
+            if let (Some(replay), Some(batch)) = (replay.downcast_mut(), batch.in_double_doubles())
+            {
+                double_doubles(set, tape, replay, batch);
+            }
+        } else if batch.stride <= 4 {
             let replay = &mut self.four;
             set.run(&mut Group::<T, 4> {
                 tape,
@@ -72,6 +79,20 @@ impl<T: Float> Widths<T> {
             });
         }
     }
+}
+
+/// Compiled here once, and not in each crate that has energies.
+fn double_doubles(
+    set: InstructionSet,
+    tape: &Tape,
+    replay: &mut Replay<DoubleDoubles<8>>,
+    batch: Batch<DoubleDouble>,
+) {
+    set.run(&mut Group::<DoubleDouble, 8> {
+        tape,
+        replay,
+        batch,
+    });
 }
 
 /// A tape and the points to replay it at.

@@ -59,6 +59,7 @@ impl Float for f64 {
     const INFINITY: f64 = f64::INFINITY;
     const NAN: f64 = f64::NAN;
 
+    const IS_DOUBLE: bool = true;
     const WIDTH: usize = 8;
     type Pack<const N: usize> = Lanes<N>;
     type Forward<const N: usize> = Forward<f64, N>;

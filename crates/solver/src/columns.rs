@@ -84,10 +84,11 @@ impl<T: Float> Kernel for Fill<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match T::WIDTH {
-            1 => self.packs::<1>(),
+        if const { T::WIDTH == 1 } {
+            self.packs::<1>();
+        } else {
             // Strides are multiples of it.
-            _ => self.packs::<4>(),
+            self.packs::<4>();
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::pairs::HALF;
 use crate::product::{Mixes, Sixteen, product_any};
 use crate::row::{Row, add, difference, literal, placed, rows, rows_mut, scaled, stride_for};
 use crate::small::{Small, change, numbers, rows_of};
-use equip_scalar::{Float, Kernel, Lanes};
+use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
 use equip_tableau::Gauss;
 use std::ops::Range;
 
@@ -68,6 +68,14 @@ impl<'a, T: Float> Draft<'a, T> {
         Some(Draft {
             half: self.half.in_doubles()?,
             h: T::as_doubles(std::slice::from_ref(&self.h))?[0],
+        })
+    }
+
+    #[inline(always)]
+    pub(crate) fn in_double_doubles(self) -> Option<Draft<'a, DoubleDouble>> {
+        Some(Draft {
+            half: self.half.in_double_doubles()?,
+            h: T::as_double_doubles(std::slice::from_ref(&self.h))?[0],
         })
     }
 }

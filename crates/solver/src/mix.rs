@@ -10,9 +10,9 @@
 
 use crate::pairs::{HALF, has_pairs};
 use crate::product::{Columns, Mixes, Packed, Square, product_any};
-use crate::row::{by_lanes, difference, is_double, literal, placed, rows, rows_mut, stride_for};
+use crate::row::{difference, literal, placed, rows, rows_mut, stride_for};
 use crate::start::largest;
-use equip_scalar::{Float, Pack};
+use equip_scalar::{DoubleDouble, Float, Pack};
 use std::ops::Range;
 
 /// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands at `c·stride + i`.
@@ -57,17 +57,22 @@ pub(crate) trait Mix<'a, T: Float> {
     #[inline(always)]
     fn mix(&mut self) -> T {
         let (k, s) = (self.step().k, self.step().s);
-        if has_pairs::<T>(s) {
-            return self.by_rows(&Self::sixteen(k));
-        }
-        match stride_for::<T>(s) {
-            4 if is_double::<T>() => self.square::<4>(k),
-            8 if is_double::<T>() => self.square::<8>(k),
-            16 if is_double::<T>() => self.by_rows(&Columns::<T, 2, 8>::of(rows(k), s)),
-            4 => self.by_rows(&Packed::<T, 1, 4>::of(rows(k), s)),
-            8 => self.by_rows(&Packed::<T, 1, 8>::of(rows(k), s)),
-            16 => self.by_rows(&Packed::<T, 2, 8>::of(rows(k), s)),
-            _ => by_lanes!(T, s, self),
+        if T::IS_DOUBLE {
+            match stride_for::<T>(s) {
+                _ if has_pairs::<T>(s) => self.by_rows(&Self::sixteen(k)),
+                4 => self.square::<4>(k),
+                8 => self.square::<8>(k),
+                16 => self.by_rows(&Columns::<T, 2, 8>::of(rows(k), s)),
+                _ => self.lanes::<8>(),
+            }
+        } else if const { T::WIDTH == 1 } {
+            self.lanes::<1>()
+        } else {
+            match stride_for::<T>(s) {
+                8 => self.by_rows(&Packed::<T, 1, 8>::of(rows(k), s)),
+                16 => self.by_rows(&Packed::<T, 2, 8>::of(rows(k), s)),
+                _ => self.lanes::<8>(),
+            }
         }
     }
 
@@ -100,24 +105,36 @@ pub(crate) trait Mix<'a, T: Float> {
 /// Components whose rows stay in the first-level cache from one loop to the next.
 const BLOCK: usize = 32;
 
+/// The same, if the floats are of this type.
+macro_rules! in_floats {
+    ($name:ident, $float:ty, $slice:ident, $slice_mut:ident) => {
+        #[inline(always)]
+        pub(crate) fn $name(self) -> Option<Step<'a, $float>> {
+            Some(Step {
+                k: T::$slice(self.k)?,
+                hb: T::$slice(self.hb)?,
+                hi: T::$slice(self.hi)?,
+                lo: T::$slice(self.lo)?,
+                inverse_scale: T::$slice(self.inverse_scale)?,
+                gradients: T::$slice_mut(self.gradients)?,
+                l: T::$slice_mut(self.l)?,
+                folded: T::$slice_mut(self.folded)?,
+                z: T::$slice_mut(self.z)?,
+                points: T::$slice_mut(self.points)?,
+                s: self.s,
+            })
+        }
+    };
+}
+
 impl<'a, T: Float> Step<'a, T> {
-    /// The same, if the floats are doubles.
-    #[inline(always)]
-    pub(crate) fn in_doubles(self) -> Option<Step<'a, f64>> {
-        Some(Step {
-            k: T::as_doubles(self.k)?,
-            hb: T::as_doubles(self.hb)?,
-            hi: T::as_doubles(self.hi)?,
-            lo: T::as_doubles(self.lo)?,
-            inverse_scale: T::as_doubles(self.inverse_scale)?,
-            gradients: T::as_doubles_mut(self.gradients)?,
-            l: T::as_doubles_mut(self.l)?,
-            folded: T::as_doubles_mut(self.folded)?,
-            z: T::as_doubles_mut(self.z)?,
-            points: T::as_doubles_mut(self.points)?,
-            s: self.s,
-        })
-    }
+    in_floats!(in_doubles, f64, as_doubles, as_doubles_mut);
+    in_floats!(
+        in_double_doubles,
+        DoubleDouble,
+        as_double_doubles,
+        as_double_doubles_mut
+    );
 
     /// Z ← K L and the stages, for the components of a block.
     #[inline(always)]

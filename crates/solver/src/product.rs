@@ -3,7 +3,7 @@
 //! Cost: s² products; by pairs of stages ([`crate::pairs`]) half of them.
 
 use crate::MAX_STAGES;
-use crate::row::{Row, add, is_double, scaled, sum_of};
+use crate::row::{Row, add, scaled, sum_of};
 use equip_scalar::{Float, Pack};
 use std::array::from_fn;
 
@@ -129,7 +129,7 @@ pub(crate) fn product_any<T: Float, const N: usize>(
     s: usize,
 ) -> [T; N] {
     let groups = l.len();
-    if !is_double::<T>() {
+    if !T::IS_DOUBLE {
         let mut packed = [[T::Pack::splat(T::int(0))]; MAX_STAGES];
         for (j, packed) in packed.iter_mut().enumerate().take(s) {
             *packed = [T::Pack::of(&k[j * groups + g])];

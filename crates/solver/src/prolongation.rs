@@ -169,10 +169,15 @@ impl<T: Float> Kernel for Make<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match lanes_of::<T>(self.to.recurrence.len()) {
-            4 => self.lanes::<4, 4>(),
-            8 => self.lanes::<8, 4>(),
-            _ => self.lanes::<1, 1>(),
+        if T::IS_DOUBLE {
+            match lanes_of::<T>(self.to.recurrence.len()) {
+                4 => self.lanes::<4, 4>(),
+                _ => self.lanes::<8, 4>(),
+            }
+        } else if const { T::WIDTH == 1 } {
+            self.lanes::<1, 1>();
+        } else {
+            self.lanes::<8, 4>();
         }
     }
 }

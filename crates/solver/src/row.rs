@@ -18,15 +18,9 @@ pub(crate) fn stride_for<T: Float>(s: usize) -> usize {
 pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
     match T::WIDTH {
         1 => 1,
-        _ if s <= 4 => 4,
+        _ if T::IS_DOUBLE && s <= 4 => 4,
         _ => 8,
     }
-}
-
-/// Whether this float is `f64`, which literal lengths and kernels of their own are for.
-#[inline(always)]
-pub(crate) fn is_double<T: Float>() -> bool {
-    T::as_doubles(&[]).is_some()
 }
 
 /// Groups of N lanes that `s` stages stand in.
@@ -38,10 +32,15 @@ pub(crate) fn groups_of<T: Float, const N: usize>(s: usize) -> usize {
 /// A task's `lanes` for the number of lanes that `s` stages of the float are worked on with.
 macro_rules! by_lanes {
     ($float:ty, $s:expr, $task:ident) => {
-        match $crate::row::lanes_of::<$float>($s) {
-            4 => $task.lanes::<4>(),
-            8 => $task.lanes::<8>(),
-            _ => $task.lanes::<1>(),
+        if <$float>::IS_DOUBLE {
+            match $crate::row::lanes_of::<$float>($s) {
+                4 => $task.lanes::<4>(),
+                _ => $task.lanes::<8>(),
+            }
+        } else if const { <$float as Float>::WIDTH == 1 } {
+            $task.lanes::<1>()
+        } else {
+            $task.lanes::<8>()
         }
     };
 }
@@ -73,7 +72,7 @@ pub(crate) fn literal<R>(found: Option<R>) -> R {
 /// Doubles lane by lane, of which the compiler makes better vectors where many rows are at work, others in packs.
 macro_rules! each_lane {
     (|$i:ident| $number:expr, $pack:expr) => {
-        if is_double::<T>() {
+        if T::IS_DOUBLE {
             from_fn(|$i| $number)
         } else {
             ($pack).numbers()

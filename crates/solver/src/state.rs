@@ -1,6 +1,6 @@
 //! The state y = (q, p) with the part that rounding would lose, and the compensated update.
 
-use crate::row::{by_lanes, groups_of, is_double};
+use crate::row::{by_lanes, groups_of};
 use equip_scalar::{Float, InstructionSet, Kernel, Pack};
 
 /// A state carried to about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
@@ -105,7 +105,7 @@ impl<T: Float> Advance<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) {
         let n = self.from.hi.len();
-        let abreast = if is_double::<T>() { n - n % ABREAST } else { 0 };
+        let abreast = if T::IS_DOUBLE { n - n % ABREAST } else { 0 };
         if abreast > 0 {
             let mut room: [Abreast<T, N>; 2] = [[[T::int(0); ABREAST]; N]; 2];
             for first in (0..abreast).step_by(ABREAST) {
@@ -113,7 +113,7 @@ impl<T: Float> Advance<'_, T> {
             }
         }
         for c in abreast..n {
-            if is_double::<T>() {
+            if T::IS_DOUBLE {
                 self.one::<N>(c);
             } else {
                 self.one_in_packs::<N>(c);

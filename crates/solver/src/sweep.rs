@@ -20,6 +20,7 @@
 //! with s = 8, 315 with s = 16; a draft a quarter less.
 
 mod begin;
+mod double_double;
 mod sprung;
 
 use crate::aligned::{Aligned, Places};
@@ -268,12 +269,16 @@ impl<T: Float> Iterate<T> {
         // What was measured on stages that were far off is measured again.
         let measures = self.was_far || unknown;
         self.is_draft = draft && !measures && !self.k_has_moved && self.twice.is_some();
-        let fused = match self.stride {
-            _ if self.has_springs() => None,
-            4 => self.fuse::<4, E>(energy, y),
-            8 => self.fuse::<8, E>(energy, y),
-            16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y),
-            _ => None,
+        let fused = if T::IS_DOUBLE {
+            match self.stride {
+                _ if self.has_springs() => None,
+                4 => self.fuse::<4, E>(energy, y),
+                8 => self.fuse::<8, E>(energy, y),
+                16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y),
+                _ => None,
+            }
+        } else {
+            None
         };
         let change = match fused {
             Some(change) => change,
@@ -327,7 +332,11 @@ impl<T: Float> Iterate<T> {
     /// L from the gradients, Z ← K L, and the stages; P and L_q on the way, where momenta are not unknowns.
     fn mix(&mut self, y: &State<T>) -> T {
         let set = self.set;
-        match form!(self, y, &self.inverse_scale) {
+        let form = form!(self, y, &self.inverse_scale);
+        if T::IS_DOUBLE_DOUBLE {
+            return double_double::run(set, form).map_or(T::NAN, T::exact);
+        }
+        match form {
             Form::Whole(mut task) => set.run(&mut task),
             Form::Half(mut task) => set.run(&mut task),
             Form::Draft(mut task) => set.run(&mut task),

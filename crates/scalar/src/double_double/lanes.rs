@@ -208,7 +208,15 @@ impl<const N: usize> Scalar for DoubleDoubles<N> {
 impl<const N: usize> Piecewise for DoubleDoubles<N> {
     #[inline(always)]
     fn sign(x: Self) -> Self {
-        Self::joined((Lanes::sign(x.hi), Lanes::splat(0.0)))
+        let [one, minus_one] = [1, -1].map(DoubleDouble::from_i64);
+        let mut result = x;
+        for k in 0..N {
+            let x = dd(x.hi.0[k], x.lo.0[k]);
+            let other = if x.hi < 0.0 { minus_one } else { x };
+            let sign = if x.hi > 0.0 { one } else { other };
+            (result.hi.0[k], result.lo.0[k]) = (sign.hi, sign.lo);
+        }
+        result
     }
 
     #[inline(always)]

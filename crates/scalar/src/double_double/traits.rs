@@ -60,6 +60,7 @@ impl Float for DoubleDouble {
     const INFINITY: Self = DoubleDouble::INFINITY;
     const NAN: Self = DoubleDouble::NAN;
 
+    const IS_DOUBLE_DOUBLE: bool = true;
     const WIDTH: usize = 8;
     type Pack<const N: usize> = DoubleDoubles<N>;
     type Forward<const N: usize> = Forward<DoubleDouble, N>;
@@ -79,6 +80,14 @@ impl Float for DoubleDouble {
     #[inline(always)]
     fn to_f64(self) -> f64 {
         self.hi
+    }
+    #[inline(always)]
+    fn as_double_doubles(x: &[Self]) -> Option<&[DoubleDouble]> {
+        Some(x)
+    }
+    #[inline(always)]
+    fn as_double_doubles_mut(x: &mut [Self]) -> Option<&mut [DoubleDouble]> {
+        Some(x)
     }
     #[inline(always)]
     fn expansion(self) -> [f64; 4] {

@@ -44,7 +44,7 @@ impl<T: Float> Iterate<T> {
         std::mem::swap(&mut self.l, &mut self.l_before);
         (self.is_first, self.is_prolonged, self.was_far) = (true, true, false);
         self.is_draft = false;
-        if !self.has_springs() && self.open(y, prolongation, known).is_some() {
+        if T::IS_DOUBLE && !self.has_springs() && self.open(y, prolongation, known).is_some() {
             return;
         }
         let wanted = self.unknowns();
