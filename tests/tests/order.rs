@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_scalar::{DoubleDouble, Float, ratio};
-use equip_solver::{Alphas, Equip, Gauss, Method};
+use equip_solver::{Alphas, Equip, Gauss, Method, StageSolver};
 use equip_tests::{Start, distance, henon_heiles, kepler, observed_order};
 
 /// What a run of the tables shows.
@@ -207,6 +207,39 @@ fn orders_in_f64_down_to_its_rounding() {
             // Below 1e-12 rounding weighs more than the tenth of an order.
             down_to::<f64>([1e-9, 2e-10, 1e-9][s - 2], method, (2 * s, 0.1), 4);
         }
+    }
+}
+
+/// α's by responses in double-double: the order, an error below that of Gauss, the energy at its floor, and no Newton.
+#[test]
+fn responses_have_order_2s_in_double_double() {
+    type D = DoubleDouble;
+    let (h, _) = kepler::<D>(6);
+    let q = [D::ratio(3, 5), D::ratio(7, 10)];
+    let p = [D::ratio(-9, 10), D::ratio(1, 2)];
+    let exact = arc::<D>(Gauss::stages(14), 96);
+    for (s, first) in [(3, 64), (4, 32), (6, 16), (8, 8)] {
+        let error = |n: i64| {
+            let step = Equip::stages(s).step(D::ratio(1, n));
+            let step = step.stage_solver(StageSolver::Responses);
+            let mut run = step.start(&h, &q, &p, D::int(0)).unwrap();
+            for _ in 0..n {
+                let defect = run.advance().unwrap().energy_defect.unwrap();
+                assert!(
+                    defect.abs() < D::exact(1e-30),
+                    "s = {s}, n = {n}: {defect:e}"
+                );
+            }
+            assert_eq!(run.counts().newton_iterations, 0);
+            let view = run.view();
+            distance(&[view.q, view.p].concat(), &exact)
+        };
+        let (coarse, fine) = (error(first), error(2 * first));
+        let order = observed_order(coarse, fine);
+        let gauss = distance(&arc::<D>(Gauss::stages(s), 2 * first), &exact);
+        println!("s = {s}: {coarse:.2e} {fine:.2e}, order {order:.3}, Gauss {gauss:.2e}");
+        assert!((order - 2.0 * s as f64).abs() <= 0.3, "s = {s}: {order}");
+        assert!(fine < gauss, "s = {s}: {fine:e}, Gauss {gauss:e}");
     }
 }
 

@@ -13,7 +13,8 @@ use crate::{json, plot};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
 use equip_solver::{
-    Alphas, Equip, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run, Target,
+    Alphas, Equip, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run, StageSolver,
+    Target,
 };
 use std::io::{Write, stdout};
 use std::time::Duration;
@@ -57,11 +58,18 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         None => h,
         Some(text) => step_for(number("--target-error", text)?, instance, method, end)?,
     };
+    // What the default costs in wide numbers is for runs that are made backwards.
+    let solver = if T::IS_DOUBLE {
+        StageSolver::Automatic
+    } else {
+        StageSolver::Responses
+    };
     let mut integrator = match &args.tolerance {
-        None => Integrator::Fixed(method.step(h).record(Record::Ends)),
+        None => Integrator::Fixed(method.step(h).stage_solver(solver).record(Record::Ends)),
         Some(text) => {
             let tolerance = number::<T>("--tolerance", text)?;
-            Integrator::Variable(method.tolerance(tolerance).record(Record::Ends))
+            let steps = method.tolerance(tolerance).stage_solver(solver);
+            Integrator::Variable(steps.record(Record::Ends))
         }
     };
     if args.refuse {

@@ -67,6 +67,9 @@ pub(crate) struct LinearSweeps<T: Float> {
     groups: Vec<Vec<Column>>,
     /// h b_i ∂²H at stage i: entry e at `e·stride + i`; the padding is zero.
     entries: Vec<T>,
+    /// One state and ∇²H there.
+    state: Vec<T>,
+    hessian: Vec<T>,
     /// K(0) and K(0) − 1 1ᵀ, column by column: for each end that may be held.
     k: [Vec<T>; 2],
     points: Vec<T>,
@@ -111,6 +114,8 @@ impl<T: Float> LinearSweeps<T> {
                 .map(|group| group.iter().map(|&c| Column::of(&pattern, c)).collect())
                 .collect(),
             entries: zeros(pattern.len() * stride),
+            state: zeros(n),
+            hessian: zeros(pattern.len()),
             k: [k, k_back],
             points: zeros(n * stride),
             gradients: zeros(n * stride),
@@ -134,7 +139,11 @@ impl<T: Float> LinearSweeps<T> {
         counts: &mut Counts,
     ) -> bool {
         self.is_accurate = accurate;
-        self.take_quotients(iterate, energy, counts);
+        if T::IS_DOUBLE {
+            self.take_quotients(iterate, energy, counts);
+        } else {
+            self.take_exactly(iterate, energy, counts);
+        }
         let mut sum = T::int(0);
         for entry in self.entries.chunks_exact_mut(self.stride) {
             for (x, &hb) in entry.iter_mut().zip(&*iterate.hb) {
@@ -147,10 +156,33 @@ impl<T: Float> LinearSweeps<T> {
 
     /// How well ∇²H is known, and so all that is solved for: √ε, or ε^(2/3) by central differences.
     pub(crate) fn accuracy(&self) -> T {
-        if self.is_accurate {
+        if !T::IS_DOUBLE {
+            T::EPSILON
+        } else if self.is_accurate {
             T::EPSILON.cbrt() * T::EPSILON.cbrt()
         } else {
             T::EPSILON.sqrt() / T::int(16)
+        }
+    }
+
+    /// ∇²H at the stages one by one: of wide numbers quotients would lose a third of the digits, and with them the α's of the step made backwards.
+    fn take_exactly<E: Evaluate<T>>(
+        &mut self,
+        iterate: &Iterate<T>,
+        energy: &mut E,
+        counts: &mut Counts,
+    ) {
+        let (s, stride) = (self.s, self.stride);
+        counts.hessians += s as u64;
+        for i in 0..s {
+            for (c, x) in self.state.iter_mut().enumerate() {
+                *x = iterate.points[c * stride + i];
+            }
+            energy.hessian(&self.state, &mut self.hessian);
+            let places = self.entries.chunks_exact_mut(stride);
+            for (entry, &x) in places.zip(&self.hessian) {
+                entry[i] = x;
+            }
         }
     }
 

@@ -47,8 +47,14 @@ pub enum StageSolver {
     /// Sweeps Z ← K(α) L(Z) as long as they contract; the α's, where they have to move, by the linearised responses of the step to each of them, found
     /// by sweeps as well. No factorisation. [`Newton`](Self::Newton) for steps where that fails, and for 1, 2, 4, … 64 steps after each one
     /// where sweeps did not contract; for further invariants that are to be kept; for the α of the paper alone.
+    ///
+    /// In numbers wider than `f64` the α's are for Newton, who finds them again to round-off in the step made backwards, at some hundred times the price of
+    /// [`Responses`](Self::Responses).
     #[default]
     Automatic,
+    /// As `Automatic`, with α's by responses in wide numbers too. Trajectories are as good; a run with reversed momenta comes back to the square of
+    /// the local error, not to round-off.
+    Responses,
     /// Sweeps for everything: gradients at the stages only, no Hessian, no linear system: 1.1 to 1.6 times the gradients of a Gauss step. The
     /// α's move by slopes from Legendre coefficients, not aimed at the exact flow: energy and quadratic
     /// invariants are kept as well, trajectories are 1 to 10 times, in stiff cases 100 times as far off as those of Gauss with the same

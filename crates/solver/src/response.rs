@@ -129,7 +129,7 @@ impl<T: Float> Response<T> {
         if self.displacements.is_unresolved(0) {
             return false;
         }
-        let [least, full] = AIMED_AT.map(T::int);
+        let [least, full] = if T::IS_DOUBLE { AIMED_AT } else { [0, 1] }.map(T::int);
         let floors = constraint.in_floors_of_both_ends(&self.sizes);
         let share = ((floors - least) / (full - least)).min(T::int(1));
         let aims = share > T::int(0)

@@ -210,8 +210,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 pub(crate) fn rule<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> Rule {
     match settings.stage_solver {
         StageSolver::Sweeps => Rule::Slopes,
-        StageSolver::Automatic
-            if constraints == 1 && settings.first_alpha == Some(1) && s > 2 && T::WIDTH > 1 =>
+        // In wide numbers directions are repeated to a fixed point, which is Newton's.
+        solver @ (StageSolver::Automatic | StageSolver::Responses)
+            if constraints == 1
+                && settings.first_alpha == Some(1)
+                && s > 2
+                && (T::IS_DOUBLE || solver == StageSolver::Responses) =>
         {
             Rule::Response
         }
@@ -224,7 +228,7 @@ pub(crate) fn rule<T: Float>(settings: &Settings<T>, s: usize, constraints: usiz
 pub(crate) fn can_sweep<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> bool {
     let has_slopes = settings.first_alpha == Some(1) && s > 3;
     let wanted = match settings.stage_solver {
-        StageSolver::Automatic => constraints <= 1,
+        StageSolver::Automatic | StageSolver::Responses => constraints <= 1,
         StageSolver::Sweeps => constraints == 0 || (constraints == 1 && has_slopes),
         _ => false,
     };
