@@ -113,8 +113,8 @@ impl<T: Float, const G: usize, const N: usize> Mixes<T, G, N> for Packed<T, G, N
     #[inline(always)]
     fn product(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
         let mut sums = [[T::int(0); N]; G];
-        for g in 0..G {
-            sums[g] = T::Pack::dot(&self.columns[..self.s], g, l.as_flattened()).numbers();
+        for (g, sum) in sums.iter_mut().enumerate() {
+            *sum = T::Pack::dot(&self.columns[..self.s], g, l.as_flattened()).numbers();
         }
         sums
     }

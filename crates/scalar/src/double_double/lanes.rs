@@ -152,7 +152,7 @@ impl<const N: usize> Scalar for DoubleDoubles<N> {
     fn sqrt(x: Self) -> Self {
         let mut ordinary = true;
         for x in x.hi.0 {
-            ordinary &= SAFE_MIN <= x && x < SAFE_MAX;
+            ordinary &= (SAFE_MIN..SAFE_MAX).contains(&x);
         }
         if ordinary {
             Self::joined(words::root(x.words(), Lanes::sqrt(x.hi)))
@@ -222,11 +222,11 @@ impl<const N: usize> Piecewise for DoubleDoubles<N> {
     #[inline(always)]
     fn at_most(x: Self, y: Self) -> Self {
         let mut result = [0.0; N];
-        for k in 0..N {
+        for (k, result) in result.iter_mut().enumerate() {
             let below = x.hi.0[k] < y.hi.0[k];
             let equal = x.hi.0[k] == y.hi.0[k];
             let is_at_most = below | (equal & (x.lo.0[k] <= y.lo.0[k]));
-            result[k] = if is_at_most { 1.0 } else { 0.0 };
+            *result = if is_at_most { 1.0 } else { 0.0 };
         }
         Self::joined((Lanes(result), Lanes::splat(0.0)))
     }
@@ -278,8 +278,8 @@ impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
     #[inline(always)]
     fn numbers(self) -> [DoubleDouble; N] {
         let mut numbers = [DoubleDouble::ZERO; N];
-        for k in 0..N {
-            numbers[k] = dd(self.hi.0[k], self.lo.0[k]);
+        for (k, number) in numbers.iter_mut().enumerate() {
+            *number = dd(self.hi.0[k], self.lo.0[k]);
         }
         numbers
     }
@@ -323,7 +323,7 @@ fn special_dot<const N: usize, const G: usize>(
     let mut sums = [DoubleDouble::ZERO; N];
     for (a, &b) in a.iter().zip(b) {
         for (sum, a) in sums.iter_mut().zip(a[g].numbers()) {
-            *sum = *sum + a * b;
+            *sum += a * b;
         }
     }
     DoubleDoubles::of(&sums)
