@@ -5,7 +5,7 @@
 //! remainder. The equations are the same, and so is what K makes of their solution.
 //!
 //! *Which.* At the start of the run κ_c = ∂²U/∂q_c², where it stands out of its row of ∇²U by [`OUTWEIGHS`] and h² w κ is at least 1/[`SOFT`].
-//! Springs are those whose κ_c is still the same to 1/[`STEADY`] a step later.
+//! Springs are those whose κ_c is still the same to 1/[`STEADY`] a step later, and every [`CHECKED`] steps.
 //! *Whether.* The first step is made without them, or with them if its sweeps do not contract. They stay as long as in most steps sweeps contract
 //! twice as well with them as in the first step without. What has once been given up is not tried again.
 //!
@@ -25,8 +25,10 @@ const SOFT: i64 = 4;
 /// Slopes from Legendre coefficients find α's where hω is no more than this times the stages: some 16 stages a period of the spring. With
 /// 12 stages and hω = 8 they keep the energy and ruin the trajectory (FPU, T = 200: 1e-1, where halved steps give 1e-7).
 const RESOLVED: [i64; 2] = [2, 5];
-/// The same spring a step later, to 1 over this.
+/// The same spring later on, to 1 over this.
 const STEADY: i64 = 16;
+/// Steps after which that is looked at again: a spring that turns leaves its axis.
+const CHECKED: u64 = 16;
 /// Springs this alike, 1 over it, have one matrix.
 const ALIKE: i64 = 128;
 /// Matrices at most.
@@ -148,7 +150,8 @@ impl<T: Float> Springs<T> {
 
     /// A step of size `h` begins at `y`.
     pub(crate) fn begin<E: Evaluate<T>>(&mut self, energy: &mut E, (y, h): (&[T], T)) {
-        if self.trial == Trial::Pending {
+        let is_due = self.trial == Trial::On && self.steps.is_multiple_of(CHECKED);
+        if self.trial == Trial::Pending || is_due {
             energy.hessian(y, &mut self.entries);
             let (pattern, w, entries) = (&self.pattern, &self.w, &self.entries);
             self.springs.retain(|&Spring { c, kappa, .. }| {
