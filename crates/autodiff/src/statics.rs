@@ -305,7 +305,7 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
 /// not compiled once more for each set of instructions.
 #[inline(always)]
 fn by_tape<T: Float>() -> bool {
-    T::WIDTH > 1 && T::as_doubles(&[]).is_none()
+    T::WIDTH > 1 && !T::IS_DOUBLE
 }
 
 #[inline(always)]

@@ -6,7 +6,7 @@ use crate::{Float, InstructionSet, Kernel, Lanes, Pack};
 ///
 /// Layout: component c of stage i stands at `c·stride + i` in `l` and `z`; K stands **column by column**, `k[j·stride + i]` =
 /// K_ij, with `stages` ≤ `stride`. The places between `stages` and `stride` of K are read and become finite places of `z` if they
-/// are finite; those of `l` are not used. The sum runs over j = 0, 1, …: the same bits on every instruction set.
+/// are finite; those of `l` are not used. The sum runs over j = 0, 1, …, of double-doubles as one dot product ([`Pack::dot`]): the same bits on every instruction set.
 /// Cost: s² products for each component; 8 stages fill vectors of 8 doubles.
 ///
 /// # Panics
@@ -33,25 +33,28 @@ pub fn mix_stages<T: Float>(
         "K has {stages} columns of {stride} places, L and Z as many places as each other"
     );
     let k = &k[..stages * stride];
-    match (T::as_doubles(k), T::as_doubles(l), T::as_doubles_mut(z)) {
-        (Some(k), Some(l), Some(z)) => set.run(&mut Mix {
+    if !T::IS_DOUBLE {
+        return set.run(&mut MixPacks {
             k,
             l,
             z,
             stages,
             stride,
-        }),
-        _ => set.run(&mut MixPacks {
+        });
+    }
+    if let (Some(k), Some(l), Some(z)) = (T::as_doubles(k), T::as_doubles(l), T::as_doubles_mut(z))
+    {
+        set.run(&mut Mix {
             k,
             l,
             z,
             stages,
             stride,
-        }),
+        });
     }
 }
 
-/// One component after the other, in any float type.
+/// One component after the other, in floats that are not `f64`.
 struct MixPacks<'a, T> {
     k: &'a [T],
     l: &'a [T],
@@ -65,10 +68,10 @@ impl<T: Float> Kernel for MixPacks<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match self.stride {
-            4 if T::WIDTH > 1 => self.packs::<4>(),
-            stride if T::WIDTH > 1 && stride % 8 == 0 => self.packs::<8>(),
-            _ => self.packs::<1>(),
+        if T::WIDTH > 1 && self.stride.is_multiple_of(8) {
+            self.packs::<8>();
+        } else {
+            self.packs::<1>();
         }
     }
 }

@@ -64,6 +64,21 @@ impl<T: Float> Columns<T> {
     }
 }
 
+/// K(0) and −K(0)ᵀ = K(0) − 1 1ᵀ, column by column: the step from its start, and from its end.
+pub(crate) fn both_ways<T: Float>(gauss: &Gauss<T>) -> [Vec<T>; 2] {
+    let s = gauss.stages();
+    let stride = stride_for::<T>(s);
+    let zeros = |len: usize| vec![T::int(0); len];
+    let (mut k, mut back) = (zeros(stride * stride), zeros(stride * stride));
+    gauss.skew_columns_into(&zeros(s - 1), stride, &mut k);
+    for j in 0..s {
+        for i in 0..s {
+            back[j * stride + i] = -k[i * stride + j];
+        }
+    }
+    [k, back]
+}
+
 /// Numbers that K, or P and Q, take.
 pub(crate) fn length_of<T: Float>(s: usize) -> usize {
     if has_pairs::<T>(s) {

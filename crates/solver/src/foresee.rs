@@ -39,8 +39,6 @@ pub(crate) struct Matrix<T> {
     by_force: Aligned<T>,
     /// h M c.
     by_velocity: Vec<T>,
-    /// −Kᵀ, column by column.
-    back: Aligned<T>,
 }
 
 impl<T: Float> Matrix<T> {
@@ -71,19 +69,10 @@ impl<T: Float> Matrix<T> {
         }
         let mut by_velocity = vec![T::int(0); stride];
         by_velocity[..s].copy_from_slice(solved(gauss.nodes()).as_slice());
-        let mut k = vec![T::int(0); s * stride];
-        gauss.skew_columns_into(&vec![T::int(0); s - 1], stride, &mut k);
-        let mut back = places.zeros(stride * stride);
-        for j in 0..s {
-            for i in 0..s {
-                back[j * stride + i] = -k[i * stride + j];
-            }
-        }
         Some(Matrix {
             stiffness,
             by_force,
             by_velocity,
-            back,
         })
     }
 }
@@ -113,6 +102,8 @@ pub(crate) struct Last<'a, T> {
 pub(crate) struct Foresee<'a, T: Float> {
     pub(crate) springs: &'a [Spring<T>],
     pub(crate) matrices: &'a [Matrix<T>],
+    /// −Kᵀ, column by column.
+    pub(crate) back: &'a [T],
     pub(crate) from: From<'a, T>,
     pub(crate) hb: &'a [T],
     pub(crate) gradients: &'a mut [T],
@@ -153,7 +144,7 @@ impl<T: Float> Foresee<'_, T> {
             let matrix = &self.matrices[matrix];
             if let From::Last(_, _, last) = &self.from {
                 let l = rows::<T, G, N>(last.l);
-                let behind = applied(&matrix.back, &l[c], s);
+                let behind = applied(self.back, &l[c], s);
                 let mut row = l[c + m];
                 for g in 0..G {
                     add(
@@ -241,6 +232,7 @@ mod tests {
                     set.run(&mut Foresee {
                         springs: &springs,
                         matrices: &matrices,
+                        back: &[],
                         from: if p == 0.0 {
                             From::Made(&l)
                         } else {

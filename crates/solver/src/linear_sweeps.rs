@@ -7,18 +7,20 @@
 //!
 //! and the other end by Σ δL_i. Both are iterated momenta first, then positions: for H = T(p) + U(q) that takes half the sweeps.
 //!
-//! ∇²H at the stages is taken as quotients of differences of ∇H, all stages at once, one for each group of
-//! columns that do not meet: right to √ε, or to ε^(2/3) for twice the price, which is enough for what only has to point the right way.
+//! ∇²H at the stages: `at_stages`.
 //!
 //! *Layout.* As in [`crate::sweep`], with several right-hand sides: component c of side k of stage i stands at `(c·sides + k)·stride + i`.
 //!
-//! Cost: a gradient at all stages for each group of columns; a sweep of one side nnz·s + 2m s² products. Nothing is allocated.
+//! Cost: a sweep of one side nnz·s + 2m s² products. Nothing is allocated.
 
+mod at_stages;
+
+use crate::columns::both_ways;
 use crate::hessians::turned;
-use crate::outcome::Counts;
 use crate::row::{add, by_lanes, times};
 use crate::sweep::Iterate;
-use equip_autodiff::{Evaluate, Pattern};
+use at_stages::Column;
+use equip_autodiff::Pattern;
 use equip_scalar::{Float, InstructionSet, Kernel, mix_stages};
 use equip_tableau::Gauss;
 
@@ -26,28 +28,6 @@ use equip_tableau::Gauss;
 const MAX_SWEEPS: usize = 40;
 /// And at least made: what a change is worth at the end shows after a few only.
 const MIN_SWEEPS: usize = 3;
-
-/// A column of ∇²H, with its entries on and above the diagonal: row, place, and place of the mirror image.
-#[derive(Debug)]
-struct Column {
-    c: usize,
-    entries: Vec<(usize, usize, usize)>,
-}
-
-impl Column {
-    fn of(pattern: &Pattern, c: usize) -> Self {
-        // Row c has the rows of column c.
-        let rows = pattern.row(c).take_while(|&(_, row)| row <= c);
-        let entries = rows.filter_map(|(mirrored, row)| {
-            let (entry, _) = pattern.row(row).find(|&(_, column)| column == c)?;
-            Some((row, entry, mirrored))
-        });
-        Column {
-            c,
-            entries: entries.collect(),
-        }
-    }
-}
 
 /// The end of the step that does not move.
 #[derive(Debug, Clone, Copy)]
@@ -95,14 +75,6 @@ impl<T: Float> LinearSweeps<T> {
     ) -> Self {
         let (s, n, stride) = (iterate.s, iterate.n, iterate.stride);
         let zeros = |len: usize| vec![T::int(0); len];
-        let mut k = zeros(stride * stride);
-        gauss.skew_columns_into(&zeros(s - 1), stride, &mut k);
-        let mut k_back = zeros(stride * stride);
-        for j in 0..s {
-            for i in 0..s {
-                k_back[j * stride + i] = -k[i * stride + j];
-            }
-        }
         LinearSweeps {
             s,
             stride,
@@ -116,7 +88,7 @@ impl<T: Float> LinearSweeps<T> {
             entries: zeros(pattern.len() * stride),
             state: zeros(n),
             hessian: zeros(pattern.len()),
-            k: [k, k_back],
+            k: both_ways(gauss),
             points: zeros(n * stride),
             gradients: zeros(n * stride),
             beside: zeros(n * stride),
@@ -127,148 +99,6 @@ impl<T: Float> LinearSweeps<T> {
             sums: zeros(n * sides),
             before: zeros(n * sides),
             pattern,
-        }
-    }
-
-    /// Takes ∇²H at the stages of an iterate that has converged, by `accurate` differences or simple ones. Returns whether it is finite.
-    pub(crate) fn take<E: Evaluate<T>>(
-        &mut self,
-        iterate: &Iterate<T>,
-        energy: &mut E,
-        accurate: bool,
-        counts: &mut Counts,
-    ) -> bool {
-        self.is_accurate = accurate;
-        if T::IS_DOUBLE {
-            self.take_quotients(iterate, energy, counts);
-        } else {
-            self.take_exactly(iterate, energy, counts);
-        }
-        let mut sum = T::int(0);
-        for entry in self.entries.chunks_exact_mut(self.stride) {
-            for (x, &hb) in entry.iter_mut().zip(&*iterate.hb) {
-                *x *= hb;
-                sum += *x;
-            }
-        }
-        sum.is_finite()
-    }
-
-    /// How well ∇²H is known, and so all that is solved for: √ε, or ε^(2/3) by central differences.
-    pub(crate) fn accuracy(&self) -> T {
-        if !T::IS_DOUBLE {
-            T::EPSILON
-        } else if self.is_accurate {
-            T::EPSILON.cbrt() * T::EPSILON.cbrt()
-        } else {
-            T::EPSILON.sqrt() / T::int(16)
-        }
-    }
-
-    /// ∇²H at the stages one by one: of wide numbers quotients would lose a third of the digits, and with them the α's of the step made backwards.
-    fn take_exactly<E: Evaluate<T>>(
-        &mut self,
-        iterate: &Iterate<T>,
-        energy: &mut E,
-        counts: &mut Counts,
-    ) {
-        let (s, stride) = (self.s, self.stride);
-        counts.hessians += s as u64;
-        for i in 0..s {
-            for (c, x) in self.state.iter_mut().enumerate() {
-                *x = iterate.points[c * stride + i];
-            }
-            energy.hessian(&self.state, &mut self.hessian);
-            let places = self.entries.chunks_exact_mut(stride);
-            for (entry, &x) in places.zip(&self.hessian) {
-                entry[i] = x;
-            }
-        }
-    }
-
-    fn take_quotients<E: Evaluate<T>>(
-        &mut self,
-        iterate: &Iterate<T>,
-        energy: &mut E,
-        counts: &mut Counts,
-    ) {
-        let (s, stride) = (self.s, self.stride);
-        self.entries.fill(T::int(0));
-        let rows = match &iterate.kinetic {
-            // T is known: what is left are the forces.
-            Some(kinetic) => {
-                let weights = kinetic.diagonal().unwrap_or_default();
-                for (c, &w) in weights.iter().enumerate() {
-                    for (entry, column) in self.pattern.row(self.m + c) {
-                        if column == self.m + c {
-                            self.entries[entry * stride..][..s].fill(w);
-                        }
-                    }
-                }
-                self.m
-            }
-            None => 2 * self.m,
-        };
-        let len = rows * stride;
-        let mut evaluate = |points: &[T], gradients: &mut [T]| {
-            counts.gradients += s as u64;
-            match iterate.kinetic {
-                Some(_) => energy.forces_by_component(points, gradients, stride, s),
-                None => energy.gradients_by_component(points, gradients, stride, s),
-            }
-        };
-        self.points[..len].copy_from_slice(&iterate.points[..len]);
-        // The gradients that others are compared with: at the stages themselves, or to the other side of them.
-        if !self.is_accurate {
-            evaluate(&self.points[..len], &mut self.beside[..len]);
-        }
-        let eps = T::EPSILON;
-        let step = if self.is_accurate {
-            eps.cbrt()
-        } else {
-            eps.sqrt()
-        };
-        for group in &self.groups {
-            let columns = || group.iter().filter(|column| column.c < rows);
-            if columns().next().is_none() {
-                continue;
-            }
-            if self.is_accurate {
-                for &Column { c, .. } in columns() {
-                    for at in c * stride..(c + 1) * stride {
-                        self.points[at] = iterate.points[at] - step * iterate.scale[c];
-                    }
-                }
-                evaluate(&self.points[..len], &mut self.beside[..len]);
-            }
-            for &Column { c, .. } in columns() {
-                for at in c * stride..(c + 1) * stride {
-                    let moved = iterate.points[at] + step * iterate.scale[c];
-                    self.shifts[at] = moved - self.points[at];
-                    self.points[at] = moved;
-                }
-            }
-            evaluate(&self.points[..len], &mut self.gradients[..len]);
-            for Column { c, entries } in columns() {
-                let at = c * stride..(c + 1) * stride;
-                self.points[at.clone()].copy_from_slice(&iterate.points[at]);
-                for &(row, entry, mirrored) in entries {
-                    for i in 0..s {
-                        let place = row * stride + i;
-                        let change = self.gradients[place] - self.beside[place];
-                        let x = change / self.shifts[c * stride + i];
-                        self.entries[entry * stride + i] = x;
-                        self.entries[mirrored * stride + i] = x;
-                    }
-                }
-            }
-        }
-    }
-
-    /// Σ_i h b_i ∇²H(Y_i), entry by entry.
-    pub(crate) fn mean_into(&self, mean: &mut [T]) {
-        for (mean, entry) in mean.iter_mut().zip(self.entries.chunks_exact(self.stride)) {
-            *mean = entry.iter().fold(T::int(0), |sum, &x| sum + x);
         }
     }
 

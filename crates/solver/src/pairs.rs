@@ -26,7 +26,7 @@ type Row<T> = row::Row<T, 2, HALF>;
 /// Whether `s` stages of this float are mixed by pairs.
 #[inline(always)]
 pub(crate) fn has_pairs<T: Float>(s: usize) -> bool {
-    T::as_doubles(&[]).is_some() && s == 2 * HALF
+    T::IS_DOUBLE && s == 2 * HALF
 }
 
 /// P and Q for an antisymmetric U with its symmetry, column by column, one behind the other.

@@ -31,6 +31,8 @@ pub(crate) const LEADING: usize = 3;
 /// Defects of fewer floors are removed by least displacement; of more than the second number the local error is aimed at in full. In between
 /// in part: a defect is not the same to some floors in the step made backwards, and what follows from it is not to jump.
 const AIMED_AT: [i64; 2] = [16, 256];
+/// The same in wide numbers, whose defects of some hundred floors are no rounding: with the numbers above order 8 ends at 1e-26.
+const WIDE_AIMED_AT: [i64; 2] = [0, 1];
 /// Sweeps allowed to the local error.
 const MAX_FINER: usize = 40;
 
@@ -129,7 +131,12 @@ impl<T: Float> Response<T> {
         if self.displacements.is_unresolved(0) {
             return false;
         }
-        let [least, full] = if T::IS_DOUBLE { AIMED_AT } else { [0, 1] }.map(T::int);
+        let aimed_at = if T::IS_DOUBLE {
+            AIMED_AT
+        } else {
+            WIDE_AIMED_AT
+        };
+        let [least, full] = aimed_at.map(T::int);
         let floors = constraint.in_floors_of_both_ends(&self.sizes);
         let share = ((floors - least) / (full - least)).min(T::int(1));
         let aims = share > T::int(0)

@@ -12,8 +12,10 @@
 //! For fixed steps with α = 0 to begin with: the matrices hold for one h.
 
 use crate::checkpoint::{Exact, SpringsMemory};
+use crate::columns::both_ways;
 use crate::error::IntegrateError;
 use crate::foresee::{Foresee, From, Matrix};
+use crate::outcome::Counts;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet};
 use equip_tableau::Gauss;
@@ -66,6 +68,8 @@ pub(crate) struct Springs<T: Float> {
     h: T,
     pub(crate) springs: Vec<Spring<T>>,
     matrices: Vec<Matrix<T>>,
+    /// −Kᵀ, column by column.
+    back: Vec<T>,
     trial: Trial,
     /// How sweeps contracted without them.
     without: T,
@@ -131,10 +135,12 @@ impl<T: Float> Springs<T> {
                 matrix,
             });
         }
+        let [_, back] = both_ways(gauss);
         (!springs.is_empty()).then(|| Springs {
             h,
             springs,
             matrices,
+            back,
             trial: Trial::Before,
             without: T::ratio(NONE[0], NONE[1]),
             steps: 0,
@@ -149,10 +155,16 @@ impl<T: Float> Springs<T> {
     }
 
     /// A step of size `h` begins at `y`.
-    pub(crate) fn begin<E: Evaluate<T>>(&mut self, energy: &mut E, (y, h): (&[T], T)) {
+    pub(crate) fn begin<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        (y, h): (&[T], T),
+        counts: &mut Counts,
+    ) {
         let is_due = self.trial == Trial::On && self.steps.is_multiple_of(CHECKED);
         if self.trial == Trial::Pending || is_due {
             energy.hessian(y, &mut self.entries);
+            counts.hessians += 1;
             let (pattern, w, entries) = (&self.pattern, &self.w, &self.entries);
             self.springs.retain(|&Spring { c, kappa, .. }| {
                 standing_out(pattern, w, entries, c)
@@ -217,6 +229,7 @@ impl<T: Float> Springs<T> {
         set.run(&mut Foresee {
             springs: &self.springs,
             matrices: &self.matrices,
+            back: &self.back,
             from,
             hb,
             gradients,
@@ -311,7 +324,7 @@ mod tests {
         // The first step without, the next with them, while they are of use.
         let mut energy = h.evaluator::<f64>();
         let mut step = |springs: &mut Springs<f64>, seen, size| {
-            springs.begin(&mut energy, (&y, size));
+            springs.begin(&mut energy, (&y, size), &mut Counts::default());
             let active = springs.is_active;
             springs.has_made(Some(seen));
             active
@@ -331,7 +344,11 @@ mod tests {
         let h = h.unwrap();
         let mut springs = found(&h, &[0.4, 0.0, 0.0, 2.0], 0.25, false).unwrap();
         springs.has_made(Some(0.3));
-        springs.begin(&mut h.evaluator(), (&[0.25, 0.42, -1.1, 1.2], 0.25));
+        springs.begin(
+            &mut h.evaluator(),
+            (&[0.25, 0.42, -1.1, 1.2], 0.25),
+            &mut Counts::default(),
+        );
         assert!(!springs.is_active && springs.trial == Trial::Off);
     }
 }

@@ -53,7 +53,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     pub(crate) fn find_springs(&mut self, structure: &Structure, (y, h): (&[T], T)) {
         let gauss = &self.stages.gauss;
         if let Some(sweeps) = &mut self.sweeps
-            && T::as_doubles(&[]).is_some()
+            && T::IS_DOUBLE
             && (self.rule != Rule::Response || self.constraints.is_empty())
             && self.start_alphas.iter().all(|&alpha| alpha == T::int(0))
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())

@@ -150,7 +150,7 @@ impl<T: Float> Sweeps<T> {
         (next, task): (&mut State<T>, &SweepTask<'_, T>),
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
-        self.iterate.begin_springs(energy, (task.y, task.h));
+        self.iterate.begin_springs(energy, (task.y, task.h), counts);
         let reborrowed = constraint.as_deref_mut();
         let mut solved = self.try_once(gauss, energy, reborrowed, (&mut *next, task), counts);
         let Some(springs) = &mut self.iterate.springs else {

@@ -4,15 +4,10 @@
 
 use super::transforms::{fast_two_sum, two_prod, two_sum};
 use crate::Lanes;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 pub(super) trait Word:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
     fn word(x: f64) -> Self;
     /// `self` where `test` is not zero, `other` where it is.

@@ -2,6 +2,7 @@
 
 use super::Iterate;
 use crate::foresee::{From, Last};
+use crate::outcome::Counts;
 use crate::prolongation::Prolongation;
 use crate::state::State;
 use equip_autodiff::Evaluate;
@@ -9,9 +10,14 @@ use equip_scalar::Float;
 
 impl<T: Float> Iterate<T> {
     /// A step of size `h` begins at `y`: with springs, or without.
-    pub(crate) fn begin_springs<E: Evaluate<T>>(&mut self, energy: &mut E, (y, h): (&State<T>, T)) {
+    pub(crate) fn begin_springs<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        (y, h): (&State<T>, T),
+        counts: &mut Counts,
+    ) {
         if let Some(springs) = &mut self.springs {
-            springs.begin(energy, (&y.hi, h));
+            springs.begin(energy, (&y.hi, h), counts);
         }
     }
 
