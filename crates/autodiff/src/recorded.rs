@@ -78,6 +78,12 @@ impl Recorded {
         self.shared.energy.operations()
     }
 
+    /// Whether H has a sum that is worth compensating.
+    #[inline]
+    pub(crate) fn has_long_sums(&self) -> bool {
+        self.shared.energy.has_long_sums
+    }
+
     pub(crate) fn gradient_operations(&self) -> usize {
         self.shared.gradient.operations()
     }
@@ -138,6 +144,21 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T {
         self.gradients(y, gradient, y.len());
         self.value(y)
+    }
+
+    fn compensated_value(&mut self, y: &[T]) -> T {
+        self.check(&[y.len()]);
+        let tape = &self.shared.energy;
+        if tape.has_long_sums {
+            self.energy.run_compensated(tape, |k| y[k])[0]
+        } else {
+            self.energy.run(tape, |k| y[k])[0]
+        }
+    }
+
+    fn gradient_with_compensated_value(&mut self, y: &[T], gradient: &mut [T]) -> T {
+        self.gradients(y, gradient, y.len());
+        self.compensated_value(y)
     }
 
     fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {

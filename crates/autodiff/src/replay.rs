@@ -5,7 +5,7 @@
 
 use crate::op::Op;
 use crate::tape::{Access, Run, Tape};
-use equip_scalar::{Constant, Piecewise};
+use equip_scalar::{Constant, Float, Piecewise};
 
 /// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of a closure:
 /// closures are not always inlined, and what is not inlined into a kernel has no vector instructions.
@@ -118,6 +118,22 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::WhereNonzero => listed!(step, |x, y| S::where_nonzero(x, y)),
         }
     }
+}
+
+/// A sum by compensated summation: the errors of all additions are known [Knuth, vol. 2, 4.2.2], and added at the end.
+pub(crate) fn compensated_sum<T: Float>(tape: &Tape, k: usize, run: &Run, values: &mut [T]) {
+    let (mut sum, mut error) = (T::int(0), T::int(0));
+    for segment in &tape.segments[tape.sums[k].clone()] {
+        for term in segment.terms.clone() {
+            let term = values[tape.terms[term] as usize];
+            let term = if segment.minus { -term } else { term };
+            let total = sum + term;
+            let added = total - sum;
+            error += (sum - (total - added)) + (term - added);
+            sum = total;
+        }
+    }
+    values[run.slots.start] = sum + error;
 }
 
 /// One run with what it reads and writes.

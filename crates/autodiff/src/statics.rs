@@ -183,6 +183,24 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
     }
 
     #[inline]
+    fn compensated_value(&mut self, y: &[T]) -> T {
+        if self.route.recorded.has_long_sums() {
+            self.tape.compensated_value(y)
+        } else {
+            self.value(y)
+        }
+    }
+
+    #[inline]
+    fn gradient_with_compensated_value(&mut self, y: &[T], gradient: &mut [T]) -> T {
+        if !self.route.recorded.has_long_sums() {
+            return self.gradient(y, gradient);
+        }
+        self.gradient_only(y, gradient);
+        self.tape.compensated_value(y)
+    }
+
+    #[inline]
     fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         self.check(&[n]);
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {

@@ -115,6 +115,18 @@ where
         }
     }
 
+    fn compensated_value(&mut self, y: &[T]) -> T {
+        self.tape.compensated_value(y)
+    }
+
+    fn gradient_with_compensated_value(&mut self, y: &[T], gradient: &mut [T]) -> T {
+        if self.supplied(y, gradient) {
+            self.tape.compensated_value(y)
+        } else {
+            self.tape.gradient_with_compensated_value(y, gradient)
+        }
+    }
+
     fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
             if !self.supplied(y, gradient) {

@@ -42,6 +42,17 @@ pub trait Evaluate<T: Float> {
     /// ∇H(y) into `gradient` (length n); returns H(y).
     fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T;
 
+    /// H(y), the terms of long sums in it added by compensated summation: what is left of H1 − H0 is not hidden by rounding the partial sums of n
+    /// terms, which is worth some √n ε of H. Without long sums it has every bit of [`value`](Self::value).
+    fn compensated_value(&mut self, y: &[T]) -> T {
+        self.value(y)
+    }
+
+    /// ∇H(y) into `gradient` (length n); returns H(y) as [`compensated_value`](Self::compensated_value) does.
+    fn gradient_with_compensated_value(&mut self, y: &[T], gradient: &mut [T]) -> T {
+        self.gradient(y, gradient)
+    }
+
     /// ∇H at several states, which stand one after the other in `states` (length s·n), as do the results.
     fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {

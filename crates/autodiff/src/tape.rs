@@ -18,6 +18,9 @@ use std::ops::Range;
 /// Shortest run over slices that is worth leaving a run over listed operands.
 const SHORTEST_SLICE: usize = 8;
 
+/// Terms from which on rounding the partial sums of a sum is worth half of what rounding single terms is.
+const LONG: usize = 64;
+
 /// How the operands of a run lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Access {
@@ -109,6 +112,8 @@ pub(crate) struct Tape {
     pub(crate) results: Vec<Transfer>,
     /// Number of results.
     pub(crate) components: usize,
+    /// Whether a sum has many terms.
+    pub(crate) has_long_sums: bool,
 }
 
 impl Tape {
@@ -116,14 +121,23 @@ impl Tape {
         Layout::new(graph, blocks).finish()
     }
 
+    /// The sum that a run is, if it has many terms.
+    pub(crate) fn long_sum(&self, run: &Run) -> Option<usize> {
+        match run.op {
+            Op::Sum(k) => Some(k as usize).filter(|&k| self.terms_of(k) >= LONG),
+            _ => None,
+        }
+    }
+
+    fn terms_of(&self, sum: usize) -> usize {
+        let segments = self.segments[self.sums[sum].clone()].iter();
+        segments.map(|segment| segment.terms.len()).sum()
+    }
+
     /// Arithmetic operations and function calls of one replay.
     pub(crate) fn operations(&self) -> usize {
         let own = |run: &Run| match run.op {
-            Op::Sum(k) => self.segments[self.sums[k as usize].clone()]
-                .iter()
-                .map(|segment| segment.terms.len())
-                .sum::<usize>()
-                .saturating_sub(1),
+            Op::Sum(k) => self.terms_of(k as usize).saturating_sub(1),
             _ => run.slots.len(),
         };
         self.runs.iter().map(own).sum()
@@ -162,6 +176,7 @@ impl<'a> Layout<'a> {
                 inputs: Vec::new(),
                 results: Vec::new(),
                 components: graph.roots.len(),
+                has_long_sums: false,
                 left: Vec::new(),
                 right: Vec::new(),
                 terms: Vec::new(),
@@ -217,6 +232,8 @@ impl<'a> Layout<'a> {
                 results: results..self.tape.results.len(),
             });
         }
+        self.tape.has_long_sums =
+            (self.tape.runs.iter()).any(|run| self.tape.long_sum(run).is_some());
         self.tape
     }
 

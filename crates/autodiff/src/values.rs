@@ -1,9 +1,9 @@
 //! [`Replay`]: the values of all slots of a tape, in one kind of number.
 
 use crate::batch::Batch;
-use crate::replay::forward;
+use crate::replay::{compensated_sum, forward};
 use crate::tangent::Tangent;
-use crate::tape::{Block, Tape, Transfer};
+use crate::tape::{Block, Run, Tape, Transfer};
 use equip_scalar::{Constant, Float, Pack, Piecewise};
 
 /// Workspace for replaying one tape. Constants, and what depends on them alone, are computed when it is made.
@@ -38,6 +38,21 @@ impl<T: Float> Replay<T> {
         let exponents = self.exponents.iter().map(|c| c.to());
         let mut constants = self.values.iter().copied().chain(exponents);
         constants.any(|x: T| Float::is_nan(x))
+    }
+
+    /// The results for the given inputs, long sums compensated.
+    pub(crate) fn run_compensated(&mut self, tape: &Tape, input: impl Fn(usize) -> T) -> &[T] {
+        for block in &tape.blocks {
+            self.read(tape, block, &input);
+            for run in &tape.runs[block.runs.clone()] {
+                match tape.long_sum(run) {
+                    Some(k) => compensated_sum(tape, k, run, &mut self.values),
+                    None => self.forward(tape, std::slice::from_ref(run)),
+                }
+            }
+            self.give(tape, block);
+        }
+        &self.results
     }
 
     /// Replays at each point of a batch that stands component by component.
@@ -79,24 +94,33 @@ impl<S: Piecewise> Replay<S> {
     /// The results for the given inputs.
     pub(crate) fn run(&mut self, tape: &Tape, input: impl Fn(usize) -> S) -> &[S] {
         for block in &tape.blocks {
-            for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
-                let places = &mut self.values[slots.clone()];
-                for (place, k) in places.iter_mut().zip(components.clone()) {
-                    *place = input(k);
-                }
-            }
-            self.forward(tape, block);
-            for Transfer { components, slots } in &tape.results[block.results.clone()] {
-                self.results[components.clone()].copy_from_slice(&self.values[slots.clone()]);
-            }
+            self.read(tape, block, &input);
+            self.forward(tape, &tape.runs[block.runs.clone()]);
+            self.give(tape, block);
         }
         &self.results
     }
 
+    #[inline(always)]
+    fn read(&mut self, tape: &Tape, block: &Block, input: &impl Fn(usize) -> S) {
+        for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
+            let places = &mut self.values[slots.clone()];
+            for (place, k) in places.iter_mut().zip(components.clone()) {
+                *place = input(k);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn give(&mut self, tape: &Tape, block: &Block) {
+        for Transfer { components, slots } in &tape.results[block.results.clone()] {
+            self.results[components.clone()].copy_from_slice(&self.values[slots.clone()]);
+        }
+    }
+
     // Once for each kind of number, not for each kind of input.
     #[inline(never)]
-    fn forward(&mut self, tape: &Tape, block: &Block) {
-        let runs = &tape.runs[block.runs.clone()];
+    fn forward(&mut self, tape: &Tape, runs: &[Run]) {
         forward(tape, runs, &self.exponents, &mut self.values);
     }
 }

@@ -5,6 +5,7 @@ mod closures;
 mod common;
 mod growth;
 mod lanes;
+mod long_sums;
 mod macros;
 mod operations;
 mod random;

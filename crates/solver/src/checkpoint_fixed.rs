@@ -188,10 +188,10 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Exact::read_all(&from.guess, &mut guess, "the guess")?;
         self.core.guess.remember(&guess[1..], guess[0]);
         self.core.newton.restore(&from.solver)?;
-        if let (Some(sweeps), Some([rate, defect, scale, reach])) =
-            (&mut self.core.sweeps, &from.sweeps)
-        {
-            sweeps.restore([rate.read()?, defect.read()?, scale.read()?, reach.read()?]);
+        if let (Some(sweeps), Some(stored)) = (&mut self.core.sweeps, &from.sweeps) {
+            let mut memory = [T::int(0); 5];
+            Exact::read_all(stored, &mut memory, "the sweeps")?;
+            sweeps.restore(memory);
         }
         [self.core.pause.left, self.core.pause.next] = from.pause;
         if from.inherited.len() != self.core.constraints.len() {

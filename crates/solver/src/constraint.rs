@@ -11,6 +11,9 @@ use crate::state::State;
 use equip_autodiff::{Evaluate, Hamiltonian, System};
 use equip_scalar::Float;
 
+/// Components whose errors are taken to have nothing to do with each other.
+const MANY: usize = 64;
+
 /// One equation g = I(y1) − I_ref = 0, with what is needed to judge and to reduce g.
 ///
 /// I_ref is taken at the start of the *run*: an error left by one step is repaired by the next.
@@ -29,6 +32,8 @@ pub(crate) struct Constraint<T: Float> {
     pub(crate) inherited: T,
     /// What a relative change of the state by 1 is worth.
     pub(crate) scale: T,
+    /// The same if the changes of many components have nothing to do with each other: no less than the root of the sum of squares.
+    pub(crate) spread: T,
     /// ∇I(y1).
     pub(crate) gradient: Vec<T>,
     /// ∇I(y0), when the directions of the α's were taken.
@@ -50,6 +55,7 @@ impl<T: Float> Constraint<T> {
             floor: zero,
             inherited: zero,
             scale: zero,
+            spread: zero,
             gradient: vec![zero; n],
             start_gradient: vec![zero; n],
             predicted: zero,
@@ -61,7 +67,8 @@ impl<T: Float> Constraint<T> {
     pub(crate) fn invariant(invariant: &Invariant, y0: &[T]) -> Self {
         let mut evaluator = invariant.function().evaluator::<T>();
         let mut constraint = Self::energy(T::int(0), y0.len());
-        constraint.reference = evaluator.gradient(y0, &mut constraint.gradient);
+        constraint.reference =
+            evaluator.gradient_with_compensated_value(y0, &mut constraint.gradient);
         constraint.evaluator = Some(evaluator);
         constraint
     }
@@ -74,17 +81,25 @@ impl<T: Float> Constraint<T> {
         sizes: &[T],
     ) -> bool {
         let value = match &mut self.evaluator {
-            None => energy.gradient(&y1.hi, &mut self.gradient),
-            Some(evaluator) => evaluator.gradient(&y1.hi, &mut self.gradient),
+            None => energy.gradient_with_compensated_value(&y1.hi, &mut self.gradient),
+            Some(evaluator) => {
+                evaluator.gradient_with_compensated_value(&y1.hi, &mut self.gradient)
+            }
         };
         self.defect = value - self.reference;
         let largest = y1.hi.iter().zip(sizes).map(|(y, &size)| size.max(y.abs()));
-        let moved = self
-            .gradient
-            .iter()
-            .zip(largest)
-            .fold(T::int(0), |sum, (&g, y)| sum + (g * y).abs());
+        let (mut moved, mut most) = (T::int(0), T::int(0));
+        for (&g, y) in self.gradient.iter().zip(largest) {
+            let worth = (g * y).abs();
+            moved += worth;
+            most = most.max(worth);
+        }
         self.scale = self.reference.abs() + value.abs() + moved;
+        self.spread = if y1.hi.len() < MANY {
+            self.scale
+        } else {
+            most.sqrt() * moved.sqrt()
+        };
         // Below the smallest normal number rounding is absolute.
         self.floor = T::EPSILON * (self.scale + T::MIN_POSITIVE);
         value.is_finite() && self.floor.is_finite()

@@ -34,6 +34,8 @@ pub(crate) struct Contraction<T> {
     /// The last, and whether those before the one before it are forgotten.
     last: T,
     pub(crate) forgets: bool,
+    /// The α's have moved by slopes: what is seen since is no matter of the sweeps before, and it too is forgotten.
+    is_new: bool,
     /// ρ.
     pub(crate) rate: T,
     /// Error of the end point over the change of Z.
@@ -59,6 +61,7 @@ impl<T: Float> Contraction<T> {
             seen: zero,
             last: zero,
             forgets: false,
+            is_new: false,
             rate: zero,
             tail: zero,
             change: zero,
@@ -100,12 +103,20 @@ impl<T: Float> Contraction<T> {
         (self.change, self.left) = (T::INFINITY, T::INFINITY);
         (self.is_apart, self.is_settled) = (true, false);
         (self.slow, self.still) = (0, 0);
+        self.is_new = false;
         self.allowed = None;
     }
 
     /// The next change is not to be compared with the last.
     pub(crate) fn disturb(&mut self) {
         self.is_apart = true;
+    }
+
+    /// The same, and what it has done to Z goes away like no error before: K is another.
+    pub(crate) fn renew(&mut self) {
+        self.disturb();
+        self.last = T::int(0);
+        self.is_new = true;
     }
 
     /// A sweep that is not to be compared with others has changed Z.
@@ -124,7 +135,7 @@ impl<T: Float> Contraction<T> {
         if compares && last > T::int(ROUNDING) * eps {
             let is_slow = change > last * T::ratio(SLOW_PERCENT, 100);
             self.slow = if is_slow { self.slow + 1 } else { 0 };
-            if self.forgets {
+            if self.forgets || self.is_new {
                 let now = change / last;
                 self.seen = now.max(std::mem::replace(&mut self.last, now));
                 self.set_rate(self.seen.max(T::ratio(1, LEAST)));
@@ -139,7 +150,8 @@ impl<T: Float> Contraction<T> {
             Some(allowed) => allowed * T::ratio(SLOW_PERCENT, 100),
             None => T::int(ALLOWANCE) * change,
         };
-        self.allowed = Some(allowed);
+        // The first change from nothing is relative to sizes that were not known yet.
+        self.allowed = (!(is_first && is_remeasured)).then_some(allowed);
         let grows = self.slow > 1 && change > T::int(2) * last;
         // Not one sweep after the other, perhaps, but on the whole.
         let behind = alone && !is_rounding && change > allowed;
@@ -208,6 +220,20 @@ mod tests {
         assert_eq!(contraction.seen, 0.125);
         assert!(contraction.see(0.03125, false, false));
         assert_eq!((contraction.seen, contraction.rate), (0.5, 0.5));
+    }
+
+    /// Where all begins at rest positions the first change is relative to anything, and what it allows says nothing of the second.
+    #[test]
+    fn sizes_that_were_not_known_allow_nothing() {
+        let mut contraction = Contraction::<f64>::new(true);
+        contraction.begin();
+        assert!(contraction.see(0.125, true, true));
+        assert!(contraction.see(7.0, true, true));
+        assert!(contraction.see(0.25, false, true));
+        assert_eq!(contraction.seen, 0.0);
+        contraction.begin();
+        assert!(contraction.see(0.125, false, true));
+        assert!(!contraction.see(7.0, true, true));
     }
 
     /// Near round-off it is by the contraction that the stages are known to be there, not by the noise of the last change.

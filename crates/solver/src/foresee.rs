@@ -182,6 +182,79 @@ impl<T: Float> Foresee<'_, T> {
     }
 }
 
+/// The same for sides of linearised equations whose X was made with `made`, from the start of the step or from its end; `rows` are their δL of the
+/// momenta and become what `made` will be next. Component c of side k stands at `(c·sides + k)·stride`.
+pub(crate) struct ForeseeSides<'a, T: Float> {
+    pub(crate) springs: &'a [Spring<T>],
+    pub(crate) matrices: &'a [Matrix<T>],
+    pub(crate) hb: &'a [T],
+    pub(crate) made: &'a mut [T],
+    pub(crate) rows: &'a mut [T],
+    pub(crate) sides: usize,
+    pub(crate) s: usize,
+    /// From the end: −Kᵀ is K with the stages in reverse order but for the sign, and K enters twice.
+    pub(crate) reversed: bool,
+}
+
+impl<T: Float> Kernel for ForeseeSides<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        match (stride_for::<T>(self.s), lanes_of::<T>(self.s)) {
+            (4, 4) => self.rows::<1, 4>(),
+            (8, 8) => self.rows::<1, 8>(),
+            (16, 8) => self.rows::<2, 8>(),
+            (24, 8) => self.rows::<3, 8>(),
+            (32, 8) => self.rows::<4, 8>(),
+            _ => {}
+        }
+    }
+}
+
+impl<T: Float> ForeseeSides<'_, T> {
+    #[inline(always)]
+    fn rows<const G: usize, const N: usize>(&mut self) {
+        let (s, sides) = (self.s, self.sides);
+        let hb: &Row<T, G, N> = literal(rows(self.hb).first());
+        let made = rows_mut::<T, G, N>(self.made);
+        let found = rows_mut::<T, G, N>(self.rows);
+        for (i, spring) in self.springs.iter().enumerate() {
+            let matrix = &self.matrices[spring.matrix];
+            for side in 0..sides {
+                let made = &mut made[i * sides + side];
+                let row = &mut found[spring.c * sides + side];
+                let mut change: Row<T, G, N> = from_fn(|g| difference(&row[g], &made[g]));
+                if self.reversed {
+                    change = in_reverse(&change, s);
+                }
+                let mut moved = applied(&matrix.by_force, in_memory(&mut change), s);
+                if self.reversed {
+                    moved = in_reverse(&moved, s);
+                }
+                for g in 0..G {
+                    let force = times(&hb[g], &scaled(&moved[g], spring.kappa * spring.w));
+                    row[g] = difference(&row[g], &force);
+                }
+                *made = *row;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn in_reverse<T: Float, const G: usize, const N: usize>(
+    x: &Row<T, G, N>,
+    s: usize,
+) -> Row<T, G, N> {
+    let mut reversed = *x;
+    let (to, from) = (reversed.as_flattened_mut(), x.as_flattened());
+    for i in 0..s {
+        to[i] = from[s - 1 - i];
+    }
+    reversed
+}
+
 /// A matrix, column by column, times a row.
 #[inline(always)]
 fn applied<T: Float, const G: usize, const N: usize>(

@@ -79,7 +79,7 @@ pub(crate) struct Watched<T: Float> {
 impl<T: Float> Watched<T> {
     pub(crate) fn new(invariant: &Invariant, y: &[T]) -> Self {
         let mut evaluator = invariant.function.evaluator::<T>();
-        let start = evaluator.value(y);
+        let start = evaluator.compensated_value(y);
         Watched {
             defect: Defect::new(&invariant.name, start),
             evaluator,
@@ -87,7 +87,7 @@ impl<T: Float> Watched<T> {
     }
 
     pub(crate) fn see(&mut self, y: &[T]) {
-        let value = self.evaluator.value(y);
+        let value = self.evaluator.compensated_value(y);
         self.defect.see(value - self.defect.start);
     }
 }

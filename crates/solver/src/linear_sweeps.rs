@@ -7,7 +7,7 @@
 //!
 //! and the other end by Σ δL_i. Both are iterated momenta first, then positions: for H = T(p) + U(q) that takes half the sweeps.
 //!
-//! ∇²H at the stages: `at_stages`.
+//! ∇²H at the stages: `at_stages`. On stiff springs δL is foreseen as gradients are ([`crate::foresee`]).
 //!
 //! *Layout.* As in [`crate::sweep`], with several right-hand sides: component c of side k of stage i stands at `(c·sides + k)·stride + i`.
 //!
@@ -18,6 +18,7 @@ mod at_stages;
 use crate::columns::both_ways;
 use crate::hessians::turned;
 use crate::row::{add, by_lanes, times};
+use crate::springs::Springs;
 use crate::sweep::Iterate;
 use at_stages::Column;
 use equip_autodiff::Pattern;
@@ -57,6 +58,8 @@ pub(crate) struct LinearSweeps<T: Float> {
     beside: Vec<T>,
     shifts: Vec<T>,
     is_accurate: bool,
+    /// On stiff springs, side by side, the δL that X was made with.
+    pub(crate) made: Vec<T>,
     /// K δL, and δL.
     mixed: Vec<T>,
     dl: Vec<T>,
@@ -94,6 +97,7 @@ impl<T: Float> LinearSweeps<T> {
             beside: zeros(n * stride),
             shifts: zeros(n * stride),
             is_accurate: false,
+            made: Vec::new(),
             mixed: zeros(n * sides * stride),
             dl: zeros(n * sides * stride),
             sums: zeros(n * sides),
@@ -102,7 +106,13 @@ impl<T: Float> LinearSweeps<T> {
         }
     }
 
-    /// Solves for all sides, `x` starting anywhere, until the sums δL of every side, weighed with `weights`, change by
+    /// With room for stiff springs.
+    pub(crate) fn make_room(&mut self, springs: &Springs<T>) {
+        let rows = self.sums.len() / (2 * self.m) * springs.springs.len();
+        self.made.resize(rows * self.stride, T::int(0));
+    }
+
+    /// Solves for all sides, `x` being r to begin with, until the sums δL of every side, weighed with `weights`, change by
     /// less than `tolerance`: X = K δL + r, or, with the other end held, X = r − (1 1ᵀ − K) δL. Returns whether they do.
     pub(crate) fn solve(
         &mut self,
@@ -110,15 +120,25 @@ impl<T: Float> LinearSweeps<T> {
         sides: (&[T], &mut [T]),
         weights: &[T],
         tolerance: T,
+        iterate: &Iterate<T>,
     ) -> bool {
         let k = std::mem::take(&mut self.k[held as usize]);
-        let solved = self.sweep(&k, sides, weights, tolerance);
+        let solved = self.sweep(&k, sides, weights, tolerance, (held, iterate));
         self.k[held as usize] = k;
         solved
     }
 
-    fn sweep(&mut self, k: &[T], (r, x): (&[T], &mut [T]), weights: &[T], tolerance: T) -> bool {
+    fn sweep(
+        &mut self,
+        k: &[T],
+        (r, x): (&[T], &mut [T]),
+        weights: &[T],
+        tolerance: T,
+        (held, iterate): (Held, &Iterate<T>),
+    ) -> bool {
         let (s, stride, m) = (self.s, self.stride, self.m);
+        let springs = iterate.active_springs();
+        self.made.fill(T::int(0));
         let len = x.len();
         let sides = len / (2 * m * stride);
         let half = m * sides * stride;
@@ -135,6 +155,11 @@ impl<T: Float> LinearSweeps<T> {
                     sides,
                     stride,
                 });
+                if let (Some(springs), 0) = (springs, rows) {
+                    let reversed = matches!(held, Held::End);
+                    let made = (&mut *self.made, &mut *dl);
+                    springs.foresee_sides(self.set, made, &iterate.hb, (sides, s), reversed);
+                }
                 let mixed = &mut self.mixed[at..at + half];
                 mix_stages(self.set, k, dl, mixed, s, stride);
                 let moved = x[at..at + half].iter_mut().zip(&r[at..at + half]);

@@ -84,7 +84,7 @@ impl<T: Float> Sweeps<T> {
         self.iterate.set_alphas(&self.alphas);
         match by_response {
             Some(response) => response.follow(&mut self.iterate, task.y, &self.delta),
-            None if alphas.moves == 1 => self.iterate.mix_anew(task.y),
+            None if start == T::int(0) => self.iterate.mix_anew(task.y),
             None => (self.iterate).extrapolate(task.y, (alphas.t - start) / start),
         }
         true

@@ -19,6 +19,7 @@ use crate::hessians;
 use crate::linear_sweeps::{Held, LinearSweeps};
 use crate::local_error::to_nodes;
 use crate::outcome::Counts;
+use crate::springs::Springs;
 use crate::stages::raise_to_least;
 use crate::state::State;
 use crate::sweep::Iterate;
@@ -51,6 +52,8 @@ pub(crate) struct Response<T: Float> {
     x: Vec<T>,
     back: Vec<T>,
     t_l: Vec<T>,
+    /// The δL that the X_k on stiff springs were made with, side by side.
+    made: Vec<T>,
     finer: Option<Finer<T>>,
     displacements: Displacements<T>,
     mean: Vec<T>,
@@ -95,6 +98,7 @@ impl<T: Float> Response<T> {
             x: zeros(n * free * stride),
             back: zeros(n * (free + 1) * stride),
             t_l: zeros(n * stride),
+            made: Vec::new(),
             finer: Finer::new(gauss, iterate),
             displacements: Displacements::new(free + 1, n, 1),
             mean: zeros(pattern.len()),
@@ -109,6 +113,17 @@ impl<T: Float> Response<T> {
             d: zeros(s - 1),
             slope: T::int(0),
             by_base: T::int(0),
+        }
+    }
+
+    /// The steps are made with these springs, or without.
+    pub(crate) fn set_springs(&mut self, springs: Option<&Springs<T>>) {
+        if let Some(finer) = &mut self.finer {
+            finer.iterate.springs = springs.and_then(|springs| springs.for_stages(&finer.gauss));
+        }
+        if let Some(springs) = springs {
+            self.linear.make_room(springs);
+            self.made = self.linear.made.clone();
         }
     }
 
@@ -169,7 +184,7 @@ impl<T: Float> Response<T> {
             return false;
         }
         counts.alpha_solves += 2 * self.free as u64;
-        if !self.solve_back(tolerance) {
+        if !self.solve_back(iterate, tolerance) {
             return false;
         }
         for (u, back) in self.ends.iter().zip(&self.starts) {
@@ -212,6 +227,7 @@ impl<T: Float> Response<T> {
                 z.iter_mut().zip(x).for_each(|(z, &x)| *z += delta * x);
             }
         });
+        iterate.follow_with(&delta[..free], &self.made);
     }
 
     /// Sizes of the components that are the same for the step made backwards, and how far each is resolved.
@@ -248,9 +264,10 @@ impl<T: Float> Response<T> {
         }
         self.x[..len].copy_from_slice(&self.rhs[..len]);
         let sides = (&self.rhs[..len], &mut self.x[..len]);
-        if !(self.linear).solve(Held::Start, sides, &self.weights, tolerance) {
+        if !(self.linear).solve(Held::Start, sides, &self.weights, tolerance, iterate) {
             return false;
         }
+        self.made.copy_from_slice(&self.linear.made);
         for (k, end) in self.ends.iter_mut().enumerate() {
             for (c, u) in end.iter_mut().enumerate() {
                 *u = self.linear.sums[c * free + k];
@@ -260,7 +277,7 @@ impl<T: Float> Response<T> {
     }
 
     /// u'_k, e'. X of the forward solution stays.
-    fn solve_back(&mut self, tolerance: T) -> bool {
+    fn solve_back(&mut self, iterate: &Iterate<T>, tolerance: T) -> bool {
         let (count, stride, n) = (self.free + 1, self.stride, self.n);
         let mut x = std::mem::take(&mut self.back);
         for c in 0..n {
@@ -271,7 +288,7 @@ impl<T: Float> Response<T> {
         }
         x.copy_from_slice(&self.rhs);
         let sides = (self.rhs.as_slice(), x.as_mut_slice());
-        let solved = (self.linear).solve(Held::End, sides, &self.weights, tolerance);
+        let solved = (self.linear).solve(Held::End, sides, &self.weights, tolerance, iterate);
         self.back = x;
         if !solved {
             return false;
@@ -325,6 +342,9 @@ impl<T: Float> Finer<T> {
         let (s, stride) = (coarse.s, coarse.stride);
         self.evaluations = 0;
         let (own, rows) = (self.iterate.stride, &self.prolongation);
+        if let Some(own) = &mut self.iterate.springs {
+            own.is_active = false;
+        }
         self.iterate.begin(&self.gauss, (y, h));
         self.iterate.displace(y, |c, z| {
             let l = &coarse.l[c * stride..][..s];
@@ -336,6 +356,12 @@ impl<T: Float> Finer<T> {
             }
         });
         for made in 0..MAX_FINER {
+            // The first sweep makes an L that Z was made with.
+            if let (Some(own), Some(springs)) = (&mut self.iterate.springs, coarse.active_springs())
+                && made > 0
+            {
+                own.activate_as(springs);
+            }
             let change = self.iterate.sweep(energy, y, false);
             self.evaluations += (s + 1) as u64;
             if !change.is_finite() {

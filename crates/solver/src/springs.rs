@@ -14,7 +14,7 @@
 use crate::checkpoint::{Exact, SpringsMemory};
 use crate::columns::both_ways;
 use crate::error::IntegrateError;
-use crate::foresee::{Foresee, From, Matrix};
+use crate::foresee::{Foresee, ForeseeSides, From, Matrix};
 use crate::outcome::Counts;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet};
@@ -236,6 +236,42 @@ impl<T: Float> Springs<T> {
             m: self.w.len(),
             s,
         });
+    }
+
+    /// The same for δL of several sides of linearised equations, `made` being what their X was made with.
+    pub(crate) fn foresee_sides(
+        &self,
+        set: InstructionSet,
+        (made, rows): (&mut [T], &mut [T]),
+        hb: &[T],
+        (sides, s): (usize, usize),
+        reversed: bool,
+    ) {
+        set.run(&mut ForeseeSides {
+            springs: &self.springs,
+            matrices: &self.matrices,
+            hb,
+            made,
+            rows,
+            sides,
+            s,
+            reversed,
+        });
+    }
+
+    /// The same springs for another number of stages.
+    pub(crate) fn for_stages(&self, gauss: &Gauss<T>) -> Option<Self> {
+        Self::new(gauss, (&self.pattern, &self.w, self.h), self.found.clone())
+    }
+
+    /// Made use of in this step, those of `others` that are left.
+    pub(crate) fn activate_as(&mut self, others: &Self) {
+        self.is_active = others.is_active;
+        if self.springs.len() != others.springs.len() {
+            let mut left = others.springs.iter().peekable();
+            self.springs
+                .retain(|spring| left.next_if(|other| other.c == spring.c).is_some());
+        }
     }
 
     pub(crate) fn memory(&self) -> SpringsMemory {

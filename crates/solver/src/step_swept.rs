@@ -48,20 +48,18 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// The run is made of steps of size `h` and begins at `y`. No springs where α's follow from responses: the linearised sweeps contract like plain
-    /// ones, and steps that only springs make contract end with a defect that these do not remove.
+    /// The run is made of steps of size `h` and begins at `y`.
     pub(crate) fn find_springs(&mut self, structure: &Structure, (y, h): (&[T], T)) {
         let gauss = &self.stages.gauss;
         if let Some(sweeps) = &mut self.sweeps
             && T::IS_DOUBLE
-            && (self.rule != Rule::Response || self.constraints.is_empty())
             && self.start_alphas.iter().all(|&alpha| alpha == T::int(0))
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
         {
             let by_slopes = self.rule == Rule::Slopes && !self.constraints.is_empty();
             let pattern = (&structure.hessian, w, by_slopes);
             let found = Springs::find(gauss, &mut self.energy, pattern, (y, h));
-            sweeps.iterate.springs = found;
+            sweeps.set_springs(found);
         }
     }
 
@@ -82,7 +80,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         {
             let found =
                 Springs::from_memory(&self.stages.gauss, (&structure.hessian, w, h), memory)?;
-            sweeps.iterate.springs = found;
+            sweeps.set_springs(found);
         }
         Ok(())
     }
@@ -90,7 +88,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// The steps are of any size.
     pub(crate) fn leave_out_springs(&mut self) {
         if let Some(sweeps) = &mut self.sweeps {
-            sweeps.iterate.springs = None;
+            sweeps.set_springs(None);
         }
     }
 

@@ -131,7 +131,7 @@ impl<T: Float> FixedStep<T> {
         let y = State::new(q0, p0);
         let mut evaluator = system.evaluator::<T>();
         let mut gradient = vec![T::int(0); y.hi.len()];
-        let h_ref = evaluator.gradient(&y.hi, &mut gradient);
+        let h_ref = evaluator.gradient_with_compensated_value(&y.hi, &mut gradient);
         if !h_ref.is_finite() || gradient.iter().any(|g| !g.is_finite()) {
             return Err(IntegrateError::EnergyNotFinite { energy: h_ref });
         }
@@ -275,7 +275,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             }
         } else if self.measure_energy {
             self.core.counts.energies += 1;
-            let value = self.core.energy.value(&self.y.hi);
+            let value = self.core.energy.compensated_value(&self.y.hi);
             if let Some(energy) = &mut self.energy {
                 energy.see(value - self.h_ref);
             }

@@ -291,7 +291,7 @@ impl<T: Float> Iterate<T> {
         if measures {
             self.measure(y, 0..self.n);
         }
-        self.was_remeasured = self.was_far;
+        self.was_remeasured = measures;
         self.was_far = change > T::ratio(1, 8);
         change
     }
@@ -364,15 +364,11 @@ impl<T: Float> Iterate<T> {
     }
 
     /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
+    /// On springs L is to follow ([`Iterate::follow_with`]).
     pub(crate) fn displace(&mut self, y: &State<T>, mut change: impl FnMut(usize, &mut [T])) {
         let unknowns = self.unknowns();
-        let len = unknowns * self.stride;
-        if self.has_springs() {
-            self.folded[..len].copy_from_slice(&self.z[..len]);
-        }
         let rows = self.z.chunks_exact_mut(self.stride).enumerate();
         rows.take(unknowns).for_each(|(c, z)| change(c, z));
-        self.follow();
         self.place(y);
     }
 

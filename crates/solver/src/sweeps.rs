@@ -103,6 +103,8 @@ pub(crate) struct Sweeps<T: Float> {
     /// Remembered from step to step: |g| before the α's moved, and what a relative change of the state is worth in g.
     defect: T,
     scale: T,
+    /// The same of changes that are none of them like the others.
+    spread: T,
     prolongation: Prolongation<T>,
     /// What removes slight defects where others are left to responses.
     pub(crate) slight: Slight<T>,
@@ -127,17 +129,26 @@ impl<T: Float> Sweeps<T> {
             contraction: Contraction::new(iterate.kinetic.is_some()),
             defect: zero,
             scale: zero,
+            spread: zero,
             prolongation: Prolongation::new(gauss, iterate.unknowns()),
             slight: Slight::new(n, iterate.stride, responds.is_some()),
             iterate,
         }
     }
 
+    /// The steps are made with these springs, or without.
+    pub(crate) fn set_springs(&mut self, springs: Option<Springs<T>>) {
+        if let Some(response) = &mut self.response {
+            response.set_springs(springs.as_ref());
+        }
+        self.iterate.springs = springs;
+    }
+
     /// Forgets what was remembered of earlier steps.
     pub(crate) fn forget(&mut self) {
         self.contraction.set_rate(T::ratio(1, 2));
         self.defect = T::int(0);
-        self.scale = T::int(0);
+        (self.scale, self.spread) = (T::int(0), T::int(0));
         self.slight.forget();
     }
 
@@ -228,7 +239,10 @@ impl<T: Float> Sweeps<T> {
                 continue;
             };
             let error = self.contraction.error();
-            let uncertain = error * self.scale;
+            let uncertain = match task.rule {
+                Rule::Slopes => error * self.spread,
+                _ => error * self.scale,
+            };
             let early = match task.rule {
                 Rule::Slopes => uncertain <= threshold,
                 Rule::Response if alphas.moves > 0 => alphas.by_response,
@@ -243,7 +257,7 @@ impl<T: Float> Sweeps<T> {
             if !constraint.evaluate(energy, next, &self.iterate.scale) {
                 return Err(Trouble::Slow);
             }
-            self.scale = constraint.scale;
+            (self.scale, self.spread) = (constraint.scale, constraint.spread);
             if settled {
                 constraint.add_noise(self.contraction.noise());
             }
@@ -253,6 +267,8 @@ impl<T: Float> Sweeps<T> {
                 constraint.without_alpha = g;
             }
             threshold = match task.rule {
+                // It is there, and is looked at when the stages are there too.
+                Rule::Slopes if out <= one => zero,
                 Rule::Slopes if alphas.moves > 0 => g.abs() / T::int(REMAINS),
                 _ => g.abs(),
             };
@@ -320,7 +336,10 @@ impl<T: Float> Sweeps<T> {
                     }
                     return Err(Trouble::NoAlpha);
                 }
-                self.contraction.disturb();
+                match task.rule {
+                    Rule::Slopes => self.contraction.renew(),
+                    _ => self.contraction.disturb(),
+                }
             }
         }
         Err(Trouble::Slow)
@@ -331,7 +350,7 @@ impl<T: Float> Sweeps<T> {
     fn is_far(&self, threshold: T, rule: Rule) -> bool {
         let (change, error) = self.contraction.foretold();
         change > T::int(DRAFT) * T::EPSILON
-            && (rule != Rule::Slopes || error * self.scale >= T::int(16) * threshold)
+            && (rule != Rule::Slopes || error * self.spread >= T::int(16) * threshold)
     }
 
     /// Whether stages with this `error` are near enough to take directions from, for a defect of `g`: g stands out, and the error of
@@ -381,13 +400,20 @@ impl<T: Float> Sweeps<T> {
     }
 
     /// What is remembered from step to step.
-    pub(crate) fn memory(&self) -> [T; 4] {
+    pub(crate) fn memory(&self) -> [T; 5] {
         let rate = self.contraction.rate;
-        [rate, self.defect, self.scale, self.slight.reach]
+        [
+            rate,
+            self.defect,
+            self.scale,
+            self.spread,
+            self.slight.reach,
+        ]
     }
 
-    pub(crate) fn restore(&mut self, [rate, defect, scale, reach]: [T; 4]) {
+    pub(crate) fn restore(&mut self, [rate, defect, scale, spread, reach]: [T; 5]) {
         self.contraction.set_rate(rate);
-        (self.defect, self.scale, self.slight.reach) = (defect, scale, reach);
+        (self.defect, self.scale, self.spread) = (defect, scale, spread);
+        self.slight.reach = reach;
     }
 }

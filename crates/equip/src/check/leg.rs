@@ -116,7 +116,7 @@ struct Watched<T: Float> {
 impl<T: Float> Watched<T> {
     fn new(name: &str, function: &Hamiltonian, y: &[T]) -> Self {
         let mut evaluator = function.evaluator::<T>();
-        let start = evaluator.value(y);
+        let start = evaluator.compensated_value(y);
         Watched {
             evaluator,
             gradient: vec![T::int(0); y.len()],
@@ -128,7 +128,9 @@ impl<T: Float> Watched<T> {
     }
 
     fn see(&mut self, y: &[T]) {
-        let value = self.evaluator.gradient(y, &mut self.gradient);
+        let value = self
+            .evaluator
+            .gradient_with_compensated_value(y, &mut self.gradient);
         let moved = self.gradient.iter().zip(y);
         let scale = moved.fold(T::int(0), |sum, (&g, &y)| sum + (g * y).abs());
         let defect = (value - self.start).abs();

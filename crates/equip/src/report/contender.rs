@@ -342,7 +342,7 @@ impl<T: Float> Watch<T> {
             .chain(invariants)
             .map(|h| {
                 let mut evaluator = h.evaluator::<T>();
-                let start = evaluator.value(&subject.start);
+                let start = evaluator.compensated_value(&subject.start);
                 (evaluator, start)
             });
         Watch {
@@ -354,7 +354,7 @@ impl<T: Float> Watch<T> {
 
     fn see(&mut self, y: &[T]) {
         for (i, (evaluator, start)) in self.quantities.iter_mut().enumerate() {
-            let defect = (evaluator.value(y) - *start).to_f64().abs();
+            let defect = (evaluator.compensated_value(y) - *start).to_f64().abs();
             let worst = if i == 0 {
                 &mut self.energy
             } else {

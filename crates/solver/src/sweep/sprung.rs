@@ -4,6 +4,7 @@ use super::Iterate;
 use crate::foresee::{From, Last};
 use crate::outcome::Counts;
 use crate::prolongation::Prolongation;
+use crate::springs::Springs;
 use crate::state::State;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -19,6 +20,11 @@ impl<T: Float> Iterate<T> {
         if let Some(springs) = &mut self.springs {
             springs.begin(energy, (&y.hi, h), counts);
         }
+    }
+
+    /// The springs of this step, if it is made with them.
+    pub(crate) fn active_springs(&self) -> Option<&Springs<T>> {
+        self.springs.as_ref().filter(|springs| springs.is_active)
     }
 
     /// Whether this step is made with springs.
@@ -61,6 +67,21 @@ impl<T: Float> Iterate<T> {
             };
             let from = From::Last(&y.hi, kinetic.offset(), last);
             springs.foresee(self.set, from, (&self.hb, &mut self.gradients), self.s);
+        }
+    }
+
+    /// Z has been moved by so many times what was made with `made`, which has a row for each change of each spring: so are the forces foreseen.
+    pub(crate) fn follow_with(&mut self, changes: &[T], made: &[T]) {
+        let Some(springs) = self.springs.as_ref().filter(|springs| springs.is_active) else {
+            return;
+        };
+        let (stride, m) = (self.stride, self.n / 2);
+        let rows = made.chunks_exact(changes.len() * stride);
+        for (spring, rows) in springs.springs.iter().zip(rows) {
+            let l = &mut self.l[(spring.c + m) * stride..][..stride];
+            for (&change, row) in changes.iter().zip(rows.chunks_exact(stride)) {
+                l.iter_mut().zip(row).for_each(|(l, &x)| *l += change * x);
+            }
         }
     }
 
