@@ -4,7 +4,7 @@
 use equip_autodiff::{Energy, Hamiltonian};
 use equip_scalar::Constant;
 use equip_scenes::{Instance, energies::FputBeta};
-use equip_solver::{Counts, Equip, Gauss, Method, Outcome, StageSolver};
+use equip_solver::{Counts, Equip, Gauss, Method, StageSolver};
 use equip_tests::{Start, henon_heiles, kepler};
 
 fn counts(

@@ -56,8 +56,12 @@ fn sweeps_are_few_and_the_trajectory_is_the_same() {
 /// The α's by responses, as they come: linearised sweeps solve for springs too. Without that 11.4 sweeps a step at h = 0.08, and Newton's steps.
 #[test]
 fn responses_know_of_springs() {
-    // Measured: digits 9.6 and 10.1, sweeps 5.3 and 4.7; Gauss has 9.7 and 10.1.
-    for (s, h, least, most) in [(16, 0.08, 8.9, 5.8), (8, 0.04, 9.3, 5.2)] {
+    // Measured: digits 9.5, 9.9 and 10.2, sweeps 5.3, 6.0 and 4.7; Gauss has 9.6 to 10.2.
+    for (s, h, least, most) in [
+        (16, 0.08, 8.9, 5.8),
+        (16, 0.1, 8.9, 6.6),
+        (8, 0.04, 9.3, 5.2),
+    ] {
         let options = Equip::stages(s).step(h);
         let (digits, sweeps) = digits(&options);
         assert!(digits > least && sweeps < most, "s = {s}, h = {h}");
@@ -71,7 +75,8 @@ fn responses_know_of_springs() {
     assert_eq!(counts.newton_iterations, 0);
     assert!(counts.alpha_solves > 0);
     let energy = run.certificate().energy.as_ref().unwrap();
-    assert!(energy.max.abs() < 3e-14, "{:e}", energy.max);
+    // Measured 3.3e-14, of an energy of 2: the forces of the springs round by some 20 times as much as p does.
+    assert!(energy.max.abs() < 1e-13, "{:e}", energy.max);
 }
 
 /// To the last sweep, over 400 steps.
@@ -92,7 +97,7 @@ fn the_work_is_known() {
         [
             [400, 2271, 18168, 0],
             [400, 2803, 44848, 0],
-            [400, 2092, 33919, 0]
+            [400, 2069, 33555, 0]
         ]
     );
 }

@@ -258,3 +258,68 @@ impl<T: Float> Times<'_, T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::outcome::Counts;
+    use crate::state::State;
+    use equip_autodiff::{Evaluate, Hamiltonian, System};
+
+    /// From either end of the step, hω = 2.5: with springs the same in fewer sweeps.
+    #[test]
+    fn springs_are_solved_for_at_once() {
+        let energy = Hamiltonian::new(2, |q, p| {
+            let between = (q[1] - q[0]).powi(2);
+            0.5 * (p[0] * p[0] + 0.5 * p[1] * p[1]) + 2500.0 * q[1] * q[1] + between * between
+        });
+        let energy = energy.unwrap();
+        let pattern = &energy.structure().hessian;
+        let mut evaluator = energy.evaluator::<f64>();
+        let y = State::new(&[1.0, 0.01], &[0.5, 0.7]);
+        for s in [3, 8, 11, 16] {
+            let (h, gauss) = (0.05, Gauss::<f64>::new(s).unwrap());
+            let kinetic = evaluator.kinetic();
+            let w: Vec<f64> = kinetic.as_ref().unwrap().diagonal().unwrap().to_vec();
+            let mut iterate = Iterate::new(&gauss, 4, kinetic, &vec![0.0; s - 1]);
+            iterate.begin(&gauss, (&y, h));
+            for _ in 0..30 {
+                iterate.sweep(&mut evaluator, &y, false);
+            }
+            let stiff = (pattern, w.as_slice(), false);
+            let springs = Springs::find(&gauss, &mut evaluator, stiff, (&y.hi, h));
+            let mut springs = springs.unwrap();
+            assert_eq!(springs.springs.len(), 1);
+            springs.is_active = true;
+
+            let sides = 2;
+            let mut linear = LinearSweeps::new(&gauss, &iterate, pattern.clone(), sides);
+            linear.make_room(&springs);
+            assert!(linear.take(&iterate, &mut evaluator, true, &mut Counts::default()));
+            let stride = iterate.stride;
+            let mut r = vec![0.0; 4 * sides * stride];
+            for (k, row) in r.chunks_exact_mut(stride).enumerate() {
+                for (i, x) in row.iter_mut().enumerate().take(s) {
+                    *x = ((3 * k + i * i) as f64).sin();
+                }
+            }
+            for held in [Held::Start, Held::End] {
+                let mut solve = |springs, tolerance| {
+                    iterate.springs = springs;
+                    let mut x = r.clone();
+                    let solved = (&*r, &mut *x);
+                    let found = linear.solve(held, solved, &[1.0; 4], tolerance, &iterate);
+                    (found, linear.sums.clone(), iterate.springs.take())
+                };
+                let (_, plain, _) = solve(None, 1e-14);
+                let (found, sprung, back) = solve(Some(springs), 1e-6);
+                springs = back.unwrap();
+                assert!(found);
+                let most = plain.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+                for (a, b) in plain.iter().zip(&sprung) {
+                    assert!((a - b).abs() <= 1e-8 * most, "s = {s}, {held:?}: {a}, {b}");
+                }
+            }
+        }
+    }
+}
