@@ -196,8 +196,12 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
         if !self.route.recorded.has_long_sums() {
             return self.gradient(y, gradient);
         }
-        self.gradient_only(y, gradient);
-        self.tape.compensated_value(y)
+        self.check(&[y.len(), gradient.len()]);
+        if self.route.supplied_gradient(y, gradient) {
+            self.tape.compensated_value(y)
+        } else {
+            self.tape.gradient_with_compensated_value(y, gradient)
+        }
     }
 
     #[inline]

@@ -87,13 +87,11 @@ impl<T: Float> Constraint<T> {
             }
         };
         self.defect = value - self.reference;
-        let largest = y1.hi.iter().zip(sizes).map(|(y, &size)| size.max(y.abs()));
-        let (mut moved, mut most) = (T::int(0), T::int(0));
-        for (&g, y) in self.gradient.iter().zip(largest) {
-            let worth = (g * y).abs();
-            moved += worth;
-            most = most.max(worth);
-        }
+        let [moved, most] = if y1.hi.len() < MANY {
+            worths::<T, 1>(&self.gradient, &y1.hi, sizes)
+        } else {
+            worths::<T, 8>(&self.gradient, &y1.hi, sizes)
+        };
         self.scale = self.reference.abs() + value.abs() + moved;
         self.spread = if y1.hi.len() < MANY {
             self.scale
@@ -173,6 +171,22 @@ fn in_floors<T: Float>(defect: T, floor: T) -> T {
     } else {
         defect.abs() / floor
     }
+}
+
+/// Sum and largest of what relative changes by 1 of the components are worth, N sums side by side.
+fn worths<T: Float, const N: usize>(gradient: &[T], y: &[T], sizes: &[T]) -> [T; 2] {
+    let (mut sums, mut most) = ([T::int(0); N], [T::int(0); N]);
+    let rows = gradient.chunks(N).zip(y.chunks(N)).zip(sizes.chunks(N));
+    for ((gradient, y), sizes) in rows {
+        let places = sums.iter_mut().zip(&mut most);
+        for (((&g, &y), &size), (sum, most)) in gradient.iter().zip(y).zip(sizes).zip(places) {
+            let worth = (g * size.max(y.abs())).abs();
+            *sum += worth;
+            *most = most.max(worth);
+        }
+    }
+    let total = sums.iter().fold(T::int(0), |total, &sum| total + sum);
+    [total, most.iter().fold(T::int(0), |a, &x| a.max(x))]
 }
 
 fn products<T: Float>(a: &[T], b: &[T]) -> T {

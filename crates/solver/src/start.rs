@@ -97,6 +97,22 @@ impl<T: Float> Sizes<'_, T> {
     }
 }
 
+/// [`resolve`] as a kernel.
+pub(crate) struct Resolve<'a, T> {
+    pub(crate) scale: &'a mut [T],
+    pub(crate) inverse: &'a mut [T],
+    pub(crate) components: Range<usize>,
+}
+
+impl<T: Float> Kernel for Resolve<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        resolve(self.scale, self.inverse, self.components.clone());
+    }
+}
+
 /// Raises the sizes of `components` to the least that is resolved, and takes their inverses.
 #[inline(always)]
 pub(crate) fn resolve<T: Float>(scale: &mut [T], inverse: &mut [T], components: Range<usize>) {
@@ -107,7 +123,7 @@ pub(crate) fn resolve<T: Float>(scale: &mut [T], inverse: &mut [T], components: 
             continue;
         }
         let (scale, inverse) = (&mut scale[group.clone()], &mut inverse[group]);
-        let most = (scale.iter()).fold(T::int(0), |a, &x| if x > a { x } else { a });
+        let most = largest_in(scale);
         let least = if most > T::int(0) {
             most * root * root.sqrt()
         } else {
@@ -118,6 +134,19 @@ pub(crate) fn resolve<T: Float>(scale: &mut [T], inverse: &mut [T], components: 
             *inverse = T::int(1) / *x;
         }
     }
+}
+
+/// The largest of numbers that are none of them negative.
+#[inline(always)]
+fn largest_in<T: Float>(x: &[T]) -> T {
+    let (mut most, mut rest) = (T::int(0), x);
+    if x.len() >= 64 {
+        let rows = x.as_chunks::<8>();
+        let mut lanes = [most; 8];
+        rows.0.iter().for_each(|row| see(&mut lanes, row));
+        (most, rest) = (largest(lanes), rows.1);
+    }
+    rest.iter().fold(most, |a, &x| if x > a { x } else { a })
 }
 
 /// Lane by lane the larger of the size and |x|.

@@ -3,7 +3,7 @@
 use super::{Form, Iterate, form};
 use crate::opening::Opening;
 use crate::prolongation::Prolongation;
-use crate::start::{Foretell, Sizes, resolve};
+use crate::start::{Foretell, Resolve, Sizes};
 use crate::state::State;
 use equip_scalar::Float;
 use equip_tableau::Gauss;
@@ -103,6 +103,10 @@ impl<T: Float> Iterate<T> {
             scale: &mut self.scale[components.clone()],
             s: self.s,
         });
-        resolve(&mut self.scale, &mut self.inverse_scale, components);
+        self.set.run(&mut Resolve {
+            scale: &mut self.scale,
+            inverse: &mut self.inverse_scale,
+            components,
+        });
     }
 }
