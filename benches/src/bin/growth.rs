@@ -173,7 +173,7 @@ fn chains(counts_only: bool) -> Result<(), Box<dyn Error>> {
     for (&n, tape) in sizes.iter().zip(&tapes) {
         let mode = |i: usize| 10.0 * (std::f64::consts::PI * i as f64 / (n + 1) as f64).sin();
         let start: (Vec<f64>, Vec<f64>) = ((1..=n).map(mode).collect(), vec![0.0; n]);
-        let steps = (20_000 / n as u64).clamp(4, 200);
+        let steps = (20_000 / n as u64).clamp(20, 200);
         for (name, method) in [
             ("EQUIP(4)", equip(4)),
             ("EQUIP(4) automatic", automatic(4)),
