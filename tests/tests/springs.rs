@@ -77,6 +77,16 @@ fn responses_know_of_springs() {
     let energy = run.certificate().energy.as_ref().unwrap();
     // Measured 3.3e-14, of an energy of 2: the forces of the springs round by some 20 times as much as p does.
     assert!(energy.max.abs() < 1e-13, "{:e}", energy.max);
+    let fine = chain(&Gauss::stages(16).step(0.0625), 20.0);
+    let [found, gauss, fine] = [&run, &chain(&Gauss::stages(8).step(0.05), 20.0), &fine]
+        .map(|run| [run.last().1, run.last().2].concat());
+    let apart = [
+        relative_distance(&found, &fine),
+        relative_distance(&gauss, &fine),
+    ];
+    println!("{apart:?}");
+    // Measured 7.3e-10 and 4.6e-10.
+    assert!(apart[0] < 3.0 * apart[1], "{apart:?}");
 }
 
 /// To the last sweep, over 400 steps.

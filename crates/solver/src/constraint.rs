@@ -32,7 +32,8 @@ pub(crate) struct Constraint<T: Float> {
     pub(crate) inherited: T,
     /// What a relative change of the state by 1 is worth.
     pub(crate) scale: T,
-    /// The same if the changes of many components have nothing to do with each other: no less than the root of the sum of squares.
+    /// The same of changes of many components that have nothing to do with each other: √(largest·sum), no less than the root of the sum of
+    /// squares. Of few it is `scale`.
     pub(crate) spread: T,
     /// ∇I(y1).
     pub(crate) gradient: Vec<T>,
@@ -87,16 +88,13 @@ impl<T: Float> Constraint<T> {
             }
         };
         self.defect = value - self.reference;
-        let [moved, most] = if y1.hi.len() < MANY {
-            worths::<T, 1>(&self.gradient, &y1.hi, sizes)
+        let values = self.reference.abs() + value.abs();
+        (self.scale, self.spread) = if y1.hi.len() < MANY {
+            let [moved, _] = worths::<T, 1>(&self.gradient, &y1.hi, sizes);
+            (values + moved, values + moved)
         } else {
-            worths::<T, 8>(&self.gradient, &y1.hi, sizes)
-        };
-        self.scale = self.reference.abs() + value.abs() + moved;
-        self.spread = if y1.hi.len() < MANY {
-            self.scale
-        } else {
-            most.sqrt() * moved.sqrt()
+            let [moved, most] = worths::<T, 8>(&self.gradient, &y1.hi, sizes);
+            (values + moved, most.sqrt() * moved.sqrt())
         };
         // Below the smallest normal number rounding is absolute.
         self.floor = T::EPSILON * (self.scale + T::MIN_POSITIVE);

@@ -31,10 +31,11 @@ pub(crate) struct Contraction<T> {
     is_twofold: bool,
     /// The worst contraction seen in the step, or where the first sweeps are not like the last the worse of the last two; 0 if none was.
     pub(crate) seen: T,
-    /// The last, and whether those before the one before it are forgotten.
+    /// The last.
     last: T,
-    pub(crate) forgets: bool,
-    /// The α's have moved by slopes: what is seen since is no matter of the sweeps before, and it too is forgotten.
+    /// The sweeps solve for stiff springs: the first are not like the last.
+    has_springs: bool,
+    /// The α's have moved by slopes: what is seen since is no matter of the sweeps before.
     is_new: bool,
     /// ρ.
     pub(crate) rate: T,
@@ -60,7 +61,7 @@ impl<T: Float> Contraction<T> {
             is_twofold,
             seen: zero,
             last: zero,
-            forgets: false,
+            has_springs: false,
             is_new: false,
             rate: zero,
             tail: zero,
@@ -86,8 +87,9 @@ impl<T: Float> Contraction<T> {
         self.tail = share / (T::int(1) - self.rate);
     }
 
-    /// A step begins.
-    pub(crate) fn begin(&mut self) {
+    /// A step begins, with springs or without.
+    pub(crate) fn begin(&mut self, has_springs: bool) {
+        self.has_springs = has_springs;
         self.set_rate((self.rate / T::int(2)).max(T::ratio(1, LEAST)));
         self.begin_anew();
     }
@@ -135,7 +137,7 @@ impl<T: Float> Contraction<T> {
         if compares && last > T::int(ROUNDING) * eps {
             let is_slow = change > last * T::ratio(SLOW_PERCENT, 100);
             self.slow = if is_slow { self.slow + 1 } else { 0 };
-            if self.forgets || self.is_new {
+            if self.has_springs || self.is_new {
                 let now = change / last;
                 self.seen = now.max(std::mem::replace(&mut self.last, now));
                 self.set_rate(self.seen.max(T::ratio(1, LEAST)));
@@ -183,7 +185,7 @@ impl<T: Float> Contraction<T> {
     /// Rounding at the end point, of stages that have settled.
     pub(crate) fn noise(&self) -> T {
         let left = (self.change * self.tail).min(self.change);
-        if self.forgets {
+        if self.has_springs {
             // Sweeps that solve for stiff springs contract what is off, not what rounding the forces makes anew.
             left.max(self.change.min(T::int(NOISY) * T::EPSILON))
         } else {
@@ -216,7 +218,7 @@ mod tests {
     #[test]
     fn the_worst_contraction_is_seen() {
         let mut contraction = Contraction::<f64>::new(false);
-        contraction.begin();
+        contraction.begin(false);
         assert!(contraction.see(1.0, false, true));
         assert_eq!(contraction.seen, 0.0);
         assert!(contraction.see(0.125, false, true));
@@ -232,12 +234,12 @@ mod tests {
     #[test]
     fn sizes_that_were_not_known_allow_nothing() {
         let mut contraction = Contraction::<f64>::new(true);
-        contraction.begin();
+        contraction.begin(false);
         assert!(contraction.see(0.125, true, true));
         assert!(contraction.see(7.0, true, true));
         assert!(contraction.see(0.25, false, true));
         assert_eq!(contraction.seen, 0.0);
-        contraction.begin();
+        contraction.begin(false);
         assert!(contraction.see(0.125, false, true));
         assert!(!contraction.see(7.0, true, true));
     }
@@ -248,7 +250,7 @@ mod tests {
         let eps = f64::EPSILON;
         let mut contraction = Contraction::<f64>::new(false);
         contraction.set_rate(0.0);
-        contraction.begin();
+        contraction.begin(false);
         for change in [1e-8, 1e-10, 1e-12, 1e-14] {
             assert!(contraction.see(change, false, true) && !contraction.is_settled());
         }

@@ -30,6 +30,20 @@ use equip_tableau::Gauss;
 use nalgebra::DVector;
 use std::array::from_fn;
 
+/// A task's `rows` for the rows that `s` stages of the float stand in.
+macro_rules! by_rows {
+    ($float:ty, $s:expr, $task:ident) => {
+        match (stride_for::<$float>($s), lanes_of::<$float>($s)) {
+            (4, 4) => $task.rows::<1, 4>(),
+            (8, 8) => $task.rows::<1, 8>(),
+            (16, 8) => $task.rows::<2, 8>(),
+            (24, 8) => $task.rows::<3, 8>(),
+            (32, 8) => $task.rows::<4, 8>(),
+            _ => {}
+        }
+    };
+}
+
 /// M for one stiffness.
 #[derive(Debug)]
 pub(crate) struct Matrix<T> {
@@ -117,14 +131,7 @@ impl<T: Float> Kernel for Foresee<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match (stride_for::<T>(self.s), lanes_of::<T>(self.s)) {
-            (4, 4) => self.rows::<1, 4>(),
-            (8, 8) => self.rows::<1, 8>(),
-            (16, 8) => self.rows::<2, 8>(),
-            (24, 8) => self.rows::<3, 8>(),
-            (32, 8) => self.rows::<4, 8>(),
-            _ => {}
-        }
+        by_rows!(T, self.s, self);
     }
 }
 
@@ -201,14 +208,7 @@ impl<T: Float> Kernel for ForeseeSides<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        match (stride_for::<T>(self.s), lanes_of::<T>(self.s)) {
-            (4, 4) => self.rows::<1, 4>(),
-            (8, 8) => self.rows::<1, 8>(),
-            (16, 8) => self.rows::<2, 8>(),
-            (24, 8) => self.rows::<3, 8>(),
-            (32, 8) => self.rows::<4, 8>(),
-            _ => {}
-        }
+        by_rows!(T, self.s, self);
     }
 }
 

@@ -82,6 +82,7 @@ mod step_swept;
 mod stepper;
 mod suggest;
 mod sweep;
+mod sweep_task;
 mod sweeps;
 mod tangent;
 mod tangent_chaos;

@@ -2,7 +2,8 @@
 //!
 //! The direction d is taken once in a step, by [`crate::slopes`] or by [`crate::response`]; later moves use the slope observed.
 
-use crate::sweeps::{Rule, SweepTask, Sweeps};
+use crate::sweep_task::{Rule, SweepTask};
+use crate::sweeps::Sweeps;
 use equip_scalar::Float;
 
 /// Moves of the α's allowed in a step.

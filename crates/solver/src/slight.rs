@@ -19,7 +19,8 @@
 use crate::moves::Moves;
 use crate::outcome::Counts;
 use crate::state::State;
-use crate::sweeps::{Rule, SweepTask, Sweeps};
+use crate::sweep_task::{Rule, SweepTask};
+use crate::sweeps::Sweeps;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 

@@ -136,11 +136,14 @@ pub(crate) fn resolve<T: Float>(scale: &mut [T], inverse: &mut [T], components: 
     }
 }
 
+/// From so many on they are compared side by side.
+const MANY: usize = 64;
+
 /// The largest of numbers that are none of them negative.
 #[inline(always)]
 fn largest_in<T: Float>(x: &[T]) -> T {
     let (mut most, mut rest) = (T::int(0), x);
-    if x.len() >= 64 {
+    if x.len() >= MANY {
         let rows = x.as_chunks::<8>();
         let mut lanes = [most; 8];
         rows.0.iter().for_each(|row| see(&mut lanes, row));

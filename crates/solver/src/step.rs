@@ -11,7 +11,8 @@ use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
 use crate::state::State;
 use crate::step_swept::{KnownGradient, Pause, can_sweep, rule};
-use crate::sweeps::{Rule, Sweeps, Trouble};
+use crate::sweep_task::{Rule, Trouble};
+use crate::sweeps::Sweeps;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
@@ -287,7 +288,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             {
                 return Err(sweeps.failure(trouble));
             }
-            // A defect of a few floors that α's do not reach, or whatever no α reaches: an H of many terms is not known any better.
+            // A defect of a few floors that α's do not reach, or whatever no α reaches: Newton would not either.
             let out_of_reach = self
                 .sweeps
                 .as_ref()

@@ -6,7 +6,7 @@ use crate::options::{Settings, StageSolver};
 use crate::springs::Springs;
 use crate::state::State;
 use crate::step::Core;
-use crate::sweeps::{Rule, SweepTask, Trouble};
+use crate::sweep_task::{Rule, SweepTask, Trouble};
 use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
 
@@ -56,8 +56,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             && self.start_alphas.iter().all(|&alpha| alpha == T::int(0))
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
         {
-            let by_slopes = self.rule == Rule::Slopes && !self.constraints.is_empty();
-            let pattern = (&structure.hessian, w, by_slopes);
+            let pattern = (&structure.hessian, w, !self.constraints.is_empty());
             let found = Springs::find(gauss, &mut self.energy, pattern, (y, h));
             sweeps.set_springs(found);
         }

@@ -27,6 +27,7 @@ use crate::slopes::Slopes;
 use crate::springs::Springs;
 use crate::state::State;
 use crate::sweep::Iterate;
+use crate::sweep_task::{Rule, SweepTask, Trouble};
 use equip_autodiff::{Evaluate, Kinetic, Pattern};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
@@ -50,43 +51,6 @@ const THERE: i64 = 4;
 /// Legendre coefficients that are prolonged where the motion on stiff springs is too fast to be foretold by all.
 const UNRESOLVED: usize = 2;
 
-/// Why a step is left to Newton.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Trouble {
-    /// The sweeps contract slowly or not at all, or left the domain of H.
-    Slow,
-    /// No α within the bound, or no slope.
-    NoAlpha,
-    /// The stages are there; g is above its floor, and the α's are for Newton to move.
-    StagesOnly,
-}
-
-/// What is fixed while a step is swept.
-#[derive(Debug)]
-pub(crate) struct SweepTask<'a, T> {
-    pub(crate) y: &'a State<T>,
-    pub(crate) h: T,
-    pub(crate) alphas: &'a [T],
-    pub(crate) alpha_bound: T,
-    /// Where this step starts in the one whose L is in the iterate, its size over that of it, and that, if there is one.
-    pub(crate) last: Option<[T; 3]>,
-    /// ∇H(y), if it is known.
-    pub(crate) known: Option<&'a [T]>,
-    /// Who moves the α's, if there is a constraint.
-    pub(crate) rule: Rule,
-}
-
-/// Who moves the α's of a step whose stages sweeps have found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Rule {
-    /// Sweeps, by [`crate::slopes`], as soon as g stands out.
-    Slopes,
-    /// Sweeps, by [`crate::response`], when the stages have converged.
-    Response,
-    /// Newton.
-    Newton,
-}
-
 #[derive(Debug)]
 pub(crate) struct Sweeps<T: Float> {
     pub(crate) iterate: Iterate<T>,
@@ -100,10 +64,10 @@ pub(crate) struct Sweeps<T: Float> {
     /// Sweeps of that step.
     made: u32,
     pub(crate) contraction: Contraction<T>,
-    /// Remembered from step to step: |g| before the α's moved, and what a relative change of the state is worth in g.
+    /// Remembered from step to step: |g| before the α's moved, and what a relative change of the state is worth in g, the same for all
+    /// components or for none like for another.
     defect: T,
     scale: T,
-    /// The same of changes that are none of them like the others.
     spread: T,
     prolongation: Prolongation<T>,
     /// What removes slight defects where others are left to responses.
@@ -364,8 +328,7 @@ impl<T: Float> Sweeps<T> {
     fn begin(&mut self, gauss: &Gauss<T>, task: &SweepTask<'_, T>) {
         self.alphas.copy_from_slice(task.alphas);
         self.made = 0;
-        self.contraction.begin();
-        self.contraction.forgets = self.iterate.has_springs();
+        self.contraction.begin(self.iterate.has_springs());
         let step = (task.y, task.h);
         match task.last {
             Some(last) => {

@@ -24,20 +24,17 @@ impl<T: Float> Iterate<T> {
 
     /// The springs of this step, if it is made with them.
     pub(crate) fn active_springs(&self) -> Option<&Springs<T>> {
-        self.springs.as_ref().filter(|springs| springs.is_active)
+        active(&self.springs)
     }
 
     /// Whether this step is made with springs.
     pub(crate) fn has_springs(&self) -> bool {
-        (self.springs.as_ref()).is_some_and(|springs| springs.is_active)
+        self.active_springs().is_some()
     }
 
     /// Adds to the gradients on springs what they are about to change by: from Z = 0, or from Z as it was made by L.
     pub(super) fn foresee(&mut self, y: &State<T>, from_nothing: bool) {
-        if !self.has_springs() {
-            return;
-        }
-        if let (Some(springs), Some(kinetic)) = (&self.springs, &self.kinetic) {
+        if let (Some(springs), Some(kinetic)) = (active(&self.springs), &self.kinetic) {
             let from = if from_nothing {
                 From::Nothing(&y.hi, kinetic.offset())
             } else {
@@ -55,10 +52,7 @@ impl<T: Float> Iterate<T> {
         prolongation: &Prolongation<T>,
         known: Option<&[T]>,
     ) {
-        if !self.has_springs() {
-            return;
-        }
-        if let (Some(springs), Some(kinetic)) = (&self.springs, &self.kinetic) {
+        if let (Some(springs), Some(kinetic)) = (active(&self.springs), &self.kinetic) {
             let last = Last {
                 prolongation: prolongation.view(),
                 l: &self.l_before,
@@ -72,7 +66,7 @@ impl<T: Float> Iterate<T> {
 
     /// Z has been moved by so many times what was made with `made`, which has a row for each change of each spring: so are the forces foreseen.
     pub(crate) fn follow_with(&mut self, changes: &[T], made: &[T]) {
-        let Some(springs) = self.springs.as_ref().filter(|springs| springs.is_active) else {
+        let Some(springs) = active(&self.springs) else {
             return;
         };
         let (stride, m) = (self.stride, self.n / 2);
@@ -87,11 +81,8 @@ impl<T: Float> Iterate<T> {
 
     /// Z has been moved from what is in `folded`: the forces foreseen follow.
     pub(super) fn follow(&mut self) {
-        if !self.has_springs() {
-            return;
-        }
         let (stride, m) = (self.stride, self.n / 2);
-        for spring in self.springs.iter().flat_map(|springs| &springs.springs) {
+        for spring in active(&self.springs).map_or(&[][..], |springs| &springs.springs) {
             let (q, p) = (spring.c * stride, (spring.c + m) * stride);
             for (i, &hb) in self.hb.iter().enumerate() {
                 let moved = self.z[q + i] - self.folded[q + i];
@@ -99,4 +90,8 @@ impl<T: Float> Iterate<T> {
             }
         }
     }
+}
+
+fn active<T: Float>(springs: &Option<Springs<T>>) -> Option<&Springs<T>> {
+    springs.as_ref().filter(|springs| springs.is_active)
 }
