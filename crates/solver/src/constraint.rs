@@ -12,7 +12,7 @@ use equip_autodiff::{Evaluate, Hamiltonian, System};
 use equip_scalar::Float;
 
 /// Components whose errors are taken to have nothing to do with each other.
-const MANY: usize = 64;
+pub(crate) const MANY: usize = 64;
 
 /// One equation g = I(y1) − I_ref = 0, with what is needed to judge and to reduce g.
 ///

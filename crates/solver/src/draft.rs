@@ -12,7 +12,7 @@
 
 use crate::aligned::{Aligned, Places};
 use crate::half::{Half, force};
-use crate::mix::{Mix, Moved, Step, in_memory};
+use crate::mix::{Mix, Moved, OnLines, Step, in_memory};
 use crate::pairs::HALF;
 use crate::product::{Mixes, Sixteen, product_any};
 use crate::row::{Row, add, difference, literal, placed, rows, rows_mut, scaled, stride_for};
@@ -115,12 +115,12 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
         let (hi, lo) = (&step.hi[block.clone()], &step.lo[block.clone()]);
         let inverse_scale = &step.inverse_scale[block.clone()];
         let w = &self.half.inverse_masses[block.clone()];
-        let mut delta = [[T::int(0); N]; G];
+        let mut delta = OnLines([[T::int(0); N]; G]);
         for c in 0..block.len() {
             for g in 0..G {
-                delta[g] = moved(&hb[g], &gradients[c][g], &mut l_p[c][g]);
+                delta.0[g] = moved(&hb[g], &gradients[c][g], &mut l_p[c][g]);
             }
-            let mixed = k.mixed(in_memory(&mut delta));
+            let mixed = k.product(&in_memory(&mut delta).0);
             for g in 0..G {
                 let by = scaled(&mixed[g], h * w[c]);
                 change.see(&by, inverse_scale[c]);

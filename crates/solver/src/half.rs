@@ -1,6 +1,8 @@
 //! The sweep of H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p, the positions unknown: L_p = −h b ∇U, P = p + K L_p, L_q = h b (M⁻¹ P + b), Z_q ← K L_q.
+//!
+//! P is kept where it is asked for only: a long chain waits for its memory.
 
-use crate::mix::{Mix, Moved, Step, in_memory};
+use crate::mix::{Mix, Moved, Step};
 use crate::pairs::Blocks;
 use crate::product::Mixes;
 use crate::row::{Row, difference, linear, literal, placed, rows, rows_mut, times};
@@ -14,6 +16,7 @@ pub(crate) struct Half<'a, T> {
     /// w and b.
     pub(crate) inverse_masses: &'a [T],
     pub(crate) offset: &'a [T],
+    pub(crate) keeps_momenta: bool,
 }
 
 impl<T: Float> Kernel for Half<'_, T> {
@@ -38,6 +41,7 @@ impl<'a, T: Float> Half<'a, T> {
             step: self.step.in_doubles()?,
             inverse_masses: T::as_doubles(self.inverse_masses)?,
             offset: T::as_doubles(self.offset)?,
+            keeps_momenta: self.keeps_momenta,
         })
     }
 
@@ -47,15 +51,16 @@ impl<'a, T: Float> Half<'a, T> {
             step: self.step.in_double_doubles()?,
             inverse_masses: T::as_double_doubles(self.inverse_masses)?,
             offset: T::as_double_doubles(self.offset)?,
+            keeps_momenta: self.keeps_momenta,
         })
     }
 }
 
 impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
-    type Sixteen = Blocks<'a, T>;
+    type Sixteen = Blocks<T>;
 
     #[inline(always)]
-    fn sixteen(k: &'a [T]) -> Blocks<'a, T> {
+    fn sixteen(k: &'a [T]) -> Blocks<T> {
         Blocks::of(k)
     }
 
@@ -84,6 +89,7 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
         let (l_q, l_p) = rows_mut::<T, G, N>(step.l).split_at_mut(m);
         let (l_q, l_p) = (&mut l_q[block.clone()], &mut l_p[block.clone()]);
         let p = &mut rows_mut::<T, G, N>(step.points)[momenta.clone()];
+        let folded = &mut rows_mut::<T, G, N>(step.folded)[..len];
         let (hi, lo) = (&step.hi[momenta.clone()], &step.lo[momenta]);
         let w = &self.inverse_masses[block.clone()];
         let b = &self.offset[block.clone()];
@@ -91,12 +97,15 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
             for g in 0..G {
                 l_p[c][g] = force(&hb[g], &gradients[c][g]);
             }
-            let moved = k.mixed(in_memory(&mut l_p[c]));
+            let moved = k.mixed(&mut l_p[c]);
             for g in 0..G {
                 let momenta = placed(hi[c], lo[c], &moved[g]);
                 l_q[c][g] = times(&hb[g], &linear(w[c], &momenta, b[c]));
-                p[c][g] = momenta;
+                if self.keeps_momenta {
+                    p[c][g] = momenta;
+                }
             }
+            k.put(&l_q[c], &mut folded[c]);
         }
         step.advance(k, block, change);
     }
@@ -113,7 +122,9 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
         for g in 0..groups {
             let momenta = placed(step.hi[c + m], step.lo[c + m], &step.mixed(p, g));
             step.l[q + g] = times(&step.hb[g], &linear(w, &momenta, b));
-            step.points[p + g] = momenta;
+            if self.keeps_momenta {
+                step.points[p + g] = momenta;
+            }
         }
         step.advance(c, change);
     }
@@ -155,7 +166,9 @@ impl<'a> Small<'a> for Half<'a, f64> {
             let l: Row<f64, G, N> = from_fn(|g| times(&hb[g], &linear(w[c], &momenta[g], b[c])));
             folded[c] = k.folded(&l);
             l_q[c] = l;
-            p[c] = momenta;
+            if self.keeps_momenta {
+                p[c] = momenta;
+            }
         }
         let mut by = [[[0.0; N]; G]; C];
         for c in 0..C {

@@ -28,7 +28,7 @@ pub(crate) struct Step<'a, T> {
     pub(crate) inverse_scale: &'a [T],
     pub(crate) gradients: &'a mut [T],
     pub(crate) l: &'a mut [T],
-    /// What the products read, if it is not L: room for as much.
+    /// What the products read, if it is not L: room for as much. Of blocks, one block.
     pub(crate) folded: &'a mut [T],
     pub(crate) z: &'a mut [T],
     pub(crate) points: &'a mut [T],
@@ -145,12 +145,13 @@ impl<'a, T: Float> Step<'a, T> {
         change: &mut Moved<N>,
     ) {
         let l = &rows::<T, G, N>(self.l)[block.clone()];
+        let folded = &rows::<T, G, N>(self.folded)[..block.len()];
         let z = &mut rows_mut::<T, G, N>(self.z)[block.clone()];
         let points = &mut rows_mut::<T, G, N>(self.points)[block.clone()];
         let (hi, lo) = (&self.hi[block.clone()], &self.lo[block.clone()]);
         let inverse_scale = &self.inverse_scale[block.clone()];
         for c in 0..block.len() {
-            let moved = k.mixed(&l[c]);
+            let moved = k.product(k.reads(&folded[c], &l[c]));
             for g in 0..G {
                 change.see(&difference(&moved[g], &z[c][g]), inverse_scale[c]);
                 points[c][g] = placed(hi[c], lo[c], &moved[g]);
@@ -225,6 +226,10 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
 pub(crate) fn in_memory<R>(row: &mut R) -> &R {
     std::hint::black_box(row)
 }
+
+/// A row that begins with a cache line: what is written across two comes back late.
+#[repr(align(64))]
+pub(crate) struct OnLines<R>(pub(crate) R);
 
 /// Changes of Z, lane by lane: their size is asked for, so `f64` will do. Z of the padding is zero.
 pub(crate) struct Moved<const N: usize> {
@@ -318,6 +323,7 @@ mod tests {
             step,
             inverse_masses: w,
             offset: b,
+            keeps_momenta: true,
         }
     }
 

@@ -69,16 +69,19 @@ fn backwards<T: Float>(x: &[T; HALF]) -> [T; HALF] {
 }
 
 /// K as P and Q.
-pub(crate) struct Blocks<'a, T>(pub(crate) &'a [[[T; HALF]; HALF]; 2]);
+#[derive(Clone, Copy)]
+pub(crate) struct Blocks<T>(pub(crate) [[[T; HALF]; HALF]; 2]);
 
-impl<'a, T: Float> Blocks<'a, T> {
+impl<T: Float> Blocks<T> {
     #[inline(always)]
-    pub(crate) fn of(k: &'a [T]) -> Self {
-        Blocks(literal(k.as_chunks().0.as_chunks().0.first_chunk()))
+    pub(crate) fn of(k: &[T]) -> Self {
+        Blocks(*literal(k.as_chunks().0.as_chunks().0.first_chunk()))
     }
 }
 
-impl<T: Float> Mixes<T, 2, HALF> for Blocks<'_, T> {
+impl<T: Float> Mixes<T, 2, HALF> for Blocks<T> {
+    const FOLDS: bool = true;
+
     #[inline(always)]
     fn folded(&self, l: &Row<T>) -> Row<T> {
         folded(l)
@@ -86,6 +89,6 @@ impl<T: Float> Mixes<T, 2, HALF> for Blocks<'_, T> {
 
     #[inline(always)]
     fn product(&self, folded: &Row<T>) -> Row<T> {
-        product(self.0, folded)
+        product(&self.0, folded)
     }
 }

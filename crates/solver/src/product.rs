@@ -3,6 +3,7 @@
 //! Cost: s² products; by pairs of stages ([`crate::pairs`]) half of them.
 
 use crate::MAX_STAGES;
+use crate::mix::{OnLines, in_memory};
 use crate::row::{Row, add, scaled, sum_of};
 use equip_scalar::{Float, Pack};
 use std::array::from_fn;
@@ -10,6 +11,9 @@ use std::array::from_fn;
 /// K in one of the forms it is kept in. The product has two parts: what is read number by number is best read from memory, where
 /// the first part puts it.
 pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
+    /// Whether what the product reads is not L itself.
+    const FOLDS: bool = false;
+
     /// What the product reads.
     #[inline(always)]
     fn folded(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
@@ -18,9 +22,28 @@ pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
 
     fn product(&self, folded: &Row<T, G, N>) -> Row<T, G, N>;
 
+    /// K L of what has just been made.
     #[inline(always)]
-    fn mixed(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
-        self.product(&self.folded(l))
+    fn mixed(&self, l: &mut Row<T, G, N>) -> Row<T, G, N> {
+        if Self::FOLDS {
+            self.product(&in_memory(&mut OnLines(self.folded(l))).0)
+        } else {
+            self.product(in_memory(l))
+        }
+    }
+
+    /// Puts what the product reads where there is room for it, if it is not L itself.
+    #[inline(always)]
+    fn put(&self, l: &Row<T, G, N>, folded: &mut Row<T, G, N>) {
+        if Self::FOLDS {
+            *folded = self.folded(l);
+        }
+    }
+
+    /// What the product reads: what was put there, or L.
+    #[inline(always)]
+    fn reads<'a>(&self, folded: &'a Row<T, G, N>, l: &'a Row<T, G, N>) -> &'a Row<T, G, N> {
+        if Self::FOLDS { folded } else { l }
     }
 }
 

@@ -92,7 +92,7 @@ impl<T: Float> Sweeps<T> {
             self.slight.reach *= T::ratio(4, 5);
             return None;
         }
-        self.keep(next);
+        self.keep((task.y, next));
         alphas.by_response = false;
         let (mut change, mut moved) = (T::INFINITY, T::INFINITY);
         if self.move_alphas((g, noise), alphas, task) {
@@ -114,7 +114,8 @@ impl<T: Float> Sweeps<T> {
         None
     }
 
-    fn keep(&mut self, next: &State<T>) {
+    fn keep(&mut self, (y, next): (&State<T>, &State<T>)) {
+        self.iterate.keep_momenta(y);
         let (kept, now) = (&mut self.slight, &self.iterate);
         kept.z.copy_from_slice(&now.z);
         kept.l.copy_from_slice(&now.l);
@@ -123,10 +124,8 @@ impl<T: Float> Sweeps<T> {
     }
 
     fn put_back(&mut self) {
-        let (kept, now) = (&self.slight, &mut self.iterate);
-        now.z.copy_from_slice(&kept.z);
-        now.l.copy_from_slice(&kept.l);
-        now.points.copy_from_slice(&kept.points);
+        let Slight { z, l, points, .. } = &self.slight;
+        self.iterate.put_back(z, l, points);
     }
 
     /// How far the end point is from the one kept, relative to the sizes of the components.

@@ -199,7 +199,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
     /// The same of Z, of a step from `y`, in the stages only.
     pub(crate) fn fetch_z(&mut self, y: &State<T>) {
-        if let (Some(sweeps), true) = (&self.sweeps, self.guess.is_swept()) {
+        if let (Some(sweeps), true) = (&mut self.sweeps, self.guess.is_swept()) {
             sweeps.iterate.give_z(y, &mut self.stages.z);
         }
     }

@@ -63,14 +63,19 @@ macro_rules! form {
             s: $iterate.s,
         };
         let draft = twice.map(|_| $iterate.h);
-        $crate::sweep::Form::new(step, $iterate.kinetic.as_ref(), draft)
+        $crate::sweep::Form::new(step, $iterate.kinetic.as_ref(), $iterate.has_momenta, draft)
     }};
 }
 use form;
 
 impl<'a, T: Float> Form<'a, T> {
     #[inline(always)]
-    fn new(step: Step<'a, T>, kinetic: Option<&'a Kinetic<T>>, draft: Option<T>) -> Self {
+    fn new(
+        step: Step<'a, T>,
+        kinetic: Option<&'a Kinetic<T>>,
+        keeps_momenta: bool,
+        draft: Option<T>,
+    ) -> Self {
         let Some(kinetic) = kinetic else {
             return Form::Whole(Whole(step));
         };
@@ -78,6 +83,7 @@ impl<'a, T: Float> Form<'a, T> {
             step,
             inverse_masses: kinetic.diagonal().unwrap_or_default(),
             offset: kinetic.offset(),
+            keeps_momenta,
         };
         match draft {
             None => Form::Half(half),
@@ -115,7 +121,9 @@ pub(crate) struct Iterate<T: Float> {
     pub(crate) z: Aligned<T>,
     /// Z before the α's moved.
     z_before: Aligned<T>,
+    /// The stages, of momenta that are no unknowns if they are kept.
     pub(crate) points: Aligned<T>,
+    has_momenta: bool,
     gradients: Aligned<T>,
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
@@ -177,6 +185,7 @@ impl<T: Float> Iterate<T> {
             z: rows(),
             z_before: rows(),
             points: rows(),
+            has_momenta: false,
             gradients: rows(),
             scale: vec![T::int(0); n],
             inverse_scale: vec![T::int(0); n],
@@ -248,7 +257,8 @@ impl<T: Float> Iterate<T> {
     }
 
     /// The stage increments Z, stage by stage in blocks of length n; those of momenta that are no unknowns from their stages.
-    pub(crate) fn give_z(&self, y: &State<T>, z: &mut [T]) {
+    pub(crate) fn give_z(&mut self, y: &State<T>, z: &mut [T]) {
+        self.keep_momenta(y);
         for (i, z) in z.chunks_exact_mut(self.n).enumerate() {
             for (c, z) in z.iter_mut().enumerate() {
                 let place = c * self.stride + i;
@@ -269,6 +279,7 @@ impl<T: Float> Iterate<T> {
         // What was measured on stages that were far off is measured again.
         let measures = self.was_far || unknown;
         self.is_draft = draft && !measures && !self.k_has_moved && self.twice.is_some();
+        self.has_momenta = measures;
         let fused = if T::IS_DOUBLE {
             match self.stride {
                 _ if self.has_springs() => None,
@@ -347,7 +358,24 @@ impl<T: Float> Iterate<T> {
     pub(crate) fn mix_anew(&mut self, y: &State<T>) {
         debug_assert!(!self.is_draft);
         self.z_before.copy_from_slice(&self.z);
+        self.has_momenta = false;
         self.mix(y);
+    }
+
+    /// Sees to it that the stages of momenta are there too: by the linear half of the last sweep once more.
+    pub(crate) fn keep_momenta(&mut self, y: &State<T>) {
+        debug_assert!(!self.is_draft);
+        if !std::mem::replace(&mut self.has_momenta, true) {
+            self.mix(y);
+        }
+    }
+
+    /// Z, L and the stages become those of an earlier sweep that had the momenta.
+    pub(crate) fn put_back(&mut self, z: &[T], l: &[T], points: &[T]) {
+        self.z.copy_from_slice(z);
+        self.l.copy_from_slice(l);
+        self.points.copy_from_slice(points);
+        self.has_momenta = true;
     }
 
     /// After K has changed again, by `share` of the first change: Z moves by this share of how it has moved since.

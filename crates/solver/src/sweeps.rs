@@ -15,7 +15,7 @@
 //!
 //! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step; that of the direction.
 
-use crate::constraint::Constraint;
+use crate::constraint::{Constraint, MANY};
 use crate::contraction::Contraction;
 use crate::moves::Moves;
 use crate::newton::{ENERGY_STAGNATED, Failure};
@@ -185,13 +185,15 @@ impl<T: Float> Sweeps<T> {
                 continue;
             }
             let settled = self.contraction.is_settled();
-            // The rounding of stiff forces is in the stages, whoever solves for them.
-            let springs = if self.iterate.has_springs() {
-                BLOWN_UP
+            // The rounding of stiff forces is in the stages, whoever solves for them, and so is that of the forces between many components where one
+            // is small beside its neighbours.
+            let is_uneven = self.iterate.has_springs() || self.iterate.n >= MANY;
+            let most = if is_uneven {
+                BLOWN_UP * BLOWN_UP
             } else {
-                1
+                BLOWN_UP
             };
-            let blown_up = change > T::int(springs * BLOWN_UP) * eps && task.rule != Rule::Slopes;
+            let blown_up = change > T::int(most) * eps && task.rule != Rule::Slopes;
             if self.contraction.stands_still() && blown_up {
                 return Err(Trouble::Slow);
             }
@@ -285,6 +287,7 @@ impl<T: Float> Sweeps<T> {
                     if let Some(known) = task.known {
                         constraint.start_gradient.copy_from_slice(known);
                     }
+                    self.iterate.keep_momenta(task.y);
                     let step = (task.y, task.h);
                     if !response.take(&self.iterate, energy, step, constraint, counts) {
                         return Err(Trouble::StagesOnly);

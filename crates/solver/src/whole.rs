@@ -47,10 +47,10 @@ impl<'a, T: Float> Whole<'a, T> {
 }
 
 impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
-    type Sixteen = Blocks<'a, T>;
+    type Sixteen = Blocks<T>;
 
     #[inline(always)]
-    fn sixteen(k: &'a [T]) -> Blocks<'a, T> {
+    fn sixteen(k: &'a [T]) -> Blocks<T> {
         Blocks::of(k)
     }
 
@@ -75,11 +75,12 @@ impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
         let hb: Row<T, G, N> = *literal(rows(step.hb).first());
         let gradients = rows::<T, G, N>(step.gradients);
         let l = rows_mut::<T, G, N>(step.l);
+        let folded = &mut rows_mut::<T, G, N>(step.folded)[..block.len()];
         for c in block.clone() {
             let (from, negative) = conjugate(c, step.hi.len());
-            for g in 0..G {
-                l[c][g] = slope(&hb[g], &gradients[from][g], negative);
-            }
+            let row: Row<T, G, N> = from_fn(|g| slope(&hb[g], &gradients[from][g], negative));
+            k.put(&row, &mut folded[c - block.start]);
+            l[c] = row;
         }
         step.advance(k, block, change);
     }

@@ -43,7 +43,7 @@ impl<T: Float> Iterate<T> {
         self.set_step(gauss, h);
         std::mem::swap(&mut self.l, &mut self.l_before);
         (self.is_first, self.is_prolonged, self.was_far) = (true, true, false);
-        self.is_draft = false;
+        (self.is_draft, self.has_momenta) = (false, true);
         if T::IS_DOUBLE && !self.has_springs() && self.open(y, prolongation, known).is_some() {
             return;
         }
