@@ -12,10 +12,12 @@
 
 use crate::aligned::{Aligned, Places};
 use crate::half::{Half, force};
-use crate::mix::{Mix, Moved, OnLines, Step, in_memory};
+use crate::mix::{Mix, Moved, Step};
 use crate::pairs::HALF;
 use crate::product::{Mixes, Sixteen, product_any};
-use crate::row::{Row, add, difference, literal, placed, rows, rows_mut, scaled, stride_for};
+use crate::row::{
+    OnLines, Row, add, difference, in_memory, literal, placed, rows, rows_mut, scaled, stride_for,
+};
 use crate::small::{Small, change, numbers, rows_of};
 use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
 use equip_tableau::Gauss;

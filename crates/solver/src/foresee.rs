@@ -17,12 +17,11 @@ use crate::aligned::{Aligned, Places};
 use crate::draft::twice;
 use crate::half::force;
 use crate::linear::DenseLu;
-use crate::mix::in_memory;
 use crate::pairs::{HALF, has_pairs};
 use crate::product::{Mixes, Sixteen, product_any};
 use crate::prolongation::View;
 use crate::row::{
-    Row, add, difference, lanes_of, literal, rows, rows_mut, scaled, stride_for, times,
+    Row, add, difference, in_memory, lanes_of, literal, rows, rows_mut, scaled, stride_for, times,
 };
 use crate::springs::Spring;
 use equip_scalar::{Float, Kernel};

@@ -220,17 +220,6 @@ impl<T: Float, const N: usize> Views<'_, T, N> {
     }
 }
 
-/// What is to be read from memory number by number, where it has just been written: to take the numbers out of a vector the processor needs
-/// the units that multiply and add.
-#[inline(always)]
-pub(crate) fn in_memory<R>(row: &mut R) -> &R {
-    std::hint::black_box(row)
-}
-
-/// A row that begins with a cache line: what is written across two comes back late.
-#[repr(align(64))]
-pub(crate) struct OnLines<R>(pub(crate) R);
-
 /// Changes of Z, lane by lane: their size is asked for, so `f64` will do. Z of the padding is zero.
 pub(crate) struct Moved<const N: usize> {
     largest: [f64; N],

@@ -3,8 +3,7 @@
 //! Cost: s² products; by pairs of stages ([`crate::pairs`]) half of them.
 
 use crate::MAX_STAGES;
-use crate::mix::{OnLines, in_memory};
-use crate::row::{Row, add, scaled, sum_of};
+use crate::row::{OnLines, Row, add, in_memory, scaled, sum_of};
 use equip_scalar::{Float, Pack};
 use std::array::from_fn;
 

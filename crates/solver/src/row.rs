@@ -69,6 +69,17 @@ pub(crate) fn literal<R>(found: Option<R>) -> R {
     }
 }
 
+/// What is to be read from memory number by number, where it has just been written: to take the numbers out of a vector the processor needs
+/// the units that multiply and add.
+#[inline(always)]
+pub(crate) fn in_memory<R>(row: &mut R) -> &R {
+    std::hint::black_box(row)
+}
+
+/// A row that begins with a cache line: what is written across two comes back late.
+#[repr(align(64))]
+pub(crate) struct OnLines<R>(pub(crate) R);
+
 /// Doubles lane by lane, of which the compiler makes better vectors where many rows are at work, others in packs.
 macro_rules! each_lane {
     (|$i:ident| $number:expr, $pack:expr) => {
