@@ -116,13 +116,22 @@ fn the_longest_chain_takes_no_more_gradients() {
     assert!(long <= 1.15 * short, "{short} and {long}");
 }
 
+/// A chain at rest positions, its momenta without order.
+fn at_rest(n: usize) -> (Instance, Vec<f64>, Vec<f64>) {
+    let momentum = |i: usize| ((i * i) as f64 * 0.731).sin();
+    let p = (0..n).map(momentum).collect();
+    (instance("fput-beta", n), vec![0.0; n], p)
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    let pairs = a.iter().zip(b);
+    pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+}
+
 /// A chain at rest positions, its momenta without order: sizes of the positions are known after the first sweep only, and some are very small.
 #[test]
 fn a_chain_at_rest_is_swept_from_the_first_step() {
-    let n = 256;
-    let instance = instance("fput-beta", n);
-    let q = vec![0.0; n];
-    let p: Vec<f64> = (0..n).map(|i| ((i * i) as f64 * 0.731).sin()).collect();
+    let (instance, q, p) = at_rest(256);
     let end = |steps: u64, s: usize| {
         let options = Equip::stages(s).step(4.0 / steps as f64);
         let options = options.stage_solver(StageSolver::Sweeps);
@@ -138,8 +147,7 @@ fn a_chain_at_rest_is_swept_from_the_first_step() {
     };
     let (coarse, defect) = end(4, 16);
     let (fine, _) = end(40, 6);
-    let pairs = coarse.iter().zip(&fine);
-    let apart = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    let apart = apart(&coarse, &fine);
     assert!(apart <= 1e-11, "{apart:e}");
     // H is some 60.
     assert!(defect <= 1e-13, "{defect:e}");
@@ -149,10 +157,7 @@ fn a_chain_at_rest_is_swept_from_the_first_step() {
 /// method, which does away with none of it, took 40 steps' time for one.
 #[test]
 fn rounding_among_many_components_is_no_matter_for_newton() {
-    let n = 1024;
-    let instance = instance("fput-beta", n);
-    let q = vec![0.0; n];
-    let p: Vec<f64> = (0..n).map(|i| ((i * i) as f64 * 0.731).sin()).collect();
+    let (instance, q, p) = at_rest(1024);
     let end = |method: Method, steps: u64| {
         let options = method.step(50.0 / steps as f64);
         let mut run = options.start(instance.hamiltonian(), &q, &p, 0.0).unwrap();
@@ -166,9 +171,7 @@ fn rounding_among_many_components_is_no_matter_for_newton() {
     };
     let fine = end(Gauss::stages(16), 80);
     for steps in [40, 50] {
-        let found = end(Equip::stages(16), steps);
-        let pairs = found.iter().zip(&fine);
-        let apart = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        let apart = apart(&end(Equip::stages(16), steps), &fine);
         println!("{steps}: {apart:e}");
         assert!(apart <= 1e-12, "{apart:e}");
     }

@@ -16,7 +16,7 @@ use crate::mix::{Mix, Moved, Step};
 use crate::pairs::HALF;
 use crate::product::{Mixes, Sixteen, product_any};
 use crate::row::{
-    OnLines, Row, add, difference, in_memory, literal, placed, rows, rows_mut, scaled, stride_for,
+    OnLines, Row, add, difference, literal, placed, rows, rows_mut, scaled, stride_for,
 };
 use crate::small::{Small, change, numbers, rows_of};
 use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
@@ -122,7 +122,7 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
             for g in 0..G {
                 delta.0[g] = moved(&hb[g], &gradients[c][g], &mut l_p[c][g]);
             }
-            let mixed = k.product(&in_memory(&mut delta).0);
+            let mixed = k.mixed(&mut delta.0);
             for g in 0..G {
                 let by = scaled(&mixed[g], h * w[c]);
                 change.see(&by, inverse_scale[c]);

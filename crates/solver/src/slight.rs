@@ -42,8 +42,9 @@ const MOST_REACH: i64 = 1 << 20;
 pub(crate) struct Slight<T> {
     /// r, remembered from step to step.
     pub(crate) reach: T,
-    /// Z, L, the stages and the end point before the move.
+    /// Z, the gradients and L it was made with, the stages and the end point before the move.
     z: Vec<T>,
+    gradients: Vec<T>,
     l: Vec<T>,
     points: Vec<T>,
     end: Vec<T>,
@@ -56,6 +57,7 @@ impl<T: Float> Slight<T> {
         Slight {
             reach: T::int(REACH),
             z: zeros(n * stride),
+            gradients: zeros(n * stride),
             l: zeros(n * stride),
             points: zeros(n * stride),
             end: zeros(n),
@@ -92,7 +94,7 @@ impl<T: Float> Sweeps<T> {
             self.slight.reach *= T::ratio(4, 5);
             return None;
         }
-        self.keep((task.y, next));
+        self.keep(next);
         alphas.by_response = false;
         let (mut change, mut moved) = (T::INFINITY, T::INFINITY);
         if self.move_alphas((g, noise), alphas, task) {
@@ -114,18 +116,22 @@ impl<T: Float> Sweeps<T> {
         None
     }
 
-    fn keep(&mut self, (y, next): (&State<T>, &State<T>)) {
-        self.iterate.keep_momenta(y);
+    fn keep(&mut self, next: &State<T>) {
         let (kept, now) = (&mut self.slight, &self.iterate);
         kept.z.copy_from_slice(&now.z);
+        kept.gradients.copy_from_slice(&now.gradients);
         kept.l.copy_from_slice(&now.l);
         kept.points.copy_from_slice(&now.points);
         kept.end.copy_from_slice(&next.hi);
     }
 
     fn put_back(&mut self) {
-        let Slight { z, l, points, .. } = &self.slight;
-        self.iterate.put_back(z, l, points);
+        let (kept, now) = (&self.slight, &mut self.iterate);
+        now.z.copy_from_slice(&kept.z);
+        now.gradients.copy_from_slice(&kept.gradients);
+        now.l.copy_from_slice(&kept.l);
+        now.points.copy_from_slice(&kept.points);
+        now.has_momenta = false;
     }
 
     /// How far the end point is from the one kept, relative to the sizes of the components.

@@ -13,7 +13,7 @@
 //! K enters as K, with K_ij + K_ji = 1 to the last bit, so quadratic invariants are kept to rounding.
 //!
 //! How they are gone through: for any system in [`crate::mix`]; for short states whose H is compiled, as one kernel with it, in
-//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`. On stiff springs gradients are foreseen
+//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`. In Newton's order: `stage_by_stage`. On stiff springs gradients are foreseen
 //! ([`crate::springs`]): `sprung`.
 //!
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated. Kepler, on 3 GHz with AVX-512: 200 cycles
@@ -22,6 +22,7 @@
 mod begin;
 mod double_double;
 mod sprung;
+mod stage_by_stage;
 
 use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
@@ -123,8 +124,8 @@ pub(crate) struct Iterate<T: Float> {
     z_before: Aligned<T>,
     /// The stages, of momenta that are no unknowns if they are kept.
     pub(crate) points: Aligned<T>,
-    has_momenta: bool,
-    gradients: Aligned<T>,
+    pub(crate) has_momenta: bool,
+    pub(crate) gradients: Aligned<T>,
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
     inverse_scale: Vec<T>,
@@ -229,48 +230,6 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// Takes over L of a step that was solved stage by stage, blocks of length n.
-    pub(crate) fn take_l(&mut self, l: &[T]) {
-        for (i, l) in l.chunks_exact(self.n).enumerate() {
-            for (c, &l) in l.iter().enumerate() {
-                self.l[c * self.stride + i] = l;
-            }
-        }
-    }
-
-    /// L stage by stage, in blocks of length n.
-    pub(crate) fn give_l(&self, l: &mut [T]) {
-        self.give(&self.l, l);
-    }
-
-    /// The same of the step before, from which this one was begun.
-    pub(crate) fn give_l_before(&self, l: &mut [T]) {
-        self.give(&self.l_before, l);
-    }
-
-    fn give(&self, from: &[T], to: &mut [T]) {
-        for (i, block) in to.chunks_exact_mut(self.n).enumerate() {
-            for (c, x) in block.iter_mut().enumerate() {
-                *x = from[c * self.stride + i];
-            }
-        }
-    }
-
-    /// The stage increments Z, stage by stage in blocks of length n; those of momenta that are no unknowns from their stages.
-    pub(crate) fn give_z(&mut self, y: &State<T>, z: &mut [T]) {
-        self.keep_momenta(y);
-        for (i, z) in z.chunks_exact_mut(self.n).enumerate() {
-            for (c, z) in z.iter_mut().enumerate() {
-                let place = c * self.stride + i;
-                *z = if c < self.unknowns() {
-                    self.z[place]
-                } else {
-                    (self.points[place] - y.hi[c]) - y.lo[c]
-                };
-            }
-        }
-    }
-
     /// One sweep from the step's start `y`. Returns the largest change of Z relative to the sizes of the components; not finite if
     /// anything is not. In the first sweep of a step what was not known before is measured. With `draft` by [`crate::draft`], if
     /// that can be and nothing else needs the momenta.
@@ -368,14 +327,6 @@ impl<T: Float> Iterate<T> {
         if !std::mem::replace(&mut self.has_momenta, true) {
             self.mix(y);
         }
-    }
-
-    /// Z, L and the stages become those of an earlier sweep that had the momenta.
-    pub(crate) fn put_back(&mut self, z: &[T], l: &[T], points: &[T]) {
-        self.z.copy_from_slice(z);
-        self.l.copy_from_slice(l);
-        self.points.copy_from_slice(points);
-        self.has_momenta = true;
     }
 
     /// After K has changed again, by `share` of the first change: Z moves by this share of how it has moved since.

@@ -185,16 +185,8 @@ impl<T: Float> Sweeps<T> {
                 continue;
             }
             let settled = self.contraction.is_settled();
-            // The rounding of stiff forces is in the stages, whoever solves for them, and so is that of the forces between many components where one
-            // is small beside its neighbours.
-            let is_uneven = self.iterate.has_springs() || self.iterate.n >= MANY;
-            let most = if is_uneven {
-                BLOWN_UP * BLOWN_UP
-            } else {
-                BLOWN_UP
-            };
-            let blown_up = change > T::int(most) * eps && task.rule != Rule::Slopes;
-            if self.contraction.stands_still() && blown_up {
+            let stands_still = self.contraction.stands_still() && task.rule != Rule::Slopes;
+            if stands_still && change > self.most_rounding() {
                 return Err(Trouble::Slow);
             }
             let Some(constraint) = constraint.as_deref_mut() else {
@@ -310,6 +302,14 @@ impl<T: Float> Sweeps<T> {
             }
         }
         Err(Trouble::Slow)
+    }
+
+    /// Changes of Z that are rounding and no more: that of stiff forces is in the stages, whoever solves for them, and so is that of the forces
+    /// between many components where one is small beside its neighbours.
+    fn most_rounding(&self) -> T {
+        let is_uneven = self.iterate.has_springs() || self.iterate.n >= MANY;
+        let times = if is_uneven { BLOWN_UP } else { 1 };
+        T::int(times * BLOWN_UP) * T::EPSILON
     }
 
     /// Whether the next sweep leaves others to come: by the contraction seen it changes Z by more than round-off, and g will not be looked at
