@@ -3,7 +3,8 @@
 //! With w the derivative of H by a result f(x, y), every operand receives w ∂f/∂x (Griewank, Walther 2008, section
 //! 3.2). What comes out is a recording like any other: derivatives are replayed as H is, in any number, with equal
 //! operations done once, constant factors multiplied beforehand, and what only H needs left out. A recording of
-//! ∂H/∂q alone contains nothing of T(p). Cost: one to three times the operations of H, whatever the number of inputs.
+//! ∂H/∂q alone contains nothing of T(p). Powers of two, of which squares and roots have one each, wait until they meet a
+//! constant or each other: multiplying by them is exact. Cost: one to three times the operations of H, whatever the number of inputs.
 //!
 //! At kinks: |x| has derivative 0 at 0, hypot has (0, 0) at the origin, min and max give all to their first argument
 //! at a tie. √x has the derivative ∞ at 0. The derivative of xʸ by y is 0 where xʸ is 0.
@@ -25,6 +26,7 @@ pub(crate) fn differentiate(recorder: &mut Recorder, root: u32) -> Vec<u32> {
     reverse.received[root as usize] = Some(Adjoint {
         node: one,
         minus: false,
+        twos: 0,
     });
     for node in (inputs..=root as usize).rev() {
         if let (Some(w), true) = (reverse.received[node], reverse.depends[node]) {
@@ -45,12 +47,16 @@ fn dependent(recorder: &Recorder, root: u32) -> Vec<bool> {
     depends
 }
 
-/// The derivative of H by a node, or its negative.
+/// The derivative of H by a node: ± 2^twos times what stands at another.
 #[derive(Debug, Clone, Copy)]
 struct Adjoint {
     node: u32,
     minus: bool,
+    twos: i32,
 }
+
+/// Operations that a power of two is carried into, one within the other.
+const DEPTH: u32 = 4;
 
 struct Reverse<'a> {
     recorder: &'a mut Recorder,
@@ -67,17 +73,17 @@ impl Reverse<'_> {
         match op {
             Op::Constant(_) | Op::Input(_) | Op::Sum(_) | Op::Powi(0) => {}
             Op::Sign | Op::AtMost | Op::WhereNonzero | Op::PowfSlope(_) => {}
+            Op::SquareAdd | Op::RecipSqrt => {}
             Op::Add => { self.give(x, w); self.give(y, w); }
             Op::Sub => { self.give(x, w); self.give_minus(y, w); }
             Op::Neg => self.give_minus(x, w),
             Op::Mul => { self.give_times(x, w, y); self.give_times(y, w, x); }
             Op::Div => self.quotient(x, y, w),
-            Op::Square => { let twice = self.sum(w.node, w.node); self.give_times(x, Adjoint { node: twice, ..w }, x); }
+            Op::Square => { let twice = self.times_two(w, 1); self.give_times(x, twice, x); }
             Op::Recip => { let slope = self.apply(Op::Square, f, f); self.give_times(x, opposite(w), slope); }
             Op::Sqrt => {
                 // The reciprocal is the one of a following 1/√x.
-                let half = self.number(0.5);
-                let (half, slope) = (self.times(w, half), self.reciprocal(f));
+                let (half, slope) = (self.times_two(w, -1), self.reciprocal(f));
                 self.give_times(x, half, slope);
             }
             Op::Powi(n) => {
@@ -226,26 +232,94 @@ impl Reverse<'_> {
         }
         let total = match self.received[operand as usize] {
             None => new,
-            Some(old) if old.minus == new.minus => Adjoint {
-                node: self.sum(old.node, new.node),
-                ..old
-            },
             Some(old) => {
-                let (plus, minus) = if old.minus { (new, old) } else { (old, new) };
-                Adjoint {
-                    node: self.apply(Op::Sub, plus.node, minus.node),
-                    minus: false,
+                let (old, new) = match old.twos == new.twos {
+                    true => (old, new),
+                    false => (self.settled(old), self.settled(new)),
+                };
+                match (old.minus, new.minus) {
+                    (false, true) => self.difference(old, new),
+                    (true, false) => self.difference(new, old),
+                    _ => Adjoint {
+                        node: self.sum(old.node, new.node),
+                        ..old
+                    },
                 }
             }
         };
         self.received[operand as usize] = Some(total);
     }
 
+    fn difference(&mut self, plus: Adjoint, minus: Adjoint) -> Adjoint {
+        let node = self.apply(Op::Sub, plus.node, minus.node);
+        Adjoint { node, ..plus }
+    }
+
     fn result(&mut self, input: usize) -> u32 {
-        match self.received[input] {
-            None => self.number(0.0),
-            Some(Adjoint { node, minus: false }) => node,
-            Some(Adjoint { node, .. }) => self.apply(Op::Neg, node, node),
+        let Some(w) = self.received[input] else {
+            return self.number(0.0);
+        };
+        match self.settled(w) {
+            Adjoint {
+                node, minus: false, ..
+            } => node,
+            Adjoint { node, .. } => self.apply(Op::Neg, node, node),
+        }
+    }
+
+    /// 2^twos w: in constants if they are all it takes.
+    fn times_two(&mut self, w: Adjoint, twos: i32) -> Adjoint {
+        let twos = w.twos + twos;
+        match self.absorbed(w.node, twos, DEPTH) {
+            Some(node) => Adjoint { node, twos: 0, ..w },
+            None => Adjoint { twos, ..w },
+        }
+    }
+
+    /// With its power of two multiplied in.
+    fn settled(&mut self, w: Adjoint) -> Adjoint {
+        let node = match w.twos {
+            0 => w.node,
+            1 => self.apply(Op::Add, w.node, w.node),
+            twos => {
+                let factor = self.number(2f64.powi(twos));
+                self.product(w.node, factor)
+            }
+        };
+        Adjoint { node, twos: 0, ..w }
+    }
+
+    /// 2^twos times a node, if constants take the factor up: c, c·x, c/x, and sums of such.
+    fn absorbed(&mut self, node: u32, twos: i32, depth: u32) -> Option<u32> {
+        if let (Some(c), true) = (self.double(node), twos.abs() < 64) {
+            let c = exact(Op::Mul, c, 2f64.powi(twos))?;
+            return Some(self.number(c));
+        }
+        let Node { op, a, b } = self.recorder.nodes[node as usize];
+        let depth = depth.checked_sub(1)?;
+        match op {
+            _ if twos == 0 => Some(node),
+            Op::Mul if self.double(b).is_some() => {
+                let b = self.absorbed(b, twos, depth)?;
+                Some(self.apply(op, a, b))
+            }
+            Op::Mul | Op::Div => {
+                self.double(a)?;
+                let a = self.absorbed(a, twos, depth)?;
+                Some(self.apply(op, a, b))
+            }
+            Op::Add | Op::Sub => {
+                let (a, b) = (
+                    self.absorbed(a, twos, depth)?,
+                    self.absorbed(b, twos, depth)?,
+                );
+                Some(self.apply(op, a, b))
+            }
+            Op::Neg => {
+                let a = self.absorbed(a, twos, depth)?;
+                Some(self.apply(op, a, a))
+            }
+            _ => None,
         }
     }
 

@@ -112,25 +112,26 @@ impl<T: Float, const L: usize> Kernel for Group<'_, T, L> {
             replay,
             batch,
         } = self;
-        let (values, exponents) = (&mut replay.values, &replay.exponents);
         let stride = batch.stride;
         let mut at = 0;
         while at < batch.count {
             for block in &tape.blocks {
                 for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
                     let rows = batch.states[components.start * stride..].chunks_exact(stride);
-                    for (place, row) in values[slots.clone()].iter_mut().zip(rows) {
+                    for (place, row) in replay.values[slots.clone()].iter_mut().zip(rows) {
                         *place = Pack::load(&row[at..]);
                     }
                 }
+                let (values, exponents) = (&mut replay.values, &replay.exponents);
                 forward(tape, &tape.runs[block.runs.clone()], exponents, values);
                 for Transfer { components, slots } in &tape.results[block.results.clone()] {
                     let rows = &mut batch.gradients[components.start * stride..];
                     let rows = rows.chunks_exact_mut(stride);
-                    for (value, row) in values[slots.clone()].iter().zip(rows) {
+                    for (value, row) in replay.values[slots.clone()].iter().zip(rows) {
                         value.store(&mut row[at..]);
                     }
                 }
+                replay.keep(tape, block);
             }
             at += L;
         }

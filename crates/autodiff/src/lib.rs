@@ -28,6 +28,7 @@ mod dual;
 mod energy;
 mod error;
 mod fused;
+
 mod graph;
 mod hamiltonian;
 mod hessian;
@@ -36,6 +37,7 @@ mod kinetic;
 mod macros;
 mod op;
 mod order;
+mod peephole;
 mod point;
 mod recorded;
 mod recorder;

@@ -48,6 +48,9 @@ pub(crate) enum Op {
     WhereNonzero,
     /// Derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants.
     PowfSlope(u32),
+    /// a² + b and 1/√a, of [`crate::peephole`].
+    SquareAdd,
+    RecipSqrt,
 }
 
 /// Where an operation has second derivatives of its own, in its operands a and b.
@@ -79,7 +82,16 @@ impl Op {
             | Op::Max
             | Op::AtMost
             | Op::WhereNonzero
-            | Op::PowfSlope(_) => 2,
+            | Op::PowfSlope(_)
+            | Op::SquareAdd => 2,
+            _ => 1,
+        }
+    }
+
+    /// Operations of arithmetic or calls of functions that it is.
+    pub(crate) fn count(self) -> usize {
+        match self {
+            Op::SquareAdd | Op::RecipSqrt => 2,
             _ => 1,
         }
     }

@@ -6,6 +6,7 @@ use crate::graph::Graph;
 use crate::hessian::{DIRECTIONS, HessianPlan};
 use crate::in_lanes::InLanes;
 use crate::order::Blocks;
+use crate::peephole::peephole;
 use crate::point::{check_batch, require_separable};
 use crate::tangent::Tangent;
 use crate::tape::Tape;
@@ -50,12 +51,13 @@ impl Recorded {
             degree_in_p: degree::degree(&graph, m..2 * m),
             hessian: sparsity::hessian_pattern(&graph),
         };
-        let energy = Tape::new(&graph, Blocks::One);
+        let energy = Tape::new(&peephole(graph), Blocks::One);
         if Replay::<f64>::new(&energy).has_nan() {
             return Err(BuildError::ConstantNotANumber);
         }
         let slopes = differentiate(&mut recorder, root);
-        let tape = |roots: &[u32], blocks| Tape::new(&Graph::new(&recorder, roots), blocks);
+        let tape =
+            |roots: &[u32], blocks| Tape::new(&peephole(Graph::new(&recorder, roots)), blocks);
         Ok(Recorded {
             shared: Arc::new(Shared {
                 energy,

@@ -14,20 +14,20 @@ macro_rules! each {
         match $step.run.access {
             Access::Listed => listed!($step, |$x, $y| $f),
             Access::Slices => {
-                let (results, left, right) = $step.slices();
+                let ([left, right], results) = $step.slices();
                 for ((result, &$x), &$y) in results.iter_mut().zip(left).zip(right) {
                     *result = $f;
                 }
             }
             Access::FixedLeft => {
-                let (results, left, right) = $step.slices();
+                let ([left, right], results) = $step.slices();
                 let $x = left[0];
                 for (result, &$y) in results.iter_mut().zip(right) {
                     *result = $f;
                 }
             }
             Access::FixedRight => {
-                let (results, left, right) = $step.slices();
+                let ([left, right], results) = $step.slices();
                 let $y = right[0];
                 for (result, &$x) in results.iter_mut().zip(left) {
                     *result = $f;
@@ -37,7 +37,7 @@ macro_rules! each {
     };
     ($step:ident, |$x:ident| $f:expr) => {
         if $step.run.access == Access::Slices {
-            let (results, left, _) = $step.slices();
+            let ([left, _], results) = $step.slices();
             for (result, &$x) in results.iter_mut().zip(left) {
                 *result = $f;
             }
@@ -50,23 +50,22 @@ macro_rules! each {
 /// The same for operands that lie anywhere.
 macro_rules! listed {
     ($step:ident, |$x:ident, $y:ident| $f:expr) => {{
-        let operands = $step.run.operands.clone();
-        let operands = $step.tape.left[operands.clone()]
-            .iter()
-            .zip(&$step.tape.right[operands]);
-        for (result, (&i, &j)) in $step.run.slots.clone().zip(operands) {
-            let ($x, $y) = ($step.values[i as usize], $step.values[j as usize]);
-            $step.values[result] = $f;
+        let (operands, before, results) = $step.listed();
+        for (result, &[i, j]) in results.iter_mut().zip(operands) {
+            let ($x, $y) = (before[i as usize], before[j as usize]);
+            *result = $f;
         }
     }};
     ($step:ident, |$x:ident| $f:expr) => {{
-        let operands = &$step.tape.left[$step.run.operands.clone()];
-        for (result, &i) in $step.run.slots.clone().zip(operands) {
-            let $x = $step.values[i as usize];
-            $step.values[result] = $f;
+        let (operands, before, results) = $step.listed();
+        for (result, &[i, _]) in results.iter_mut().zip(operands) {
+            let $x = before[i as usize];
+            *result = $f;
         }
     }};
 }
+
+const ONE: Constant = Constant::Double(1.0);
 
 /// Computes the given runs, their operands being known. `exponents` are those of the tape, in a form
 /// that is cheap to read.
@@ -86,6 +85,8 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::Neg => each!(step, |x| -x),
             Op::Recip => each!(step, |x| S::recip(x)),
             Op::Sqrt => each!(step, |x| S::sqrt(x)),
+            Op::SquareAdd => each!(step, |x, y| x * x + y),
+            Op::RecipSqrt => each!(step, |x| S::constant(ONE) / S::sqrt(x)),
             // A constant exponent lets the compiler unroll the multiplications.
             Op::Powi(3) => each!(step, |x| S::powi(x, 3)),
             Op::Powi(4) => each!(step, |x| S::powi(x, 4)),
@@ -177,22 +178,21 @@ struct Step<'a, S> {
 }
 
 impl<'a, S: Piecewise> Step<'a, S> {
-    /// The results, and the operands from the first ones on.
+    /// The operands from the first ones on, and the results.
     #[inline(always)]
-    fn slices(self) -> (&'a mut [S], &'a [S], &'a [S]) {
-        let Run {
-            slots, operands, ..
-        } = self.run;
-        let left = self.tape.left[operands.start] as usize;
-        let right = self.tape.right[operands.start] as usize;
-        let (before, rest) = self.values.split_at_mut(slots.start);
-        let (results, after) = rest.split_at_mut(slots.len());
-        let (before, after): (&[S], &[S]) = (before, after);
-        let from = |first: usize| match before.get(first..) {
-            Some(side_by_side) if first < slots.start => side_by_side,
-            _ => &after[first - slots.end..],
-        };
-        (results, from(left), from(right))
+    fn slices(self) -> ([&'a [S]; 2], &'a mut [S]) {
+        let (before, results) = self.values.split_at_mut(self.run.slots.start);
+        let before: &[S] = before;
+        let results = &mut results[..self.run.slots.len()];
+        (self.run.first.map(|first| &before[first..]), results)
+    }
+
+    /// Slots of the operands, all that stands before the results, and the results.
+    #[inline(always)]
+    fn listed(self) -> (&'a [[u32; 2]], &'a [S], &'a mut [S]) {
+        let (before, results) = self.values.split_at_mut(self.run.slots.start);
+        let results = &mut results[..self.run.slots.len()];
+        (&self.tape.operands[self.run.operands..], before, results)
     }
 
     #[inline(always)]

@@ -5,9 +5,10 @@
 //! sorted by their operands; where these stand side by side too, or are the same slot throughout, the run is a plain loop
 //! over slices. Measured: runs 2×, slices another 1.6×.
 //!
-//! Slots: constants, results of constants, what more than one block needs, then the present block, which overwrites the
+//! Slots: constants, results of constants, what later blocks need too, then the present block, which overwrites the
 //! one before. So a replay stays in the cache however long the system is: over 8 lanes, a chain of 1024 masses takes
-//! half of the time it takes with a slot for everything.
+//! half of the time it takes with a slot for everything. Operands always stand before results; what is kept for later blocks is
+//! copied at the end of its own.
 
 use crate::graph::{Graph, Term};
 use crate::op::Op;
@@ -15,8 +16,8 @@ use crate::order::{Blocks, Order};
 use equip_scalar::Constant;
 use std::ops::Range;
 
-/// Shortest run over slices that is worth leaving a run over listed operands.
-const SHORTEST_SLICE: usize = 8;
+/// Shortest run over slices that is worth leaving a run over listed operands: to begin a run takes as long as some ten operations.
+const SHORTEST_SLICE: usize = 16;
 
 /// Terms from which on rounding the partial sums of a sum is worth half of what rounding single terms is.
 const LONG: usize = 64;
@@ -40,8 +41,9 @@ pub(crate) struct Run {
     pub(crate) op: Op,
     /// Slots of the results.
     pub(crate) slots: Range<usize>,
-    /// Entry in [`Tape::left`] and [`Tape::right`].
-    pub(crate) operands: Range<usize>,
+    /// First entry in [`Tape::operands`], and what stands there: slots of the first operands.
+    pub(crate) operands: usize,
+    pub(crate) first: [usize; 2],
     pub(crate) access: Access,
 }
 
@@ -76,7 +78,7 @@ impl Transfer {
     }
 }
 
-/// A part of the replay: inputs are read, runs are done, results are given away.
+/// A part of the replay: inputs are read, runs are done, results are given away, and what later blocks need is kept.
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
     /// Entry in [`Tape::inputs`].
@@ -85,6 +87,8 @@ pub(crate) struct Block {
     pub(crate) runs: Range<usize>,
     /// Entry in [`Tape::results`].
     pub(crate) results: Range<usize>,
+    /// Entry in [`Tape::copies`].
+    pub(crate) copies: Range<usize>,
 }
 
 /// A recorded energy, in no particular float type.
@@ -98,9 +102,8 @@ pub(crate) struct Tape {
     pub(crate) constant_runs: Vec<Run>,
     pub(crate) runs: Vec<Run>,
     pub(crate) blocks: Vec<Block>,
-    /// Slots of the left and right operands of all runs.
-    pub(crate) left: Vec<u32>,
-    pub(crate) right: Vec<u32>,
+    /// Slots of the operands of all runs.
+    pub(crate) operands: Vec<[u32; 2]>,
     /// Slots of the terms of sums.
     pub(crate) terms: Vec<u32>,
     pub(crate) segments: Vec<Segment>,
@@ -110,6 +113,8 @@ pub(crate) struct Tape {
     pub(crate) inputs: Vec<Transfer>,
     /// Where the results are, in the order of the blocks.
     pub(crate) results: Vec<Transfer>,
+    /// From where to where what later blocks need is copied.
+    pub(crate) copies: Vec<[usize; 2]>,
     /// Number of results.
     pub(crate) components: usize,
     /// Whether a sum has many terms.
@@ -138,7 +143,7 @@ impl Tape {
     pub(crate) fn operations(&self) -> usize {
         let own = |run: &Run| match run.op {
             Op::Sum(k) => self.terms_of(k as usize).saturating_sub(1),
-            _ => run.slots.len(),
+            op => op.count() * run.slots.len(),
         };
         self.runs.iter().map(own).sum()
     }
@@ -151,14 +156,12 @@ struct Layout<'a> {
     tape: Tape,
     /// Slot of each node placed so far; that of an input is its slot in the present block.
     slot: Vec<u32>,
-    /// Next slot that is kept to the end.
-    kept: usize,
-    /// Next slot of the present block.
-    passing: usize,
+    /// Next slot: of constants, then of the present block.
+    next: usize,
 }
 
 /// An operation to be placed, in the order in which it will be: by operation, then by operands.
-type Placement = (Op, bool, u32, u32, usize);
+type Placement = (Op, u32, u32, usize);
 
 impl<'a> Layout<'a> {
     fn new(graph: &'a Graph, blocks: Blocks) -> Self {
@@ -177,15 +180,14 @@ impl<'a> Layout<'a> {
                 results: Vec::new(),
                 components: graph.roots.len(),
                 has_long_sums: false,
-                left: Vec::new(),
-                right: Vec::new(),
+                operands: Vec::new(),
+                copies: Vec::new(),
                 terms: Vec::new(),
                 segments: Vec::new(),
                 sums: vec![0..0; graph.sums.len()],
             },
             slot: vec![0; nodes],
-            kept: 0,
-            passing: 0,
+            next: 0,
         }
     }
 
@@ -196,28 +198,31 @@ impl<'a> Layout<'a> {
                 self.tape.constants.push(self.graph.constants[k as usize]);
             }
         }
-        self.kept = self.tape.constants.len();
+        self.next = self.tape.constants.len();
         for level in self.in_order(true) {
             self.place(level, true);
         }
-        let first_passing = self.kept + self.order.is_kept.iter().filter(|&&kept| kept).count();
+        let mut next_kept = self.next;
+        let first_passing = next_kept + self.order.is_kept.iter().filter(|&&kept| kept).count();
         self.tape.slots = first_passing;
         let levels = self.in_order(false);
         let mut next_level = levels.into_iter().peekable();
         for block in 0..self.order.count {
-            self.passing = first_passing;
+            self.next = first_passing;
             let (inputs, results) = (self.tape.inputs.len(), self.tape.results.len());
-            let runs = self.tape.runs.len();
+            let (runs, copies) = (self.tape.runs.len(), self.tape.copies.len());
+            let mut kept: Vec<usize> = Vec::new();
             for &input in &self.order.inputs[block as usize] {
                 if let Op::Input(k) = self.graph.nodes[input as usize].op {
-                    self.slot[input as usize] = self.passing as u32;
+                    self.slot[input as usize] = self.next as u32;
                     let transfers = &mut self.tape.inputs;
-                    Transfer::append(transfers, inputs, k as usize, self.passing);
-                    self.passing += 1;
+                    Transfer::append(transfers, inputs, k as usize, self.next);
+                    self.next += 1;
                 }
             }
             while let Some(level) = next_level.next_if(|level| self.order.blocks[level[0]] == block)
             {
+                kept.extend(level.iter().filter(|&&i| self.order.is_kept[i]));
                 self.place(level, false);
             }
             for &k in &self.order.results[block as usize] {
@@ -225,11 +230,17 @@ impl<'a> Layout<'a> {
                 let slot = self.slot[node as usize] as usize;
                 Transfer::append(&mut self.tape.results, results, k as usize, slot);
             }
-            self.tape.slots = self.tape.slots.max(self.passing);
+            for i in kept {
+                self.tape.copies.push([self.slot[i] as usize, next_kept]);
+                self.slot[i] = next_kept as u32;
+                next_kept += 1;
+            }
+            self.tape.slots = self.tape.slots.max(self.next);
             self.tape.blocks.push(Block {
                 inputs: inputs..self.tape.inputs.len(),
                 runs: runs..self.tape.runs.len(),
                 results: results..self.tape.results.len(),
+                copies: copies..self.tape.copies.len(),
             });
         }
         self.tape.has_long_sums =
@@ -255,24 +266,24 @@ impl<'a> Layout<'a> {
     fn place(&mut self, level: Vec<usize>, constant: bool) {
         let mut placements: Vec<Placement> = level.into_iter().map(|i| self.placement(i)).collect();
         placements.sort_unstable();
-        for group in placements.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+        for group in placements.chunk_by(|x, y| x.0 == y.0) {
             for (range, access) in split(group) {
-                let next = match constant || group[0].1 {
-                    true => &mut self.kept,
-                    false => &mut self.passing,
-                };
-                let slots = *next..*next + range.len();
-                *next = slots.end;
-                let operands = self.tape.left.len()..self.tape.left.len() + range.len();
-                for (&(_, _, left, right, node), slot) in group[range].iter().zip(slots.clone()) {
+                let slots = self.next..self.next + range.len();
+                self.next = slots.end;
+                let operands = self.tape.operands.len();
+                let mut first = [0; 2];
+                for (&(_, left, right, node), slot) in group[range].iter().zip(slots.clone()) {
+                    if slot == slots.start {
+                        first = [left as usize, right as usize];
+                    }
                     self.slot[node] = slot as u32;
-                    self.tape.left.push(left);
-                    self.tape.right.push(right);
+                    self.tape.operands.push([left, right]);
                 }
                 let run = Run {
                     op: group[0].0,
                     slots,
                     operands,
+                    first,
                     access,
                 };
                 match constant {
@@ -289,7 +300,7 @@ impl<'a> Layout<'a> {
         match node.op {
             Op::Sum(k) => {
                 self.place_terms(k as usize);
-                (node.op, self.order.is_kept[i], 0, 0, i)
+                (node.op, 0, 0, i)
             }
             op => {
                 let (mut a, mut b) = (node.a, node.b);
@@ -302,13 +313,7 @@ impl<'a> Layout<'a> {
                     Op::PowfSlope(k) => Op::PowfSlope(self.exponent(k)),
                     op => op,
                 };
-                (
-                    op,
-                    self.order.is_kept[i],
-                    self.slot[a as usize],
-                    self.slot[b as usize],
-                    i,
-                )
+                (op, self.slot[a as usize], self.slot[b as usize], i)
             }
         }
     }
@@ -379,12 +384,12 @@ fn split(group: &[Placement]) -> Vec<(Range<usize>, Access)> {
     let mut start = 0;
     while start < group.len() {
         let rest = &group[start..];
-        let both = stretch(rest, |x, y| y.2 == x.2 + 1 && y.3 == x.3 + 1);
-        let fixed_left = stretch(rest, |x, y| y.2 == x.2 && y.3 == x.3 + 1);
-        let fixed_right = stretch(rest, |x, y| y.2 == x.2 + 1 && y.3 == x.3);
+        let both = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2 + 1);
+        let fixed_left = stretch(rest, |x, y| y.1 == x.1 && y.2 == x.2 + 1);
+        let fixed_right = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2);
         let longest = both.max(fixed_left).max(fixed_right);
         let access = match longest {
-            l if l < SHORTEST_SLICE => Access::Listed,
+            l if l < SHORTEST_SLICE.min(group.len()) => Access::Listed,
             l if l == both => Access::Slices,
             l if l == fixed_left => Access::FixedLeft,
             _ => Access::FixedRight,

@@ -51,6 +51,7 @@ impl<T: Float> Replay<T> {
                 }
             }
             self.give(tape, block);
+            self.keep(tape, block);
         }
         &self.results
     }
@@ -97,8 +98,17 @@ impl<S: Piecewise> Replay<S> {
             self.read(tape, block, &input);
             self.forward(tape, &tape.runs[block.runs.clone()]);
             self.give(tape, block);
+            self.keep(tape, block);
         }
         &self.results
+    }
+
+    /// What later blocks need.
+    #[inline(always)]
+    pub(crate) fn keep(&mut self, tape: &Tape, block: &Block) {
+        for &[from, to] in &tape.copies[block.copies.clone()] {
+            self.values[to] = self.values[from];
+        }
     }
 
     #[inline(always)]
