@@ -96,9 +96,31 @@ impl<T: Float> Constraint<T> {
             let [moved, most] = worths::<T, 8>(&self.gradient, &y1.hi, sizes);
             (values + moved, most.sqrt() * moved.sqrt())
         };
-        // Below the smallest normal number rounding is absolute.
-        self.floor = T::EPSILON * (self.scale + T::MIN_POSITIVE);
+        self.floor = self.round_off();
         value.is_finite() && self.floor.is_finite()
+    }
+
+    /// Evaluates I at `y1` alone, where g is looked at and the stages are not there yet. What the state is worth is taken to be `scale`, as it was
+    /// when ∇I was known last. Returns whether it is finite.
+    pub(crate) fn glance<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y1: &State<T>,
+        scale: T,
+    ) -> bool {
+        let value = match &mut self.evaluator {
+            None => energy.compensated_value(&y1.hi),
+            Some(evaluator) => evaluator.compensated_value(&y1.hi),
+        };
+        self.defect = value - self.reference;
+        self.scale = scale;
+        self.floor = self.round_off();
+        value.is_finite()
+    }
+
+    /// The floor of rounding the state alone. Below the smallest normal number rounding is absolute.
+    fn round_off(&self) -> T {
+        T::EPSILON * (self.scale + T::MIN_POSITIVE)
     }
 
     /// Evaluates ∇I at the start of the step.

@@ -68,7 +68,7 @@ pub struct Counts {
     pub refreshes: u64,
     /// Evaluations of ∇H at one point.
     pub gradients: u64,
-    /// Evaluations of H alone, to measure an energy that is not solved for.
+    /// Evaluations of H alone: to measure an energy that is not solved for, and while α's move along slopes.
     pub energies: u64,
     /// Evaluations of ∇²H at one point.
     pub hessians: u64,

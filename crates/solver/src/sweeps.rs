@@ -13,7 +13,7 @@
 //! *End.* The stages have settled, and |g| is at its floor, or stalls near it, or with α = 0 or slopes is within 4 floors and not worth more.
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found. Newton takes the step then.
 //!
-//! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step; that of the direction.
+//! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step, with slopes H alone for most; that of the direction.
 
 use crate::constraint::{Constraint, MANY};
 use crate::contraction::Contraction;
@@ -211,11 +211,9 @@ impl<T: Float> Sweeps<T> {
                 continue;
             }
             self.iterate.end_point(task.y, next);
-            counts.gradients += 1;
-            if !constraint.evaluate(energy, next, &self.iterate.scale) {
+            if !self.look(energy, constraint, (next, task.rule, settled), counts) {
                 return Err(Trouble::Slow);
             }
-            (self.scale, self.spread) = (constraint.scale, constraint.spread);
             if settled {
                 constraint.add_noise(self.contraction.noise());
             }
@@ -302,6 +300,25 @@ impl<T: Float> Sweeps<T> {
             }
         }
         Err(Trouble::Slow)
+    }
+
+    /// Evaluates g at the end point. Whether the step is done, and by which directions the α's move, is seen with ∇H; slopes that are moved along
+    /// meanwhile need g alone. Returns whether it is finite.
+    fn look<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        constraint: &mut Constraint<T>,
+        (next, rule, settled): (&State<T>, Rule, bool),
+        counts: &mut Counts,
+    ) -> bool {
+        if rule == Rule::Slopes && !settled {
+            counts.energies += 1;
+            return constraint.glance(energy, next, self.scale);
+        }
+        counts.gradients += 1;
+        let is_finite = constraint.evaluate(energy, next, &self.iterate.scale);
+        (self.scale, self.spread) = (constraint.scale, constraint.spread);
+        is_finite
     }
 
     /// Changes of Z that are rounding and no more: that of stiff forces is in the stages, whoever solves for them, and so is that of the forces
