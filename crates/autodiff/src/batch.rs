@@ -39,12 +39,12 @@ impl<'a> Batch<'a, f64> {
     }
 }
 
-impl<'a, T: Float> Batch<'a, T> {
+impl<T: Float> Batch<'_, T> {
     /// The same, if the numbers are double-doubles.
-    pub(crate) fn in_double_doubles(self) -> Option<Batch<'a, DoubleDouble>> {
+    pub(crate) fn in_double_doubles(&mut self) -> Option<Batch<'_, DoubleDouble>> {
         Some(Batch {
             states: T::as_double_doubles(self.states)?,
-            gradients: T::as_double_doubles_mut(self.gradients)?,
+            gradients: T::as_double_doubles_mut(&mut *self.gradients)?,
             stride: self.stride,
             count: self.count,
         })

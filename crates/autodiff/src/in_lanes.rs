@@ -37,13 +37,13 @@ impl<T: Float> InLanes<T> {
         self.set = set;
     }
 
-    pub(crate) fn gradients(&mut self, tape: &Tape, batch: Batch<T>) {
-        self.gradient.run(self.set, tape, batch);
+    pub(crate) fn gradients(&mut self, tape: &Tape, mut batch: Batch<T>) {
+        self.gradient.run(self.set, tape, &mut batch);
     }
 
-    pub(crate) fn forces(&mut self, tape: &Tape, batch: Batch<T>) {
+    pub(crate) fn forces(&mut self, tape: &Tape, mut batch: Batch<T>) {
         if let Some(forces) = &mut self.forces {
-            forces.run(self.set, tape, batch);
+            forces.run(self.set, tape, &mut batch);
         }
     }
 }
@@ -56,12 +56,13 @@ impl<T: Float> Widths<T> {
         }
     }
 
-    fn run(&mut self, set: InstructionSet, tape: &Tape, batch: Batch<T>) {
+    fn run(&mut self, set: InstructionSet, tape: &Tape, batch: &mut Batch<T>) {
         if T::IS_DOUBLE_DOUBLE {
             let replay: &mut dyn Any = &mut self.eight;
-            if let (Some(replay), Some(batch)) = (replay.downcast_mut(), batch.in_double_doubles())
+            if let (Some(replay), Some(mut batch)) =
+                (replay.downcast_mut(), batch.in_double_doubles())
             {
-                double_doubles(set, tape, replay, batch);
+                double_doubles(set, tape, replay, &mut batch);
             }
         } else if batch.stride <= 4 {
             let replay = &mut self.four;
@@ -86,7 +87,7 @@ fn double_doubles(
     set: InstructionSet,
     tape: &Tape,
     replay: &mut Replay<DoubleDoubles<8>>,
-    batch: Batch<DoubleDouble>,
+    batch: &mut Batch<DoubleDouble>,
 ) {
     set.run(&mut Group::<DoubleDouble, 8> {
         tape,
@@ -96,13 +97,13 @@ fn double_doubles(
 }
 
 /// A tape and the points to replay it at.
-struct Group<'a, T: Float, const L: usize> {
+struct Group<'a, 'b, T: Float, const L: usize> {
     tape: &'a Tape,
     replay: &'a mut Replay<T::Pack<L>>,
-    batch: Batch<'a, T>,
+    batch: &'a mut Batch<'b, T>,
 }
 
-impl<T: Float, const L: usize> Kernel for Group<'_, T, L> {
+impl<T: Float, const L: usize> Kernel for Group<'_, '_, T, L> {
     type Output = ();
 
     #[inline(always)]
@@ -117,18 +118,17 @@ impl<T: Float, const L: usize> Kernel for Group<'_, T, L> {
         while at < batch.count {
             for block in &tape.blocks {
                 for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
-                    let rows = batch.states[components.start * stride..].chunks_exact(stride);
-                    for (place, row) in replay.values[slots.clone()].iter_mut().zip(rows) {
-                        *place = Pack::load(&row[at..]);
+                    let places = &mut replay.values[slots.clone()];
+                    for (place, k) in places.iter_mut().zip(components.clone()) {
+                        *place = Pack::load(&batch.states[k * stride..][..stride][at..]);
                     }
                 }
                 let (values, exponents) = (&mut replay.values, &replay.exponents);
                 forward(tape, &tape.runs[block.runs.clone()], exponents, values);
                 for Transfer { components, slots } in &tape.results[block.results.clone()] {
-                    let rows = &mut batch.gradients[components.start * stride..];
-                    let rows = rows.chunks_exact_mut(stride);
-                    for (value, row) in replay.values[slots.clone()].iter().zip(rows) {
-                        value.store(&mut row[at..]);
+                    let values = &replay.values[slots.clone()];
+                    for (value, k) in values.iter().zip(components.clone()) {
+                        value.store(&mut batch.gradients[k * stride..][..stride][at..]);
                     }
                 }
                 replay.keep(tape, block);
