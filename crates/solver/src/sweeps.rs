@@ -211,7 +211,8 @@ impl<T: Float> Sweeps<T> {
                 continue;
             }
             self.iterate.end_point(task.y, next);
-            if !self.look(energy, constraint, (next, task.rule, settled), counts) {
+            let gradient = settled || alphas.moves == 0 || task.rule != Rule::Slopes;
+            if !self.look(energy, constraint, (next, gradient), counts) {
                 return Err(Trouble::Slow);
             }
             if settled {
@@ -302,16 +303,16 @@ impl<T: Float> Sweeps<T> {
         Err(Trouble::Slow)
     }
 
-    /// Evaluates g at the end point. Whether the step is done, and by which directions the α's move, is seen with ∇H; slopes that are moved along
-    /// meanwhile need g alone. Returns whether it is finite.
+    /// Evaluates g at the end point, with ∇H or alone. What the state is worth is seen in the first look at a step, and whether it is done in the
+    /// last; while the α's move along slopes g alone is needed. Returns whether it is finite.
     fn look<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
         constraint: &mut Constraint<T>,
-        (next, rule, settled): (&State<T>, Rule, bool),
+        (next, with_gradient): (&State<T>, bool),
         counts: &mut Counts,
     ) -> bool {
-        if rule == Rule::Slopes && !settled {
+        if !with_gradient {
             counts.energies += 1;
             return constraint.glance(energy, next, self.scale);
         }
