@@ -166,3 +166,22 @@ fn a_resumed_run_has_the_same_bits() {
         }
     }
 }
+
+/// A step beyond what sweeps resolve is named where it is paid for, with the step that is not.
+#[test]
+fn the_certificate_names_springs_left_to_newton() {
+    let run = |h: f64| chain(&Equip::stages(16).step(h), 20.0 * h);
+    let (coarse, fine) = (run(0.14), run(0.125));
+    let [coarse, fine] = [coarse.certificate(), fine.certificate()];
+    assert!(coarse.counts.taken_over > 0);
+    let angle = coarse.unresolved_spring.unwrap();
+    // The stiff components of the chain have ω² = 50² and the soft springs besides.
+    assert!((angle / (0.14 * 50.0) - 1.0).abs() < 2e-3, "{angle}");
+    let text = coarse.to_string();
+    assert!(
+        text.contains("stiff springs") && text.contains("up to 6.400"),
+        "{text}"
+    );
+    assert_eq!((fine.counts.taken_over, fine.unresolved_spring), (0, None));
+    assert!(!fine.to_string().contains("stiff springs"));
+}

@@ -75,7 +75,8 @@ pub(crate) struct RunArgs {
     /// Set a parameter of the scene; `--NAME VALUE` does the same
     #[arg(long, value_name = "NAME=VALUE", value_parser = pair, help_heading = PARAMETERS)]
     pub(crate) set: Vec<(String, String)>,
-    /// Stages s: the order is 2s, the cost of a step grows like s³
+    /// Stages s: the order is 2s, the cost of a step grows like s², or s³ where
+    /// Newton's method makes it
     #[arg(long, short, default_value_t = 4, help_heading = "Method")]
     pub(crate) stages: usize,
     /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not given)

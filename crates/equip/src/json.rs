@@ -34,6 +34,8 @@ struct Quantity {
 
 #[derive(Debug, Serialize)]
 struct Work {
+    sweeps: u64,
+    left_to_newton: u64,
     newton_iterations: u64,
     factorisations: u64,
     gradients: u64,
@@ -90,6 +92,7 @@ struct Document<'a> {
     invariants: Vec<Quantity>,
     outcomes: BTreeMap<&'static str, u64>,
     alpha_range: Vec<[Number; 2]>,
+    unresolved_spring: Option<Number>,
     chaos: Option<Chaos>,
     work: Work,
     end_state: AtEnd,
@@ -134,11 +137,14 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             .iter()
             .map(|&(low, high)| [Number::new(low), Number::new(high)])
             .collect(),
+        unresolved_spring: certificate.unresolved_spring.map(Number::new),
         chaos: certificate.chaos.map(|chaos| Chaos {
             lyapunov: Number::new(chaos.lyapunov),
             megno: Number::new(chaos.megno),
         }),
         work: Work {
+            sweeps: counts.sweeps,
+            left_to_newton: counts.taken_over,
             newton_iterations: counts.newton_iterations,
             factorisations: counts.factorisations,
             gradients: counts.gradients,

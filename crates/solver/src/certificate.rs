@@ -3,6 +3,7 @@
 use crate::invariant::Defect;
 use crate::method::{Alphas, Family, Method};
 use crate::outcome::{Counts, Outcome};
+use crate::springs::most_resolved;
 use crate::tangent_chaos::ChaosIndicators;
 use equip_scalar::Float;
 use std::fmt;
@@ -32,6 +33,9 @@ pub struct Certificate<T> {
     pub chaos: Option<ChaosIndicators<T>>,
     /// Counts of work and of outcomes.
     pub counts: Counts,
+    /// hω of the stiffest spring at the start of the run, if that is more than sweeps solve for with α's, 2s/5: Newton's method makes most steps then.
+    /// `None` if there is none, and with variable steps.
+    pub unresolved_spring: Option<T>,
     /// Extra steps made for output times; their work is not in `counts`.
     pub output_steps: u64,
     /// Wall-clock time in seconds.
@@ -148,7 +152,12 @@ impl<T: Float> Certificate<T> {
                 line("steps by outcome", format!("{count} {}", outcome.label()));
             }
         }
-        for (k, (low, high)) in self.alpha_range.iter().enumerate() {
+        let unmoved = (T::int(0), T::int(0));
+        for (k, range) in self.alpha_range.iter().enumerate() {
+            if *range == unmoved {
+                continue;
+            }
+            let (low, high) = range;
             line(
                 &format!("α_{} range", k + 1),
                 format!("{low:.2e} to {high:.2e}"),
@@ -160,6 +169,16 @@ impl<T: Float> Certificate<T> {
                 steps => format!(", {steps} times left to Newton"),
             };
             line("sweeps", format!("{}{left}", counts.sweeps));
+        }
+        if let (Some(angle), 1..) = (self.unresolved_spring, counts.taken_over) {
+            let most = most_resolved::<T>(self.method.stages);
+            let step = self.step * most / angle;
+            line(
+                "stiff springs",
+                format!(
+                    "hω = {angle:.3}, left to Newton; sweeps, which are faster, go up to {most:.3} (steps of {step:.3e})"
+                ),
+            );
         }
         let newton = counts.newton_iterations > 0;
         if newton {

@@ -89,25 +89,35 @@ pub(crate) struct Springs<T: Float> {
     pub(crate) is_active: bool,
 }
 
+/// Largest hω with which α's are found by sweeps.
+pub(crate) fn most_resolved<T: Float>(stages: usize) -> T {
+    T::ratio(stages as i64 * RESOLVED[0], RESOLVED[1])
+}
+
 impl<T: Float> Springs<T> {
-    /// Those of steps of size `h` from `y`, if α's are wanted those only that are resolved well enough to find them; `None` if there are
-    /// none.
+    /// Those of steps of size `h` from `y`, `None` if there are none; if α's are wanted those only that are resolved well enough to find them,
+    /// and the largest hω of the others, 0 if there are none.
     pub(crate) fn find<E: Evaluate<T>>(
         gauss: &Gauss<T>,
         energy: &mut E,
         (pattern, w, wants_alphas): (&Pattern, &[T], bool),
         (y, h): (&[T], T),
-    ) -> Option<Self> {
-        let most = T::ratio(gauss.stages() as i64 * RESOLVED[0], RESOLVED[1]);
+    ) -> (Option<Self>, T) {
+        let most = most_resolved::<T>(gauss.stages());
+        let mut unresolved = T::int(0);
         let mut entries = vec![T::int(0); pattern.len()];
         energy.hessian(y, &mut entries);
         let found = (0..w.len()).filter_map(|c| {
             let kappa = standing_out(pattern, w, &entries, c)?;
             let stiffness = h * h * w[c] * kappa;
             let is_resolved = !wants_alphas || stiffness <= most * most;
+            if !is_resolved {
+                unresolved = unresolved.max(stiffness);
+            }
             (is_resolved && T::int(SOFT) * stiffness >= T::int(1)).then_some((c, kappa))
         });
-        Self::new(gauss, (pattern, w, h), found.collect())
+        let found = found.collect();
+        (Self::new(gauss, (pattern, w, h), found), unresolved.sqrt())
     }
 
     /// With these κ, the rest empty.

@@ -49,6 +49,8 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) last_resort: bool,
     /// The parts of the step, if dense output is wanted.
     pub(crate) parts: Parts<T>,
+    /// hω of the stiffest spring that sweeps do not solve for, as α's are not found with it.
+    pub(crate) unresolved_spring: Option<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
@@ -103,6 +105,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             },
             last_resort: true,
             parts: Parts::new(),
+            unresolved_spring: None,
             stages: Stages::new(gauss, n),
             settings,
         }

@@ -58,7 +58,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         {
             let pattern = (&structure.hessian, w, !self.constraints.is_empty());
             let found = Springs::find(gauss, &mut self.energy, pattern, (y, h));
-            sweeps.set_springs(found);
+            sweeps.set_springs(found.0);
+            self.unresolved_spring = (found.1 > T::int(0)).then_some(found.1);
         }
     }
 
@@ -73,7 +74,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         structure: &Structure,
         (memory, h): (Option<&SpringsMemory>, T),
     ) -> Result<(), IntegrateError<T>> {
-        self.leave_out_springs();
+        if let Some(sweeps) = &mut self.sweeps {
+            sweeps.set_springs(None);
+        }
         if let (Some(sweeps), Some(memory)) = (&mut self.sweeps, memory)
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
         {
@@ -86,6 +89,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
     /// The steps are of any size.
     pub(crate) fn leave_out_springs(&mut self) {
+        self.unresolved_spring = None;
         if let Some(sweeps) = &mut self.sweeps {
             sweeps.set_springs(None);
         }

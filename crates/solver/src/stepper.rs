@@ -339,6 +339,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             alpha_range: self.alpha_range.clone(),
             chaos: None,
             counts: self.core.counts,
+            unresolved_spring: self.core.unresolved_spring,
             output_steps: 0,
             seconds: self.begun.elapsed().as_secs_f64(),
         }
