@@ -179,9 +179,12 @@ fn the_certificate_names_springs_left_to_newton() {
     assert!((angle / (0.14 * 50.0) - 1.0).abs() < 2e-3, "{angle}");
     let text = coarse.to_string();
     assert!(
-        text.contains("stiff springs") && text.contains("up to 6.400"),
+        text.contains("sweeps, which are faster, go up to 6.400"),
         "{text}"
     );
+    let named = text.split("(steps of ").nth(1).unwrap();
+    let named: f64 = named.split(')').next().unwrap().parse().unwrap();
+    assert_eq!(run(named).certificate().counts.taken_over, 0);
     assert_eq!((fine.counts.taken_over, fine.unresolved_spring), (0, None));
     assert!(!fine.to_string().contains("stiff springs"));
 }

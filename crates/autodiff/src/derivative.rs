@@ -4,7 +4,8 @@
 //! 3.2). What comes out is a recording like any other: derivatives are replayed as H is, in any number, with equal
 //! operations done once, constant factors multiplied beforehand, and what only H needs left out. A recording of
 //! ∂H/∂q alone contains nothing of T(p). Powers of two, of which squares and roots have one each, wait until they meet a
-//! constant or each other: multiplying by them is exact. Cost: one to three times the operations of H, whatever the number of inputs.
+//! constant or each other: multiplying by them is exact far from overflow and underflow, and no more than 2^8 waits. Cost: one to three times
+//! the operations of H, whatever the number of inputs.
 //!
 //! At kinks: |x| has derivative 0 at 0, hypot has (0, 0) at the origin, min and max give all to their first argument
 //! at a tie. √x has the derivative ∞ at 0. The derivative of xʸ by y is 0 where xʸ is 0.
@@ -12,24 +13,26 @@
 use crate::op::{Node, Op};
 use crate::recorder::Recorder;
 use equip_scalar::Constant;
+use std::collections::HashMap;
 
 /// Appends the derivatives of the node `root` by all inputs; their nodes.
 pub(crate) fn differentiate(recorder: &mut Recorder, root: u32) -> Vec<u32> {
     let inputs = recorder.inputs;
     let depends = dependent(recorder, root);
     let mut reverse = Reverse {
-        received: vec![None; depends.len()],
+        received: vec![Vec::new(); depends.len()],
+        shares: HashMap::new(),
         depends,
         recorder,
     };
     let one = reverse.number(1.0);
-    reverse.received[root as usize] = Some(Adjoint {
+    reverse.received[root as usize].push(Adjoint {
         node: one,
         minus: false,
         twos: 0,
     });
     for node in (inputs..=root as usize).rev() {
-        if let (Some(w), true) = (reverse.received[node], reverse.depends[node]) {
+        if let (true, Some(w)) = (reverse.depends[node], reverse.total(node)) {
             reverse.pass_on(node as u32, w);
         }
     }
@@ -56,13 +59,17 @@ struct Adjoint {
 }
 
 /// Operations that a power of two is carried into, one within the other.
-const DEPTH: u32 = 4;
+const DEPTH: u32 = 3;
+/// Powers of two that wait at most.
+const MOST_TWOS: i32 = 8;
 
 struct Reverse<'a> {
     recorder: &'a mut Recorder,
     depends: Vec<bool>,
-    /// Sum of what each node has received so far.
-    received: Vec<Option<Adjoint>>,
+    /// Sums of what each node has received so far, one for each power of two.
+    received: Vec<Vec<Adjoint>>,
+    /// How often a node was given to others as a derivative by them.
+    shares: HashMap<u32, u32>,
 }
 
 impl Reverse<'_> {
@@ -73,7 +80,7 @@ impl Reverse<'_> {
         match op {
             Op::Constant(_) | Op::Input(_) | Op::Sum(_) | Op::Powi(0) => {}
             Op::Sign | Op::AtMost | Op::WhereNonzero | Op::PowfSlope(_) => {}
-            Op::SquareAdd | Op::RecipSqrt => {}
+            Op::SquareAdd | Op::RecipSqrt => debug_assert!(false, "what is replayed is no longer differentiated"),
             Op::Add => { self.give(x, w); self.give(y, w); }
             Op::Sub => { self.give(x, w); self.give_minus(y, w); }
             Op::Neg => self.give_minus(x, w),
@@ -225,38 +232,46 @@ impl Reverse<'_> {
         self.give(operand, opposite(w));
     }
 
-    /// Adds to what the operand has received; signs are settled here.
+    /// Adds to what the operand has received.
     fn give(&mut self, operand: u32, new: Adjoint) {
         if !self.depends[operand as usize] {
             return;
         }
-        let total = match self.received[operand as usize] {
-            None => new,
-            Some(old) => {
-                let (old, new) = match old.twos == new.twos {
-                    true => (old, new),
-                    false => (self.settled(old), self.settled(new)),
-                };
-                match (old.minus, new.minus) {
-                    (false, true) => self.difference(old, new),
-                    (true, false) => self.difference(new, old),
-                    _ => Adjoint {
-                        node: self.sum(old.node, new.node),
-                        ..old
-                    },
-                }
+        *self.shares.entry(new.node).or_default() += 1;
+        let received = &self.received[operand as usize];
+        match received.iter().position(|old| old.twos == new.twos) {
+            Some(k) => {
+                let sum = self.joined(received[k], new);
+                self.received[operand as usize][k] = sum;
             }
-        };
-        self.received[operand as usize] = Some(total);
+            None => self.received[operand as usize].push(new),
+        }
     }
 
-    fn difference(&mut self, plus: Adjoint, minus: Adjoint) -> Adjoint {
-        let node = self.apply(Op::Sub, plus.node, minus.node);
-        Adjoint { node, ..plus }
+    /// The sum of two with the same power of two; signs are settled here.
+    fn joined(&mut self, x: Adjoint, y: Adjoint) -> Adjoint {
+        let node = match (x.minus, y.minus) {
+            (false, true) => self.apply(Op::Sub, x.node, y.node),
+            (true, false) => self.apply(Op::Sub, y.node, x.node),
+            _ => self.sum(x.node, y.node),
+        };
+        let minus = x.minus && y.minus;
+        Adjoint { node, minus, ..x }
+    }
+
+    /// All that a node has received.
+    fn total(&mut self, node: usize) -> Option<Adjoint> {
+        let mut received = std::mem::take(&mut self.received[node]).into_iter();
+        let mut total = received.next()?;
+        for w in received {
+            let (x, y) = (self.settled(total), self.settled(w));
+            total = self.joined(x, y);
+        }
+        Some(total)
     }
 
     fn result(&mut self, input: usize) -> u32 {
-        let Some(w) = self.received[input] else {
+        let Some(w) = self.total(input) else {
             return self.number(0.0);
         };
         match self.settled(w) {
@@ -270,9 +285,14 @@ impl Reverse<'_> {
     /// 2^twos w: in constants if they are all it takes.
     fn times_two(&mut self, w: Adjoint, twos: i32) -> Adjoint {
         let twos = w.twos + twos;
-        match self.absorbed(w.node, twos, DEPTH) {
-            Some(node) => Adjoint { node, twos: 0, ..w },
-            None => Adjoint { twos, ..w },
+        let waiting = Adjoint { twos, ..w };
+        if self.absorbs(w.node, twos, DEPTH) {
+            let node = self.absorbed(w.node, twos);
+            Adjoint { node, twos: 0, ..w }
+        } else if twos.abs() > MOST_TWOS {
+            self.settled(waiting)
+        } else {
+            waiting
         }
     }
 
@@ -289,37 +309,45 @@ impl Reverse<'_> {
         Adjoint { node, twos: 0, ..w }
     }
 
-    /// 2^twos times a node, if constants take the factor up: c, c·x, c/x, and sums of such.
-    fn absorbed(&mut self, node: u32, twos: i32, depth: u32) -> Option<u32> {
-        if let (Some(c), true) = (self.double(node), twos.abs() < 64) {
-            let c = exact(Op::Mul, c, 2f64.powi(twos))?;
-            return Some(self.number(c));
-        }
+    /// Whether constants take the factor 2^twos up, at no cost: c, c·x, and c/x and sums of such if they are nobody else's.
+    fn absorbs(&self, node: u32, twos: i32, depth: u32) -> bool {
         let Node { op, a, b } = self.recorder.nodes[node as usize];
-        let depth = depth.checked_sub(1)?;
+        let is_own = self.shares.get(&node).is_none_or(|&shares| shares <= 1);
+        let constant = |x: u32| {
+            let c = self.double(x);
+            c.is_some_and(|c| exact(Op::Mul, c, 2f64.powi(twos)).is_some())
+        };
+        constant(node)
+            || match op {
+                Op::Mul => constant(a) || constant(b),
+                Op::Div => is_own && constant(a),
+                Op::Add | Op::Sub | Op::Neg if is_own && depth > 0 => {
+                    [a, b].into_iter().all(|x| self.absorbs(x, twos, depth - 1))
+                }
+                _ => false,
+            }
+    }
+
+    /// 2^twos times a node that takes it up.
+    fn absorbed(&mut self, node: u32, twos: i32) -> u32 {
+        let Node { op, a, b } = self.recorder.nodes[node as usize];
         match op {
-            _ if twos == 0 => Some(node),
-            Op::Mul if self.double(b).is_some() => {
-                let b = self.absorbed(b, twos, depth)?;
-                Some(self.apply(op, a, b))
+            Op::Mul if self.double(a).is_none() => {
+                let b = self.absorbed(b, twos);
+                self.apply(op, a, b)
             }
             Op::Mul | Op::Div => {
-                self.double(a)?;
-                let a = self.absorbed(a, twos, depth)?;
-                Some(self.apply(op, a, b))
+                let a = self.absorbed(a, twos);
+                self.apply(op, a, b)
             }
-            Op::Add | Op::Sub => {
-                let (a, b) = (
-                    self.absorbed(a, twos, depth)?,
-                    self.absorbed(b, twos, depth)?,
-                );
-                Some(self.apply(op, a, b))
+            Op::Constant(_) => {
+                let factor = self.number(2f64.powi(twos));
+                self.product(node, factor)
             }
-            Op::Neg => {
-                let a = self.absorbed(a, twos, depth)?;
-                Some(self.apply(op, a, a))
+            _ => {
+                let (a, b) = (self.absorbed(a, twos), self.absorbed(b, twos));
+                self.apply(op, a, b)
             }
-            _ => None,
         }
     }
 

@@ -45,6 +45,7 @@ mod replay;
 mod separable;
 mod sparsity;
 mod statics;
+mod stretches;
 mod structure;
 mod supplied;
 mod system;

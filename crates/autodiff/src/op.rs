@@ -48,8 +48,9 @@ pub(crate) enum Op {
     WhereNonzero,
     /// Derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants.
     PowfSlope(u32),
-    /// a² + b and 1/√a, of [`crate::peephole`].
+    /// a² + b, of [`crate::peephole`].
     SquareAdd,
+    /// 1/√a, of [`crate::peephole`].
     RecipSqrt,
 }
 

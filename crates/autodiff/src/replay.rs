@@ -4,7 +4,8 @@
 //! every bit of the energy evaluated directly. Cost: one evaluation of what was recorded.
 
 use crate::op::Op;
-use crate::tape::{Access, Run, Tape};
+use crate::stretches::Access;
+use crate::tape::{Run, Tape};
 use equip_scalar::{Constant, Float, Piecewise};
 
 /// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of a closure:

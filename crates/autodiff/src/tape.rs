@@ -13,27 +13,12 @@
 use crate::graph::{Graph, Term};
 use crate::op::Op;
 use crate::order::{Blocks, Order};
+use crate::stretches::{Access, Placement, SHORTEST_SLICE, next_slice, split, stretch};
 use equip_scalar::Constant;
 use std::ops::Range;
 
-/// Shortest run over slices that is worth leaving a run over listed operands: to begin a run takes as long as some ten operations.
-const SHORTEST_SLICE: usize = 16;
-
 /// Terms from which on rounding the partial sums of a sum is worth half of what rounding single terms is.
 const LONG: usize = 64;
-
-/// How the operands of a run lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Access {
-    /// Anywhere.
-    Listed,
-    /// Side by side, both.
-    Slices,
-    /// The left one is the same throughout, the right ones lie side by side.
-    FixedLeft,
-    /// The right one is the same throughout, the left ones lie side by side.
-    FixedRight,
-}
 
 /// Equal operations without dependence on each other.
 #[derive(Debug, Clone)]
@@ -159,9 +144,6 @@ struct Layout<'a> {
     /// Next slot: of constants, then of the present block.
     next: usize,
 }
-
-/// An operation to be placed, in the order in which it will be: by operation, then by operands.
-type Placement = (Op, u32, u32, usize);
 
 impl<'a> Layout<'a> {
     fn new(graph: &'a Graph, blocks: Blocks) -> Self {
@@ -354,52 +336,4 @@ impl<'a> Layout<'a> {
         }
         self.tape.sums[sum] = first_segment..self.tape.segments.len();
     }
-}
-
-/// Number of leading elements each of which stands in the given relation to the one before.
-fn stretch<E>(elements: &[E], follows: impl Fn(&E, &E) -> bool) -> usize {
-    elements
-        .windows(2)
-        .take_while(|w| follows(&w[0], &w[1]))
-        .count()
-        + 1
-}
-
-/// Where the next stretch of slots side by side begins that is long enough, or the end.
-fn next_slice(slots: &[u32], start: usize) -> usize {
-    let mut at = start;
-    while at < slots.len() {
-        let length = stretch(&slots[at..], |x, y| *y == x + 1);
-        if length >= SHORTEST_SLICE {
-            break;
-        }
-        at += length;
-    }
-    at
-}
-
-/// Parts of a group of equal operations, by how their operands lie.
-fn split(group: &[Placement]) -> Vec<(Range<usize>, Access)> {
-    let mut parts: Vec<(Range<usize>, Access)> = Vec::new();
-    let mut start = 0;
-    while start < group.len() {
-        let rest = &group[start..];
-        let both = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2 + 1);
-        let fixed_left = stretch(rest, |x, y| y.1 == x.1 && y.2 == x.2 + 1);
-        let fixed_right = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2);
-        let longest = both.max(fixed_left).max(fixed_right);
-        let access = match longest {
-            l if l < SHORTEST_SLICE.min(group.len()) => Access::Listed,
-            l if l == both => Access::Slices,
-            l if l == fixed_left => Access::FixedLeft,
-            _ => Access::FixedRight,
-        };
-        let end = start + longest;
-        match parts.last_mut() {
-            Some((range, Access::Listed)) if access == Access::Listed => range.end = end,
-            _ => parts.push((start..end, access)),
-        }
-        start = end;
-    }
-    parts
 }

@@ -72,6 +72,42 @@ fn constants_take_powers_of_two_up() {
     assert_eq!(counts(200) - counts(100), 6 * 100);
 }
 
+/// A force that takes a 2 up and one that does not cost the same in either order.
+#[test]
+fn the_order_of_terms_does_not_matter() {
+    let counts = |last: bool| {
+        let h = Hamiltonian::new(20, |q, p| {
+            let mut h = 0.5 * p.iter().map(|p| p.powi(2)).sum::<Var>();
+            let trap = q.iter().map(|q| q.cos()).sum::<Var>();
+            if !last {
+                h += trap;
+            }
+            for i in 0..20 {
+                for j in 0..i {
+                    h += (-(q[i] - q[j]).powi(2)).exp().ln_1p();
+                }
+            }
+            if last { h + trap } else { h }
+        });
+        h.unwrap().gradient_operations()
+    };
+    assert_eq!(counts(true), counts(false));
+}
+
+/// No more powers of two wait than are far from overflow: x ← x² + ¼ at ½ has the slope 1, however often.
+#[test]
+fn powers_of_two_do_not_overflow() {
+    for depth in [10, 500, 1200] {
+        let h = Hamiltonian::new(1, |q, p| {
+            let orbit = (0..depth).fold(q[0], |x, _| x * x + 0.25);
+            orbit + 0.5 * p[0] * p[0]
+        });
+        let mut gradient = [0.0; 2];
+        h.unwrap().evaluator().gradient(&[0.5, 0.0], &mut gradient);
+        assert_eq!(gradient[0], 1.0, "{depth}");
+    }
+}
+
 #[test]
 fn ten_thousand_masses() {
     let start = Instant::now();

@@ -35,7 +35,7 @@ struct Quantity {
 #[derive(Debug, Serialize)]
 struct Work {
     sweeps: u64,
-    left_to_newton: u64,
+    taken_over: u64,
     newton_iterations: u64,
     factorisations: u64,
     gradients: u64,
@@ -144,7 +144,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         }),
         work: Work {
             sweeps: counts.sweeps,
-            left_to_newton: counts.taken_over,
+            taken_over: counts.taken_over,
             newton_iterations: counts.newton_iterations,
             factorisations: counts.factorisations,
             gradients: counts.gradients,

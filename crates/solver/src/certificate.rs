@@ -27,14 +27,15 @@ pub struct Certificate<T> {
     pub energy_in_floors: Option<T>,
     /// Defects of the invariants watched.
     pub invariants: Vec<Defect<T>>,
-    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for.
+    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no line in the text.
     pub alpha_range: Vec<(T, T)>,
     /// Lyapunov exponent and MEGNO, if a deviation was followed.
     pub chaos: Option<ChaosIndicators<T>>,
     /// Counts of work and of outcomes.
     pub counts: Counts,
-    /// hω of the stiffest spring at the start of the run, if that is more than sweeps solve for with α's, 2s/5: Newton's method makes most steps then.
-    /// `None` if there is none, and with variable steps.
+    /// hω of the stiffest spring at the start of the run, or where it was resumed, if that is more than sweeps solve for with α's, 2s/5: Newton's method
+    /// makes most steps then. `None` if there is none, and where springs are not looked for: in other floats than `f64`, with variable steps,
+    /// without sweeps or α's, and for T(p) that is no sum of squares.
     pub unresolved_spring: Option<T>,
     /// Extra steps made for output times; their work is not in `counts`.
     pub output_steps: u64,
@@ -170,9 +171,10 @@ impl<T: Float> Certificate<T> {
             };
             line("sweeps", format!("{}{left}", counts.sweeps));
         }
-        if let (Some(angle), 1..) = (self.unresolved_spring, counts.taken_over) {
+        if let (Some(angle), 1..) = (self.unresolved_spring, counts.newton_iterations) {
             let most = most_resolved::<T>(self.method.stages);
-            let step = self.step * most / angle;
+            // Rounded to the digits printed it is still within the limit.
+            let step = self.step * most / angle * T::ratio(999, 1000);
             line(
                 "stiff springs",
                 format!(

@@ -35,7 +35,7 @@ pub(crate) struct Constraint<T: Float> {
     /// The same of changes of many components that have nothing to do with each other: √(largest·sum), no less than the root of the sum of
     /// squares. Of few it is `scale`.
     pub(crate) spread: T,
-    /// ∇I(y1).
+    /// ∇I(y1), of the last look that was no [`Constraint::glance`]: a step is accepted after another one only.
     pub(crate) gradient: Vec<T>,
     /// ∇I(y0), when the directions of the α's were taken.
     pub(crate) start_gradient: Vec<T>,
@@ -101,7 +101,7 @@ impl<T: Float> Constraint<T> {
     }
 
     /// Evaluates I at `y1` alone, where g is looked at and the stages are not there yet. What the state is worth is taken to be `scale`, as it was
-    /// when ∇I was known last. Returns whether it is finite.
+    /// when ∇I was known last; ∇I, and `spread`, stay as they are. Returns whether it is finite.
     pub(crate) fn glance<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,

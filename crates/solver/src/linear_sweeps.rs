@@ -288,7 +288,7 @@ mod tests {
             }
             let stiff = (pattern, w.as_slice(), false);
             let springs = Springs::find(&gauss, &mut evaluator, stiff, (&y.hi, h));
-            let mut springs = springs.unwrap();
+            let mut springs = springs.0.unwrap();
             assert_eq!(springs.springs.len(), 1);
             springs.is_active = true;
 

@@ -95,16 +95,15 @@ pub(crate) fn most_resolved<T: Float>(stages: usize) -> T {
 }
 
 impl<T: Float> Springs<T> {
-    /// Those of steps of size `h` from `y`, `None` if there are none; if α's are wanted those only that are resolved well enough to find them,
-    /// and the largest hω of the others, 0 if there are none.
+    /// Those of steps of size `h` from `y`; if α's are wanted those that are resolved well enough to find them, and the largest hω of the others.
     pub(crate) fn find<E: Evaluate<T>>(
         gauss: &Gauss<T>,
         energy: &mut E,
         (pattern, w, wants_alphas): (&Pattern, &[T], bool),
         (y, h): (&[T], T),
-    ) -> (Option<Self>, T) {
+    ) -> (Option<Self>, Option<T>) {
         let most = most_resolved::<T>(gauss.stages());
-        let mut unresolved = T::int(0);
+        let mut unresolved = None;
         let mut entries = vec![T::int(0); pattern.len()];
         energy.hessian(y, &mut entries);
         let found = (0..w.len()).filter_map(|c| {
@@ -112,12 +111,13 @@ impl<T: Float> Springs<T> {
             let stiffness = h * h * w[c] * kappa;
             let is_resolved = !wants_alphas || stiffness <= most * most;
             if !is_resolved {
-                unresolved = unresolved.max(stiffness);
+                let angle = stiffness.sqrt();
+                unresolved = unresolved.filter(|&most| most >= angle).or(Some(angle));
             }
             (is_resolved && T::int(SOFT) * stiffness >= T::int(1)).then_some((c, kappa))
         });
         let found = found.collect();
-        (Self::new(gauss, (pattern, w, h), found), unresolved.sqrt())
+        (Self::new(gauss, (pattern, w, h), found), unresolved)
     }
 
     /// With these κ, the rest empty.
@@ -350,7 +350,7 @@ mod tests {
         let gauss = Gauss::new(8).unwrap();
         let w = vec![1.0; y.len() / 2];
         let pattern = (&h.structure().hessian, &*w, wants_alphas);
-        Springs::find(&gauss, &mut h.evaluator::<f64>(), pattern, (y, step))
+        Springs::find(&gauss, &mut h.evaluator::<f64>(), pattern, (y, step)).0
     }
 
     #[test]

@@ -57,9 +57,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
         {
             let pattern = (&structure.hessian, w, !self.constraints.is_empty());
-            let found = Springs::find(gauss, &mut self.energy, pattern, (y, h));
-            sweeps.set_springs(found.0);
-            self.unresolved_spring = (found.1 > T::int(0)).then_some(found.1);
+            let (springs, unresolved) = Springs::find(gauss, &mut self.energy, pattern, (y, h));
+            sweeps.set_springs(springs);
+            self.unresolved_spring = unresolved;
         }
     }
 

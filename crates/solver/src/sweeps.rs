@@ -385,14 +385,8 @@ impl<T: Float> Sweeps<T> {
 
     /// What is remembered from step to step.
     pub(crate) fn memory(&self) -> [T; 5] {
-        let rate = self.contraction.rate;
-        [
-            rate,
-            self.defect,
-            self.scale,
-            self.spread,
-            self.slight.reach,
-        ]
+        let (rate, reach) = (self.contraction.rate, self.slight.reach);
+        [rate, self.defect, self.scale, self.spread, reach]
     }
 
     pub(crate) fn restore(&mut self, [rate, defect, scale, spread, reach]: [T; 5]) {
