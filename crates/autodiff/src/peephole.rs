@@ -83,8 +83,13 @@ impl Graph {
 
 #[cfg(test)]
 mod tests {
+    use super::{Graph, peephole};
+    use crate::derivative::differentiate;
     use crate::op::Op;
+    use crate::order::Blocks;
+    use crate::tape::Tape;
     use crate::trace::record;
+    use crate::values::Replay;
     use crate::{Evaluate, Hamiltonian, System, Var};
     use equip_scalar::{DoubleDouble, Scalar};
 
@@ -97,7 +102,7 @@ mod tests {
     #[test]
     fn what_goes_nowhere_else_is_taken_up() {
         let (recorder, root) = record(3, |q, _| potential(q)).unwrap_or_else(|e| panic!("{e}"));
-        let graph = super::peephole(super::Graph::new(&recorder, &[root]));
+        let graph = peephole(Graph::new(&recorder, &[root]));
         let found: Vec<Op> = graph.nodes.iter().map(|node| node.op).collect();
         let count = |op: Op| found.iter().filter(|&&x| x == op).count();
         assert_eq!(count(Op::Square), 1);
@@ -123,5 +128,41 @@ mod tests {
             let found = h.evaluator().value(&[x, y, z, zero, zero, zero]);
             assert_eq!(found, wide, "{q:?}");
         }
+    }
+
+    /// A chain whose springs share a factor, in a force that all masses feel: some results go to many blocks, and one is a term of a sum in each.
+    #[test]
+    fn blocks_and_operations_in_one_have_the_bits_of_single_operations() {
+        let m = 400;
+        let (mut recorder, root) = record(m, |q, _| {
+            let shared = (q[0] * q[0]).exp();
+            let r2 = q.iter().map(|&q| q * q).sum::<Var>();
+            let springs = q.windows(2).map(|q| {
+                let d = q[1] - q[0];
+                shared * (d * d) + (d * d + 0.25 * (q[0] * q[0])).sqrt()
+            });
+            springs.sum::<Var>() + q[m - 1] / r2.sqrt() + 1.0 / (q[1] * q[1] + q[2] * q[2]).sqrt()
+        })
+        .unwrap_or_else(|e| panic!("{e}"));
+        let slopes = differentiate(&mut recorder, root);
+        let graph = || Graph::new(&recorder, &slopes);
+        let results = |tape: Tape| -> Vec<u64> {
+            let mut replay = Replay::<f64>::new(&tape);
+            let number = |k: usize| ((k * k + 3) as f64 * 0.37).sin();
+            let bits = |x: &f64| x.to_bits();
+            replay.run(&tape, number).iter().map(bits).collect()
+        };
+        let expected = results(Tape::new(&graph(), Blocks::One));
+        let in_blocks = Tape::new(&graph(), Blocks::InCache);
+        assert!(in_blocks.blocks.len() > 2 && in_blocks.copies.len() > 2);
+        assert_eq!(results(in_blocks), expected);
+        assert_eq!(
+            results(Tape::new(&peephole(graph()), Blocks::One)),
+            expected
+        );
+        let both = Tape::new(&peephole(graph()), Blocks::InCache);
+        assert!(both.operations() == Tape::new(&graph(), Blocks::One).operations());
+        assert_eq!(results(both), expected);
+        assert!(expected.iter().any(|&x| x != expected[0]));
     }
 }

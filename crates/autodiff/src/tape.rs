@@ -258,6 +258,7 @@ impl<'a> Layout<'a> {
                     if slot == slots.start {
                         first = [left as usize, right as usize];
                     }
+                    debug_assert!((left.max(right) as usize) < slots.start);
                     self.slot[node] = slot as u32;
                     self.tape.operands.push([left, right]);
                 }
