@@ -74,6 +74,9 @@ pub struct Checkpoint {
     /// Stiff springs, if there were any at the start of the run.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(crate) springs: Option<SpringsMemory>,
+    /// hω of the stiffest spring that sweeps do not solve for.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) unresolved_spring: Option<Exact>,
 }
 
 impl Checkpoint {

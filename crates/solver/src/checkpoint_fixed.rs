@@ -84,6 +84,10 @@ impl<T: Float> FixedStep<T> {
         stepper.restore(checkpoint)?;
         let springs = (checkpoint.springs.as_ref(), self.h);
         stepper.core.restore_springs(system.structure(), springs)?;
+        stepper.core.unresolved_spring = match &checkpoint.unresolved_spring {
+            Some(angle) => Some(angle.read()?),
+            None => None,
+        };
         Ok(stepper)
     }
 }
@@ -142,6 +146,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             solver: self.core.newton.memory(),
             sweeps: (self.core.sweeps.as_ref()).map(|sweeps| sweeps.memory().map(Exact::of)),
             springs: self.core.springs_memory(),
+            unresolved_spring: self.core.unresolved_spring.map(Exact::of),
             pause: [self.core.pause.left, self.core.pause.next],
             inherited: (self.core.constraints.iter())
                 .map(|c| Exact::of(c.inherited))

@@ -29,6 +29,8 @@ const SOFT: i64 = 4;
 /// 12 stages and hω = 8 they keep the energy and ruin the trajectory (FPU, T = 200: 1e-1, where halved steps give 1e-7), by responses a
 /// spring pendulum with hω = 20 is three times as far off as Gauss.
 const RESOLVED: [i64; 2] = [2, 5];
+/// A spring that is not is named if hω is above this: less than a third of a period in a step is stiff to nobody.
+const FAST: i64 = 2;
 /// The same spring later on, to 1 over this.
 const STEADY: i64 = 16;
 /// Steps after which that is looked at again: a spring that turns leaves its axis.
@@ -110,7 +112,7 @@ impl<T: Float> Springs<T> {
             let kappa = standing_out(pattern, w, &entries, c)?;
             let stiffness = h * h * w[c] * kappa;
             let is_resolved = !wants_alphas || stiffness <= most * most;
-            if !is_resolved {
+            if !is_resolved && stiffness > T::int(FAST * FAST) {
                 let angle = stiffness.sqrt();
                 unresolved = unresolved.filter(|&most| most >= angle).or(Some(angle));
             }

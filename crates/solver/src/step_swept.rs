@@ -74,9 +74,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         structure: &Structure,
         (memory, h): (Option<&SpringsMemory>, T),
     ) -> Result<(), IntegrateError<T>> {
-        if let Some(sweeps) = &mut self.sweeps {
-            sweeps.set_springs(None);
-        }
+        self.leave_out_springs();
         if let (Some(sweeps), Some(memory)) = (&mut self.sweeps, memory)
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
         {
