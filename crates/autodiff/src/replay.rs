@@ -182,10 +182,8 @@ impl<'a, S: Piecewise> Step<'a, S> {
     /// The operands from the first ones on, and the results.
     #[inline(always)]
     fn slices(self) -> ([&'a [S]; 2], &'a mut [S]) {
-        let (before, results) = self.values.split_at_mut(self.run.slots.start);
-        let before: &[S] = before;
-        let results = &mut results[..self.run.slots.len()];
-        (self.run.first.map(|first| &before[first..]), results)
+        let (operands, before, results) = self.listed();
+        (operands[0].map(|first| &before[first as usize..]), results)
     }
 
     /// Slots of the operands, all that stands before the results, and the results.

@@ -26,9 +26,8 @@ pub(crate) struct Run {
     pub(crate) op: Op,
     /// Slots of the results.
     pub(crate) slots: Range<usize>,
-    /// First entry in [`Tape::operands`], and what stands there: slots of the first operands.
+    /// First entry in [`Tape::operands`].
     pub(crate) operands: usize,
-    pub(crate) first: [usize; 2],
     pub(crate) access: Access,
 }
 
@@ -253,11 +252,7 @@ impl<'a> Layout<'a> {
                 let slots = self.next..self.next + range.len();
                 self.next = slots.end;
                 let operands = self.tape.operands.len();
-                let mut first = [0; 2];
                 for (&(_, left, right, node), slot) in group[range].iter().zip(slots.clone()) {
-                    if slot == slots.start {
-                        first = [left as usize, right as usize];
-                    }
                     debug_assert!((left.max(right) as usize) < slots.start);
                     self.slot[node] = slot as u32;
                     self.tape.operands.push([left, right]);
@@ -266,7 +261,6 @@ impl<'a> Layout<'a> {
                     op: group[0].0,
                     slots,
                     operands,
-                    first,
                     access,
                 };
                 match constant {

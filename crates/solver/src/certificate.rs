@@ -171,7 +171,9 @@ impl<T: Float> Certificate<T> {
             };
             line("sweeps", format!("{}{left}", counts.sweeps));
         }
-        if let (Some(angle), 1..) = (self.unresolved_spring, counts.newton_iterations) {
+        if let Some(angle) = self.unresolved_spring
+            && counts.newton_iterations > counts.sweeps
+        {
             let most = most_resolved::<T>(self.method.stages);
             // Rounded to the digits printed it is still within the limit.
             let step = self.step * most / angle * T::ratio(999, 1000);

@@ -100,20 +100,14 @@ impl<T: Float> Constraint<T> {
         value.is_finite() && self.floor.is_finite()
     }
 
-    /// Evaluates I at `y1` alone, where g is looked at and the stages are not there yet. What the state is worth is taken to be `scale`, as it was
-    /// when ∇I was known last; ∇I, and `spread`, stay as they are. Returns whether it is finite.
-    pub(crate) fn glance<E: Evaluate<T>>(
-        &mut self,
-        energy: &mut E,
-        y1: &State<T>,
-        scale: T,
-    ) -> bool {
+    /// Evaluates I at `y1` alone, in a step that has been looked at with ∇I: `gradient`, `scale` and `spread` stay as they were then.
+    /// Returns whether it is finite.
+    pub(crate) fn glance<E: Evaluate<T>>(&mut self, energy: &mut E, y1: &State<T>) -> bool {
         let value = match &mut self.evaluator {
             None => energy.compensated_value(&y1.hi),
             Some(evaluator) => evaluator.compensated_value(&y1.hi),
         };
         self.defect = value - self.reference;
-        self.scale = scale;
         self.floor = self.round_off();
         value.is_finite()
     }

@@ -4,12 +4,16 @@
 //! own: [`crate::foresee`] puts into the gradient what it will have changed by when the sweep is made, and what is left is the contraction by the
 //! remainder. The equations are the same, and so is what K makes of their solution.
 //!
-//! *Which.* At the start of the run κ_c = ∂²U/∂q_c², where it stands out of its row of ∇²U by [`OUTWEIGHS`] and h² w κ is at least 1/[`SOFT`].
+//! *Which.* At the start of the run κ_c = ∂²U/∂q_c², where it stands out of its row of ∇²U by [`which::OUTWEIGHS`] and h² w κ is at least 1/[`which::SOFT`].
 //! Springs are those whose κ_c is still the same to 1/[`STEADY`] a step later, and every [`CHECKED`] steps.
 //! *Whether.* The first step is made without them, or with them if its sweeps do not contract. They stay as long as in most steps sweeps contract
 //! twice as well with them as in the first step without. What has once been given up is not tried again.
 //!
 //! For fixed steps with α = 0 to begin with: the matrices hold for one h.
+
+mod which;
+
+pub(crate) use which::most_resolved;
 
 use crate::checkpoint::{Exact, SpringsMemory};
 use crate::columns::both_ways;
@@ -19,18 +23,8 @@ use crate::outcome::Counts;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet};
 use equip_tableau::Gauss;
+use which::standing_out;
 
-/// A spring is so many times as large as the rest of its row of ∇²U, in units of equal masses. Of a spring pendulum with k = 1e6 that turns away from its
-/// axis, where rounding is foreseen along the axis only, the energy comes out 2e-15 off; with 8 it was 3e-14.
-const OUTWEIGHS: i64 = 64;
-/// Springs with h² w κ below 1 over this are none.
-const SOFT: i64 = 4;
-/// α's are found by sweeps where hω is no more than this times the stages: some 16 stages a period of the spring. By slopes with
-/// 12 stages and hω = 8 they keep the energy and ruin the trajectory (FPU, T = 200: 1e-1, where halved steps give 1e-7), by responses a
-/// spring pendulum with hω = 20 is three times as far off as Gauss.
-const RESOLVED: [i64; 2] = [2, 5];
-/// A spring that is not is named if hω is above this: less than a third of a period in a step is stiff to nobody.
-const FAST: i64 = 2;
 /// The same spring later on, to 1 over this.
 const STEADY: i64 = 16;
 /// Steps after which that is looked at again: a spring that turns leaves its axis.
@@ -91,37 +85,7 @@ pub(crate) struct Springs<T: Float> {
     pub(crate) is_active: bool,
 }
 
-/// Largest hω with which α's are found by sweeps.
-pub(crate) fn most_resolved<T: Float>(stages: usize) -> T {
-    T::ratio(stages as i64 * RESOLVED[0], RESOLVED[1])
-}
-
 impl<T: Float> Springs<T> {
-    /// Those of steps of size `h` from `y`; if α's are wanted those that are resolved well enough to find them, and the largest hω of the others.
-    pub(crate) fn find<E: Evaluate<T>>(
-        gauss: &Gauss<T>,
-        energy: &mut E,
-        (pattern, w, wants_alphas): (&Pattern, &[T], bool),
-        (y, h): (&[T], T),
-    ) -> (Option<Self>, Option<T>) {
-        let most = most_resolved::<T>(gauss.stages());
-        let mut unresolved = None;
-        let mut entries = vec![T::int(0); pattern.len()];
-        energy.hessian(y, &mut entries);
-        let found = (0..w.len()).filter_map(|c| {
-            let kappa = standing_out(pattern, w, &entries, c)?;
-            let stiffness = h * h * w[c] * kappa;
-            let is_resolved = !wants_alphas || stiffness <= most * most;
-            if !is_resolved && stiffness > T::int(FAST * FAST) {
-                let angle = stiffness.sqrt();
-                unresolved = unresolved.filter(|&most| most >= angle).or(Some(angle));
-            }
-            (is_resolved && T::int(SOFT) * stiffness >= T::int(1)).then_some((c, kappa))
-        });
-        let found = found.collect();
-        (Self::new(gauss, (pattern, w, h), found), unresolved)
-    }
-
     /// With these κ, the rest empty.
     fn new(
         gauss: &Gauss<T>,
@@ -328,19 +292,6 @@ impl<T: Float> Springs<T> {
         }
         Ok(springs)
     }
-}
-
-/// κ_c, if it is positive and outweighs the rest of its row.
-fn standing_out<T: Float>(pattern: &Pattern, w: &[T], entries: &[T], c: usize) -> Option<T> {
-    let (mut kappa, mut rest) = (T::int(0), T::int(0));
-    for (place, j) in pattern.row(c) {
-        if j == c {
-            kappa = entries[place];
-        } else if j < w.len() {
-            rest += entries[place].abs() * (w[j] / w[c]).sqrt();
-        }
-    }
-    (kappa > T::int(0) && kappa >= T::int(OUTWEIGHS) * rest).then_some(kappa)
 }
 
 #[cfg(test)]

@@ -314,7 +314,7 @@ impl<T: Float> Sweeps<T> {
     ) -> bool {
         if !with_gradient {
             counts.energies += 1;
-            return constraint.glance(energy, next, self.scale);
+            return constraint.glance(energy, next);
         }
         counts.gradients += 1;
         let is_finite = constraint.evaluate(energy, next, &self.iterate.scale);

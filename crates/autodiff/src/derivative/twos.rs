@@ -1,0 +1,82 @@
+//! Powers of two in derivatives: squares and roots have one each. They wait until they meet a constant, which takes them up, or each other.
+//!
+//! Multiplying by them is exact far from overflow and underflow, so no more than 2^[`MOST_TWOS`] waits.
+
+use super::{Adjoint, Reverse, exact};
+use crate::op::{Node, Op};
+
+/// Operations that a power of two is carried into, one within the other.
+const DEPTH: u32 = 3;
+/// Powers of two that wait at most.
+const MOST_TWOS: i32 = 8;
+
+impl Reverse<'_> {
+    /// 2^twos w: in constants if they are all it takes.
+    pub(super) fn times_two(&mut self, w: Adjoint, twos: i32) -> Adjoint {
+        let twos = w.twos + twos;
+        let waiting = Adjoint { twos, ..w };
+        if self.absorbs(w.node, twos, DEPTH) {
+            let node = self.absorbed(w.node, twos);
+            Adjoint { node, twos: 0, ..w }
+        } else if twos.abs() > MOST_TWOS {
+            self.settled(waiting)
+        } else {
+            waiting
+        }
+    }
+
+    /// With its power of two multiplied in.
+    pub(super) fn settled(&mut self, w: Adjoint) -> Adjoint {
+        let node = match w.twos {
+            0 => w.node,
+            1 => self.apply(Op::Add, w.node, w.node),
+            twos => {
+                let factor = self.number(2f64.powi(twos));
+                self.product(w.node, factor)
+            }
+        };
+        Adjoint { node, twos: 0, ..w }
+    }
+
+    /// Whether constants take the factor 2^twos up, at no cost: c, c·x, and c/x and sums of such if they are nobody else's.
+    fn absorbs(&self, node: u32, twos: i32, depth: u32) -> bool {
+        let Node { op, a, b } = self.recorder.nodes[node as usize];
+        let is_own = self.shares.get(&node).is_none_or(|&shares| shares <= 1);
+        let constant = |x: u32| {
+            let c = self.double(x);
+            c.is_some_and(|c| exact(Op::Mul, c, 2f64.powi(twos)).is_some())
+        };
+        constant(node)
+            || match op {
+                Op::Mul => constant(a) || constant(b),
+                Op::Div => is_own && constant(a),
+                Op::Add | Op::Sub | Op::Neg if is_own && depth > 0 => {
+                    [a, b].into_iter().all(|x| self.absorbs(x, twos, depth - 1))
+                }
+                _ => false,
+            }
+    }
+
+    /// 2^twos times a node that takes it up.
+    fn absorbed(&mut self, node: u32, twos: i32) -> u32 {
+        let Node { op, a, b } = self.recorder.nodes[node as usize];
+        match op {
+            Op::Mul if self.double(a).is_none() => {
+                let b = self.absorbed(b, twos);
+                self.apply(op, a, b)
+            }
+            Op::Mul | Op::Div => {
+                let a = self.absorbed(a, twos);
+                self.apply(op, a, b)
+            }
+            Op::Constant(_) => {
+                let factor = self.number(2f64.powi(twos));
+                self.product(node, factor)
+            }
+            _ => {
+                let (a, b) = (self.absorbed(a, twos), self.absorbed(b, twos));
+                self.apply(op, a, b)
+            }
+        }
+    }
+}
