@@ -9,6 +9,7 @@
 //! | `pay_as_you_go.rs` | does a scene that needs less pay less? |
 //! | `random.rs` | does every random Hamiltonian end well: typed, finite, the energy kept where claimed, no worse than Gauss? |
 //! | `long.rs` | does anything grow in 10⁷ steps? |
+//! | `many.rs` | are many components as cheap and as near as with Gauss, and stiff ones kept from slopes? |
 //! | `failures.rs` | is every failure typed, with a remedy, and the state intact? |
 //! | `extremes.rs` | wild units, shifted energies, every number of stages |
 //! | `stories.rs` | energies as users write them |

@@ -8,6 +8,7 @@ mod growth;
 mod invariants;
 mod kept;
 mod long;
+mod many;
 mod newton;
 mod order;
 mod pay_as_you_go;

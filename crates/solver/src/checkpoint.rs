@@ -65,6 +65,9 @@ pub struct Checkpoint {
     /// What sweeps remember: contraction, defect and scale of the energy, how far slopes move the end point; and the steps that are left to Newton.
     pub(crate) sweeps: Option<[Exact; 5]>,
     pub(crate) pause: [u32; 2],
+    /// Steps that are halved at once.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(crate) halved: Vec<[u32; 2]>,
     /// The floors that the constraints have inherited.
     pub(crate) inherited: Vec<Exact>,
     pub(crate) control: Option<ControlMemory>,

@@ -4,6 +4,7 @@ use crate::certificate::Certificate;
 use crate::checkpoint::{Checkpoint, Exact, FORMAT};
 use crate::error::IntegrateError;
 use crate::options::FixedStep;
+use crate::step_swept::Pause;
 use crate::stepper::Stepper;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
@@ -147,7 +148,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             sweeps: (self.core.sweeps.as_ref()).map(|sweeps| sweeps.memory().map(Exact::of)),
             springs: self.core.springs_memory(),
             unresolved_spring: self.core.unresolved_spring.map(Exact::of),
-            pause: [self.core.pause.left, self.core.pause.next],
+            pause: self.core.pause.memory(),
+            halved: self.core.halved.iter().map(Pause::memory).collect(),
             inherited: (self.core.constraints.iter())
                 .map(|c| Exact::of(c.inherited))
                 .collect(),
@@ -198,7 +200,10 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             Exact::read_all(stored, &mut memory, "the sweeps")?;
             sweeps.restore(memory);
         }
-        [self.core.pause.left, self.core.pause.next] = from.pause;
+        self.core.pause = Pause::of(from.pause);
+        for (pause, &stored) in self.core.halved.iter_mut().zip(&from.halved) {
+            *pause = Pause::of(stored);
+        }
         if from.inherited.len() != self.core.constraints.len() {
             return Err(damaged("the floors"));
         }

@@ -117,7 +117,7 @@ impl<T: Float> Decay<T> {
                 .fold(least, |a, &norm| a.max(norm))
         });
         Estimate {
-            decay: self.decay(units),
+            decay: decay(&self.norms, units, s),
             nearness: self.nearness(units),
         }
     }
@@ -148,23 +148,23 @@ impl<T: Float> Decay<T> {
         };
         2.0 * w / (1.0 + w * w)
     }
+}
 
-    /// ϱ, infinite if it is not a number.
-    fn decay(&self, units: [T; 2]) -> f64 {
-        let ratio = |k: usize| {
-            let groups = self.norms.iter().zip(units);
-            let moving = groups.filter(|(_, unit)| *unit != T::int(0));
-            let relative = moving.map(|(norms, unit)| (norms[k] / unit).to_f64());
-            let worst = relative.fold(0.0, |a, x| if x > a || x.is_nan() { x } else { a });
-            worst.powf(1.0 / k as f64)
-        };
-        let before = if self.s > 2 { ratio(self.s - 2) } else { 0.0 };
-        let last = ratio(self.s - 1);
-        if last.is_nan() || before.is_nan() {
-            f64::INFINITY
-        } else {
-            last.max(before)
-        }
+/// ϱ from the norms of the coefficients of s stages and what they are relative to, for positions and for momenta; infinite if it is not a number.
+pub(crate) fn decay<T: Float>(norms: &[Vec<T>; 2], units: [T; 2], s: usize) -> f64 {
+    let ratio = |k: usize| {
+        let groups = norms.iter().zip(units);
+        let moving = groups.filter(|(_, unit)| *unit != T::int(0));
+        let relative = moving.map(|(norms, unit)| (norms[k] / unit).to_f64());
+        let worst = relative.fold(0.0, |a, x| if x > a || x.is_nan() { x } else { a });
+        worst.powf(1.0 / k as f64)
+    };
+    let before = if s > 2 { ratio(s - 2) } else { 0.0 };
+    let last = ratio(s - 1);
+    if last.is_nan() || before.is_nan() {
+        f64::INFINITY
+    } else {
+        last.max(before)
     }
 }
 

@@ -25,6 +25,7 @@ mod control_estimate;
 mod dense;
 mod dense_trajectory;
 mod dense_watch;
+mod displaced;
 mod displacement;
 mod draft;
 mod drive;

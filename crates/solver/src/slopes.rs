@@ -30,7 +30,7 @@ pub(crate) struct Slopes<T: Float> {
     /// φ: component c of φ_j at c·stride + j.
     coefficients: Vec<T>,
     /// ‖φ_j^q‖ and ‖φ_j^p‖.
-    norms: [Vec<T>; 2],
+    pub(crate) norms: [Vec<T>; 2],
     /// ω(k, j) and ω(k − 1, j) for the j > k that W(k − 1, j) and W(k, j) come with, else 0; at (k − 1)·stride + j.
     ahead: Vec<T>,
     behind: Vec<T>,

@@ -10,7 +10,7 @@ use crate::options::{OnNoAlpha, Settings, StageSolver};
 use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
 use crate::state::State;
-use crate::step_swept::{KnownGradient, Pause, can_sweep, rule};
+use crate::step_swept::{KnownGradient, Pause, Then, can_sweep, rule};
 use crate::sweep_task::{Rule, Trouble};
 use crate::sweeps::Sweeps;
 use equip_autodiff::{Evaluate, System};
@@ -35,7 +35,10 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) settings: Settings<T>,
     pub(crate) sweeps: Option<Sweeps<T>>,
     pub(crate) rule: Rule,
+    /// Newton's turn.
     pub(crate) pause: Pause,
+    /// Steps that are halved at once, for each level.
+    pub(crate) halved: Vec<Pause>,
     pub(crate) guess: Guess<T>,
     /// α's a step starts from: zero, or the fixed ones.
     pub(crate) start_alphas: Vec<T>,
@@ -70,14 +73,19 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
         let asked = settings.first_alpha.is_some();
         let zero = State::new(&vec![T::int(0); n], &[]);
-        let rule = rule(&settings, s, constraints.len());
+        let rule = rule(&settings, (s, n), constraints.len());
         let responds = (rule == Rule::Response).then_some(&structure.hessian);
+        let others = (
+            responds,
+            rule != Rule::Slopes || settings.stage_solver == StageSolver::Sweeps,
+        );
         let sweeps = can_sweep(&settings, s, constraints.len())
-            .then(|| Sweeps::new(&gauss, n, energy.kinetic(), &start_alphas, responds));
+            .then(|| Sweeps::new(&gauss, n, energy.kinetic(), &start_alphas, others));
         Core {
             sweeps,
             rule,
             pause: Pause::NONE,
+            halved: vec![Pause::NONE; settings.max_halvings as usize],
             energy,
             newton: Newton::new(
                 &gauss,
@@ -116,6 +124,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.guess.forget();
         self.newton.forget();
         self.pause = Pause::NONE;
+        self.halved.fill(Pause::NONE);
         if let Some(sweeps) = &mut self.sweeps {
             sweeps.forget();
         }
@@ -141,7 +150,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         h: T,
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
-        let failure = match self.attempt(y, h, next) {
+        let failure = match self.attempt(level, (y, h), next) {
             Ok(outcome) => {
                 self.accept(next);
                 self.add_part(y, t, h);
@@ -218,7 +227,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         h: T,
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
-        let swept = self.sweep(y, h, false, next).is_ok();
+        let then = self.then(self.settings.max_halvings);
+        let swept = self.sweep(then, (y, h), false, next).is_ok();
         if !swept {
             self.solve(y, h, false, (Norm::Plain, 0), next)
                 .map_err(|failure| self.error(failure, y, t, h))?;
@@ -284,11 +294,16 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
     /// One try at the full size: by sweeps if they contract, else by Newton, the α's by the norm that spares the slow motion,
     /// else by the plain one.
-    fn attempt(&mut self, y: &State<T>, h: T, next: &mut State<T>) -> Result<Outcome, Failure<T>> {
+    fn attempt(
+        &mut self,
+        level: u32,
+        (y, h): (&State<T>, T),
+        next: &mut State<T>,
+    ) -> Result<Outcome, Failure<T>> {
         let constrained = !self.constraints.is_empty();
-        if let Err(trouble) = self.sweep(y, h, constrained, next) {
-            if let (StageSolver::Sweeps, Some(sweeps)) = (self.settings.stage_solver, &self.sweeps)
-            {
+        let then = self.then(level);
+        if let Err(trouble) = self.sweep(then, (y, h), constrained, next) {
+            if let (Then::Halves(_) | Then::Nothing, Some(sweeps)) = (then, &self.sweeps) {
                 return Err(sweeps.failure(trouble));
             }
             // A defect of a few floors that α's do not reach, or whatever no α reaches: Newton would not either.

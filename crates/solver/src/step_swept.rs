@@ -1,6 +1,7 @@
 //! The step by sweeps: when they are tried, what they start from, and what they leave to Newton and to others.
 
 use crate::checkpoint::SpringsMemory;
+use crate::constraint::MANY;
 use crate::error::IntegrateError;
 use crate::options::{Settings, StageSolver};
 use crate::springs::Springs;
@@ -24,11 +25,11 @@ impl<T: Float> KnownGradient<T> {
     }
 }
 
-/// Steps that Newton makes before sweeps are tried again: 1, 2, 4, … 64 while they fail.
+/// Steps that sweeps are not tried for, Newton's or halved at once, before they are tried again: 1, 2, 4, … 64 while they fail.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pause {
-    pub(crate) left: u32,
-    pub(crate) next: u32,
+    left: u32,
+    next: u32,
 }
 
 impl Pause {
@@ -38,13 +39,56 @@ impl Pause {
         self.left = self.next;
         self.next = (2 * self.next).min(64);
     }
+
+    pub(crate) fn memory(&self) -> [u32; 2] {
+        [self.left, self.next]
+    }
+
+    pub(crate) fn of([left, next]: [u32; 2]) -> Self {
+        Pause { left, next }
+    }
+
+    /// Whether this step is one of them.
+    fn passes(&mut self) -> bool {
+        let passes = self.left > 0;
+        self.left -= u32::from(passes);
+        passes
+    }
 }
+
+/// What comes when sweeps do not solve a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Then {
+    /// Its halves, of a step that has itself been halved so many times.
+    Halves(usize),
+    Newton,
+    Nothing,
+}
+
+/// Where many components move, halvings before it is Newton's turn: he takes as long as hundreds of sweeps.
+const HALVINGS: u32 = 2;
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// For steps that are to be made backwards: Newton's α's are the same then to the last few bits, those by sweeps to 1e-16 … 1e-14.
     pub(crate) fn leave_alphas_to_newton(&mut self) {
-        if self.rule == Rule::Response {
+        if self.settings.stage_solver != StageSolver::Sweeps {
             self.rule = Rule::Newton;
+        }
+    }
+
+    /// What comes if sweeps do not solve a step of this level.
+    pub(crate) fn then(&self, level: u32) -> Then {
+        let is_alone = self.settings.stage_solver == StageSolver::Sweeps;
+        let may_halve = level < self.settings.max_halvings;
+        if may_halve && is_alone {
+            Then::Halves(level as usize)
+        } else if is_alone {
+            Then::Nothing
+        } else if may_halve && self.rule == Rule::Slopes && level < HALVINGS && self.pause.left == 0
+        {
+            Then::Halves(level as usize)
+        } else {
+            Then::Newton
         }
     }
 
@@ -100,19 +144,24 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// System (7) by sweeps, unless it is Newton's turn.
+    /// System (7) by sweeps, unless it is somebody else's turn. If they do not solve it `then` comes.
     pub(crate) fn sweep(
         &mut self,
-        y: &State<T>,
-        h: T,
+        then: Then,
+        (y, h): (&State<T>, T),
         constrained: bool,
         next: &mut State<T>,
     ) -> Result<(), Trouble> {
         let Some(sweeps) = &mut self.sweeps else {
             return Err(Trouble::Slow);
         };
-        if self.pause.left > 0 {
-            self.pause.left -= 1;
+        let mut none = Pause::NONE;
+        let pause = match then {
+            Then::Halves(level) => &mut self.halved[level],
+            Then::Newton => &mut self.pause,
+            Then::Nothing => &mut none,
+        };
+        if pause.passes() {
             sweeps.contraction.seen = T::int(0);
             return Err(Trouble::Slow);
         }
@@ -142,25 +191,28 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         );
         match swept {
             Ok(()) => {
-                self.pause = Pause::NONE;
+                *pause = Pause::NONE;
                 self.stages.note_alphas(&sweeps.alphas);
                 self.guess.remember_swept(h);
             }
             Err(trouble) => {
-                self.counts.taken_over += 1;
                 self.guess.fetch(|l| sweeps.iterate.give_l_before(l));
                 self.guess.is_lost();
-                if trouble == Trouble::StagesOnly {
+                match trouble {
+                    Trouble::Slow => pause.lengthen(),
                     // They contracted.
-                    self.pause = Pause::NONE;
+                    Trouble::StagesOnly => *pause = Pause::NONE,
+                    Trouble::NoAlpha => {}
+                }
+                if then != Then::Newton {
+                    // What is tried next, in parts, starts from the state alone.
+                    self.guess.forget();
+                    return Err(trouble);
+                }
+                self.counts.taken_over += 1;
+                if trouble == Trouble::StagesOnly {
                     sweeps.iterate.give_z(y, &mut self.stages.z);
                     self.guess.is_made();
-                } else if self.settings.stage_solver == StageSolver::Sweeps {
-                    // There is no other solver: what is tried next, in parts, starts from the state alone.
-                    self.guess.forget();
-                }
-                if trouble == Trouble::Slow {
-                    self.pause.lengthen();
                 }
             }
         }
@@ -207,19 +259,20 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 }
 
-/// Who moves the α's of steps whose stages sweeps have found.
-pub(crate) fn rule<T: Float>(settings: &Settings<T>, s: usize, constraints: usize) -> Rule {
+/// Who moves the α's of steps whose stages sweeps have found, for n components.
+pub(crate) fn rule<T: Float>(
+    settings: &Settings<T>,
+    (s, n): (usize, usize),
+    constraints: usize,
+) -> Rule {
+    let wanted = constraints == 1 && settings.first_alpha == Some(1) && s > 2;
     match settings.stage_solver {
         StageSolver::Sweeps => Rule::Slopes,
+        // Three α's can do no more about the error of so many components.
+        StageSolver::Automatic if wanted && T::IS_DOUBLE && s > 3 && n >= MANY => Rule::Slopes,
         // In wide numbers directions are repeated to a fixed point, which is Newton's.
-        solver @ (StageSolver::Automatic | StageSolver::Responses)
-            if constraints == 1
-                && settings.first_alpha == Some(1)
-                && s > 2
-                && (T::IS_DOUBLE || solver == StageSolver::Responses) =>
-        {
-            Rule::Response
-        }
+        StageSolver::Automatic if wanted && T::IS_DOUBLE => Rule::Response,
+        StageSolver::Responses if wanted => Rule::Response,
         _ => Rule::Newton,
     }
 }

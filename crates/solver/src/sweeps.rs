@@ -15,10 +15,13 @@
 //!
 //! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step, with slopes H alone for most; that of the direction.
 
+mod memory;
+
 use crate::constraint::{Constraint, MANY};
 use crate::contraction::Contraction;
+use crate::displaced::Displaced;
 use crate::moves::Moves;
-use crate::newton::{ENERGY_STAGNATED, Failure};
+use crate::newton::ENERGY_STAGNATED;
 use crate::outcome::Counts;
 use crate::prolongation::Prolongation;
 use crate::response::Response;
@@ -72,6 +75,8 @@ pub(crate) struct Sweeps<T: Float> {
     prolongation: Prolongation<T>,
     /// What removes slight defects where others are left to responses.
     pub(crate) slight: Slight<T>,
+    /// What α's by slopes do to the end point, if they are not the only ones there are.
+    displaced: Option<Displaced<T>>,
 }
 
 impl<T: Float> Sweeps<T> {
@@ -80,7 +85,7 @@ impl<T: Float> Sweeps<T> {
         n: usize,
         kinetic: Option<Kinetic<T>>,
         start: &[T],
-        responds: Option<&Pattern>,
+        (responds, is_alone): (Option<&Pattern>, bool),
     ) -> Self {
         let iterate = Iterate::new(gauss, n, kinetic, start);
         let zero = T::int(0);
@@ -96,6 +101,7 @@ impl<T: Float> Sweeps<T> {
             spread: zero,
             prolongation: Prolongation::new(gauss, iterate.unknowns()),
             slight: Slight::new(n, iterate.stride, responds.is_some()),
+            displaced: (!is_alone).then(|| Displaced::new(gauss.stages(), n)),
             iterate,
         }
     }
@@ -106,14 +112,6 @@ impl<T: Float> Sweeps<T> {
             response.set_springs(springs.as_ref());
         }
         self.iterate.springs = springs;
-    }
-
-    /// Forgets what was remembered of earlier steps.
-    pub(crate) fn forget(&mut self) {
-        self.contraction.set_rate(T::ratio(1, 2));
-        self.defect = T::int(0);
-        (self.scale, self.spread) = (T::int(0), T::int(0));
-        self.slight.forget();
     }
 
     /// Solves for Z, and for the α's if there is a constraint; on success `next` is the end point.
@@ -161,6 +159,8 @@ impl<T: Float> Sweeps<T> {
         if threshold <= self.scale * eps {
             threshold = zero;
         }
+        let removes_all = task.rule == Rule::Slopes && self.displaced.is_none();
+        let mut is_seen = false;
         let mut alphas = Moves::new(task.rule);
         for _ in 0..MAX_SWEEPS {
             let draft = self.is_far(threshold, task.rule);
@@ -215,17 +215,27 @@ impl<T: Float> Sweeps<T> {
             if !self.look(energy, constraint, (next, gradient), counts) {
                 return Err(Trouble::Slow);
             }
+            if let (Some(displaced), 1) = (&mut self.displaced, alphas.moves)
+                && !std::mem::replace(&mut is_seen, true)
+                && displaced.is_too_far(next)
+            {
+                return Err(Trouble::Slow);
+            }
             if settled {
                 constraint.add_noise(self.contraction.noise());
             }
             let (g, out) = (constraint.defect, constraint.in_floors());
+            let is_left = alphas.moves == 0
+                && !removes_all
+                && constraint.in_judging_floors() <= T::int(AT_FLOOR);
             if alphas.moves == 0 {
-                self.defect = g.abs();
+                let is_nothing = is_left && task.rule == Rule::Slopes;
+                self.defect = if is_nothing { zero } else { g.abs() };
                 constraint.without_alpha = g;
             }
             threshold = match task.rule {
                 // It is there, and is looked at when the stages are there too.
-                Rule::Slopes if out <= one => zero,
+                Rule::Slopes if out <= one || is_left => zero,
                 Rule::Slopes if alphas.moves > 0 => g.abs() / T::int(REMAINS),
                 _ => g.abs(),
             };
@@ -252,7 +262,7 @@ impl<T: Float> Sweeps<T> {
                 }
             }
             if settled && alphas.moves == 0 {
-                if task.rule != Rule::Slopes && constraint.in_judging_floors() <= T::int(AT_FLOOR) {
+                if is_left {
                     return Ok(());
                 }
                 if task.rule == Rule::Newton {
@@ -265,11 +275,8 @@ impl<T: Float> Sweeps<T> {
             // Where the stages follow the α's a move too early costs nothing, if it is not all noise.
             let stands_out = match task.rule {
                 Rule::Response if alphas.moves > 0 => T::int(2) * g.abs() > uncertain,
-                Rule::Response => {
-                    let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
-                    !at_floor && self.is_near(error, g.abs())
-                }
-                _ => g.abs() > uncertain,
+                Rule::Response => !is_left && self.is_near(error, g.abs()),
+                _ => g.abs() > uncertain && !is_left,
             };
             if out > one && (stands_out || settled) {
                 if alphas.moves == 0
@@ -293,6 +300,9 @@ impl<T: Float> Sweeps<T> {
                         return Ok(());
                     }
                     return Err(Trouble::NoAlpha);
+                }
+                if let (Some(displaced), true) = (&mut self.displaced, alone) {
+                    displaced.begin(&self.slopes, next, out);
                 }
                 match task.rule {
                     Rule::Slopes => self.contraction.renew(),
@@ -363,35 +373,5 @@ impl<T: Float> Sweeps<T> {
             }
             None => self.iterate.begin(gauss, step),
         }
-    }
-
-    /// The trouble of the step solved last, for a run that has sweeps only.
-    pub(crate) fn failure(&self, trouble: Trouble) -> Failure<T> {
-        match trouble {
-            Trouble::NoAlpha => Failure::NoAlpha,
-            Trouble::Slow if !self.contraction.change.is_finite() => Failure::NotFinite,
-            Trouble::Slow | Trouble::StagesOnly => Failure::NoConvergence {
-                iterations: self.made,
-                correction: self.contraction.change,
-            },
-        }
-    }
-
-    /// Whether α's were asked for that mean that g does not react to them: no other solver finds any.
-    pub(crate) fn are_alphas_out_of_reach(&self) -> bool {
-        let most = T::int(1) / T::EPSILON.sqrt();
-        !self.alphas.iter().all(|a| a.abs() <= most)
-    }
-
-    /// What is remembered from step to step.
-    pub(crate) fn memory(&self) -> [T; 5] {
-        let (rate, reach) = (self.contraction.rate, self.slight.reach);
-        [rate, self.defect, self.scale, self.spread, reach]
-    }
-
-    pub(crate) fn restore(&mut self, [rate, defect, scale, spread, reach]: [T; 5]) {
-        self.contraction.set_rate(rate);
-        (self.defect, self.scale, self.spread) = (defect, scale, spread);
-        self.slight.reach = reach;
     }
 }

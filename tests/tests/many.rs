@@ -1,0 +1,183 @@
+//! Many components, as they come: steps for little more than those of Gauss, trajectories as near as his, and Newton's method only where motion is
+//! too fast for halves of halves.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
+
+use equip_autodiff::{Energy, Hamiltonian};
+use equip_scalar::Constant;
+use equip_scenes::energies::FputBeta;
+use equip_solver::{Counts, Equip, Gauss, Method, Outcome, Record, Run, StageSolver};
+use equip_tests::{Seeded, distance};
+
+const MASSES: usize = 64;
+const BETA: f64 = 0.3;
+const END: f64 = 20.0;
+
+/// Rest positions and momenta in [−1, 1): all modes move.
+fn start() -> (Vec<f64>, Vec<f64>) {
+    let mut rng = Seeded::new(1);
+    let momenta = (0..MASSES).map(|_| rng.between(-1.0, 1.0));
+    (vec![0.0; MASSES], momenta.collect())
+}
+
+fn chain() -> Hamiltonian {
+    let chain = FputBeta {
+        n: MASSES,
+        beta: Constant::from(BETA),
+        amplitude: Constant::from(1.0),
+    };
+    Hamiltonian::new(MASSES, |q, p| chain.energy(q, p)).unwrap()
+}
+
+fn made(
+    energy: &Hamiltonian,
+    (q, p): &(Vec<f64>, Vec<f64>),
+    method: Method,
+    (h, end): (f64, f64),
+    solver: StageSolver,
+) -> Run<f64> {
+    let options = method.step(h).stage_solver(solver).record(Record::Ends);
+    options.integrate(energy, q, p, 0.0..=end).unwrap()
+}
+
+fn state(run: &Run<f64>) -> Vec<f64> {
+    let (_, q, p) = run.last();
+    [q, p].concat()
+}
+
+fn counts(run: &Run<f64>) -> &Counts {
+    &run.certificate().counts
+}
+
+/// Suzuki's composition of order 6 (Phys. Lett. A 146 (1990) 319) of leapfrogs, the force by hand.
+fn composed(steps: usize) -> Vec<f64> {
+    let share = |order: i32| 1.0 / (4.0 - 4f64.powf(1.0 / f64::from(order + 1)));
+    let spread = |lengths: &[f64], order: i32| -> Vec<f64> {
+        let outer = share(order);
+        let parts = [outer, outer, 1.0 - 4.0 * outer, outer, outer];
+        let scaled = parts
+            .iter()
+            .map(|part| lengths.iter().map(move |h| h * part));
+        scaled.flatten().collect()
+    };
+    let lengths = spread(&spread(&[END / steps as f64], 2), 4);
+    let (mut q, mut p) = start();
+    let kick = |q: &[f64], p: &mut [f64], h: f64| {
+        let at = |i: usize| if i == 0 || i > MASSES { 0.0 } else { q[i - 1] };
+        let pull = |i: usize| {
+            let d = at(i + 1) - at(i);
+            d + BETA * d * d * d
+        };
+        for (i, p) in p.iter_mut().enumerate() {
+            *p += h * (pull(i + 1) - pull(i));
+        }
+    };
+    for _ in 0..steps {
+        for &h in &lengths {
+            kick(&q, &mut p, h / 2.0);
+            q.iter_mut().zip(&p).for_each(|(q, p)| *q += h * p);
+            kick(&q, &mut p, h / 2.0);
+        }
+    }
+    [q, p].concat()
+}
+
+/// α's by responses take 5 to 13 times as long here and are no nearer; Newton's method a hundred times.
+#[test]
+fn a_chain_is_as_near_as_gauss_for_little_more() {
+    let (energy, start) = (chain(), start());
+    let (exact, rough) = (composed(4000), composed(2000));
+    let trusted = distance(&exact, &rough);
+    println!("composition: {trusted:.1e}");
+    // Measured: 3.0, 0.7 and 3.0 times as far off, 1.48, 1.56 and 1.41 times the gradients.
+    for (s, h, off, more) in [(4, 0.2, 4.0, 1.75), (6, 0.4, 4.0, 1.6), (8, 0.8, 4.0, 1.6)] {
+        let step = (h, END);
+        let ours = made(
+            &energy,
+            &start,
+            Equip::stages(s),
+            step,
+            StageSolver::default(),
+        );
+        let gauss = made(&energy, &start, Gauss::stages(s), step, StageSolver::Sweeps);
+        let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
+        let (c, work) = (counts(&ours), counts(&gauss).gradients);
+        let work = c.gradients as f64 / work as f64;
+        println!("s = {s}, h = {h}: {error:.1e}, Gauss {least:.1e}, {work:.2} × the gradients");
+        assert!(least > 20.0 * trusted && error < off * least, "s = {s}");
+        assert!(work < more, "s = {s}: {work}");
+        assert!(
+            c.outcome(Outcome::Solved) > c.steps / 2,
+            "α's are needed here"
+        );
+        assert_eq!((c.newton_iterations, c.local_errors, c.halvings), (0, 0, 0));
+        assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
+    }
+}
+
+/// Sweeps do not contract at h = 2.5. Newton's method would take a hundred times as long.
+#[test]
+fn steps_that_are_too_long_are_halved() {
+    let (energy, start) = (chain(), start());
+    let exact = composed(2000);
+    for solver in [StageSolver::Automatic, StageSolver::Sweeps] {
+        let [long, short] =
+            [2.5, 1.25].map(|h| made(&energy, &start, Equip::stages(8), (h, END), solver));
+        let (c, halves) = (counts(&long), counts(&short));
+        println!("{} sweeps, {} by halves", c.sweeps, halves.sweeps);
+        assert_eq!(c.outcome(Outcome::Halved), c.steps);
+        assert_eq!((c.halvings, c.taken_over), (c.steps, 0));
+        assert_eq!((c.newton_iterations, halves.halvings), (0, 0));
+        // Measured: 1.06 times; whole steps are tried now and then.
+        assert!(5 * c.sweeps < 6 * halves.sweeps);
+        let [error, expected] = [&long, &short].map(|run| distance(&state(run), &exact));
+        println!("{error:.1e}, {expected:.1e}");
+        assert!(error < 2.0 * expected);
+        assert!(long.certificate().energy_in_floors.unwrap() <= 8.0);
+    }
+}
+
+fn springs(omega: &str) -> (Hamiltonian, (Vec<f64>, Vec<f64>)) {
+    let scene = equip_scenes::find("fpu").unwrap();
+    let scene = scene.instance(&[("m", "16"), ("omega", omega)]).unwrap();
+    (scene.hamiltonian().clone(), scene.initial())
+}
+
+/// 16 springs of ω = 50 among 32 masses: along slopes alone the end is 80000 and 100 times as far off as that of Gauss.
+#[test]
+fn slopes_that_ruin_the_trajectory_are_not_taken() {
+    let (energy, start) = springs("50");
+    let end = 10.0;
+    let run = |method: Method, h: f64, solver| {
+        let run = made(&energy, &start, method, (h, end), solver);
+        (state(&run), *counts(&run))
+    };
+    let (exact, _) = run(Gauss::stages(16), 1.0 / 32.0, StageSolver::Sweeps);
+    for (s, h) in [(12, 0.1), (16, 0.125)] {
+        let (gauss, _) = run(Gauss::stages(s), h, StageSolver::Sweeps);
+        let (ours, c) = run(Equip::stages(s), h, StageSolver::default());
+        let (slopes, _) = run(Equip::stages(s), h, StageSolver::Sweeps);
+        let [gauss, ours, slopes] = [gauss, ours, slopes].map(|end| distance(&end, &exact));
+        println!("s = {s}, h = {h}: {ours:.1e}, Gauss {gauss:.1e}, slopes {slopes:.1e}");
+        assert!(ours < 2.0 * gauss && slopes > 50.0 * gauss);
+        assert_eq!(c.newton_iterations, 0);
+    }
+}
+
+/// hω = 50: halves of halves are tried now and then and are as stiff.
+#[test]
+fn stiff_motion_is_left_to_newton() {
+    let (energy, start) = springs("500");
+    let step = (0.1, 6.0);
+    let run = made(
+        &energy,
+        &start,
+        Equip::stages(4),
+        step,
+        StageSolver::default(),
+    );
+    let c = counts(&run);
+    println!("{c:?}");
+    assert!(c.newton_iterations > 10 * c.sweeps);
+    assert!(c.halvings < c.steps / 2);
+    assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
+}
