@@ -88,8 +88,8 @@ fn a_chain_is_as_near_as_gauss_for_little_more() {
     let (exact, rough) = (composed(4000), composed(2000));
     let trusted = distance(&exact, &rough);
     println!("composition: {trusted:.1e}");
-    // Measured: 3.0, 0.7 and 3.0 times as far off, 1.48, 1.56 and 1.41 times the gradients.
-    for (s, h, off, more) in [(4, 0.2, 4.0, 1.75), (6, 0.4, 4.0, 1.6), (8, 0.8, 4.0, 1.6)] {
+    // Measured: 2.2, 1.2 and 1.8 times as far off, 1.69, 1.75 and 1.55 times the gradients.
+    for (s, h, off, more) in [(4, 0.2, 2.5, 2.1), (6, 0.4, 2.5, 2.1), (8, 0.8, 2.5, 2.1)] {
         let step = (h, END);
         let ours = made(
             &energy,
@@ -102,16 +102,70 @@ fn a_chain_is_as_near_as_gauss_for_little_more() {
         let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
         let (c, work) = (counts(&ours), counts(&gauss).gradients);
         let work = c.gradients as f64 / work as f64;
-        println!("s = {s}, h = {h}: {error:.1e}, Gauss {least:.1e}, {work:.2} × the gradients");
+        let halved = c.outcome(Outcome::Halved);
+        println!(
+            "s = {s}, h = {h}: {error:.1e}, Gauss {least:.1e}, {work:.2} × the gradients, {halved} halved"
+        );
         assert!(least > 20.0 * trusted && error < off * least, "s = {s}");
         assert!(work < more, "s = {s}: {work}");
+        let solved = c.outcome(Outcome::Solved) + halved;
         assert!(
-            c.outcome(Outcome::Solved) > c.steps / 2,
+            2 * solved > c.steps && 4 * halved < c.steps,
             "α's are needed here"
         );
-        assert_eq!((c.newton_iterations, c.local_errors, c.halvings), (0, 0, 0));
+        assert_eq!((c.newton_iterations, c.local_errors), (0, 0));
         assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
     }
+}
+
+/// A chain in units of 10^±100, whose energies are at 10^±200, and of 1e-20, where positions at rest have no size: the same steps.
+#[test]
+fn units_do_not_matter() {
+    let (q, p) = start();
+    let mut plain = None;
+    for unit in [1.0, 1e-20, 1e100, 1e-100] {
+        let energy = Hamiltonian::new(MASSES, |q, p| {
+            let chain = FputBeta {
+                n: MASSES,
+                beta: Constant::from(BETA),
+                amplitude: Constant::from(1.0),
+            };
+            let scaled = |x: &[_]| x.iter().map(|&x| x / unit).collect::<Vec<_>>();
+            chain.energy(&scaled(q), &scaled(p)) * (unit * unit)
+        });
+        let energy = energy.unwrap();
+        let start = (q.clone(), p.iter().map(|p| p * unit).collect());
+        for method in [Gauss::stages(4), Equip::stages(4)] {
+            let run = made(&energy, &start, method, (0.25, 5.0), StageSolver::default());
+            let (c, end) = (counts(&run), state(&run));
+            let end: Vec<f64> = end.iter().map(|x| x / unit).collect();
+            println!(
+                "{unit:e}, {method}: {} sweeps, {} halvings",
+                c.sweeps, c.halvings
+            );
+            assert_eq!(c.newton_iterations, 0);
+            let plain = plain.get_or_insert_with(|| end.clone());
+            // Measured: 2.3e-7, errors of the methods; 1e-14 among units.
+            assert!(distance(&end, plain) < 1e-6, "{unit:e}, {method}");
+        }
+    }
+}
+
+/// Defects of a few floors that earlier steps have left are not less in halves, nor Newton's business.
+#[test]
+fn what_is_left_is_not_halved() {
+    let (energy, start) = springs("50");
+    let run = made(
+        &energy,
+        &start,
+        Equip::stages(10),
+        (0.0625, 10.0),
+        StageSolver::default(),
+    );
+    let c = counts(&run);
+    println!("{c:?}");
+    assert_eq!((c.halvings, c.newton_iterations), (0, 0));
+    assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
 }
 
 /// Sweeps do not contract at h = 2.5. Newton's method would take a hundred times as long.
@@ -125,9 +179,9 @@ fn steps_that_are_too_long_are_halved() {
         let (c, halves) = (counts(&long), counts(&short));
         println!("{} sweeps, {} by halves", c.sweeps, halves.sweeps);
         assert_eq!(c.outcome(Outcome::Halved), c.steps);
-        assert_eq!((c.halvings, c.taken_over), (c.steps, 0));
-        assert_eq!((c.newton_iterations, halves.halvings), (0, 0));
-        // Measured: 1.06 times; whole steps are tried now and then.
+        assert_eq!((c.taken_over, c.newton_iterations), (0, 0));
+        // Measured: 10 and 12 halvings, 0.99 and 1.06 times the sweeps; whole steps are tried now and then.
+        assert!(c.halvings < c.steps + c.steps / 2);
         assert!(5 * c.sweeps < 6 * halves.sweeps);
         let [error, expected] = [&long, &short].map(|run| distance(&state(run), &exact));
         println!("{error:.1e}, {expected:.1e}");

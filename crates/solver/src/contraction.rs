@@ -170,7 +170,8 @@ impl<T: Float> Contraction<T> {
         // Rounding, and sweeps contract well enough for it not to be blown up.
         let stagnates = is_rounding && (compares || is_first) && change > last / T::int(2);
         self.still = if stagnates { self.still + 1 } else { 0 };
-        let observed = !is_first || change <= T::int(4) * eps;
+        // What is relative to sizes that were not known yet says nothing.
+        let observed = !is_first || (change <= T::int(4) * eps && !is_remeasured);
         self.is_settled = (observed && self.error() <= eps / T::int(SETTLED))
             || (stagnates && self.error() <= eps)
             || self.stands_still();

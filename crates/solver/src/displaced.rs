@@ -4,9 +4,9 @@
 //! difference; where a few are much faster than the rest, energy at its floor can cost thousands of local errors. So the move is held against what
 //! the step is off anyway, as the decay of its Legendre coefficients tells ([`crate::control_estimate`]), and against rounding:
 //!
-//! $$ \lVert \Delta y_1 \rVert_g \le 64\, \varrho^{2s} \max_j \lVert \varphi_j \rVert_g + 16\, \varepsilon f\, \lVert y_1 \rVert_g, \qquad g \in \{q, p\}, $$
+//! $$ \lVert \Delta y_1 \rVert_g \le m\, \varrho^{2s} \max_j \lVert \varphi_j \rVert_g + 16\, \varepsilon f\, \lVert y_1 \rVert_g, \qquad g \in \{q, p\}, $$
 //!
-//! in Euclidean norms of positions and momenta, f being the defect in round-off floors: least displacement makes 3 to 9 ε of each.
+//! in Euclidean norms of positions and momenta, m being what the step allows and f the defect in round-off floors: least displacement makes 3 to 9 ε of each.
 //!
 //! Cost: some passes over the end point, in steps whose α's move.
 
@@ -15,9 +15,7 @@ use crate::slopes::Slopes;
 use crate::state::State;
 use equip_scalar::Float;
 
-/// Local errors that the end point may be moved by: the estimate is the square of an extrapolated coefficient.
-const ERRORS: f64 = 64.0;
-/// … and ε for each floor of the defect.
+/// ε that the end point may be moved by for each floor of the defect.
 const FLOORS: i64 = 16;
 
 #[derive(Debug)]
@@ -39,7 +37,12 @@ impl<T: Float> Displaced<T> {
     }
 
     /// The α's of a step that ends at `end` without have just been moved along these slopes, for a defect of so many `floors`.
-    pub(crate) fn begin(&mut self, slopes: &Slopes<T>, end: &State<T>, floors: T) {
+    pub(crate) fn begin(
+        &mut self,
+        slopes: &Slopes<T>,
+        end: &State<T>,
+        (floors, most_errors): (T, Option<f64>),
+    ) {
         let sizes = norms(&end.hi);
         // Less motion than this is rounding.
         let least = T::EPSILON.sqrt();
@@ -48,9 +51,10 @@ impl<T: Float> Displaced<T> {
             norms.fold(least * sizes[g], |a, &norm| a.max(norm))
         });
         let error = decay(&slopes.norms, motion, self.s).powi(2 * self.s as i32);
+        let errors = most_errors.unwrap_or(f64::INFINITY);
         let rounding = T::EPSILON * T::int(FLOORS) * floors;
         for g in 0..2 {
-            self.most[g] = T::exact(ERRORS * error) * motion[g] + rounding * sizes[g];
+            self.most[g] = T::exact(errors * error) * motion[g] + rounding * sizes[g];
         }
         self.end.copy_from_slice(&end.hi);
     }

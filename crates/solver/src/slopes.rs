@@ -95,7 +95,8 @@ impl<T: Float> Slopes<T> {
         for ((v, w), d) in self.v.iter_mut().zip(&mut self.w).zip(&mut self.d) {
             *v = -*v / h;
             *w /= h;
-            *d = *v / (*w * *w);
+            // In wild units w² is out of range.
+            *d = *v / *w / *w;
             if !d.is_finite() {
                 *d = zero;
             }

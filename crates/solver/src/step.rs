@@ -74,13 +74,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let asked = settings.first_alpha.is_some();
         let zero = State::new(&vec![T::int(0); n], &[]);
         let rule = rule(&settings, (s, n), constraints.len());
-        let responds = (rule == Rule::Response).then_some(&structure.hessian);
-        let others = (
-            responds,
-            rule != Rule::Slopes || settings.stage_solver == StageSolver::Sweeps,
-        );
+        let is_alone = settings.stage_solver == StageSolver::Sweeps;
+        let alphas = (rule, &structure.hessian, is_alone);
         let sweeps = can_sweep(&settings, s, constraints.len())
-            .then(|| Sweeps::new(&gauss, n, energy.kinetic(), &start_alphas, others));
+            .then(|| Sweeps::new(&gauss, n, energy.kinetic(), &start_alphas, alphas));
         Core {
             sweeps,
             rule,

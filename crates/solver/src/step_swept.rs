@@ -3,6 +3,7 @@
 use crate::checkpoint::SpringsMemory;
 use crate::constraint::MANY;
 use crate::error::IntegrateError;
+use crate::newton::nearly_met;
 use crate::options::{Settings, StageSolver};
 use crate::springs::Springs;
 use crate::state::State;
@@ -25,6 +26,9 @@ impl<T: Float> KnownGradient<T> {
     }
 }
 
+/// Steps that a [`Pause`] has at most.
+const MOST: u32 = 64;
+
 /// Steps that sweeps are not tried for, Newton's or halved at once, before they are tried again: 1, 2, 4, … 64 while they fail.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pause {
@@ -37,7 +41,7 @@ impl Pause {
 
     fn lengthen(&mut self) {
         self.left = self.next;
-        self.next = (2 * self.next).min(64);
+        self.next = (2 * self.next).min(MOST);
     }
 
     pub(crate) fn memory(&self) -> [u32; 2] {
@@ -45,6 +49,7 @@ impl Pause {
     }
 
     pub(crate) fn of([left, next]: [u32; 2]) -> Self {
+        let next = next.clamp(1, MOST);
         Pause { left, next }
     }
 
@@ -65,8 +70,9 @@ pub(crate) enum Then {
     Nothing,
 }
 
-/// Where many components move, halvings before it is Newton's turn: he takes as long as hundreds of sweeps.
-const HALVINGS: u32 = 2;
+/// Local errors that α's by slopes may move the end point by where halves come next, and where Newton does.
+const BEFORE_HALVES: f64 = 4.0;
+const BEFORE_NEWTON: f64 = 64.0;
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// For steps that are to be made backwards: Newton's α's are the same then to the last few bits, those by sweeps to 1e-16 … 1e-14.
@@ -79,15 +85,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// What comes if sweeps do not solve a step of this level.
     pub(crate) fn then(&self, level: u32) -> Then {
         let is_alone = self.settings.stage_solver == StageSolver::Sweeps;
-        let may_halve = level < self.settings.max_halvings;
-        if may_halve && is_alone {
+        let halves = is_alone || (self.rule == Rule::Slopes && self.pause.left == 0);
+        if halves && level < self.settings.max_halvings {
             Then::Halves(level as usize)
         } else if is_alone {
             Then::Nothing
-        } else if may_halve && self.rule == Rule::Slopes && level < HALVINGS && self.pause.left == 0
-        {
-            Then::Halves(level as usize)
         } else {
+            // Where many components move he takes as long as hundreds of sweeps and more.
             Then::Newton
         }
     }
@@ -177,6 +181,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             last: self.guess.prolongation(h),
             known: (!self.constraints.is_empty()).then_some(self.start.gradient.as_slice()),
             rule: self.rule,
+            most_errors: match then {
+                Then::Halves(_) => Some(BEFORE_HALVES),
+                Then::Newton if self.settings.max_halvings == 0 => Some(BEFORE_NEWTON),
+                // As small as it gets.
+                _ => None,
+            },
         };
         let constraint = self.constraints.first_mut().filter(|_| constrained);
         if !self.guess.is_swept() {
@@ -192,16 +202,25 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         match swept {
             Ok(()) => {
                 *pause = Pause::NONE;
+                if let Then::Halves(level) = then {
+                    self.halved[level..].fill(Pause::NONE);
+                    self.pause = Pause::NONE;
+                }
                 self.stages.note_alphas(&sweeps.alphas);
                 self.guess.remember_swept(h);
             }
             Err(trouble) => {
                 self.guess.fetch(|l| sweeps.iterate.give_l_before(l));
                 self.guess.is_lost();
+                let by_slopes =
+                    self.rule == Rule::Slopes && self.settings.stage_solver != StageSolver::Sweeps;
                 match trouble {
                     Trouble::Slow => pause.lengthen(),
                     // They contracted.
                     Trouble::StagesOnly => *pause = Pause::NONE,
+                    Trouble::NoAlpha if by_slopes && !nearly_met(&self.constraints) => {
+                        pause.lengthen();
+                    }
                     Trouble::NoAlpha => {}
                 }
                 if then != Then::Newton {
@@ -268,7 +287,7 @@ pub(crate) fn rule<T: Float>(
     let wanted = constraints == 1 && settings.first_alpha == Some(1) && s > 2;
     match settings.stage_solver {
         StageSolver::Sweeps => Rule::Slopes,
-        // Three α's can do no more about the error of so many components.
+        // Three α's can do little about the error of so many components.
         StageSolver::Automatic if wanted && T::IS_DOUBLE && s > 3 && n >= MANY => Rule::Slopes,
         // In wide numbers directions are repeated to a fixed point, which is Newton's.
         StageSolver::Automatic if wanted && T::IS_DOUBLE => Rule::Response,

@@ -26,6 +26,8 @@ pub(crate) struct SweepTask<'a, T> {
     pub(crate) known: Option<&'a [T]>,
     /// Who moves the α's, if there is a constraint.
     pub(crate) rule: Rule,
+    /// Local errors that slopes may move the end point by, if that is limited.
+    pub(crate) most_errors: Option<f64>,
 }
 
 /// Who moves the α's of a step whose stages sweeps have found.

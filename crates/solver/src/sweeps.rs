@@ -80,18 +80,20 @@ pub(crate) struct Sweeps<T: Float> {
 }
 
 impl<T: Float> Sweeps<T> {
+    /// With room for what moves α's by this rule; alone if there is no other solver.
     pub(crate) fn new(
         gauss: &Gauss<T>,
         n: usize,
         kinetic: Option<Kinetic<T>>,
         start: &[T],
-        (responds, is_alone): (Option<&Pattern>, bool),
+        (rule, pattern, is_alone): (Rule, &Pattern, bool),
     ) -> Self {
+        let responds = rule == Rule::Response;
         let iterate = Iterate::new(gauss, n, kinetic, start);
         let zero = T::int(0);
         Sweeps {
             slopes: Slopes::new(gauss, &iterate),
-            response: responds.map(|pattern| Response::new(gauss, &iterate, pattern)),
+            response: responds.then(|| Response::new(gauss, &iterate, pattern)),
             delta: vec![zero; gauss.stages() - 1],
             alphas: vec![zero; gauss.stages() - 1],
             made: 0,
@@ -100,8 +102,9 @@ impl<T: Float> Sweeps<T> {
             scale: zero,
             spread: zero,
             prolongation: Prolongation::new(gauss, iterate.unknowns()),
-            slight: Slight::new(n, iterate.stride, responds.is_some()),
-            displaced: (!is_alone).then(|| Displaced::new(gauss.stages(), n)),
+            slight: Slight::new(n, iterate.stride, responds),
+            displaced: (rule == Rule::Slopes && !is_alone)
+                .then(|| Displaced::new(gauss.stages(), n)),
             iterate,
         }
     }
@@ -160,7 +163,6 @@ impl<T: Float> Sweeps<T> {
             threshold = zero;
         }
         let removes_all = task.rule == Rule::Slopes && self.displaced.is_none();
-        let mut is_seen = false;
         let mut alphas = Moves::new(task.rule);
         for _ in 0..MAX_SWEEPS {
             let draft = self.is_far(threshold, task.rule);
@@ -215,19 +217,12 @@ impl<T: Float> Sweeps<T> {
             if !self.look(energy, constraint, (next, gradient), counts) {
                 return Err(Trouble::Slow);
             }
-            if let (Some(displaced), 1) = (&mut self.displaced, alphas.moves)
-                && !std::mem::replace(&mut is_seen, true)
-                && displaced.is_too_far(next)
-            {
-                return Err(Trouble::Slow);
-            }
             if settled {
                 constraint.add_noise(self.contraction.noise());
             }
             let (g, out) = (constraint.defect, constraint.in_floors());
-            let is_left = alphas.moves == 0
-                && !removes_all
-                && constraint.in_judging_floors() <= T::int(AT_FLOOR);
+            let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
+            let is_left = at_floor && alphas.moves == 0 && !removes_all;
             if alphas.moves == 0 {
                 let is_nothing = is_left && task.rule == Rule::Slopes;
                 self.defect = if is_nothing { zero } else { g.abs() };
@@ -242,12 +237,22 @@ impl<T: Float> Sweeps<T> {
             if settled
                 && (out <= one || (out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2)))
             {
+                if let (Some(displaced), 1..) = (&mut self.displaced, alphas.moves)
+                    && displaced.is_too_far(next)
+                {
+                    // What an earlier step has left is the same in halves.
+                    let is_old = constraint.without_alpha_in_floors() <= T::int(ENERGY_STAGNATED);
+                    return Err(if is_old {
+                        Trouble::NoAlpha
+                    } else {
+                        Trouble::Slow
+                    });
+                }
                 return Ok(());
             }
             if task.rule == Rule::Response && (settled || self.is_near(error, g.abs())) {
                 let by_slopes = !alphas.by_response;
                 if by_slopes && out > last_out / T::int(2) {
-                    let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
                     return at_floor.then_some(()).ok_or(Trouble::StagesOnly);
                 }
                 let seen = (g, uncertain + constraint.floor, out);
@@ -293,7 +298,6 @@ impl<T: Float> Sweeps<T> {
                 }
                 let noise = uncertain + constraint.floor;
                 if !self.move_alphas((g, noise), &mut alphas, task) {
-                    let at_floor = constraint.in_judging_floors() <= T::int(AT_FLOOR);
                     if alone && settled && at_floor {
                         // No α is worth this.
                         self.alphas.copy_from_slice(task.alphas);
@@ -302,7 +306,7 @@ impl<T: Float> Sweeps<T> {
                     return Err(Trouble::NoAlpha);
                 }
                 if let (Some(displaced), true) = (&mut self.displaced, alone) {
-                    displaced.begin(&self.slopes, next, out);
+                    displaced.begin(&self.slopes, next, (out, task.most_errors));
                 }
                 match task.rule {
                     Rule::Slopes => self.contraction.renew(),

@@ -78,8 +78,8 @@ fn many() -> Vec<Case> {
         .steps(50, 0.05)
         .against(fine())
         .trajectory(Trajectory::Deficit(
-            1.95,
-            "α's along slopes: ends are 0.1 to 3 times as far off as those of Gauss",
+            1.51,
+            "α's along slopes are not aimed at the exact flow",
         )),
         row(
             "FPUT chain, m=1000",
