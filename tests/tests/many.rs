@@ -2,7 +2,7 @@
 //! too fast for halves of halves.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Energy, Hamiltonian};
+use equip_autodiff::{Energy, Hamiltonian, Var};
 use equip_scalar::Constant;
 use equip_scenes::energies::FputBeta;
 use equip_solver::{Counts, Equip, Gauss, Method, Outcome, Record, Run, StageSolver};
@@ -19,13 +19,16 @@ fn start() -> (Vec<f64>, Vec<f64>) {
     (vec![0.0; MASSES], momenta.collect())
 }
 
-fn chain() -> Hamiltonian {
+/// The chain in lengths of `unit` and energies of its square.
+fn chain(unit: f64) -> Hamiltonian {
     let chain = FputBeta {
         n: MASSES,
         beta: Constant::from(BETA),
         amplitude: Constant::from(1.0),
     };
-    Hamiltonian::new(MASSES, |q, p| chain.energy(q, p)).unwrap()
+    let scaled = |x: &[Var]| x.iter().map(|&x| x / unit).collect::<Vec<_>>();
+    let energy = |q: &[Var], p: &[Var]| chain.energy(&scaled(q), &scaled(p)) * (unit * unit);
+    Hamiltonian::new(MASSES, energy).unwrap()
 }
 
 fn made(
@@ -84,7 +87,7 @@ fn composed(steps: usize) -> Vec<f64> {
 /// α's by responses take 5 to 13 times as long here and are no nearer; Newton's method a hundred times.
 #[test]
 fn a_chain_is_as_near_as_gauss_for_little_more() {
-    let (energy, start) = (chain(), start());
+    let (energy, start) = (chain(1.0), start());
     let (exact, rough) = (composed(4000), composed(2000));
     let trusted = distance(&exact, &rough);
     println!("composition: {trusted:.1e}");
@@ -124,16 +127,7 @@ fn units_do_not_matter() {
     let (q, p) = start();
     let mut plain = None;
     for unit in [1.0, 1e-20, 1e100, 1e-100] {
-        let energy = Hamiltonian::new(MASSES, |q, p| {
-            let chain = FputBeta {
-                n: MASSES,
-                beta: Constant::from(BETA),
-                amplitude: Constant::from(1.0),
-            };
-            let scaled = |x: &[_]| x.iter().map(|&x| x / unit).collect::<Vec<_>>();
-            chain.energy(&scaled(q), &scaled(p)) * (unit * unit)
-        });
-        let energy = energy.unwrap();
+        let energy = chain(unit);
         let start = (q.clone(), p.iter().map(|p| p * unit).collect());
         for method in [Gauss::stages(4), Equip::stages(4)] {
             let run = made(&energy, &start, method, (0.25, 5.0), StageSolver::default());
@@ -171,7 +165,7 @@ fn what_is_left_is_not_halved() {
 /// Sweeps do not contract at h = 2.5. Newton's method would take a hundred times as long.
 #[test]
 fn steps_that_are_too_long_are_halved() {
-    let (energy, start) = (chain(), start());
+    let (energy, start) = (chain(1.0), start());
     let exact = composed(2000);
     for solver in [StageSolver::Automatic, StageSolver::Sweeps] {
         let [long, short] =

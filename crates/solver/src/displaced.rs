@@ -36,12 +36,13 @@ impl<T: Float> Displaced<T> {
         }
     }
 
-    /// The α's of a step that ends at `end` without have just been moved along these slopes, for a defect of so many `floors`.
+    /// The α's of a step that ends at `end` without have just been moved along these slopes, for a defect of so many `floors`. So many local errors
+    /// are allowed.
     pub(crate) fn begin(
         &mut self,
         slopes: &Slopes<T>,
         end: &State<T>,
-        (floors, most_errors): (T, Option<f64>),
+        (floors, most_errors): (T, f64),
     ) {
         let sizes = norms(&end.hi);
         // Less motion than this is rounding.
@@ -51,10 +52,9 @@ impl<T: Float> Displaced<T> {
             norms.fold(least * sizes[g], |a, &norm| a.max(norm))
         });
         let error = decay(&slopes.norms, motion, self.s).powi(2 * self.s as i32);
-        let errors = most_errors.unwrap_or(f64::INFINITY);
         let rounding = T::EPSILON * T::int(FLOORS) * floors;
         for g in 0..2 {
-            self.most[g] = T::exact(errors * error) * motion[g] + rounding * sizes[g];
+            self.most[g] = T::exact(most_errors * error) * motion[g] + rounding * sizes[g];
         }
         self.end.copy_from_slice(&end.hi);
     }

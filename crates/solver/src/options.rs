@@ -172,7 +172,8 @@ impl<T: Float> FixedStep<T> {
         self
     }
 
-    /// How often a step that fails may be halved, 3 by default; 0 never halves.
+    /// How often a step that fails may be halved, 3 by default; 0 never halves. With [`StageSolver::Sweeps`], and from 64 components on by default, a step
+    /// that sweeps do not solve is one that fails.
     #[must_use]
     pub fn max_halvings(mut self, halvings: u32) -> Self {
         self.max_halvings = halvings;

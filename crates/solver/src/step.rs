@@ -289,8 +289,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.constraints.iter().any(beyond)
     }
 
-    /// One try at the full size: by sweeps if they contract, else by Newton, the α's by the norm that spares the slow motion,
-    /// else by the plain one.
+    /// One try at the full size: by sweeps if they contract, else, if its halves do not come first, by Newton, the α's by the norm that spares the
+    /// slow motion, else by the plain one.
     fn attempt(
         &mut self,
         level: u32,

@@ -201,10 +201,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         );
         match swept {
             Ok(()) => {
-                *pause = Pause::NONE;
+                self.pause = Pause::NONE;
                 if let Then::Halves(level) = then {
                     self.halved[level..].fill(Pause::NONE);
-                    self.pause = Pause::NONE;
                 }
                 self.stages.note_alphas(&sweeps.alphas);
                 self.guess.remember_swept(h);

@@ -2,10 +2,10 @@
 
 use crate::state::State;
 
-/// Why a step is left to Newton.
+/// Why sweeps do not solve a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Trouble {
-    /// The sweeps contract slowly or not at all, or left the domain of H.
+    /// The sweeps contract slowly or not at all, or left the domain of H, or slopes would move the end point too far.
     Slow,
     /// No α within the bound, or no slope.
     NoAlpha,

@@ -11,7 +11,8 @@
 //!
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged; else, or where sweeps from there do not contract, Z = 0.
 //! *End.* The stages have settled, and |g| is at its floor, or stalls near it, or with α = 0 or slopes is within 4 floors and not worth more.
-//! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found. Newton takes the step then.
+//! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found, slopes that move the end point too far
+//! ([`crate::displaced`]). What comes then is [`crate::step_swept::Then`].
 //!
 //! Cost: [`crate::sweep`] times the sweeps; a gradient for each evaluation of g, two or three in a step, with slopes H alone for most; that of the direction.
 
@@ -237,7 +238,8 @@ impl<T: Float> Sweeps<T> {
             if settled
                 && (out <= one || (out <= T::int(ENERGY_STAGNATED) && out > last_out / T::int(2)))
             {
-                if let (Some(displaced), 1..) = (&mut self.displaced, alphas.moves)
+                if let (Some(displaced), Some(_), 1..) =
+                    (&mut self.displaced, task.most_errors, alphas.moves)
                     && displaced.is_too_far(next)
                 {
                     // What an earlier step has left is the same in halves.
@@ -305,8 +307,10 @@ impl<T: Float> Sweeps<T> {
                     }
                     return Err(Trouble::NoAlpha);
                 }
-                if let (Some(displaced), true) = (&mut self.displaced, alone) {
-                    displaced.begin(&self.slopes, next, (out, task.most_errors));
+                if let (Some(displaced), Some(errors), true) =
+                    (&mut self.displaced, task.most_errors, alone)
+                {
+                    displaced.begin(&self.slopes, next, (out, errors));
                 }
                 match task.rule {
                     Rule::Slopes => self.contraction.renew(),
