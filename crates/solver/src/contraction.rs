@@ -126,9 +126,75 @@ impl<T: Float> Contraction<T> {
         (self.change, self.left, self.is_apart) = (change, change, true);
     }
 
+    /// Z has changed by `change`, and by `last` before.
+    #[inline(always)]
+    fn contract(&mut self, change: T, last: T) {
+        if self.has_springs || self.is_new {
+            let now = change / last;
+            self.seen = now.max(std::mem::replace(&mut self.last, now));
+            self.set_rate(self.seen.max(T::ratio(1, LEAST)));
+        } else if change > self.seen * last {
+            self.seen = change / last;
+        }
+        if self.seen > self.rate {
+            self.set_rate(self.seen);
+        }
+    }
+
+    /// What [`Self::see`] does with most changes: those above rounding that are at most half of the last. Returns whether this is one of them; of
+    /// others it sees nothing.
+    #[inline(always)]
+    pub(crate) fn see_plain(&mut self, change: T) -> bool {
+        let (last, eps) = (self.change, T::EPSILON);
+        let Some(allowed) = self.allowed else {
+            return false;
+        };
+        let allowed = allowed * T::ratio(SLOW_PERCENT, 100);
+        let contracts = (change <= last / T::int(2)) & (change <= allowed);
+        if self.is_apart | !contracts | !(change > T::int(NOISY) * eps) {
+            return false;
+        }
+        if last > T::int(ROUNDING) * eps {
+            self.contract(change, last);
+            self.slow = 0;
+        }
+        self.allowed = Some(allowed);
+        (self.change, self.left) = (change, change);
+        (self.still, self.is_settled) = (0, false);
+        true
+    }
+
+    /// The same of changes that are rounding to a good part.
+    #[inline(always)]
+    fn see_rounding(&mut self, change: T) -> bool {
+        let (last, eps) = (self.change, T::EPSILON);
+        if self.is_apart | !last.is_finite() | !(change <= T::int(NOISY) * eps) {
+            return false;
+        }
+        if last > T::int(ROUNDING) * eps {
+            self.contract(change, last);
+            self.slow = 0;
+        }
+        let left = self.left * self.rate;
+        self.left = if left < change { left } else { change };
+        self.change = change;
+        let stagnates = change > last / T::int(2);
+        self.still = if stagnates { self.still + 1 } else { 0 };
+        let error = self.error();
+        self.is_settled =
+            (error <= eps / T::int(SETTLED)) | (stagnates & (error <= eps)) | self.stands_still();
+        true
+    }
+
     /// A sweep has changed Z by `change`, and with it perhaps what it is relative to. Returns whether it is worth while to go on; before
     /// anything but sweeps has moved Z (`alone`) it is not if they do not contract on the whole.
+    #[inline(always)]
     pub(crate) fn see(&mut self, change: T, is_remeasured: bool, alone: bool) -> bool {
+        (!is_remeasured && (self.see_rounding(change) || self.see_plain(change)))
+            || self.see_any(change, is_remeasured, alone)
+    }
+
+    fn see_any(&mut self, change: T, is_remeasured: bool, alone: bool) -> bool {
         let eps = T::EPSILON;
         let (last, is_first) = (self.change, !self.change.is_finite());
         let is_apart = std::mem::replace(&mut self.is_apart, is_remeasured);
@@ -137,16 +203,7 @@ impl<T: Float> Contraction<T> {
         if compares && last > T::int(ROUNDING) * eps {
             let is_slow = change > last * T::ratio(SLOW_PERCENT, 100);
             self.slow = if is_slow { self.slow + 1 } else { 0 };
-            if self.has_springs || self.is_new {
-                let now = change / last;
-                self.seen = now.max(std::mem::replace(&mut self.last, now));
-                self.set_rate(self.seen.max(T::ratio(1, LEAST)));
-            } else if change > self.seen * last {
-                self.seen = change / last;
-            }
-            if self.seen > self.rate {
-                self.set_rate(self.seen);
-            }
+            self.contract(change, last);
         }
         let allowed = match self.allowed {
             Some(allowed) => allowed * T::ratio(SLOW_PERCENT, 100),

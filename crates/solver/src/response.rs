@@ -362,7 +362,7 @@ impl<T: Float> Finer<T> {
             {
                 own.activate_as(springs);
             }
-            let change = self.iterate.sweep(energy, y, false);
+            let change = self.iterate.sweep(energy, y, false, |_| false);
             self.evaluations += (s + 1) as u64;
             if !change.is_finite() {
                 return false;

@@ -98,7 +98,7 @@ impl<T: Float> Sweeps<T> {
         alphas.by_response = false;
         let (mut change, mut moved) = (T::INFINITY, T::INFINITY);
         if self.move_alphas((g, noise), alphas, task) {
-            change = self.iterate.sweep(energy, task.y, false);
+            change = self.iterate.sweep(energy, task.y, false, |_| false);
             counts.sweeps += 1;
             counts.gradients += self.iterate.s as u64;
             self.iterate.end_point(task.y, next);

@@ -28,7 +28,7 @@ use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
 use crate::draft::{Draft, twice};
 use crate::half::Half;
-use crate::mix::Step;
+use crate::mix::{Mix, Step};
 use crate::pairs::{HALF, has_pairs};
 use crate::row::stride_for;
 use crate::small::{OneGroup, TwoGroups};
@@ -230,61 +230,89 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// One sweep from the step's start `y`. Returns the largest change of Z relative to the sizes of the components; not finite if
+    /// Whether sweeps can be drafts now.
+    fn can_draft(&self) -> bool {
+        self.twice.is_some() && !self.k_has_moved
+    }
+
+    /// A sweep from the step's start `y`; of drafts others as long as `again` says so of the change that each has made. Returns the last change, the largest of Z relative to the sizes of the components; not finite if
     /// anything is not. In the first sweep of a step what was not known before is measured. With `draft` by [`crate::draft`], if
     /// that can be and nothing else needs the momenta.
-    pub(crate) fn sweep<E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>, draft: bool) -> T {
+    pub(crate) fn sweep<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y: &State<T>,
+        draft: bool,
+        mut again: impl FnMut(T) -> bool,
+    ) -> T {
         let unknown = std::mem::take(&mut self.is_first) && !self.is_prolonged;
         // What was measured on stages that were far off is measured again.
         let measures = self.was_far || unknown;
-        self.is_draft = draft && !measures && !self.k_has_moved && self.twice.is_some();
+        self.is_draft = draft && !measures && self.can_draft();
         self.has_momenta = measures;
+        let far = T::ratio(1, 8);
+        let drafts = self.is_draft;
+        let mut again = |change: T| drafts && change <= far && again(change);
         let fused = if T::IS_DOUBLE {
             match self.stride {
                 _ if self.has_springs() => None,
-                4 => self.fuse::<4, E>(energy, y),
-                8 => self.fuse::<8, E>(energy, y),
-                16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y),
+                4 => self.fuse::<4, E>(energy, y, &mut again),
+                8 => self.fuse::<8, E>(energy, y, &mut again),
+                16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y, &mut again),
                 _ => None,
             }
         } else {
             None
         };
-        let change = match fused {
-            Some(change) => change,
-            None => {
+        let change = fused.unwrap_or_else(|| {
+            loop {
                 self.evaluate(energy);
                 self.foresee(y, unknown);
-                self.mix(y)
+                let change = self.mix(y);
+                if !again(change) {
+                    return change;
+                }
             }
-        };
+        });
         if measures {
             self.measure(y, 0..self.n);
         }
         self.was_remeasured = measures;
-        self.was_far = change > T::ratio(1, 8);
+        self.was_far = change > far;
         change
     }
 
     /// The whole sweep as one kernel, if there is one for this energy in this float type.
     #[inline(always)]
-    fn fuse<const N: usize, E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>) -> Option<T> {
-        let two_groups = has_pairs::<T>(self.s);
+    fn fuse<const N: usize, E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y: &State<T>,
+        again: &mut impl FnMut(T) -> bool,
+    ) -> Option<T> {
         macro_rules! fused {
+            ($method:ident, $n:expr, $task:expr) => {{
+                let mut task = $task;
+                loop {
+                    let change = T::exact(energy.$method::<$n, _>(&mut task)?);
+                    if !again(change) {
+                        return Some(change);
+                    }
+                }
+            }};
             ($method:ident, $task:expr) => {
-                if two_groups {
-                    energy.$method::<HALF, _>(&mut TwoGroups($task))
+                if has_pairs::<T>($task.step().s) {
+                    fused!($method, HALF, TwoGroups($task.in_doubles()?))
                 } else {
-                    energy.$method::<N, _>(&mut OneGroup($task))
+                    fused!($method, N, OneGroup($task.in_doubles()?))
                 }
             };
         }
-        let change = match form!(self, y, &self.inverse_scale) {
-            Form::Whole(task) => fused!(fuse_gradients, task.in_doubles()?),
-            Form::Half(task) => fused!(fuse_forces, task.in_doubles()?),
-            Form::Draft(task) => fused!(fuse_forces, task.in_doubles()?),
-        };
-        change.map(T::exact)
+        match form!(self, y, &self.inverse_scale) {
+            Form::Whole(mut task) => fused!(fuse_gradients, task),
+            Form::Half(mut task) => fused!(fuse_forces, task),
+            Form::Draft(mut task) => fused!(fuse_forces, task),
+        }
     }
 
     /// ∇H, or ∇U, at the stages.

@@ -165,14 +165,26 @@ impl<T: Float> Sweeps<T> {
         }
         let removes_all = task.rule == Rule::Slopes && self.displaced.is_none();
         let mut alphas = Moves::new(task.rule);
-        for _ in 0..MAX_SWEEPS {
-            let draft = self.is_far(threshold, task.rule);
-            let change = self.iterate.sweep(energy, task.y, draft);
-            counts.sweeps += 1;
-            counts.gradients += self.iterate.s as u64;
-            self.made += 1;
+        while self.made < MAX_SWEEPS {
+            let (spread, rule) = (self.spread, task.rule);
+            let is_far = |contraction: &Contraction<T>| {
+                let (change, error) = contraction.foretold();
+                change > T::int(DRAFT) * eps
+                    && (rule != Rule::Slopes || error * spread >= T::int(16) * threshold)
+            };
+            let draft = is_far(&self.contraction);
+            let (contraction, mut seen, mut made) = (&mut self.contraction, false, 1);
+            let change = self.iterate.sweep(energy, task.y, draft, |change| {
+                seen = contraction.see_plain(change);
+                let again = seen && is_far(contraction);
+                made += u32::from(again);
+                again
+            });
+            counts.sweeps += u64::from(made);
+            counts.gradients += u64::from(made) * self.iterate.s as u64;
+            self.made += made;
             let (remeasured, alone) = (self.iterate.was_remeasured, alphas.moves == 0);
-            if !self.contraction.see(change, remeasured, alone) {
+            if !seen && !self.contraction.see(change, remeasured, alone) {
                 // Prolonged too far, perhaps.
                 if !alone || !std::mem::take(&mut prolonged) {
                     return Err(Trouble::Slow);
@@ -346,14 +358,6 @@ impl<T: Float> Sweeps<T> {
         let is_uneven = self.iterate.has_springs() || self.iterate.n >= MANY;
         let times = if is_uneven { BLOWN_UP } else { 1 };
         T::int(times * BLOWN_UP) * T::EPSILON
-    }
-
-    /// Whether the next sweep leaves others to come: by the contraction seen it changes Z by more than round-off, and g will not be looked at
-    /// after it.
-    fn is_far(&self, threshold: T, rule: Rule) -> bool {
-        let (change, error) = self.contraction.foretold();
-        change > T::int(DRAFT) * T::EPSILON
-            && (rule != Rule::Slopes || error * self.spread >= T::int(16) * threshold)
     }
 
     /// Whether stages with this `error` are near enough to take directions from, for a defect of `g`: g stands out, and the error of
