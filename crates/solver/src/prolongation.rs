@@ -134,8 +134,15 @@ impl<'a, T: Float> View<'a, T> {
         at_start: T,
     ) -> [T; N] {
         let guess = product_any(self.e.as_chunks::<N>().0, l, g, s);
-        let rho = self.rho.as_chunks::<N>().0[g];
-        std::array::from_fn(|i| sign * guess[i] + rho[i] * at_start)
+        foretold(&guess, &self.rho.as_chunks::<N>().0[g], sign, at_start)
+    }
+
+    /// E, where it is not factored, and ρ of a single group of stages: what is written elsewhere cannot change copies.
+    #[inline(always)]
+    pub(crate) fn copied<const N: usize>(&self) -> Option<([[T; N]; N], [T; N])> {
+        let e = self.e.as_chunks().0.first_chunk()?;
+        let rho = self.rho.first_chunk()?;
+        self.coefficients.is_none().then_some((*e, *rho))
     }
 
     /// What E, or its first factor, is applied to: L, or its Legendre coefficients in `room`.
@@ -154,6 +161,17 @@ impl<'a, T: Float> View<'a, T> {
         }
         room
     }
+}
+
+/// ± E L + ρ ∇H(y0).
+#[inline(always)]
+pub(crate) fn foretold<T: Float, const N: usize>(
+    guess: &[T; N],
+    rho: &[T; N],
+    sign: T,
+    at_start: T,
+) -> [T; N] {
+    std::array::from_fn(|i| sign * guess[i] + rho[i] * at_start)
 }
 
 struct Make<'a, T> {

@@ -15,7 +15,8 @@
 //! Cost: s² products for each unknown component.
 
 use crate::MAX_STAGES;
-use crate::prolongation::View;
+use crate::product::{Mixes, Square};
+use crate::prolongation::{View, foretold};
 use crate::row::{by_lanes, groups_of};
 use crate::whole::conjugate;
 use equip_scalar::{Float, Kernel};
@@ -51,6 +52,15 @@ impl<T: Float> Foretell<'_, T> {
         let l = self.l.as_chunks::<N>().0;
         let gradients = self.gradients.as_chunks_mut::<N>().0;
         let groups = groups_of::<T, N>(s);
+        if let (true, Some((e, rho))) = (T::IS_DOUBLE && groups == 1, self.prolongation.copied()) {
+            for c in 0..self.wanted {
+                let (from, by_momentum) = conjugate(c, 2 * m);
+                let at_start = self.known.map_or(T::int(0), |known| known[c]);
+                let sign = T::int(if by_momentum { -1 } else { 1 });
+                gradients[c] = foretold(&Square(&e).product(&[l[from]])[0], &rho, sign, at_start);
+            }
+            return;
+        }
         let mut room = [[T::int(0); N]; MAX_STAGES];
         for c in 0..self.wanted {
             let (from, by_momentum) = conjugate(c, 2 * m);

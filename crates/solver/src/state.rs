@@ -175,36 +175,28 @@ impl<T: Float> Advance<'_, T> {
     fn several<const N: usize>(&mut self, first: usize, [sum, lost]: &mut [Abreast<T, N>; 2]) {
         let groups = groups_of::<T, N>(self.s);
         let rows = &self.increments.as_chunks::<N>().0[first * groups..(first + ABREAST) * groups];
-        let mut count = N / 2;
-        if groups == 1 {
-            let rows: &[[T; N]; ABREAST] = match rows.first_chunk() {
-                Some(rows) => rows,
-                None => return,
-            };
-            for i in 0..count {
-                for c in 0..ABREAST {
-                    let (s, e) = T::two_sum(rows[c][i], rows[c][i + count]);
-                    sum[i][c] = s;
-                    lost[i][c] = T::int(0) + e;
+        for (c, row) in rows.chunks_exact(groups).enumerate() {
+            let (mut sums, mut losts) = (row[0], [T::int(0); N]);
+            for x in &row[1..] {
+                for i in 0..N {
+                    let (s, e) = T::two_sum(sums[i], x[i]);
+                    sums[i] = s;
+                    losts[i] += e;
                 }
             }
-        } else {
-            count = N;
             for i in 0..N {
-                for c in 0..ABREAST {
-                    let (s, e) = T::two_sum(rows[c * groups][i], rows[c * groups + 1][i]);
-                    sum[i][c] = s;
-                    lost[i][c] = T::int(0) + e;
-                }
-                for g in 2..groups {
-                    for c in 0..ABREAST {
-                        let (s, e) = T::two_sum(sum[i][c], rows[c * groups + g][i]);
-                        sum[i][c] = s;
-                        lost[i][c] += e;
-                    }
+                sum[i][c] = sums[i];
+            }
+            if groups > 1 {
+                for i in 0..N {
+                    lost[i][c] = losts[i];
                 }
             }
         }
+        if groups == 1 {
+            lost.fill([T::int(0); ABREAST]);
+        }
+        let mut count = N;
         while count > 1 {
             count /= 2;
             let (sums, others) = sum.split_at_mut(count);
@@ -218,11 +210,15 @@ impl<T: Float> Advance<'_, T> {
             }
         }
         let block = first..first + ABREAST;
-        let (hi0, lo0) = (&self.from.hi[block.clone()], &self.from.lo[block.clone()]);
-        let (hi, lo) = (&mut self.next.hi[block.clone()], &mut self.next.lo[block]);
-        for c in 0..ABREAST {
-            let (y, e) = T::two_sum(hi0[c], sum[0][c]);
-            (hi[c], lo[c]) = T::two_sum(y, e + (lost[0][c] + lo0[c]));
+        let from = self.from.hi[block.clone()].first_chunk::<ABREAST>();
+        let from_lost = self.from.lo[block.clone()].first_chunk::<ABREAST>();
+        let to = self.next.hi[block.clone()].first_chunk_mut::<ABREAST>();
+        let to_lost = self.next.lo[block].first_chunk_mut::<ABREAST>();
+        if let (Some(hi0), Some(lo0), Some(hi), Some(lo)) = (from, from_lost, to, to_lost) {
+            for c in 0..ABREAST {
+                let (y, e) = T::two_sum(hi0[c], sum[0][c]);
+                (hi[c], lo[c]) = T::two_sum(y, e + (lost[0][c] + lo0[c]));
+            }
         }
     }
 }
