@@ -7,6 +7,7 @@
 //! $$ \lVert \Delta y_1 \rVert_g \le m\, \varrho^{2s} \max_j \lVert \varphi_j \rVert_g + 16\, \varepsilon f\, \lVert y_1 \rVert_g, \qquad g \in \{q, p\}, $$
 //!
 //! in Euclidean norms of positions and momenta, m being what the step allows and f the defect in round-off floors: least displacement makes 3 to 9 ε of each.
+//! Moves by up to 64 local errors are allowed as well where that is less than 4096 ε ‖y_1‖: near round-off energy needs them, and halves cost three steps.
 //!
 //! Cost: some passes over the end point, in steps whose α's move.
 
@@ -17,6 +18,9 @@ use equip_scalar::Float;
 
 /// ε that the end point may be moved by for each floor of the defect.
 const FLOORS: i64 = 16;
+/// … in any case, and for that many local errors.
+const LITTLE: i64 = 4096;
+const LITTLE_ERRORS: f64 = 64.0;
 
 #[derive(Debug)]
 pub(crate) struct Displaced<T: Float> {
@@ -54,7 +58,11 @@ impl<T: Float> Displaced<T> {
         let error = decay(&slopes.norms, motion, self.s).powi(2 * self.s as i32);
         let rounding = T::EPSILON * T::int(FLOORS) * floors;
         for g in 0..2 {
-            self.most[g] = T::exact(most_errors * error) * motion[g] + rounding * sizes[g];
+            let error = T::exact(error) * motion[g];
+            let little =
+                (T::exact(LITTLE_ERRORS) * error).min(T::EPSILON * T::int(LITTLE) * sizes[g]);
+            let most = T::exact(most_errors) * error + rounding * sizes[g];
+            self.most[g] = most.max(little);
         }
         self.end.copy_from_slice(&end.hi);
     }

@@ -166,11 +166,12 @@ impl<T: Float> Sweeps<T> {
         let removes_all = task.rule == Rule::Slopes && self.displaced.is_none();
         let mut alphas = Moves::new(task.rule);
         while self.made < MAX_SWEEPS {
-            let (spread, rule) = (self.spread, task.rule);
+            let spread = self.spread;
+            let looks_early = constraint.is_some() && task.rule == Rule::Slopes;
             let is_far = |contraction: &Contraction<T>| {
                 let (change, error) = contraction.foretold();
                 change > T::int(DRAFT) * eps
-                    && (rule != Rule::Slopes || error * spread >= T::int(16) * threshold)
+                    && (!looks_early || error * spread >= T::int(16) * threshold)
             };
             let draft = is_far(&self.contraction);
             let (contraction, mut seen, mut made) = (&mut self.contraction, false, 1);
