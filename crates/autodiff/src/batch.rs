@@ -40,6 +40,11 @@ impl<'a> Batch<'a, f64> {
 }
 
 impl<T: Float> Batch<'_, T> {
+    /// The same, if the numbers are doubles.
+    pub(crate) fn in_doubles(&mut self) -> Option<Batch<'_, f64>> {
+        Batch::of_doubles(self.states, &mut *self.gradients, self.stride, self.count)
+    }
+
     /// The same, if the numbers are double-doubles.
     pub(crate) fn in_double_doubles(&mut self) -> Option<Batch<'_, DoubleDouble>> {
         Some(Batch {

@@ -131,9 +131,9 @@ pub(crate) fn to_nodes<T: Float>(gauss: &Gauss<T>, finer: &Gauss<T>) -> Vec<T> {
     let mut integrals = vec![T::int(0); s];
     for (row, &c) in prolongation.chunks_exact_mut(s).zip(finer.nodes()) {
         legendre_integrals_at(c, &mut integrals);
-        for (j, x) in row.iter_mut().enumerate() {
-            let terms = integrals.iter().enumerate();
-            *x = terms.fold(T::int(0), |sum, (k, &i)| sum + i * gauss.legendre(k)[j]);
+        for (k, &integral) in integrals.iter().enumerate() {
+            let terms = row.iter_mut().zip(gauss.legendre(k));
+            terms.for_each(|(x, &p)| *x += integral * p);
         }
     }
     prolongation

@@ -51,12 +51,11 @@ impl<T: Float> Gauss<T> {
     pub fn new(stages: usize) -> Result<Self, TableauError> {
         check_stages(stages)?;
         let rule = Rule::new(stages, stages);
-        let basis: Vec<T> = rule
-            .legendre
-            .chunks_exact(stages)
-            .zip(rule.legendre.chunks_exact(stages).skip(1))
-            .flat_map(|(before, this)| crate::skew::commutator(this, before))
-            .collect();
+        let mut basis = Vec::with_capacity((stages - 1) * stages * stages);
+        for k in 1..stages {
+            let [before, this] = [k - 1, k].map(|k| &rule.legendre[k * stages..][..stages]);
+            basis.extend_from_slice(&crate::skew::commutator(this, before));
+        }
         let mut unperturbed = vec![T::int(0); stages * stages];
         // From the smallest ξ_k to the largest.
         for (index, t_k) in basis.chunks_exact(stages * stages).enumerate().rev() {
