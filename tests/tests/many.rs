@@ -162,6 +162,26 @@ fn what_is_left_is_not_halved() {
     assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
 }
 
+/// Defects of some 5 floors are worth ten local errors, all of them near round-off: 14 of the 90 steps would be halved.
+#[test]
+fn steps_near_round_off_are_whole() {
+    let (energy, start) = (chain(1.0), start());
+    let end = 50.0;
+    let run = |method, h| made(&energy, &start, method, (h, end), StageSolver::default());
+    let exact = state(&run(Gauss::stages(16), 0.25));
+    let [ours, gauss] = [Equip::stages(8), Gauss::stages(8)].map(|method| run(method, end / 90.0));
+    let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
+    let c = counts(&ours);
+    println!(
+        "{error:.1e}, Gauss {least:.1e}, {} halvings, {c:?}",
+        c.halvings
+    );
+    assert!(c.outcome(Outcome::Solved) > 10, "α's are needed here");
+    assert!(10 * c.halvings < c.steps && c.newton_iterations == 0);
+    assert!(error < 3.0 * least && least < 1e-11);
+    assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
+}
+
 /// Sweeps do not contract at h = 2.5. Newton's method would take a hundred times as long.
 #[test]
 fn steps_that_are_too_long_are_halved() {

@@ -49,8 +49,8 @@ pub enum StageSolver {
     /// where sweeps did not contract; for further invariants that are to be kept; for the α of the paper alone.
     ///
     /// From 2m = 64 components on, in `f64` and with s ≥ 4, the α's move by slopes, as with [`Sweeps`](Self::Sweeps). A step that sweeps do not solve, or
-    /// whose end point slopes move by more than 4 estimated local errors, is halved as often as [`FixedStep::max_halvings`] allows before it is
-    /// Newton's.
+    /// whose end point slopes move by more than 4 estimated local errors (64 where these are next to round-off), is halved as often as
+    /// [`FixedStep::max_halvings`] allows before it is Newton's.
     ///
     /// In numbers wider than `f64` the α's are for Newton, who finds them again to round-off in the step made backwards, at some hundred times the price of
     /// [`Responses`](Self::Responses).
