@@ -78,8 +78,7 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
             most = most.max((by * inverse_scale).abs().to_bits());
         }
     }
-    let most = f64::from_bits(most);
-    if most.is_finite() { most } else { f64::NAN }
+    f64::from_bits(most)
 }
 
 /// A number for each of C components.
