@@ -164,7 +164,7 @@ impl<T: Float> Contraction<T> {
         true
     }
 
-    /// The same of changes that are rounding to a good part.
+    /// The same of changes that are rounding to a good part, which may be the last.
     #[inline(always)]
     fn see_rounding(&mut self, change: T) -> bool {
         let (last, eps) = (self.change, T::EPSILON);

@@ -230,14 +230,9 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// Whether sweeps can be drafts now.
-    fn can_draft(&self) -> bool {
-        self.twice.is_some() && !self.k_has_moved
-    }
-
-    /// A sweep from the step's start `y`; of drafts others as long as `again` says so of the change that each has made. Returns the last change, the largest of Z relative to the sizes of the components; not finite if
-    /// anything is not. In the first sweep of a step what was not known before is measured. With `draft` by [`crate::draft`], if
-    /// that can be and nothing else needs the momenta.
+    /// One sweep from the step's start `y`; of drafts others as long as `again` says so of the change that each has made. Returns the last change,
+    /// the largest of Z relative to the sizes of the components; not finite if anything is not. In the first sweep of a step what was not known
+    /// before is measured. With `draft` by [`crate::draft`], if that can be and nothing else needs the momenta.
     pub(crate) fn sweep<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
@@ -248,7 +243,7 @@ impl<T: Float> Iterate<T> {
         let unknown = std::mem::take(&mut self.is_first) && !self.is_prolonged;
         // What was measured on stages that were far off is measured again.
         let measures = self.was_far || unknown;
-        self.is_draft = draft && !measures && self.can_draft();
+        self.is_draft = draft && !measures && !self.k_has_moved && self.twice.is_some();
         self.has_momenta = measures;
         let far = T::ratio(1, 8);
         let drafts = self.is_draft;

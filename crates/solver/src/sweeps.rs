@@ -168,6 +168,8 @@ impl<T: Float> Sweeps<T> {
         while self.made < MAX_SWEEPS {
             let spread = self.spread;
             let looks_early = constraint.is_some() && task.rule == Rule::Slopes;
+            // The next sweep leaves others to come: by the contraction seen it changes Z by more than round-off, and g will not be looked at
+            // after it.
             let is_far = |contraction: &Contraction<T>| {
                 let (change, error) = contraction.foretold();
                 change > T::int(DRAFT) * eps
