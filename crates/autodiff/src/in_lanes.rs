@@ -1,7 +1,7 @@
 //! [`InLanes`]: the closure route at many points at once, the tape replayed over lanes.
 //!
 //! Points are taken in groups of 8, doubles in groups of 4 where there is no room for more, and of 16 where there is and the tape is short: what it takes
-//! to find an operation is shared by more of them, and of a long tape the values would no longer lie in the fastest cache. Memory: 12 numbers a slot of the
+//! to find an operation is shared by more of them, and of a long tape the values would take twice the cache. Memory: 12 numbers a slot of the
 //! tapes, 28 of short ones.
 
 use crate::batch::Batch;
@@ -108,7 +108,7 @@ fn double_doubles(
     });
 }
 
-/// The same.
+/// Compiled once, too.
 fn sixteen_doubles(
     set: InstructionSet,
     tape: &Tape,

@@ -178,12 +178,18 @@ impl<T: Float> Contraction<T> {
         let left = self.left * self.rate;
         self.left = if left < change { left } else { change };
         self.change = change;
-        let stagnates = change > last / T::int(2);
-        self.still = if stagnates { self.still + 1 } else { 0 };
-        let error = self.error();
-        self.is_settled =
-            (error <= eps / T::int(SETTLED)) | (stagnates & (error <= eps)) | self.stands_still();
+        self.settle(true, change > last / T::int(2));
         true
+    }
+
+    /// Whether the stages have settled, by an error that was `observed` or not, and a change that `stagnates` or not.
+    #[inline(always)]
+    fn settle(&mut self, observed: bool, stagnates: bool) {
+        let (error, eps) = (self.error(), T::EPSILON);
+        self.still = if stagnates { self.still + 1 } else { 0 };
+        self.is_settled = (observed & (error <= eps / T::int(SETTLED)))
+            | (stagnates & (error <= eps))
+            | self.stands_still();
     }
 
     /// A sweep has changed Z by `change`, and with it perhaps what it is relative to. Returns whether it is worth while to go on; before
@@ -226,12 +232,9 @@ impl<T: Float> Contraction<T> {
         self.change = change;
         // Rounding, and sweeps contract well enough for it not to be blown up.
         let stagnates = is_rounding && (compares || is_first) && change > last / T::int(2);
-        self.still = if stagnates { self.still + 1 } else { 0 };
         // What is relative to sizes that were not known yet says nothing.
         let observed = !is_first || (change <= T::int(4) * eps && !is_remeasured);
-        self.is_settled = (observed && self.error() <= eps / T::int(SETTLED))
-            || (stagnates && self.error() <= eps)
-            || self.stands_still();
+        self.settle(observed, stagnates);
         true
     }
 

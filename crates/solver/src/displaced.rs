@@ -18,7 +18,7 @@ use equip_scalar::Float;
 
 /// ε that the end point may be moved by for each floor of the defect.
 const FLOORS: i64 = 16;
-/// … in any case, and for that many local errors.
+/// ε that it may be moved by in any case, if that is no more than so many local errors.
 const LITTLE: i64 = 4096;
 const LITTLE_ERRORS: f64 = 64.0;
 

@@ -52,7 +52,10 @@ impl<T: Float> Foretell<'_, T> {
         let l = self.l.as_chunks::<N>().0;
         let gradients = self.gradients.as_chunks_mut::<N>().0;
         let groups = groups_of::<T, N>(s);
-        if let (true, Some((e, rho))) = (T::IS_DOUBLE && groups == 1, self.prolongation.copied()) {
+        if T::IS_DOUBLE
+            && groups == 1
+            && let Some((e, rho)) = self.prolongation.copied()
+        {
             for c in 0..self.wanted {
                 let (from, by_momentum) = conjugate(c, 2 * m);
                 let at_start = self.known.map_or(T::int(0), |known| known[c]);

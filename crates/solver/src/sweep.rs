@@ -28,7 +28,7 @@ use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
 use crate::draft::{Draft, twice};
 use crate::half::Half;
-use crate::mix::{Mix, Step};
+use crate::mix::Step;
 use crate::pairs::{HALF, has_pairs};
 use crate::row::stride_for;
 use crate::small::{OneGroup, TwoGroups};
@@ -285,6 +285,7 @@ impl<T: Float> Iterate<T> {
         y: &State<T>,
         again: &mut impl FnMut(T) -> bool,
     ) -> Option<T> {
+        let two_groups = has_pairs::<T>(self.s);
         macro_rules! fused {
             ($method:ident, $n:expr, $task:expr) => {{
                 let mut task = $task;
@@ -296,7 +297,7 @@ impl<T: Float> Iterate<T> {
                 }
             }};
             ($method:ident, $task:expr) => {
-                if has_pairs::<T>($task.step().s) {
+                if two_groups {
                     fused!($method, HALF, TwoGroups($task.in_doubles()?))
                 } else {
                     fused!($method, N, OneGroup($task.in_doubles()?))
@@ -304,9 +305,9 @@ impl<T: Float> Iterate<T> {
             };
         }
         match form!(self, y, &self.inverse_scale) {
-            Form::Whole(mut task) => fused!(fuse_gradients, task),
-            Form::Half(mut task) => fused!(fuse_forces, task),
-            Form::Draft(mut task) => fused!(fuse_forces, task),
+            Form::Whole(task) => fused!(fuse_gradients, task),
+            Form::Half(task) => fused!(fuse_forces, task),
+            Form::Draft(task) => fused!(fuse_forces, task),
         }
     }
 
