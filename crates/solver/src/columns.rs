@@ -14,14 +14,15 @@ use equip_tableau::Gauss;
 #[derive(Debug)]
 pub(crate) struct Columns<T> {
     unperturbed: Aligned<T>,
-    /// T_1 … T_{s−1}.
+    /// T_1 … T_{s−1}; none for α = 0 alone.
     basis: Vec<Aligned<T>>,
     /// ½ and 1 where K has an entry, 0 in the padding; none for P and Q, which are made of U alone.
     half_and_one: Option<(Aligned<T>, Aligned<T>)>,
 }
 
 impl<T: Float> Columns<T> {
-    pub(crate) fn new(gauss: &Gauss<T>) -> Self {
+    /// For any α's, or for α = 0 alone.
+    pub(crate) fn new(gauss: &Gauss<T>, any_alphas: bool) -> Self {
         let (s, mut places) = (gauss.stages(), Places::default());
         let stride = stride_for::<T>(s);
         let by_pairs = has_pairs::<T>(s);
@@ -42,7 +43,7 @@ impl<T: Float> Columns<T> {
         gauss.antisymmetric_into(&vec![T::int(0); s - 1], &mut u);
         Columns {
             unperturbed: laid_out(&|i, j| u[i * s + j]),
-            basis: (1..s)
+            basis: (1..if any_alphas { s } else { 1 })
                 .map(|k| laid_out(&|i, j| gauss.skew_basis(k)[i * s + j]))
                 .collect(),
             half_and_one: (!by_pairs).then(|| {
@@ -144,7 +145,7 @@ mod tests {
     fn entries_are_those_of_the_tableau<T: Float>() {
         for s in 1..=20 {
             let gauss = Gauss::<T>::new(s).unwrap_or_else(|e| panic!("{e}"));
-            let (columns, stride) = (Columns::new(&gauss), stride_for::<T>(s));
+            let (columns, stride) = (Columns::new(&gauss, true), stride_for::<T>(s));
             let alphas: Vec<T> = (1..s as i64).map(|k| T::ratio(k * k - 3 * k, 7)).collect();
             for set in InstructionSet::available() {
                 let mut k = vec![T::NAN; length_of::<T>(s)];

@@ -19,25 +19,52 @@ use crate::row::{
     OnLines, Row, add, difference, literal, placed, rows, rows_mut, scaled, stride_for,
 };
 use crate::small::{Small, change, numbers, rows_of};
-use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
+use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel, Lanes};
 use equip_tableau::Gauss;
 use std::ops::Range;
 
 /// K B K of the method with α = 0, column by column.
-pub(crate) fn twice<T: Float>(gauss: &Gauss<T>, places: &mut Places) -> Aligned<T> {
+pub(crate) fn twice<T: Float>(
+    set: InstructionSet,
+    gauss: &Gauss<T>,
+    places: &mut Places,
+) -> Aligned<T> {
     let s = gauss.stages();
     let stride = stride_for::<T>(s);
     let mut k = vec![T::int(0); s * stride];
     gauss.skew_columns_into(&vec![T::int(0); s - 1], stride, &mut k);
     let mut twice = places.zeros(stride * stride);
-    for (to, from) in twice.chunks_exact_mut(stride).zip(k.chunks_exact(stride)) {
-        for ((column, &x), &b) in k.chunks_exact(stride).zip(from).zip(gauss.weights()) {
-            to.iter_mut()
-                .zip(column)
-                .for_each(|(to, &k)| *to += k * (b * x));
+    set.run(&mut Twice {
+        k: &k,
+        b: gauss.weights(),
+        stride,
+        twice: &mut twice,
+    });
+    twice
+}
+
+struct Twice<'a, T> {
+    k: &'a [T],
+    b: &'a [T],
+    stride: usize,
+    twice: &'a mut [T],
+}
+
+impl<T: Float> Kernel for Twice<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let columns = self.k.chunks_exact(self.stride);
+        for (to, from) in (self.twice.chunks_exact_mut(self.stride)).zip(columns.clone()) {
+            for ((column, &x), &b) in columns.clone().zip(from).zip(self.b) {
+                let x = b * x;
+                for (to, &k) in to.iter_mut().zip(column) {
+                    *to += k * x;
+                }
+            }
         }
     }
-    twice
 }
 
 pub(crate) struct Draft<'a, T> {

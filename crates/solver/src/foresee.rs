@@ -24,7 +24,7 @@ use crate::row::{
     Row, add, difference, in_memory, lanes_of, literal, rows, rows_mut, scaled, stride_for, times,
 };
 use crate::springs::Spring;
-use equip_scalar::{Float, Kernel};
+use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 use nalgebra::DVector;
 use std::array::from_fn;
@@ -46,8 +46,6 @@ macro_rules! by_rows {
 /// M for one stiffness.
 #[derive(Debug)]
 pub(crate) struct Matrix<T> {
-    /// h² w κ.
-    pub(crate) stiffness: T,
     /// h M K B K, column by column.
     by_force: Aligned<T>,
     /// h M c.
@@ -55,11 +53,12 @@ pub(crate) struct Matrix<T> {
 }
 
 impl<T: Float> Matrix<T> {
+    /// For steps of size h, h² w κ being the stiffness.
     pub(crate) fn new(gauss: &Gauss<T>, h: T, stiffness: T) -> Option<Self> {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
         let mut places = Places::default();
-        let twice = twice(gauss, &mut places);
+        let twice = twice(InstructionSet::best(), gauss, &mut places);
         let mut lu = DenseLu::new(s);
         let m = lu.matrix_mut();
         for (j, &b) in gauss.weights().iter().enumerate() {
@@ -83,7 +82,6 @@ impl<T: Float> Matrix<T> {
         let mut by_velocity = vec![T::int(0); stride];
         by_velocity[..s].copy_from_slice(solved(gauss.nodes()).as_slice());
         Some(Matrix {
-            stiffness,
             by_force,
             by_velocity,
         })
@@ -294,7 +292,7 @@ mod tests {
             for (hb, &b) in hb.iter_mut().zip(gauss.weights()) {
                 *hb = h * b;
             }
-            let twice = twice(&gauss, &mut Places::default());
+            let twice = twice(InstructionSet::best(), &gauss, &mut Places::default());
             let l = vec![0.0; 2 * stride];
             for set in InstructionSet::available() {
                 // Z = 0 as a guess, or as what no force and no velocity has made.

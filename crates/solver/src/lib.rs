@@ -53,6 +53,7 @@ mod moves;
 mod newton;
 mod newton_alphas;
 mod observer;
+mod one_more;
 mod opening;
 mod options;
 mod outcome;

@@ -290,7 +290,7 @@ mod tests {
             let springs = Springs::find(&gauss, &mut evaluator, stiff, (&y.hi, h));
             let mut springs = springs.0.unwrap();
             assert_eq!(springs.springs.len(), 1);
-            springs.is_active = true;
+            assert!(springs.has_failed(&gauss) && springs.is_active);
 
             let sides = 2;
             let mut linear = LinearSweeps::new(&gauss, &iterate, pattern.clone(), sides);

@@ -10,13 +10,13 @@
 //! Cost: s + 1 gradients and Hessians; a factorisation of size (s + 1) n and one solve, or their simplified counterparts.
 
 use crate::linearised::Linearised;
+use crate::one_more::OneMore;
 use crate::options::StageSolver;
 use crate::outcome::Counts;
 use crate::stages::Stages;
 use crate::state::State;
 use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
-use equip_tableau::{Gauss, legendre_integrals_at};
 use nalgebra::DVector;
 
 #[derive(Debug)]
@@ -24,7 +24,7 @@ pub(crate) struct LocalError<T: Float> {
     /// Of the method with one stage more.
     stages: Stages<T>,
     linearised: Linearised<T>,
-    /// Σ_k (∫_0^{c_i} P_k) P_k(c_j): from the L_j of s stages to the Z_i of s + 1, row by row.
+    /// That of [`OneMore`].
     prolongation: Vec<T>,
     correction: DVector<T>,
     /// e, and −Ψ⁻¹e.
@@ -33,23 +33,22 @@ pub(crate) struct LocalError<T: Float> {
 }
 
 impl<T: Float> LocalError<T> {
-    /// For steps with the nodes of `gauss`; `None` if no method has one stage more.
-    pub(crate) fn new(gauss: &Gauss<T>, structure: &Structure, simplified: bool) -> Option<Self> {
-        let (s, n) = (gauss.stages(), structure.hessian.dimension());
-        let finer = Gauss::<T>::new(s + 1).ok()?;
+    /// With one stage more than the steps have.
+    pub(crate) fn new(finer: OneMore<T>, structure: &Structure, simplified: bool) -> Self {
+        let (stages, n) = (finer.gauss.stages(), structure.hessian.dimension());
         let solver = if simplified {
             StageSolver::SimplifiedNewton
         } else {
             StageSolver::FullNewton
         };
-        Some(LocalError {
-            prolongation: to_nodes(gauss, &finer),
-            stages: Stages::new(finer, n),
-            linearised: Linearised::new(s + 1, structure, solver, true),
-            correction: DVector::zeros((s + 1) * n),
+        LocalError {
+            prolongation: finer.prolongation,
+            stages: Stages::new(finer.gauss, n),
+            linearised: Linearised::new(stages, structure, solver, true),
+            correction: DVector::zeros(stages * n),
             error: vec![T::int(0); n],
             back: vec![T::int(0); n],
-        })
+        }
     }
 
     /// Estimates e of the step of size `h` from `y` whose `coarse` stages, with α = 0, are known up to a correction that
@@ -122,19 +121,4 @@ impl<T: Float> LocalError<T> {
 
 fn add<T: Float>(y: &mut [T], a: T, x: &[T]) {
     y.iter_mut().zip(x).for_each(|(y, &x)| *y += a * x);
-}
-
-/// Σ_k (∫_0^{c_i} P_k) P_k(c_j), row by row: from the L_j at the nodes of `gauss` to the Z_i at those of `finer`.
-pub(crate) fn to_nodes<T: Float>(gauss: &Gauss<T>, finer: &Gauss<T>) -> Vec<T> {
-    let s = gauss.stages();
-    let mut prolongation = vec![T::int(0); finer.stages() * s];
-    let mut integrals = vec![T::int(0); s];
-    for (row, &c) in prolongation.chunks_exact_mut(s).zip(finer.nodes()) {
-        legendre_integrals_at(c, &mut integrals);
-        for (k, &integral) in integrals.iter().enumerate() {
-            let terms = row.iter_mut().zip(gauss.legendre(k));
-            terms.for_each(|(x, &p)| *x += integral * p);
-        }
-    }
-    prolongation
 }

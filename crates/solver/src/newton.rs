@@ -27,6 +27,7 @@ use crate::error::IntegrateError;
 use crate::linearised::{Linearised, Verdict};
 use crate::local_error::LocalError;
 use crate::newton_alphas::{EACH_PASS, MAX_PASSES, Passes};
+use crate::one_more::OneMore;
 use crate::options::StageSolver;
 use crate::outcome::Counts;
 use crate::slow::{LARGEST, Slow};
@@ -34,7 +35,6 @@ use crate::stages::Stages;
 use crate::state::State;
 use equip_autodiff::{Evaluate, Structure};
 use equip_scalar::Float;
-use equip_tableau::Gauss;
 use nalgebra::DVector;
 
 /// Corrections below ε over this are of no account. What is left of Z − K L is an error of quadratic invariants that repeats from period to
@@ -116,21 +116,22 @@ pub(crate) struct Newton<T: Float> {
 impl<T: Float> Newton<T> {
     /// For the nodes of `gauss` and so many constraints, solved with `free` α's.
     pub(crate) fn new(
-        gauss: &Gauss<T>,
+        s: usize,
+        finer: Option<&OneMore<T>>,
         structure: &Structure,
         solver: StageSolver,
         (constraints, free): (usize, usize),
         max_iterations: u32,
     ) -> Self {
-        let (s, n) = (gauss.stages(), structure.hessian.dimension());
+        let n = structure.hessian.dimension();
         let linearised = Linearised::new(s, structure, solver, constraints > 0);
         let limit = linearised.iteration_limit(max_iterations);
         let choice = constraints > 0 && free > 1;
         let simplified = linearised.has_simplified();
         Newton {
-            local_error: choice
-                .then(|| LocalError::new(gauss, structure, simplified))
-                .flatten(),
+            local_error: finer
+                .filter(|_| choice)
+                .map(|finer| LocalError::new(finer.clone(), structure, simplified)),
             linearised,
             slow: (choice && n <= LARGEST).then(|| Slow::new(&structure.hessian)),
             directions: Directions::new(s, n, constraints),

@@ -17,7 +17,7 @@ use crate::constraint::Constraint;
 use crate::displacement::{Displacements, dot};
 use crate::hessians;
 use crate::linear_sweeps::{Held, LinearSweeps};
-use crate::local_error::to_nodes;
+use crate::one_more::OneMore;
 use crate::outcome::Counts;
 use crate::springs::Springs;
 use crate::stages::raise_to_least;
@@ -74,7 +74,12 @@ pub(crate) struct Response<T: Float> {
 }
 
 impl<T: Float> Response<T> {
-    pub(crate) fn new(gauss: &Gauss<T>, iterate: &Iterate<T>, pattern: &Pattern) -> Self {
+    pub(crate) fn new(
+        gauss: &Gauss<T>,
+        finer: Option<&OneMore<T>>,
+        iterate: &Iterate<T>,
+        pattern: &Pattern,
+    ) -> Self {
         let (s, n, stride) = (iterate.s, iterate.n, iterate.stride);
         let free = (s - 1).min(LEADING);
         let zeros = |len: usize| vec![T::int(0); len];
@@ -99,7 +104,7 @@ impl<T: Float> Response<T> {
             back: zeros(n * (free + 1) * stride),
             t_l: zeros(n * stride),
             made: Vec::new(),
-            finer: Finer::new(gauss, iterate),
+            finer: finer.map(|finer| Finer::new(finer.clone(), iterate)),
             displacements: Displacements::new(free + 1, n, 1),
             mean: zeros(pattern.len()),
             resolution: zeros(n),
@@ -119,7 +124,7 @@ impl<T: Float> Response<T> {
     /// The steps are made with these springs, or without.
     pub(crate) fn set_springs(&mut self, springs: Option<&Springs<T>>) {
         if let Some(finer) = &mut self.finer {
-            finer.iterate.springs = springs.and_then(|springs| springs.for_stages(&finer.gauss));
+            finer.iterate.springs = springs.and_then(Springs::for_other_stages);
         }
         if let Some(springs) = springs {
             self.linear.make_room(springs);
@@ -307,27 +312,22 @@ impl<T: Float> Response<T> {
 /// The step with one stage more, for the local error.
 #[derive(Debug)]
 struct Finer<T: Float> {
-    gauss: Gauss<T>,
+    method: OneMore<T>,
     iterate: Iterate<T>,
-    /// From the L_j of s stages to the Z_i of s + 1: row i at i·s.
-    prolongation: Vec<T>,
     before: Vec<T>,
     /// Evaluations of ∇H at one point, of the estimate made last.
     evaluations: u64,
 }
 
 impl<T: Float> Finer<T> {
-    fn new(gauss: &Gauss<T>, iterate: &Iterate<T>) -> Option<Self> {
-        let (s, n) = (iterate.s, iterate.n);
-        let finer = Gauss::<T>::new(s + 1).ok()?;
-        let zeros = |len: usize| vec![T::int(0); len];
-        Some(Finer {
-            prolongation: to_nodes(gauss, &finer),
-            iterate: Iterate::new(&finer, n, iterate.kinetic.clone(), &zeros(s)),
-            gauss: finer,
-            before: zeros(n),
+    fn new(method: OneMore<T>, coarse: &Iterate<T>) -> Self {
+        let (n, kinetic) = (coarse.n, coarse.kinetic.clone());
+        Finer {
+            iterate: Iterate::unperturbed(&method.gauss, n, kinetic),
+            method,
+            before: vec![T::int(0); n],
             evaluations: 0,
-        })
+        }
     }
 
     /// e into `error`, to round-off of the state. Returns whether it was found.
@@ -341,11 +341,11 @@ impl<T: Float> Finer<T> {
     ) -> bool {
         let (s, stride) = (coarse.s, coarse.stride);
         self.evaluations = 0;
-        let (own, rows) = (self.iterate.stride, &self.prolongation);
+        let (own, rows) = (self.iterate.stride, &self.method.prolongation);
         if let Some(own) = &mut self.iterate.springs {
             own.is_active = false;
         }
-        self.iterate.begin(&self.gauss, (y, h));
+        self.iterate.begin(&self.method.gauss, (y, h));
         self.iterate.displace(y, |c, z| {
             let l = &coarse.l[c * stride..][..s];
             for (z, row) in z[..own].iter_mut().zip(rows.chunks_exact(s)) {
@@ -360,7 +360,7 @@ impl<T: Float> Finer<T> {
             if let (Some(own), Some(springs)) = (&mut self.iterate.springs, coarse.active_springs())
                 && made > 0
             {
-                own.activate_as(springs);
+                own.activate_as(&self.method.gauss, springs);
             }
             let change = self.iterate.sweep(energy, y, false, |_| false);
             self.evaluations += (s + 1) as u64;

@@ -65,8 +65,10 @@ pub(crate) enum Trial {
 pub(crate) struct Springs<T: Float> {
     h: T,
     pub(crate) springs: Vec<Spring<T>>,
+    /// h² w κ for each matrix.
+    stiffnesses: Vec<T>,
+    /// The matrices, and −Kᵀ, column by column; empty until they are made use of.
     matrices: Vec<Matrix<T>>,
-    /// −Kᵀ, column by column.
     back: Vec<T>,
     trial: Trial,
     /// How sweeps contracted without them.
@@ -87,25 +89,20 @@ pub(crate) struct Springs<T: Float> {
 
 impl<T: Float> Springs<T> {
     /// With these κ, the rest empty.
-    fn new(
-        gauss: &Gauss<T>,
-        (pattern, w, h): (&Pattern, &[T], T),
-        found: Vec<(usize, T)>,
-    ) -> Option<Self> {
-        let (mut springs, mut matrices) = (Vec::new(), Vec::<Matrix<T>>::new());
+    fn new((pattern, w, h): (&Pattern, &[T], T), found: Vec<(usize, T)>) -> Option<Self> {
+        let (mut springs, mut stiffnesses) = (Vec::new(), Vec::<T>::new());
         for &(c, kappa) in &found {
             let stiffness = h * h * w[c] * kappa;
-            let alike =
-                |m: &Matrix<T>| T::int(ALIKE) * (m.stiffness - stiffness).abs() <= m.stiffness;
-            let matrix = match matrices.iter().position(alike) {
+            let alike = |of: &T| T::int(ALIKE) * (*of - stiffness).abs() <= *of;
+            let matrix = match stiffnesses.iter().position(alike) {
                 Some(matrix) => matrix,
-                None if matrices.len() < MOST => {
-                    matrices.push(Matrix::new(gauss, h, stiffness)?);
-                    matrices.len() - 1
+                None if stiffnesses.len() < MOST => {
+                    stiffnesses.push(stiffness);
+                    stiffnesses.len() - 1
                 }
                 None => continue,
             };
-            let kappa = matrices[matrix].stiffness / (h * h * w[c]);
+            let kappa = stiffnesses[matrix] / (h * h * w[c]);
             springs.push(Spring {
                 c,
                 kappa,
@@ -113,12 +110,12 @@ impl<T: Float> Springs<T> {
                 matrix,
             });
         }
-        let [_, back] = both_ways(gauss);
         (!springs.is_empty()).then(|| Springs {
             h,
             springs,
-            matrices,
-            back,
+            stiffnesses,
+            matrices: Vec::new(),
+            back: Vec::new(),
             trial: Trial::Before,
             without: T::ratio(NONE[0], NONE[1]),
             steps: 0,
@@ -132,9 +129,26 @@ impl<T: Float> Springs<T> {
         })
     }
 
+    /// Makes the matrices, once, if this step is made with the springs; without them it is if that cannot be.
+    fn make(&mut self, gauss: &Gauss<T>) {
+        if !self.is_active || !self.matrices.is_empty() {
+            return;
+        }
+        let stiffnesses = self.stiffnesses.iter();
+        let made = stiffnesses.map(|&stiffness| Matrix::new(gauss, self.h, stiffness));
+        match made.collect() {
+            Some(matrices) => {
+                self.matrices = matrices;
+                [_, self.back] = both_ways(gauss);
+            }
+            None => (self.trial, self.is_active) = (Trial::Off, false),
+        }
+    }
+
     /// A step of size `h` begins at `y`.
     pub(crate) fn begin<E: Evaluate<T>>(
         &mut self,
+        gauss: &Gauss<T>,
         energy: &mut E,
         (y, h): (&[T], T),
         counts: &mut Counts,
@@ -152,14 +166,16 @@ impl<T: Float> Springs<T> {
             self.trial = if any { Trial::On } else { Trial::Off };
         }
         self.is_active = self.trial == Trial::On && h == self.h;
+        self.make(gauss);
     }
 
     /// Sweeps have not contracted. Returns whether they are worth another try at once, with springs.
-    pub(crate) fn has_failed(&mut self) -> bool {
+    pub(crate) fn has_failed(&mut self, gauss: &Gauss<T>) -> bool {
         let first = self.trial == Trial::Before;
         if first {
             self.trial = Trial::On;
             self.is_active = true;
+            self.make(gauss);
         } else if self.is_active {
             self.poor += 1;
             self.judge();
@@ -238,13 +254,14 @@ impl<T: Float> Springs<T> {
     }
 
     /// The same springs for another number of stages.
-    pub(crate) fn for_stages(&self, gauss: &Gauss<T>) -> Option<Self> {
-        Self::new(gauss, (&self.pattern, &self.w, self.h), self.found.clone())
+    pub(crate) fn for_other_stages(&self) -> Option<Self> {
+        Self::new((&self.pattern, &self.w, self.h), self.found.clone())
     }
 
     /// Made use of in this step, those of `others` that are left.
-    pub(crate) fn activate_as(&mut self, others: &Self) {
+    pub(crate) fn activate_as(&mut self, gauss: &Gauss<T>, others: &Self) {
         self.is_active = others.is_active;
+        self.make(gauss);
         if self.springs.len() != others.springs.len() {
             let mut left = others.springs.iter().peekable();
             self.springs
@@ -269,7 +286,6 @@ impl<T: Float> Springs<T> {
 
     /// Those of a run that is resumed with steps of size `h`.
     pub(crate) fn from_memory(
-        gauss: &Gauss<T>,
         (pattern, w, h): (&Pattern, &[T], T),
         memory: &SpringsMemory,
     ) -> Result<Option<Self>, IntegrateError<T>> {
@@ -283,7 +299,7 @@ impl<T: Float> Springs<T> {
         let mut values = vec![T::int(0); kappa.len()];
         Exact::read_all(kappa, &mut values, what)?;
         let found = components.iter().copied().zip(values).collect();
-        let mut springs = Self::new(gauss, (pattern, w, h), found);
+        let mut springs = Self::new((pattern, w, h), found);
         if let Some(springs) = &mut springs {
             springs.springs.retain(|s| memory.kept.contains(&s.c));
             springs.trial = memory.trial;
@@ -318,15 +334,17 @@ mod tests {
         let y = [1.0, 0.0, 0.02, 0.5, 1.0, 0.0, 1.0, 0.0];
         let mut springs = found(&h, &y, 0.1, false).unwrap();
         let components: Vec<_> = springs.springs.iter().map(|s| s.c).collect();
-        assert_eq!((components, springs.matrices.len()), (vec![1, 2], 1));
+        assert_eq!((components, springs.stiffnesses.len()), (vec![1, 2], 1));
+        assert!(springs.matrices.is_empty(), "nothing has asked for them");
         assert!(found(&h, &y, 0.005, false).is_none());
         // ω = 50, 8 stages.
         assert!(found(&h, &y, 0.06, true).is_some() && found(&h, &y, 0.07, true).is_none());
         // The first step without, the next with them, while they are of use.
-        let mut energy = h.evaluator::<f64>();
+        let (gauss, mut energy) = (Gauss::new(8).unwrap(), h.evaluator::<f64>());
         let mut step = |springs: &mut Springs<f64>, seen, size| {
-            springs.begin(&mut energy, (&y, size), &mut Counts::default());
+            springs.begin(&gauss, &mut energy, (&y, size), &mut Counts::default());
             let active = springs.is_active;
+            assert!(!active || springs.matrices.len() == 1);
             springs.has_made(Some(seen));
             active
         };
@@ -346,10 +364,12 @@ mod tests {
         let mut springs = found(&h, &[0.4, 0.0, 0.0, 2.0], 0.25, false).unwrap();
         springs.has_made(Some(0.3));
         springs.begin(
+            &Gauss::new(8).unwrap(),
             &mut h.evaluator(),
             (&[0.25, 0.42, -1.1, 1.2], 0.25),
             &mut Counts::default(),
         );
         assert!(!springs.is_active && springs.trial == Trial::Off);
+        assert!(springs.matrices.is_empty());
     }
 }

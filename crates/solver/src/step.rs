@@ -6,6 +6,7 @@ use crate::dense::Parts;
 use crate::error::IntegrateError;
 use crate::guess::Guess;
 use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
+use crate::one_more::OneMore;
 use crate::options::{OnNoAlpha, Settings, StageSolver};
 use crate::outcome::{Counts, Outcome};
 use crate::stages::Stages;
@@ -75,9 +76,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let zero = State::new(&vec![T::int(0); n], &[]);
         let rule = rule(&settings, (s, n), constraints.len());
         let is_alone = settings.stage_solver == StageSolver::Sweeps;
+        let free = settings.first_alpha.map_or(0, |first| s - first);
+        let wants_errors = !constraints.is_empty() && free > 1;
+        let finer = wants_errors.then(|| OneMore::new(&gauss)).flatten();
         let alphas = (rule, &structure.hessian, is_alone);
-        let sweeps = can_sweep(&settings, s, constraints.len())
-            .then(|| Sweeps::new(&gauss, n, energy.kinetic(), &start_alphas, alphas));
+        let sweeps = can_sweep(&settings, s, constraints.len()).then(|| {
+            let methods = (&gauss, finer.as_ref());
+            Sweeps::new(methods, n, energy.kinetic(), &start_alphas, alphas)
+        });
         Core {
             sweeps,
             rule,
@@ -85,13 +91,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             halved: vec![Pause::NONE; settings.max_halvings as usize],
             energy,
             newton: Newton::new(
-                &gauss,
+                s,
+                finer.as_ref(),
                 structure,
                 settings.stage_solver,
-                (
-                    constraints.len(),
-                    settings.first_alpha.map_or(0, |first| s - first),
-                ),
+                (constraints.len(), free),
                 settings.max_iterations,
             ),
             constraints,

@@ -126,8 +126,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if let (Some(sweeps), Some(memory)) = (&mut self.sweeps, memory)
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
         {
-            let found =
-                Springs::from_memory(&self.stages.gauss, (&structure.hessian, w, h), memory)?;
+            let found = Springs::from_memory((&structure.hessian, w, h), memory)?;
             sweeps.set_springs(found);
         }
         Ok(())

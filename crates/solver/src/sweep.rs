@@ -153,6 +153,23 @@ impl<T: Float> Iterate<T> {
         kinetic: Option<Kinetic<T>>,
         alphas: &[T],
     ) -> Self {
+        let mut iterate = Self::start(gauss, (n, kinetic), Some(alphas));
+        if iterate.kinetic.is_some() && alphas.iter().all(|&alpha| alpha == T::int(0)) {
+            iterate.twice = Some(twice(iterate.set, gauss, &mut Places::default()));
+        }
+        iterate
+    }
+
+    /// For α = 0 alone, without drafts.
+    pub(crate) fn unperturbed(gauss: &Gauss<T>, n: usize, kinetic: Option<Kinetic<T>>) -> Self {
+        Self::start(gauss, (n, kinetic), None)
+    }
+
+    fn start(
+        gauss: &Gauss<T>,
+        (n, kinetic): (usize, Option<Kinetic<T>>),
+        alphas: Option<&[T]>,
+    ) -> Self {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
         let set = InstructionSet::best();
@@ -160,12 +177,10 @@ impl<T: Float> Iterate<T> {
         let mut places = Places::default();
         let mut k = places.zeros(length_of::<T>(s));
         let mut k_start = places.zeros(length_of::<T>(s));
-        let columns = Columns::new(gauss);
-        columns.fill(set, alphas, &mut k_start);
+        let columns = Columns::new(gauss, alphas.is_some());
+        columns.fill(set, alphas.unwrap_or_default(), &mut k_start);
         k.copy_from_slice(&k_start);
         let kinetic = kinetic.filter(|kinetic| kinetic.diagonal().is_some());
-        let twice = (kinetic.is_some() && alphas.iter().all(|&alpha| alpha == T::int(0)))
-            .then(|| twice(gauss, &mut places));
         let hb = places.zeros(stride);
         let mut rows = || places.zeros(n * stride);
         Iterate {
@@ -190,7 +205,7 @@ impl<T: Float> Iterate<T> {
             gradients: rows(),
             scale: vec![T::int(0); n],
             inverse_scale: vec![T::int(0); n],
-            twice,
+            twice: None,
             springs: None,
             is_draft: false,
             is_first: true,

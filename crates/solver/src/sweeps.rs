@@ -23,6 +23,7 @@ use crate::contraction::Contraction;
 use crate::displaced::Displaced;
 use crate::moves::Moves;
 use crate::newton::ENERGY_STAGNATED;
+use crate::one_more::OneMore;
 use crate::outcome::Counts;
 use crate::prolongation::Prolongation;
 use crate::response::Response;
@@ -81,9 +82,9 @@ pub(crate) struct Sweeps<T: Float> {
 }
 
 impl<T: Float> Sweeps<T> {
-    /// With room for what moves α's by this rule; alone if there is no other solver.
+    /// With room for what moves α's by this rule, errors told by the `finer` method; alone if there is no other solver.
     pub(crate) fn new(
-        gauss: &Gauss<T>,
+        (gauss, finer): (&Gauss<T>, Option<&OneMore<T>>),
         n: usize,
         kinetic: Option<Kinetic<T>>,
         start: &[T],
@@ -94,7 +95,7 @@ impl<T: Float> Sweeps<T> {
         let zero = T::int(0);
         Sweeps {
             slopes: Slopes::new(gauss, &iterate),
-            response: responds.then(|| Response::new(gauss, &iterate, pattern)),
+            response: responds.then(|| Response::new(gauss, finer, &iterate, pattern)),
             delta: vec![zero; gauss.stages() - 1],
             alphas: vec![zero; gauss.stages() - 1],
             made: 0,
@@ -127,14 +128,15 @@ impl<T: Float> Sweeps<T> {
         (next, task): (&mut State<T>, &SweepTask<'_, T>),
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
-        self.iterate.begin_springs(energy, (task.y, task.h), counts);
+        self.iterate
+            .begin_springs(gauss, energy, (task.y, task.h), counts);
         let reborrowed = constraint.as_deref_mut();
         let mut solved = self.try_once(gauss, energy, reborrowed, (&mut *next, task), counts);
         let Some(springs) = &mut self.iterate.springs else {
             return solved;
         };
         if solved == Err(Trouble::Slow) {
-            if !springs.has_failed() {
+            if !springs.has_failed(gauss) {
                 return solved;
             }
             solved = self.try_once(gauss, energy, constraint, (next, task), counts);

@@ -46,7 +46,7 @@ impl<T: Float> Springs<T> {
             }
         }
         let unresolved = (fastest > T::int(FAST)).then_some(fastest);
-        (Self::new(gauss, (pattern, w, h), found), unresolved)
+        (Self::new((pattern, w, h), found), unresolved)
     }
 }
 

@@ -8,17 +8,19 @@ use crate::springs::Springs;
 use crate::state::State;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
+use equip_tableau::Gauss;
 
 impl<T: Float> Iterate<T> {
     /// A step of size `h` begins at `y`: with springs, or without.
     pub(crate) fn begin_springs<E: Evaluate<T>>(
         &mut self,
+        gauss: &Gauss<T>,
         energy: &mut E,
         (y, h): (&State<T>, T),
         counts: &mut Counts,
     ) {
         if let Some(springs) = &mut self.springs {
-            springs.begin(energy, (&y.hi, h), counts);
+            springs.begin(gauss, energy, (&y.hi, h), counts);
         }
     }
 
