@@ -147,7 +147,7 @@ impl<T: Float> Contraction<T> {
     pub(crate) fn see_plain(&mut self, change: T) -> bool {
         let (last, eps) = (self.change, T::EPSILON);
         let Some(allowed) = self.allowed else {
-            return false;
+            return self.see_first(change);
         };
         let allowed = allowed * T::ratio(SLOW_PERCENT, 100);
         let contracts = (change <= last / T::int(2)) & (change <= allowed);
@@ -160,6 +160,19 @@ impl<T: Float> Contraction<T> {
         }
         self.allowed = Some(allowed);
         (self.change, self.left) = (change, change);
+        (self.still, self.is_settled) = (0, false);
+        true
+    }
+
+    /// The same of the first change of a step, if that is above rounding.
+    #[inline(always)]
+    fn see_first(&mut self, change: T) -> bool {
+        let is_first = !self.change.is_finite();
+        if !is_first | !(change > T::int(NOISY) * T::EPSILON) | !change.is_finite() {
+            return false;
+        }
+        self.allowed = Some(T::int(ALLOWANCE) * change);
+        (self.change, self.left, self.is_apart) = (change, change, false);
         (self.still, self.is_settled) = (0, false);
         true
     }
@@ -303,6 +316,34 @@ mod tests {
         contraction.begin(false);
         assert!(contraction.see(0.125, false, true));
         assert!(!contraction.see(7.0, true, true));
+    }
+
+    /// What is seen in a few operations is what is seen by all of them.
+    #[test]
+    fn the_short_ways_see_the_same() {
+        let sequences: [&[f64]; 5] = [
+            &[1e-3, 1e-5, 2e-8, 1e-11, 3e-14, 2e-16],
+            &[0.7, 0.3, 0.2, 0.19, 1e-2, 1e-4],
+            &[1e-15, 3e-16, 2e-16, 2e-16, 2e-16],
+            &[1e-6, f64::INFINITY],
+            &[1e-9, 1e-12, 4e-15, 3e-15, 5e-15],
+        ];
+        for springs in [false, true] {
+            for changes in sequences {
+                let mut pair = [Contraction::<f64>::new(true), Contraction::new(true)];
+                pair.iter_mut().for_each(|c| c.begin(springs));
+                for &change in changes {
+                    let [short, long] = &mut pair;
+                    let seen = short.see(change, false, true);
+                    assert_eq!(seen, long.see_any(change, false, true), "{changes:?}");
+                    if change <= 16.0 * f64::EPSILON {
+                        // What is allowed above rounding is nobody's concern below.
+                        long.allowed = short.allowed;
+                    }
+                    assert_eq!(format!("{short:?}"), format!("{long:?}"), "{changes:?}");
+                }
+            }
+        }
     }
 
     /// Near round-off it is by the contraction that the stages are known to be there, not by the noise of the last change.
