@@ -1,8 +1,8 @@
 //! How the sweeps of a step contract, and what they have left.
 //!
 //! A sweep that changes Z by Δ and contracts by ρ leaves an error of Δρ/(1 − ρ). ρ is the worst contraction seen in the step, no less
-//! than half of what it was in the last. Near round-off Δ is noise and says no more how far the stages are: Δ of the sweep before, times ρ, does,
-//! which saves half a sweep a step.
+//! than half of what it was in the last; sweeps from far off, which change Z by 1/8 of its size and more, say nothing of it. Near round-off
+//! Δ is noise and says no more how far the stages are: Δ of the sweep before, times ρ, does, which saves half a sweep a step.
 //!
 //! The stages have settled when the error that is left at the end point is below ε/64, or Δ, near round-off, no longer shrinks and that error is
 //! below ε, or Δ does not shrink three times.
@@ -15,6 +15,8 @@ const SLOW_PERCENT: i64 = 70;
 const ALLOWANCE: i64 = 16;
 /// Sweeps are not taken to contract by more than this in advance.
 const LEAST: i64 = 1000;
+/// Changes of Z above 1 over this of its size are far from those that the contraction holds for.
+pub(crate) const FAR: i64 = 8;
 /// Changes of Z below this many ε are rounding if they do not shrink.
 const ROUNDING: i64 = 256;
 /// Changes of Z below this many ε have their share of rounding.
@@ -52,6 +54,8 @@ pub(crate) struct Contraction<T> {
     slow: u32,
     still: u32,
     is_settled: bool,
+    /// Z has changed by as much as its size or so.
+    pub(crate) is_far: bool,
 }
 
 impl<T: Float> Contraction<T> {
@@ -72,6 +76,7 @@ impl<T: Float> Contraction<T> {
             slow: 0,
             still: 0,
             is_settled: false,
+            is_far: false,
         };
         new.set_rate(T::ratio(1, 2));
         new
@@ -105,6 +110,7 @@ impl<T: Float> Contraction<T> {
         (self.change, self.left) = (T::INFINITY, T::INFINITY);
         (self.is_apart, self.is_settled) = (true, false);
         (self.slow, self.still) = (0, 0);
+        self.is_far = false;
         self.is_new = false;
         self.allowed = None;
     }
@@ -133,7 +139,7 @@ impl<T: Float> Contraction<T> {
             let now = change / last;
             self.seen = now.max(std::mem::replace(&mut self.last, now));
             self.set_rate(self.seen.max(T::ratio(1, LEAST)));
-        } else if change > self.seen * last {
+        } else if last <= T::ratio(1, FAR) && change > self.seen * last {
             self.seen = change / last;
         }
         if self.seen > self.rate {
@@ -174,6 +180,7 @@ impl<T: Float> Contraction<T> {
         self.allowed = Some(T::int(ALLOWANCE) * change);
         (self.change, self.left, self.is_apart) = (change, change, false);
         (self.still, self.is_settled) = (0, false);
+        self.is_far = change > T::ratio(1, FAR);
         true
     }
 
@@ -243,6 +250,7 @@ impl<T: Float> Contraction<T> {
             change
         };
         self.change = change;
+        self.is_far |= change > T::ratio(1, FAR);
         // Rounding, and sweeps contract well enough for it not to be blown up.
         let stagnates = is_rounding && (compares || is_first) && change > last / T::int(2);
         // What is relative to sizes that were not known yet says nothing.
@@ -288,7 +296,7 @@ impl<T: Float> Contraction<T> {
 mod tests {
     use super::*;
 
-    /// The first two changes tell the contraction; one that the sizes or the α's have part in does not.
+    /// The first two changes tell the contraction; one that the sizes or the α's have part in does not, nor one from far off.
     #[test]
     fn the_worst_contraction_is_seen() {
         let mut contraction = Contraction::<f64>::new(false);
@@ -296,6 +304,9 @@ mod tests {
         assert!(contraction.see(1.0, false, true));
         assert_eq!(contraction.seen, 0.0);
         assert!(contraction.see(0.125, false, true));
+        assert_eq!(contraction.seen, 0.0, "from far off");
+        assert!(contraction.is_far);
+        assert!(contraction.see(0.015625, false, true));
         assert_eq!(contraction.seen, 0.125);
         contraction.disturb();
         assert!(contraction.see(0.0625, false, false));

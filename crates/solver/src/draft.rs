@@ -3,69 +3,21 @@
 //! $$ Z_q \leftarrow Z_q + h M^{-1} (K B K)\, \Delta L_p, \qquad B = \mathrm{diag}(b) . $$
 //!
 //! The same in exact numbers, if Z_q is K L of the L before. Rounded, K B K is not K twice, and quadratic invariants are kept by K alone: drafts are for
-//! sweeps with others to come, and L_q is made by these. As ΔL_p vanishes so does what K B K is rounded by: Z_q as a
-//! whole by K B K is 1.5 ε off, always to the same side, and angular momentum grew by 1e-17 a step even with two sweeps by K behind it.
+//! sweeps with others to come, and L_q is made by these. What a draft is off goes with ΔL_p, and is always to the same side: K B K is made with
+//! care ([`crate::twice`]).
 //!
 //! What a sweep of a small system waits for is one product after the other, and of a long chain they are most of the work.
 //!
 //! Only for the method with α = 0, with which most sweeps of a step are made: K B K costs s³ products.
 
-use crate::aligned::{Aligned, Places};
 use crate::half::{Half, force};
 use crate::mix::{Mix, Moved, Step};
 use crate::pairs::HALF;
 use crate::product::{Mixes, Sixteen, product_any};
-use crate::row::{
-    OnLines, Row, add, difference, literal, placed, rows, rows_mut, scaled, stride_for,
-};
+use crate::row::{OnLines, Row, add, difference, literal, placed, rows, rows_mut, scaled};
 use crate::small::{Small, change, numbers, rows_of};
-use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel, Lanes};
-use equip_tableau::Gauss;
+use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
 use std::ops::Range;
-
-/// K B K of the method with α = 0, column by column.
-pub(crate) fn twice<T: Float>(
-    set: InstructionSet,
-    gauss: &Gauss<T>,
-    places: &mut Places,
-) -> Aligned<T> {
-    let s = gauss.stages();
-    let stride = stride_for::<T>(s);
-    let mut k = vec![T::int(0); s * stride];
-    gauss.skew_columns_into(&vec![T::int(0); s - 1], stride, &mut k);
-    let mut twice = places.zeros(stride * stride);
-    set.run(&mut Twice {
-        k: &k,
-        b: gauss.weights(),
-        stride,
-        twice: &mut twice,
-    });
-    twice
-}
-
-struct Twice<'a, T> {
-    k: &'a [T],
-    b: &'a [T],
-    stride: usize,
-    twice: &'a mut [T],
-}
-
-impl<T: Float> Kernel for Twice<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(&mut self) {
-        let columns = self.k.chunks_exact(self.stride);
-        for (to, from) in (self.twice.chunks_exact_mut(self.stride)).zip(columns.clone()) {
-            for ((column, &x), &b) in columns.clone().zip(from).zip(self.b) {
-                let x = b * x;
-                for (to, &k) in to.iter_mut().zip(column) {
-                    *to += k * x;
-                }
-            }
-        }
-    }
-}
 
 pub(crate) struct Draft<'a, T> {
     /// With K B K in place of K.

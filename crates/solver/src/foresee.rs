@@ -14,7 +14,6 @@
 //! Cost: s² products for each spring in a sweep, 3 s² in the start of a step.
 
 use crate::aligned::{Aligned, Places};
-use crate::draft::twice;
 use crate::half::force;
 use crate::linear::DenseLu;
 use crate::pairs::{HALF, has_pairs};
@@ -24,6 +23,7 @@ use crate::row::{
     Row, add, difference, in_memory, lanes_of, literal, rows, rows_mut, scaled, stride_for, times,
 };
 use crate::springs::Spring;
+use crate::twice;
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 use nalgebra::DVector;
@@ -58,7 +58,7 @@ impl<T: Float> Matrix<T> {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
         let mut places = Places::default();
-        let twice = twice(InstructionSet::best(), gauss, &mut places);
+        let twice = twice::of(InstructionSet::best(), gauss, &mut places);
         let mut lu = DenseLu::new(s);
         let m = lu.matrix_mut();
         for (j, &b) in gauss.weights().iter().enumerate() {
@@ -292,7 +292,7 @@ mod tests {
             for (hb, &b) in hb.iter_mut().zip(gauss.weights()) {
                 *hb = h * b;
             }
-            let twice = twice(InstructionSet::best(), &gauss, &mut Places::default());
+            let twice = twice::of(InstructionSet::best(), &gauss, &mut Places::default());
             let l = vec![0.0; 2 * stride];
             for set in InstructionSet::available() {
                 // Z = 0 as a guess, or as what no force and no velocity has made.

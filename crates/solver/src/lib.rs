@@ -89,6 +89,7 @@ mod sweeps;
 mod tangent;
 mod tangent_chaos;
 mod time_dependent;
+mod twice;
 mod whole;
 
 pub use adaptive::Adaptive;

@@ -6,9 +6,9 @@
 use crate::pairs::{HALF, has_pairs};
 use crate::product::{Mixes, Square};
 use crate::prolongation::View;
-use crate::row::literal;
+use crate::row::{Row, literal, rows};
 use crate::small::Small;
-use crate::start::{largest, resolve, see};
+use crate::start::{largest, likely, most_likely, resolve, see};
 use crate::whole::conjugate;
 use equip_scalar::{InstructionSet, Kernel, Lanes};
 
@@ -20,6 +20,8 @@ pub(crate) struct Opening<'a, S> {
     pub(crate) l: &'a [f64],
     /// ∇H at the start of the step, if it is known.
     pub(crate) known: Option<&'a [f64]>,
+    /// The size of the step over that of the last.
+    pub(crate) ratio: f64,
     pub(crate) scale: &'a mut [f64],
     pub(crate) inverse_scale: &'a mut [f64],
 }
@@ -50,16 +52,19 @@ impl<'a, S: Small<'a>> Opening<'a, S> {
         let m = C / S::WIDTH;
         let l = self.l.as_chunks::<N>().0;
         let s = self.sweep.step().s;
+        let hb: Row<f64, G, N> = *literal(rows(self.sweep.step().hb).first());
         let mut slopes = [[Lanes::splat(0.0); C]; G];
         for c in 0..C {
             let (from, by_momentum) = conjugate(c, 2 * m);
             let row: &[[f64; N]; G] = literal(l[from * G..].first_chunk());
+            let most = most_likely(row, Some(self.ratio));
             let mut room = [[0.0; N]; G];
             let row = self.prolongation.prepared(row, &mut room, s);
             let at_start = self.known.map_or(0.0, |known| known[c]);
             let sign = if by_momentum { -1.0 } else { 1.0 };
             for (g, slopes) in slopes.iter_mut().enumerate() {
-                slopes[c] = Lanes(self.prolongation.foretell(row, (g, s), sign, at_start));
+                let gradient = self.prolongation.foretell(row, (g, s), sign, at_start);
+                slopes[c] = Lanes(likely(&gradient, &hb[g], most));
             }
         }
         self.sweep.finish(&slopes, k);

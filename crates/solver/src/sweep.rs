@@ -26,7 +26,8 @@ mod stage_by_stage;
 
 use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
-use crate::draft::{Draft, twice};
+use crate::contraction::FAR;
+use crate::draft::Draft;
 use crate::half::Half;
 use crate::mix::Step;
 use crate::pairs::{HALF, has_pairs};
@@ -34,6 +35,7 @@ use crate::row::stride_for;
 use crate::small::{OneGroup, TwoGroups};
 use crate::springs::Springs;
 use crate::state::State;
+use crate::twice;
 use crate::whole::Whole;
 use equip_autodiff::{Evaluate, Kinetic};
 use equip_scalar::{Float, InstructionSet};
@@ -139,8 +141,8 @@ pub(crate) struct Iterate<T: Float> {
     is_first: bool,
     /// This step began from foretold gradients: all components have been measured.
     is_prolonged: bool,
-    /// The last sweep moved Z by more than 1/8 of its size.
-    was_far: bool,
+    /// Components were measured on stages that were far off.
+    pub(crate) was_far: bool,
     /// The next change of Z is relative to other sizes than the last.
     pub(crate) was_remeasured: bool,
 }
@@ -153,28 +155,30 @@ impl<T: Float> Iterate<T> {
         kinetic: Option<Kinetic<T>>,
         alphas: &[T],
     ) -> Self {
-        let mut iterate = Self::start(gauss, (n, kinetic), Some(alphas));
+        let mut places = Places::default();
+        let mut iterate = Self::start(gauss, (n, kinetic), Some(alphas), &mut places);
         if iterate.kinetic.is_some() && alphas.iter().all(|&alpha| alpha == T::int(0)) {
-            iterate.twice = Some(twice(iterate.set, gauss, &mut Places::default()));
+            let (set, k) = (iterate.set, &*iterate.k_start);
+            iterate.twice = Some(twice::as_read(set, gauss, k, &mut places));
         }
         iterate
     }
 
     /// For α = 0 alone, without drafts.
     pub(crate) fn unperturbed(gauss: &Gauss<T>, n: usize, kinetic: Option<Kinetic<T>>) -> Self {
-        Self::start(gauss, (n, kinetic), None)
+        Self::start(gauss, (n, kinetic), None, &mut Places::default())
     }
 
     fn start(
         gauss: &Gauss<T>,
         (n, kinetic): (usize, Option<Kinetic<T>>),
         alphas: Option<&[T]>,
+        places: &mut Places,
     ) -> Self {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
         let set = InstructionSet::best();
         // One column for each place of L, also the padding: all zero there.
-        let mut places = Places::default();
         let mut k = places.zeros(length_of::<T>(s));
         let mut k_start = places.zeros(length_of::<T>(s));
         let columns = Columns::new(gauss, alphas.is_some());
@@ -256,13 +260,15 @@ impl<T: Float> Iterate<T> {
         mut again: impl FnMut(T) -> bool,
     ) -> T {
         let unknown = std::mem::take(&mut self.is_first) && !self.is_prolonged;
-        // What was measured on stages that were far off is measured again.
-        let measures = self.was_far || unknown;
-        self.is_draft = draft && !measures && !self.k_has_moved && self.twice.is_some();
+        // What was measured on stages that were far off is measured again: after the drafts, on springs at once.
+        let springs = self.has_springs();
+        let drafts = self.twice.is_some() && !self.k_has_moved && !unknown;
+        self.is_draft = draft && drafts && !(springs && self.was_far);
+        let measures = unknown || (self.was_far && !self.is_draft);
         self.has_momenta = measures;
-        let far = T::ratio(1, 8);
         let drafts = self.is_draft;
-        let mut again = |change: T| drafts && change <= far && again(change);
+        let mut again =
+            |change: T| drafts && !(springs && change > T::ratio(1, FAR)) && again(change);
         let fused = if T::IS_DOUBLE {
             match self.stride {
                 _ if self.has_springs() => None,
@@ -286,9 +292,9 @@ impl<T: Float> Iterate<T> {
         });
         if measures {
             self.measure(y, 0..self.n);
+            self.was_far = false;
         }
-        self.was_remeasured = measures;
-        self.was_far = change > far;
+        self.was_remeasured = measures && (unknown || springs || self.twice.is_none());
         change
     }
 

@@ -9,7 +9,8 @@
 //! * *Slopes* ([`crate::slopes`]): from Legendre coefficients, without any Hessian. The first move is followed by K L formed
 //!   anew, further ones by the observed change of Z.
 //!
-//! *Start.* The polynomial of the last step's stage derivatives, prolonged; else, or where sweeps from there do not contract, Z = 0.
+//! *Start.* The polynomial of the last step's stage derivatives, prolonged as far as that is likely ([`crate::start`]); else, or where sweeps from
+//! there do not contract, Z = 0.
 //! *End.* The stages have settled, and |g| is at its floor, or stalls near it, or with α = 0 or slopes is within 4 floors and not worth more.
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found, slopes that move the end point too far
 //! ([`crate::displaced`]). What comes then is [`crate::step_swept::Then`].
@@ -178,6 +179,7 @@ impl<T: Float> Sweeps<T> {
                     && (!looks_early || error * spread >= T::int(16) * threshold)
             };
             let draft = is_far(&self.contraction);
+            self.iterate.was_far |= std::mem::take(&mut self.contraction.is_far);
             let (contraction, mut seen, mut made) = (&mut self.contraction, false, 1);
             let change = self.iterate.sweep(energy, task.y, draft, |change| {
                 seen = contraction.see_plain(change);

@@ -44,15 +44,21 @@ impl<T: Float> Iterate<T> {
         std::mem::swap(&mut self.l, &mut self.l_before);
         (self.is_first, self.is_prolonged, self.was_far) = (true, true, false);
         (self.is_draft, self.has_momenta) = (false, true);
-        if T::IS_DOUBLE && !self.has_springs() && self.open(y, prolongation, known).is_some() {
+        if T::IS_DOUBLE
+            && !self.has_springs()
+            && self.open((y, ratio), prolongation, known).is_some()
+        {
             return;
         }
-        let wanted = self.unknowns();
+        let (wanted, springs) = (self.unknowns(), self.has_springs());
         self.set.run(&mut Foretell {
             prolongation: prolongation.view(),
             l: &self.l_before,
             known,
             gradients: &mut self.gradients,
+            hb: &self.hb,
+            // On springs the last step as it is, or what is slow in it.
+            ratio: (!springs).then_some(ratio),
             m: self.n / 2,
             wanted,
             s: self.s,
@@ -65,7 +71,7 @@ impl<T: Float> Iterate<T> {
     /// All of this as one kernel, if there is one for these lengths.
     fn open(
         &mut self,
-        y: &State<T>,
+        (y, ratio): (&State<T>, T),
         prolongation: &Prolongation<T>,
         known: Option<&[T]>,
     ) -> Option<()> {
@@ -75,6 +81,7 @@ impl<T: Float> Iterate<T> {
                     sweep: $task.in_doubles()?,
                     prolongation: prolongation.view().in_doubles()?,
                     l: T::as_doubles(&self.l_before)?,
+                    ratio: ratio.to_f64(),
                     known: match known {
                         Some(known) => Some(T::as_doubles(known)?),
                         None => None,

@@ -1,0 +1,187 @@
+//! K B K, B = diag(b), of the method with α = 0: what two products with K do to the forces.
+//!
+//! [`crate::draft`] moves Z by it where other sweeps have K twice, and is to differ from them by no more than rounding the result: Z of all drafts
+//! of a step together is that of these sweeps then, though it was far off in the first of them. So K is taken as it is read, which is not the same in all
+//! layouts: ½ + U rounded, or ½ and U apart ([`crate::pairs`]), and K B K is summed in double-double. With K of the other layout, 5e-17 off, angular momentum of
+//! Kepler's problem grows by 2e-17 a step.
+//!
+//! Cost: s³ products, of doubles in double-double.
+
+use crate::MAX_STAGES;
+use crate::aligned::{Aligned, Places};
+use crate::pairs::{HALF, has_pairs};
+use crate::product::product_any;
+use crate::row::stride_for;
+use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
+use equip_tableau::Gauss;
+
+/// K B K column by column; `k` is K as sweeps read it.
+pub(crate) fn as_read<T: Float>(
+    set: InstructionSet,
+    gauss: &Gauss<T>,
+    k: &[T],
+    places: &mut Places,
+) -> Aligned<T> {
+    let s = gauss.stages();
+    let stride = stride_for::<T>(s);
+    let mut twice = places.zeros(stride * stride);
+    let doubles = (T::as_doubles(gauss.weights()), T::as_doubles(k));
+    let (Some(b), Some(k), Some(to)) = (doubles.0, doubles.1, T::as_doubles_mut(&mut twice)) else {
+        return of(set, gauss, places);
+    };
+    let exact = |x: f64| DoubleDouble::exact(x);
+    let entry = |i: usize, j: usize| {
+        if !has_pairs::<f64>(s) {
+            return exact(k[j * stride + i]);
+        }
+        let near = |x: usize| x.min(2 * HALF - 1 - x);
+        let [p, q] = [0, HALF * HALF].map(|from| exact(k[from + near(j) * HALF + near(i)]));
+        let p = if i < HALF { p } else { -p };
+        let q = if j < HALF { q } else { -q };
+        exact(0.5) + p + q
+    };
+    let width = s.next_multiple_of(8);
+    let mut columns = vec![exact(0.0); s * width];
+    for (j, column) in columns.chunks_exact_mut(width).enumerate() {
+        for (i, x) in column.iter_mut().enumerate().take(s) {
+            *x = entry(i, j);
+        }
+    }
+    set.run(&mut Exactly {
+        columns: &columns,
+        b,
+        width,
+        stride,
+        twice: to,
+    });
+    twice
+}
+
+/// K B K column by column, of K by columns, in the same float type.
+pub(crate) fn of<T: Float>(
+    set: InstructionSet,
+    gauss: &Gauss<T>,
+    places: &mut Places,
+) -> Aligned<T> {
+    let s = gauss.stages();
+    let stride = stride_for::<T>(s);
+    let mut k = vec![T::int(0); s * stride];
+    gauss.skew_columns_into(&vec![T::int(0); s - 1], stride, &mut k);
+    let mut twice = places.zeros(stride * stride);
+    set.run(&mut Twice {
+        k: &k,
+        b: gauss.weights(),
+        stride,
+        twice: &mut twice,
+    });
+    twice
+}
+
+struct Twice<'a, T> {
+    k: &'a [T],
+    b: &'a [T],
+    stride: usize,
+    twice: &'a mut [T],
+}
+
+impl<T: Float> Kernel for Twice<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let columns = self.k.chunks_exact(self.stride);
+        for (to, from) in (self.twice.chunks_exact_mut(self.stride)).zip(columns.clone()) {
+            for ((column, &x), &b) in columns.clone().zip(from).zip(self.b) {
+                let x = b * x;
+                for (to, &k) in to.iter_mut().zip(column) {
+                    *to += k * x;
+                }
+            }
+        }
+    }
+}
+
+struct Exactly<'a> {
+    /// K, columns of this width.
+    columns: &'a [DoubleDouble],
+    b: &'a [f64],
+    width: usize,
+    stride: usize,
+    twice: &'a mut [f64],
+}
+
+impl Kernel for Exactly<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let (s, groups) = (self.b.len(), self.width / 8);
+        let k = self.columns.as_chunks::<8>().0;
+        let rows = self.columns.chunks_exact(self.width);
+        for (to, column) in self.twice.chunks_exact_mut(self.stride).zip(rows) {
+            let mut row = [[DoubleDouble::exact(0.0); 8]; MAX_STAGES / 8];
+            let weighted = row.as_flattened_mut().iter_mut();
+            for ((to, &x), &b) in weighted.zip(column).zip(self.b) {
+                *to = x * DoubleDouble::exact(b);
+            }
+            for (g, to) in to.chunks_mut(8).enumerate() {
+                let found = product_any(k, &row[..groups], g, s);
+                for (to, x) in to.iter_mut().zip(&found) {
+                    *to = x.to_f64();
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::{Columns, length_of};
+    use crate::pairs::Blocks;
+    use crate::product::Mixes;
+
+    /// K L in double-double, K as sweeps read it.
+    fn mixed(k: &[f64], s: usize, l: &[DoubleDouble]) -> Vec<DoubleDouble> {
+        let zero = DoubleDouble::exact(0.0);
+        if has_pairs::<f64>(s) {
+            let k: Vec<_> = k.iter().map(|&x| DoubleDouble::exact(x)).collect();
+            let mut row = [[zero; HALF]; 2];
+            row.as_flattened_mut().copy_from_slice(l);
+            return Blocks::of(&k).mixed(&mut row).as_flattened().to_vec();
+        }
+        let stride = stride_for::<f64>(s);
+        let entry = |i: usize, j: usize| DoubleDouble::exact(k[j * stride + i]);
+        (0..s)
+            .map(|i| (0..s).fold(zero, |sum, j| sum + entry(i, j) * l[j]))
+            .collect()
+    }
+
+    /// To half a unit in the last place, what two products with K do to each unit vector, B between them.
+    #[test]
+    fn it_is_two_products_rounded_once() {
+        for s in [2, 3, 4, 5, 8, 9, 15, 16, 17, 24, 32] {
+            let gauss = Gauss::<f64>::new(s).unwrap();
+            let stride = stride_for::<f64>(s);
+            for set in InstructionSet::available() {
+                let mut k = vec![0.0; length_of::<f64>(s)];
+                Columns::new(&gauss, true).fill(set, &vec![0.0; s - 1], &mut k);
+                let found = as_read(set, &gauss, &k, &mut Places::default());
+                for j in 0..s {
+                    let mut l = vec![DoubleDouble::exact(0.0); s];
+                    l[j] = DoubleDouble::exact(1.0);
+                    let mut l = mixed(&k, s, &l);
+                    for (l, &b) in l.iter_mut().zip(gauss.weights()) {
+                        *l *= DoubleDouble::exact(b);
+                    }
+                    for (i, x) in mixed(&k, s, &l).into_iter().enumerate() {
+                        let found = found[j * stride + i];
+                        let off = (x - DoubleDouble::exact(found)).to_f64().abs();
+                        let half = 0.5 * (found.abs().next_up() - found.abs());
+                        assert!(off <= half + 1e-30, "s = {s}, {set:?}: {off:e}");
+                    }
+                }
+            }
+        }
+    }
+}
