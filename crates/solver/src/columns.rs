@@ -14,8 +14,8 @@ use equip_tableau::Gauss;
 #[derive(Debug)]
 pub(crate) struct Columns<T> {
     unperturbed: Aligned<T>,
-    /// T_1 … T_{s−1}; none for α = 0 alone.
-    basis: Vec<Aligned<T>>,
+    /// T_1 … T_{s−1}, one behind the other; none for α = 0 alone.
+    basis: Aligned<T>,
     /// ½ and 1 where K has an entry, 0 in the padding; none for P and Q, which are made of U alone.
     half_and_one: Option<(Aligned<T>, Aligned<T>)>,
 }
@@ -26,32 +26,39 @@ impl<T: Float> Columns<T> {
         let (s, mut places) = (gauss.stages(), Places::default());
         let stride = stride_for::<T>(s);
         let by_pairs = has_pairs::<T>(s);
-        let mut laid_out = |entry: &dyn Fn(usize, usize) -> T| {
-            let mut x = places.zeros(length_of::<T>(s));
+        // Row by row, or one number for all entries.
+        let lay_out = |entries: &[T], x: &mut [T]| {
+            let entry =
+                |i: usize, j: usize| entries[if entries.len() == 1 { 0 } else { i * s + j }];
             if by_pairs {
-                fill(entry, &mut x);
-                return x;
+                fill(entry, x);
+                return;
             }
             for j in 0..s {
                 for i in 0..s {
                     x[j * stride + i] = entry(i, j);
                 }
             }
+        };
+        let len = length_of::<T>(s);
+        let mut laid_out = |entries: &[T]| {
+            let mut x = places.zeros(len);
+            lay_out(entries, &mut x);
             x
         };
         let mut u = vec![T::int(0); s * s];
         gauss.antisymmetric_into(&vec![T::int(0); s - 1], &mut u);
+        let unperturbed = laid_out(&u);
+        let half_and_one =
+            (!by_pairs).then(|| (laid_out(&[T::ratio(1, 2)]), laid_out(&[T::int(1)])));
+        let mut basis = places.zeros(if any_alphas { (s - 1) * len } else { 0 });
+        for (k, x) in basis.chunks_exact_mut(len).enumerate() {
+            lay_out(gauss.skew_basis(k + 1), x);
+        }
         Columns {
-            unperturbed: laid_out(&|i, j| u[i * s + j]),
-            basis: (1..if any_alphas { s } else { 1 })
-                .map(|k| laid_out(&|i, j| gauss.skew_basis(k)[i * s + j]))
-                .collect(),
-            half_and_one: (!by_pairs).then(|| {
-                (
-                    laid_out(&|_, _| T::ratio(1, 2)),
-                    laid_out(&|_, _| T::int(1)),
-                )
-            }),
+            unperturbed,
+            basis,
+            half_and_one,
         }
     }
 
@@ -115,7 +122,9 @@ impl<T: Float> Fill<'_, T> {
         let (columns, k) = (self.columns, &mut *self.k);
         k.copy_from_slice(&columns.unperturbed);
         let k = k.as_chunks_mut::<N>().0;
-        for (basis, &alpha) in columns.basis.iter().zip(self.alphas) {
+        for (basis, &alpha) in
+            (columns.basis.chunks_exact(columns.unperturbed.len())).zip(self.alphas)
+        {
             if alpha != T::int(0) {
                 for (u, t) in k.iter_mut().zip(basis.as_chunks().0) {
                     add(u, &scaled(t, alpha));

@@ -10,8 +10,8 @@
 use crate::MAX_STAGES;
 use crate::aligned::{Aligned, Places};
 use crate::pairs::{HALF, has_pairs};
-use crate::product::product_any;
-use crate::row::stride_for;
+use crate::product::{Mixes, Packed, product_any};
+use crate::row::{rows, stride_for};
 use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 
@@ -115,22 +115,54 @@ impl Kernel for Exactly<'_> {
 
     #[inline(always)]
     fn run(&mut self) {
+        match self.width {
+            8 => self.packed::<1>(),
+            16 => self.packed::<2>(),
+            _ => self.any(),
+        }
+    }
+}
+
+impl Exactly<'_> {
+    /// Up to 16 stages.
+    #[inline(always)]
+    fn packed<const G: usize>(&mut self) {
+        let k = Packed::<DoubleDouble, G, 8>::of(rows(self.columns), self.b.len());
+        let columns = self.columns.chunks_exact(self.width);
+        for (to, column) in self.twice.chunks_exact_mut(self.stride).zip(columns) {
+            let mut row = [[DoubleDouble::exact(0.0); 8]; G];
+            weigh(column, self.b, row.as_flattened_mut());
+            round(k.product(&row).as_flattened(), to);
+        }
+    }
+
+    #[inline(always)]
+    fn any(&mut self) {
         let (s, groups) = (self.b.len(), self.width / 8);
         let k = self.columns.as_chunks::<8>().0;
-        let rows = self.columns.chunks_exact(self.width);
-        for (to, column) in self.twice.chunks_exact_mut(self.stride).zip(rows) {
+        let columns = self.columns.chunks_exact(self.width);
+        for (to, column) in self.twice.chunks_exact_mut(self.stride).zip(columns) {
             let mut row = [[DoubleDouble::exact(0.0); 8]; MAX_STAGES / 8];
-            let weighted = row.as_flattened_mut().iter_mut();
-            for ((to, &x), &b) in weighted.zip(column).zip(self.b) {
-                *to = x * DoubleDouble::exact(b);
-            }
+            weigh(column, self.b, row.as_flattened_mut());
             for (g, to) in to.chunks_mut(8).enumerate() {
-                let found = product_any(k, &row[..groups], g, s);
-                for (to, x) in to.iter_mut().zip(&found) {
-                    *to = x.to_f64();
-                }
+                round(&product_any(k, &row[..groups], g, s), to);
             }
         }
+    }
+}
+
+/// B times a column.
+#[inline(always)]
+fn weigh(column: &[DoubleDouble], b: &[f64], to: &mut [DoubleDouble]) {
+    for ((to, &x), &b) in to.iter_mut().zip(column).zip(b) {
+        *to = x * DoubleDouble::exact(b);
+    }
+}
+
+#[inline(always)]
+fn round(from: &[DoubleDouble], to: &mut [f64]) {
+    for (to, x) in to.iter_mut().zip(from) {
+        *to = x.to_f64();
     }
 }
 

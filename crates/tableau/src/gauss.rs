@@ -51,10 +51,10 @@ impl<T: Float> Gauss<T> {
     pub fn new(stages: usize) -> Result<Self, TableauError> {
         check_stages(stages)?;
         let rule = Rule::new(stages, stages);
-        let mut basis = Vec::with_capacity((stages - 1) * stages * stages);
-        for k in 1..stages {
-            let [before, this] = [k - 1, k].map(|k| &rule.legendre[k * stages..][..stages]);
-            basis.extend_from_slice(&crate::skew::commutator(this, before));
+        let mut basis = vec![T::int(0); (stages - 1) * stages * stages];
+        for (k, t_k) in basis.chunks_exact_mut(stages * stages).enumerate() {
+            let [before, this] = [k, k + 1].map(|k| &rule.legendre[k * stages..][..stages]);
+            crate::skew::commutator(this, before, t_k);
         }
         let mut unperturbed = vec![T::int(0); stages * stages];
         // From the smallest ξ_k to the largest.

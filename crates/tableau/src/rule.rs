@@ -31,8 +31,8 @@ impl<T: Float> Rule<T> {
             weights: vec![zero; s],
             legendre: vec![zero; n * s],
         };
-        for i in 0..s.div_ceil(2) {
-            rule.mirrored_pair(i, distance(s, i), n);
+        for (i, t) in distances(s).into_iter().enumerate() {
+            rule.mirrored_pair(i, t, n);
         }
         rule
     }
@@ -66,34 +66,46 @@ impl<T: Float> Rule<T> {
     }
 }
 
-/// t = 2c of the i-th node from the left (i < s/2, or the middle one), with full relative accuracy.
-fn distance<T: Float>(s: usize, i: usize) -> T {
+/// t = 2c of the nodes from the left up to the middle one, with full relative accuracy. Newton's steps of all nodes are made side by side: each
+/// waits for a chain of s divisions.
+fn distances<T: Float>(s: usize) -> Vec<T> {
     let (one, two, order) = (T::int(1), T::int(2), T::int(s as i64));
-    if 2 * i + 1 == s {
-        return one;
-    }
-    let mut t = T::exact(start(s, i));
-    let mut last = T::INFINITY;
+    let mut t: Vec<T> = (0..s / 2).map(|i| T::exact(start(s, i))).collect();
+    let mut last = vec![Some(T::INFINITY); t.len()];
+    let (mut before, mut value) = (t.clone(), t.clone());
     for _ in 0..MAX_NEWTON {
-        let (before, value) = last_two(s, t);
-        let delta = value * t * (two - t) / (order * (before - (one - t) * value));
-        t += delta;
-        // Steps that no longer halve are rounding noise.
-        if two * delta.abs() < last {
-            last = delta.abs();
-        } else {
+        last_two(s, &t, &mut before, &mut value);
+        let values = before.iter().zip(&value);
+        for ((t, last), (&before, &value)) in t.iter_mut().zip(&mut last).zip(values) {
+            let Some(before_this) = *last else {
+                continue;
+            };
+            let delta = value * *t * (two - *t) / (order * (before - (one - *t) * value));
+            *t += delta;
+            // Steps that no longer halve are rounding noise.
+            *last = (two * delta.abs() < before_this).then_some(delta.abs());
+        }
+        if last.iter().all(Option::is_none) {
             break;
         }
+    }
+    if s % 2 == 1 {
+        t.push(one);
     }
     t
 }
 
-/// (L_{s−1}, L_s) at 1 − t.
-fn last_two<T: Float>(s: usize, t: T) -> (T, T) {
-    let mut values = Classical::new(t).map(|(value, _)| value).skip(s - 1);
-    match (values.next(), values.next()) {
-        (Some(before), Some(value)) => (before, value),
-        _ => (T::NAN, T::NAN),
+/// L_{s−1} and L_s at each 1 − t, by the recurrence of [`Classical`].
+fn last_two<T: Float>(s: usize, t: &[T], before: &mut [T], value: &mut [T]) {
+    let mut step = vec![T::int(0); t.len()];
+    value.fill(T::int(1));
+    for k in 0..s as i64 {
+        before.copy_from_slice(value);
+        let (ahead, back, by) = (T::int(2 * k + 1), T::int(k), T::int(k + 1));
+        for ((value, step), &t) in value.iter_mut().zip(&mut step).zip(t) {
+            *step = (back * *step - ahead * t * *value) / by;
+            *value += *step;
+        }
     }
 }
 

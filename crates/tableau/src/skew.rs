@@ -161,16 +161,14 @@ fn halves<T: Float>(u: T, half: T, one: T) -> (T, T) {
 }
 
 /// p qᵀ − q pᵀ: the upper triangle computed, the lower one its negative.
-pub(crate) fn commutator<T: Float>(p: &[T], q: &[T]) -> Vec<T> {
+pub(crate) fn commutator<T: Float>(p: &[T], q: &[T], t: &mut [T]) {
     let s = p.len();
-    let mut t = vec![T::int(0); s * s];
     for i in 0..s {
         for j in i + 1..s {
             t[i * s + j] = p[i] * q[j] - q[i] * p[j];
         }
     }
-    mirror(s, &mut t);
-    t
+    mirror(s, t);
 }
 
 /// Makes the lower triangle the negative of the upper one.
