@@ -41,6 +41,13 @@ pub(crate) fn fill<T: Float>(u: impl Fn(usize, usize) -> T, k: &mut [T]) {
     }
 }
 
+/// The two numbers of P and Q that U_ij is the sum of.
+pub(crate) fn parts<T: Float>(k: &[T], i: usize, j: usize) -> [T; 2] {
+    let near = |x: usize| x.min(2 * HALF - 1 - x);
+    let [p, q] = [0, HALF * HALF].map(|from| k[from + near(j) * HALF + near(i)]);
+    [if i < HALF { p } else { -p }, if j < HALF { q } else { -q }]
+}
+
 /// S and D.
 #[inline(always)]
 fn folded<T: Float>(l: &Row<T>) -> Row<T> {

@@ -9,7 +9,7 @@
 
 use crate::MAX_STAGES;
 use crate::aligned::{Aligned, Places};
-use crate::pairs::{HALF, has_pairs};
+use crate::pairs::{has_pairs, parts};
 use crate::product::{Mixes, Packed, product_any};
 use crate::row::{rows, stride_for};
 use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
@@ -34,10 +34,7 @@ pub(crate) fn as_read<T: Float>(
         if !has_pairs::<f64>(s) {
             return exact(k[j * stride + i]);
         }
-        let near = |x: usize| x.min(2 * HALF - 1 - x);
-        let [p, q] = [0, HALF * HALF].map(|from| exact(k[from + near(j) * HALF + near(i)]));
-        let p = if i < HALF { p } else { -p };
-        let q = if j < HALF { q } else { -q };
+        let [p, q] = parts(k, i, j).map(exact);
         exact(0.5) + p + q
     };
     let width = s.next_multiple_of(8);
@@ -170,7 +167,7 @@ fn round(from: &[DoubleDouble], to: &mut [f64]) {
 mod tests {
     use super::*;
     use crate::columns::{Columns, length_of};
-    use crate::pairs::Blocks;
+    use crate::pairs::{Blocks, HALF};
     use crate::product::Mixes;
 
     /// K L in double-double, K as sweeps read it.
