@@ -17,7 +17,7 @@ pub(crate) struct Columns<T> {
     /// T_1 … T_{s−1}, one behind the other; none for α = 0 alone.
     basis: Aligned<T>,
     /// ½ and 1 where K has an entry, 0 in the padding; none for P and Q, which are made of U alone.
-    half_and_one: Option<(Aligned<T>, Aligned<T>)>,
+    half_and_one: Option<[Aligned<T>; 2]>,
 }
 
 impl<T: Float> Columns<T> {
@@ -26,10 +26,8 @@ impl<T: Float> Columns<T> {
         let (s, mut places) = (gauss.stages(), Places::default());
         let stride = stride_for::<T>(s);
         let by_pairs = has_pairs::<T>(s);
-        // Row by row, or one number for all entries.
         let lay_out = |entries: &[T], x: &mut [T]| {
-            let entry =
-                |i: usize, j: usize| entries[if entries.len() == 1 { 0 } else { i * s + j }];
+            let entry = |i: usize, j: usize| entries[i * s + j];
             if by_pairs {
                 fill(entry, x);
                 return;
@@ -50,7 +48,7 @@ impl<T: Float> Columns<T> {
         gauss.antisymmetric_into(&vec![T::int(0); s - 1], &mut u);
         let unperturbed = laid_out(&u);
         let half_and_one =
-            (!by_pairs).then(|| (laid_out(&[T::ratio(1, 2)]), laid_out(&[T::int(1)])));
+            (!by_pairs).then(|| [T::ratio(1, 2), T::int(1)].map(|x| laid_out(&vec![x; s * s])));
         let mut basis = places.zeros(if any_alphas { (s - 1) * len } else { 0 });
         for (k, x) in basis.chunks_exact_mut(len).enumerate() {
             lay_out(gauss.skew_basis(k + 1), x);
@@ -131,7 +129,7 @@ impl<T: Float> Fill<'_, T> {
                 }
             }
         }
-        if let Some((half, one)) = &columns.half_and_one {
+        if let Some([half, one]) = &columns.half_and_one {
             let constants = half.as_chunks().0.iter().zip(one.as_chunks().0);
             for (k, (half, one)) in k.iter_mut().zip(constants) {
                 let u = T::Pack::of(k);

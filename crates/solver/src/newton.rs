@@ -129,9 +129,7 @@ impl<T: Float> Newton<T> {
         let choice = constraints > 0 && free > 1;
         let simplified = linearised.has_simplified();
         Newton {
-            local_error: finer
-                .filter(|_| choice)
-                .map(|finer| LocalError::new(finer.clone(), structure, simplified)),
+            local_error: finer.map(|finer| LocalError::new(finer.clone(), structure, simplified)),
             linearised,
             slow: (choice && n <= LARGEST).then(|| Slow::new(&structure.hessian)),
             directions: Directions::new(s, n, constraints),

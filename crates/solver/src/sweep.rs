@@ -250,8 +250,8 @@ impl<T: Float> Iterate<T> {
     }
 
     /// One sweep from the step's start `y`; of drafts others as long as `again` says so of the change that each has made. Returns the last change,
-    /// the largest of Z relative to the sizes of the components; not finite if anything is not. In the first sweep of a step what was not known
-    /// before is measured. With `draft` by [`crate::draft`], if that can be and nothing else needs the momenta.
+    /// the largest of Z relative to the sizes of the components; not finite if anything is not. What was not known
+    /// before, or on stages far off only, is measured. With `draft` by [`crate::draft`], if that can be.
     pub(crate) fn sweep<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
@@ -262,8 +262,8 @@ impl<T: Float> Iterate<T> {
         let unknown = std::mem::take(&mut self.is_first) && !self.is_prolonged;
         // What was measured on stages that were far off is measured again: after the drafts, on springs at once.
         let springs = self.has_springs();
-        let drafts = self.twice.is_some() && !self.k_has_moved && !unknown;
-        self.is_draft = draft && drafts && !(springs && self.was_far);
+        let can_draft = self.twice.is_some() && !self.k_has_moved && !unknown;
+        self.is_draft = draft && can_draft && !(springs && self.was_far);
         let measures = unknown || (self.was_far && !self.is_draft);
         self.has_momenta = measures;
         let drafts = self.is_draft;
@@ -271,7 +271,7 @@ impl<T: Float> Iterate<T> {
             |change: T| drafts && !(springs && change > T::ratio(1, FAR)) && again(change);
         let fused = if T::IS_DOUBLE {
             match self.stride {
-                _ if self.has_springs() => None,
+                _ if springs => None,
                 4 => self.fuse::<4, E>(energy, y, &mut again),
                 8 => self.fuse::<8, E>(energy, y, &mut again),
                 16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y, &mut again),

@@ -38,13 +38,17 @@ impl<T: Float> Iterator for Classical<T> {
 
     fn next(&mut self) -> Option<(T, T)> {
         let here = (self.value, self.step);
-        let k = self.k;
-        self.step =
-            (T::int(k) * self.step - T::int(2 * k + 1) * self.t * self.value) / T::int(k + 1);
-        self.value += self.step;
+        next(self.k, self.t, &mut self.value, &mut self.step);
         self.k += 1;
         Some(here)
     }
+}
+
+/// From L_k(1 − t) and its difference to L_{k−1} to L_{k+1}.
+#[inline(always)]
+pub(crate) fn next<T: Float>(k: i64, t: T, value: &mut T, step: &mut T) {
+    *step = (T::int(k) * *step - T::int(2 * k + 1) * t * *value) / T::int(k + 1);
+    *value += *step;
 }
 
 /// √(2k + 1), the norm that makes P_k orthonormal.

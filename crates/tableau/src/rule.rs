@@ -7,7 +7,7 @@
 //!
 //! Only one half is computed, the other is its mirror image. Cost: O(s²) operations.
 
-use crate::legendre::{Classical, alternate, norm};
+use crate::legendre::{Classical, alternate, next, norm};
 use equip_scalar::Float;
 
 /// Newton steps allowed; four from f64 to f64, one or two more for every doubling of the digits.
@@ -95,16 +95,14 @@ fn distances<T: Float>(s: usize) -> Vec<T> {
     t
 }
 
-/// L_{s−1} and L_s at each 1 − t, by the recurrence of [`Classical`].
+/// L_{s−1} and L_s at each 1 − t.
 fn last_two<T: Float>(s: usize, t: &[T], before: &mut [T], value: &mut [T]) {
     let mut step = vec![T::int(0); t.len()];
     value.fill(T::int(1));
     for k in 0..s as i64 {
         before.copy_from_slice(value);
-        let (ahead, back, by) = (T::int(2 * k + 1), T::int(k), T::int(k + 1));
         for ((value, step), &t) in value.iter_mut().zip(&mut step).zip(t) {
-            *step = (back * *step - ahead * t * *value) / by;
-            *value += *step;
+            next(k, t, value, step);
         }
     }
 }
