@@ -1,0 +1,247 @@
+//! [`Code`]: a program as machine code, in memory that the processor may execute.
+
+use crate::Program;
+use crate::registers::allocate;
+use crate::x86_64::{Vectors, encode};
+use equip_scalar::{InstructionSet, Lanes};
+use memmap2::{Mmap, MmapMut};
+
+/// Rows of inputs and of results, constants, scratch, groups of lanes.
+type Function =
+    unsafe extern "sysv64" fn(*const f64, *mut f64, *const f64, *mut Lanes<8>, groups: usize);
+
+/// Machine code of a [`Program`] for rows of one length.
+#[derive(Debug)]
+pub struct Code {
+    code: Mmap,
+    constants: Vec<f64>,
+    inputs: usize,
+    results: usize,
+    stride: usize,
+    lanes: usize,
+    scratch: usize,
+}
+
+impl Code {
+    /// Makes code for rows of `stride` doubles with these instructions. `None` where that cannot be: instructions without AVX2, rows
+    /// of several doubles that vectors of 4 do not fill, rows too far from each other for an address, or a system that
+    /// lets no program make code.
+    ///
+    /// Cost: 0.1 µs an operation, and some 10 µs for the memory.
+    pub fn new(program: &Program, set: InstructionSet, stride: usize) -> Option<Self> {
+        let has_avx2 = InstructionSet::avx2().is_some_and(|avx2| avx2 <= set);
+        let has_avx512 = InstructionSet::avx512() == Some(set);
+        let vectors = match stride {
+            0 => return None,
+            _ if has_avx512 && stride.is_multiple_of(8) => Vectors::Eight,
+            _ if has_avx2 && stride.is_multiple_of(4) => Vectors::Four,
+            1 if has_avx2 => Vectors::One,
+            _ => return None,
+        };
+        let (instructions, slots) = allocate(program, vectors.registers());
+        let bytes = encode(&instructions, vectors, stride)?;
+        let mut memory = MmapMut::map_anon(bytes.len()).ok()?;
+        memory.copy_from_slice(&bytes);
+        Some(Code {
+            code: memory.make_exec().ok()?,
+            constants: program.constants.clone(),
+            inputs: program.inputs,
+            results: program.results,
+            stride,
+            lanes: vectors.lanes(),
+            scratch: (slots * vectors.lanes()).div_ceil(8),
+        })
+    }
+
+    /// Scratch that a run needs.
+    #[inline]
+    pub fn scratch(&self) -> usize {
+        self.scratch
+    }
+
+    /// Runs the program on the first `count` lanes of rows that stand one after the other. Lanes from there on are computed too
+    /// where they belong to a vector of those; what is in the others stays.
+    ///
+    /// # Panics
+    /// If there are fewer rows than the program reads and writes, `count` is larger than a row, or scratch is too short.
+    #[inline]
+    pub fn run(&self, inputs: &[f64], results: &mut [f64], scratch: &mut [Lanes<8>], count: usize) {
+        assert!(
+            inputs.len() >= self.inputs * self.stride
+                && results.len() >= self.results * self.stride
+                && scratch.len() >= self.scratch
+                && count <= self.stride,
+            "{} rows of inputs and {} of results, of {} numbers each, and {} vectors of scratch",
+            self.inputs,
+            self.results,
+            self.stride,
+            self.scratch
+        );
+        if count == 0 {
+            return;
+        }
+        let groups = count.div_ceil(self.lanes);
+        let (inputs, results) = (inputs.as_ptr(), results.as_mut_ptr());
+        let (constants, scratch) = (self.constants.as_ptr(), scratch.as_mut_ptr());
+        // SAFETY: the mapping is executable and as long as `self`, and holds a function of this type. It uses instructions that
+        // the processor has (an `InstructionSet` is proof), reads the first `self.inputs` rows of inputs and all constants,
+        // and writes the first `self.results` rows of results and `self.scratch` vectors of scratch: in groups
+        // of lanes, which fill the rows, so that `count` ≤ stride keeps them inside. All this was just checked.
+        #[allow(unsafe_code)]
+        unsafe {
+            let function: Function = std::mem::transmute(self.code.as_ptr());
+            function(inputs, results, constants, scratch, groups);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Code;
+    use crate::program::{Operation, Program, Value};
+    use equip_scalar::{InstructionSet, Lanes};
+
+    /// xorshift64*, seeded.
+    struct Random(u64);
+
+    impl Random {
+        fn below(&mut self, n: usize) -> usize {
+            self.0 ^= self.0 >> 12;
+            self.0 ^= self.0 << 25;
+            self.0 ^= self.0 >> 27;
+            (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 33) as usize % n
+        }
+
+        fn number(&mut self) -> f64 {
+            (self.below(2001) as f64 - 1000.0) / 256.0
+        }
+    }
+
+    /// Operands as far back as `reach`: the farther, the more values are alive at a time.
+    fn random_program(random: &mut Random, rows: usize, length: usize, reach: usize) -> Program {
+        let mut program = Program::new();
+        let mut known: Vec<Value> = (0..rows).map(|row| program.input(row)).collect();
+        known.extend((0..rows).map(|_| program.constant(random.number())));
+        for _ in 0..length {
+            let [a, b] = [(); 2].map(|()| {
+                let back = random.below(reach.min(known.len()));
+                known[known.len() - 1 - back]
+            });
+            known.push(match random.below(8) {
+                0 | 1 => program.add(a, b),
+                2 => program.sub(a, b),
+                3 | 4 => program.mul(a, b),
+                5 => program.div(a, b),
+                6 => program.sqrt(a),
+                _ if random.below(2) == 0 => program.neg(a),
+                _ => program.abs(a),
+            });
+        }
+        let mut rows: Vec<usize> = (0..length / 2).collect();
+        while !rows.is_empty() {
+            let row = rows.swap_remove(random.below(rows.len()));
+            let value = known[random.below(known.len())];
+            program.result(row, value);
+        }
+        program
+    }
+
+    /// The program in `f64`, operation by operation.
+    fn evaluate(program: &Program, inputs: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mut results = vec![0.0; program.results];
+        let mut values: Vec<f64> = Vec::new();
+        for &operation in &program.operations {
+            use crate::program::Binary;
+            let value = |k: u32| values[k as usize];
+            let next = match operation {
+                Operation::Input(row) => inputs(row as usize),
+                Operation::Constant(k) => program.constants[k as usize],
+                Operation::Sqrt(a) => value(a).sqrt(),
+                Operation::Binary(op, a, b) => {
+                    let (a, b) = (value(a), value(b));
+                    match op {
+                        Binary::Add => a + b,
+                        Binary::Sub => a - b,
+                        Binary::Mul => a * b,
+                        Binary::Div => a / b,
+                        Binary::And => f64::from_bits(a.to_bits() & b.to_bits()),
+                        Binary::Xor => f64::from_bits(a.to_bits() ^ b.to_bits()),
+                    }
+                }
+                Operation::Result { row, of } => {
+                    results[row as usize] = value(of);
+                    0.0
+                }
+            };
+            values.push(next);
+        }
+        results
+    }
+
+    /// With few and with many values alive, so that registers suffice or do not, on every instruction set.
+    #[test]
+    fn random_programs_have_the_bits_of_single_operations() {
+        let mut random = Random(7);
+        let mut with_scratch = 0;
+        for (round, reach) in [3, 12, 40, 200].into_iter().cycle().take(200).enumerate() {
+            let (rows, length) = (1 + random.below(30), 2 + random.below(400));
+            let program = random_program(&mut random, rows, length, reach);
+            for stride in [1, 4, 8, 16, 24] {
+                let inputs: Vec<f64> = (0..rows * stride).map(|_| random.number()).collect();
+                let count = stride - round % 4.min(stride);
+                for set in InstructionSet::available() {
+                    let Some(code) = Code::new(&program, set, stride) else {
+                        assert_eq!(set, InstructionSet::PORTABLE);
+                        continue;
+                    };
+                    with_scratch += usize::from(code.scratch() > 0);
+                    let mut scratch = vec![Lanes::splat(0.0); code.scratch()];
+                    let mut results = vec![f64::MAX; program.results * stride];
+                    code.run(&inputs, &mut results, &mut scratch, count);
+                    for lane in 0..count {
+                        let expected = evaluate(&program, |row| inputs[row * stride + lane]);
+                        for (row, expected) in expected.into_iter().enumerate() {
+                            let found = results[row * stride + lane];
+                            let same = found.to_bits() == expected.to_bits()
+                                || found.is_nan() && expected.is_nan();
+                            assert!(same, "round {round}, {set:?}, {stride}: {row}, {lane}");
+                        }
+                    }
+                }
+            }
+        }
+        assert!(with_scratch > 100 || InstructionSet::avx2().is_none());
+    }
+
+    #[test]
+    fn what_no_code_is_made_for() {
+        let mut program = Program::new();
+        let x = program.input(3);
+        program.result(0, x);
+        for set in InstructionSet::available() {
+            assert!(Code::new(&program, set, 0).is_none());
+            assert!(Code::new(&program, set, 6).is_none());
+            assert!(Code::new(&program, InstructionSet::PORTABLE, 8).is_none());
+            // Row 3 is 3 · 2^31 bytes away.
+            assert!(Code::new(&program, set, 1 << 28).is_none());
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "4 rows of inputs")]
+    fn rows_that_are_not_there() {
+        let mut program = Program::new();
+        let x = program.input(3);
+        program.result(0, x);
+        match Code::new(&program, InstructionSet::best(), 8) {
+            Some(code) => code.run(&[0.0; 31], &mut [0.0; 8], &mut [], 8),
+            None => panic!("no code to test 4 rows of inputs with"),
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "operand 5")]
+    fn a_value_of_another_program() {
+        Program::new().sqrt(Value(5));
+    }
+}
