@@ -159,8 +159,10 @@ impl<T: Float> Foresee<'_, T> {
                 let mut room = [[T::int(0); N]; G];
                 let row = last.prolongation.prepared(&row, &mut room, s);
                 let at_start = last.known.map_or(T::int(0), |known| known[c]);
-                gradients[c] =
-                    from_fn(|g| (last.prolongation).foretell(row, (g, s), T::int(1), at_start));
+                // A loop: a closure as long as this is not inlined.
+                for (g, gradient) in gradients[c].iter_mut().enumerate() {
+                    *gradient = (last.prolongation).foretell(row, (g, s), T::int(1), at_start);
+                }
             }
             let gradient = &mut gradients[c];
             let mut forces: Row<T, G, N> = from_fn(|g| force(&hb[g], &gradient[g]));
@@ -266,7 +268,11 @@ fn applied<T: Float, const G: usize, const N: usize>(
         let product = columns.product(x);
         return *literal(rows(product.as_flattened()).first());
     }
-    from_fn(|g| product_any(matrix.as_chunks().0, x, g, s))
+    let mut product = [[T::int(0); N]; G];
+    for (g, product) in product.iter_mut().enumerate() {
+        *product = product_any(matrix.as_chunks().0, x, g, s);
+    }
+    product
 }
 
 #[cfg(test)]

@@ -162,10 +162,10 @@ pub(crate) fn product_any<T: Float, const N: usize>(
         // The padding of K is zero.
         return product(columns, l);
     }
-    let l = l.as_flattened();
+    let l = &l.as_flattened()[..s];
     let mut sum = scaled(&k[g], l[0]);
-    for (j, &l) in l.iter().enumerate().take(s).skip(1) {
-        add(&mut sum, &scaled(&k[j * groups + g], l));
+    for j in 1..s {
+        add(&mut sum, &scaled(&k[j * groups + g], l[j]));
     }
     sum
 }

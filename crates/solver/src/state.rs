@@ -193,10 +193,7 @@ impl<T: Float> Advance<'_, T> {
                 }
             }
         }
-        if groups == 1 {
-            lost.fill([T::int(0); ABREAST]);
-        }
-        let mut count = N;
+        let (mut count, mut has_lost) = (N, groups > 1);
         while count > 1 {
             count /= 2;
             let (sums, others) = sum.split_at_mut(count);
@@ -205,9 +202,14 @@ impl<T: Float> Advance<'_, T> {
                 for c in 0..ABREAST {
                     let (s, e) = T::two_sum(sums[i][c], others[i][c]);
                     sums[i][c] = s;
-                    losts[i][c] = (losts[i][c] + others_lost[i][c]) + e;
+                    losts[i][c] = if has_lost {
+                        (losts[i][c] + others_lost[i][c]) + e
+                    } else {
+                        e
+                    };
                 }
             }
+            has_lost = true;
         }
         let block = first..first + ABREAST;
         let from = self.from.hi[block.clone()].first_chunk::<ABREAST>();
