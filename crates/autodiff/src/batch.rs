@@ -40,6 +40,26 @@ impl<'a> Batch<'a, f64> {
 }
 
 impl<T: Float> Batch<'_, T> {
+    /// A single point.
+    pub(crate) fn one<'a>(state: &'a [T], gradient: &'a mut [T]) -> Batch<'a, T> {
+        Batch {
+            states: state,
+            gradients: gradient,
+            stride: 1,
+            count: 1,
+        }
+    }
+
+    /// The same for a while.
+    pub(crate) fn reborrow(&mut self) -> Batch<'_, T> {
+        Batch {
+            states: self.states,
+            gradients: &mut *self.gradients,
+            stride: self.stride,
+            count: self.count,
+        }
+    }
+
     /// The same, if the numbers are doubles.
     pub(crate) fn in_doubles(&mut self) -> Option<Batch<'_, f64>> {
         Batch::of_doubles(self.states, &mut *self.gradients, self.stride, self.count)

@@ -6,18 +6,22 @@
 
 use crate::Energy;
 use crate::batch::{force, gradient};
+use equip_machine::Code;
 use equip_scalar::{Kernel, Lanes};
+use std::array::from_fn;
 
-/// ∇H of a system with C components, or ∇U of one with C positions, at N points.
+/// ∇H of a system with C components, or ∇U of one with C positions, at groups of N points.
 #[doc(hidden)]
 pub trait Slopes<const C: usize, const N: usize> {
     /// The derivatives at the states, each of them with every bit of the one at a single state.
-    fn at(&self, states: &[Lanes<N>; C]) -> [Lanes<N>; C];
+    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G];
 }
 
 /// What is to be done with the derivatives. Mark `run`, and all it calls, `#[inline(always)]`.
 #[doc(hidden)]
 pub trait Fused<const N: usize> {
+    /// Groups of points.
+    const GROUPS: usize;
     /// What it returns.
     type Output;
     /// The computation.
@@ -29,8 +33,12 @@ pub(crate) struct Forces<'a, E>(pub(crate) &'a E);
 
 impl<E: Energy, const M: usize, const N: usize> Slopes<M, N> for Forces<'_, E> {
     #[inline(always)]
-    fn at(&self, states: &[Lanes<N>; M]) -> [Lanes<N>; M] {
-        force::<E, Lanes<N>, M>(self.0, *states)
+    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; M]) -> [[Lanes<N>; M]; G] {
+        let mut slopes = [[Lanes::splat(0.0); M]; G];
+        for g in 0..G {
+            slopes[g] = force::<E, Lanes<N>, M>(self.0, from_fn(|c| Lanes(states[c][g])));
+        }
+        slopes
     }
 }
 
@@ -39,8 +47,27 @@ pub(crate) struct Gradients<'a, E>(pub(crate) &'a E);
 
 impl<E: Energy, const C: usize, const N: usize> Slopes<C, N> for Gradients<'_, E> {
     #[inline(always)]
-    fn at(&self, states: &[Lanes<N>; C]) -> [Lanes<N>; C] {
-        gradient::<E, Lanes<N>, C>(self.0, *states).1
+    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G] {
+        let mut slopes = [[Lanes::splat(0.0); C]; G];
+        for g in 0..G {
+            slopes[g] = gradient::<E, Lanes<N>, C>(self.0, from_fn(|c| Lanes(states[c][g]))).1;
+        }
+        slopes
+    }
+}
+
+/// Derivatives by machine code that was made for rows of this length.
+pub(crate) struct Called<'a>(pub(crate) &'a Code);
+
+impl<const C: usize, const N: usize> Slopes<C, N> for Called<'_> {
+    #[inline(always)]
+    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G] {
+        let mut rows = [[[0.0; N]; G]; C];
+        let (from, to) = (states.as_flattened(), rows.as_flattened_mut());
+        let count = G * N;
+        self.0
+            .run(from.as_flattened(), to.as_flattened_mut(), &mut [], count);
+        from_fn(|g| from_fn(|c| Lanes(rows[c][g])))
     }
 }
 
@@ -62,3 +89,17 @@ where
         self.task.run(&self.slopes)
     }
 }
+
+/// Runs the task with the number of components as a literal, or gives it back.
+macro_rules! fuse {
+    ($set:expr, $count:expr, $slopes:ident, $task:ident, [$($literal:literal)*]) => {
+        match $count {
+            $($literal => {
+                let mut joined = Joined::<_, _, $literal, N> { slopes: $slopes, task: $task };
+                $set.run_wide(&mut joined)
+            })*
+            _ => None,
+        }
+    };
+}
+pub(crate) use fuse;

@@ -74,6 +74,19 @@ impl Graph {
         self.roots[0]
     }
 
+    /// The same operations with other results.
+    pub(crate) fn with_roots(&self, roots: Vec<u32>) -> Graph {
+        Graph {
+            nodes: self.nodes.clone(),
+            constants: self.constants.clone(),
+            terms: self.terms.clone(),
+            sums: self.sums.clone(),
+            is_constant: self.is_constant.clone(),
+            inputs: self.inputs,
+            roots,
+        }
+    }
+
     /// Operands of a node.
     pub(crate) fn operands(&self, node: usize) -> impl Iterator<Item = u32> + '_ {
         let Node { op, a, b } = self.nodes[node];

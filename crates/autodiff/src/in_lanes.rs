@@ -1,8 +1,8 @@
-//! [`InLanes`]: the closure route at many points at once, the tape replayed over lanes.
+//! [`InLanes`]: a tape replayed at many points at once, over lanes.
 //!
 //! Points are taken in groups of 8, doubles in groups of 4 where there is no room for more, and of 16 where there is and the tape is short: what it takes
 //! to find an operation is shared by more of them, and of a long tape the values would take twice the cache. Memory: 12 numbers a slot of the
-//! tapes, 28 of short ones.
+//! tape, 28 of a short one.
 
 use crate::batch::Batch;
 use crate::replay::forward;
@@ -14,16 +14,9 @@ use std::any::Any;
 /// Slots of the longest tape that is replayed at 16 points at once: 64 KiB.
 const SHORT: usize = 512;
 
-/// Workspace of both tapes in all widths.
+/// Workspace of one tape in all widths.
 #[derive(Debug, Clone)]
 pub(crate) struct InLanes<T: Float> {
-    set: InstructionSet,
-    gradient: Widths<T>,
-    forces: Option<Widths<T>>,
-}
-
-#[derive(Debug, Clone)]
-struct Widths<T: Float> {
     four: Replay<T::Pack<4>>,
     eight: Replay<T::Pack<8>>,
     /// Of a short tape, for doubles.
@@ -31,40 +24,15 @@ struct Widths<T: Float> {
 }
 
 impl<T: Float> InLanes<T> {
-    /// `None` if numbers of this type are best worked on one by one.
-    pub(crate) fn new(gradient: &Tape, forces: Option<&Tape>) -> Option<Self> {
-        (T::WIDTH > 1).then(|| InLanes {
-            set: InstructionSet::best(),
-            gradient: Widths::new(gradient),
-            forces: forces.map(Widths::new),
-        })
-    }
-
-    pub(crate) fn set_instruction_set(&mut self, set: InstructionSet) {
-        self.set = set;
-    }
-
-    pub(crate) fn gradients(&mut self, tape: &Tape, mut batch: Batch<T>) {
-        self.gradient.run(self.set, tape, &mut batch);
-    }
-
-    pub(crate) fn forces(&mut self, tape: &Tape, mut batch: Batch<T>) {
-        if let Some(forces) = &mut self.forces {
-            forces.run(self.set, tape, &mut batch);
-        }
-    }
-}
-
-impl<T: Float> Widths<T> {
-    fn new(tape: &Tape) -> Self {
-        Widths {
+    pub(crate) fn new(tape: &Tape) -> Self {
+        InLanes {
             four: Replay::packs(tape),
             eight: Replay::packs(tape),
             sixteen: (T::IS_DOUBLE && tape.slots <= SHORT).then(|| Replay::packs(tape)),
         }
     }
 
-    fn run(&mut self, set: InstructionSet, tape: &Tape, batch: &mut Batch<T>) {
+    pub(crate) fn run(&mut self, set: InstructionSet, tape: &Tape, batch: &mut Batch<T>) {
         if T::IS_DOUBLE_DOUBLE {
             let replay: &mut dyn Any = &mut self.eight;
             if let (Some(replay), Some(mut batch)) =

@@ -4,9 +4,12 @@
 //!
 //! | route | written as | derivatives |
 //! |---|---|---|
-//! | closure, [`Hamiltonian::new`] | `\|q, p\| ...` over [`Var`] | a tape of ∇H, coloured Hessian; any n |
+//! | closure, [`Hamiltonian::new`] | `\|q, p\| ...` over [`Var`] | a tape of ∇H, in `f64` as machine code; coloured Hessian; any n |
 //! | type, [`Hamiltonian::from_energy`] | [`Energy`], or the macro [`hamiltonian!`] | dual numbers for n ≤ 8, else the tape |
 //! | either with a gradient | [`Energy::gradient`], [`Hamiltonian::with_gradient`] | the given gradient; Hessian by the tape |
+//!
+//! Machine code is made of arithmetic, √ and |x|, for x86-64 with AVX2 or AVX-512, at the first call; all else is replayed from the tape. Every bit is the
+//! same.
 //!
 //! All are a [`System`], which makes an [`Evaluate`] for each float type. The value is the same on each route to the
 //! last bit, and the same as that of the generic energy called with floats.
@@ -22,6 +25,7 @@
 mod batch;
 mod check;
 mod colouring;
+mod compiled;
 mod degree;
 mod derivative;
 mod dual;
@@ -35,6 +39,7 @@ mod hessian;
 mod in_lanes;
 mod kinetic;
 mod macros;
+mod many;
 mod op;
 mod order;
 mod peephole;
@@ -45,6 +50,7 @@ mod replay;
 mod separable;
 mod sparsity;
 mod statics;
+mod straight;
 mod stretches;
 mod structure;
 mod supplied;

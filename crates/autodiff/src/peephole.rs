@@ -54,8 +54,8 @@ impl Graph {
         }
     }
 
-    /// With these operations, less those that are `taken` up by others.
-    fn without(mut self, taken: &[bool], nodes: Vec<Node>) -> Graph {
+    /// With these operations, less those that are `taken` out, which no other needs.
+    pub(crate) fn without(mut self, taken: &[bool], nodes: Vec<Node>) -> Graph {
         let mut renumbered = vec![0; nodes.len()];
         let mut left = Vec::with_capacity(nodes.len());
         let mut is_constant = Vec::with_capacity(nodes.len());

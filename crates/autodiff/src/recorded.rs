@@ -1,10 +1,12 @@
 //! [`Recorded`]: the closure route. H is recorded once, on a tape, and replayed in any float type.
 
 use crate::batch::Batch;
+use crate::compiled::{Compiled, Runs};
 use crate::derivative::differentiate;
+use crate::fused::{Fused, Joined, fuse};
 use crate::graph::Graph;
 use crate::hessian::{DIRECTIONS, HessianPlan};
-use crate::in_lanes::InLanes;
+use crate::many::Many;
 use crate::order::Blocks;
 use crate::peephole::peephole;
 use crate::point::{check_batch, require_separable};
@@ -28,12 +30,21 @@ struct Shared {
     energy: Tape,
     /// All n components of ∇H.
     gradient: Tape,
-    /// The same for lanes.
-    gradient_in_lanes: Tape,
+    /// The same for many points.
+    gradients: Tape,
     /// ∇U, if H = T(p) + U(q).
     forces: Option<Tape>,
+    compiled: AsCode,
     plan: HessianPlan,
     structure: Structure,
+}
+
+/// The recordings that can be machine code.
+#[derive(Debug)]
+struct AsCode {
+    energy: Option<Arc<Compiled>>,
+    gradient: Option<Arc<Compiled>>,
+    forces: Option<Arc<Compiled>>,
 }
 
 impl Recorded {
@@ -51,21 +62,30 @@ impl Recorded {
             degree_in_p: degree::degree(&graph, m..2 * m),
             hessian: sparsity::hessian_pattern(&graph),
         };
+        let compiled_energy = Compiled::new(&graph);
         let energy = Tape::new(&peephole(graph), Blocks::One);
         if Replay::<f64>::new(&energy).has_nan() {
             return Err(BuildError::ConstantNotANumber);
         }
         let slopes = differentiate(&mut recorder, root);
-        let tape =
-            |roots: &[u32], blocks| Tape::new(&peephole(Graph::new(&recorder, roots)), blocks);
+        let laid_out = |roots: &[u32]| {
+            let graph = Graph::new(&recorder, roots);
+            (Compiled::new(&graph), peephole(graph))
+        };
+        let (compiled_gradient, gradient) = laid_out(&slopes);
+        let forces = structure.separable.then(|| laid_out(&slopes[..m]));
+        let (compiled_forces, forces) = forces.unzip();
         Ok(Recorded {
             shared: Arc::new(Shared {
                 energy,
-                gradient: tape(&slopes, Blocks::One),
-                gradient_in_lanes: tape(&slopes, Blocks::InCache),
-                forces: structure
-                    .separable
-                    .then(|| tape(&slopes[..m], Blocks::InCache)),
+                gradient: Tape::new(&gradient, Blocks::One),
+                gradients: Tape::new(&gradient, Blocks::InCache),
+                forces: forces.map(|graph| Tape::new(&graph, Blocks::InCache)),
+                compiled: AsCode {
+                    energy: compiled_energy,
+                    gradient: compiled_gradient,
+                    forces: compiled_forces.flatten(),
+                },
                 plan: HessianPlan::new(&structure.hessian),
                 structure,
             }),
@@ -100,30 +120,37 @@ impl System for Recorded {
 
     fn evaluator<T: Float>(&self) -> RecordedEvaluator<T> {
         let shared = Arc::clone(&self.shared);
+        let (compiled, set) = (&shared.compiled, InstructionSet::best());
         let forces = shared.forces.as_ref();
         RecordedEvaluator {
+            set,
             energy: Replay::new(&shared.energy),
+            energy_as_code: Runs::new::<T>(&compiled.energy),
             gradient: Replay::new(&shared.gradient),
-            forces: forces.map(Replay::new),
+            gradient_as_code: Runs::new::<T>(&compiled.gradient),
             single: Replay::tangents(&shared.gradient),
             several: Replay::tangents(&shared.gradient),
-            in_lanes: InLanes::new(&shared.gradient_in_lanes, forces),
+            gradients: Many::new(&compiled.gradient, set, &shared.gradients),
+            forces: forces.map(|tape| Many::new(&compiled.forces, set, tape)),
             shared,
         }
     }
 }
 
-/// Replays a recorded energy in the float type `T`. All workspace is allocated when it is made.
+/// Evaluates a recorded energy in the float type `T`. All workspace is allocated when it is made, or at the first call of a kind.
 #[derive(Debug, Clone)]
 pub struct RecordedEvaluator<T: Float> {
     shared: Arc<Shared>,
+    set: InstructionSet,
     energy: Replay<T>,
+    energy_as_code: Runs,
     gradient: Replay<T>,
-    forces: Option<Replay<T>>,
+    gradient_as_code: Runs,
     single: Replay<Tangent<T, 1>>,
     several: Replay<Tangent<T, DIRECTIONS>>,
-    /// If `T` has vectors.
-    in_lanes: Option<InLanes<T>>,
+    gradients: Many<T>,
+    /// Of a separable H.
+    forces: Option<Many<T>>,
 }
 
 impl<T: Float> RecordedEvaluator<T> {
@@ -139,6 +166,11 @@ impl<T: Float> RecordedEvaluator<T> {
 impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     fn value(&mut self, y: &[T]) -> T {
         self.check(&[y.len()]);
+        let mut value = [T::int(0)];
+        let batch = Batch::one(y, &mut value);
+        if self.energy_as_code.run(self.set, batch).is_some() {
+            return value[0];
+        }
         let tape = &self.shared.energy;
         self.energy.run(tape, |k| y[k])[0]
     }
@@ -152,9 +184,9 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         self.check(&[y.len()]);
         let tape = &self.shared.energy;
         if tape.has_long_sums {
-            self.energy.run_compensated(tape, |k| y[k])[0]
+            self.energy.run_compensated(self.set, tape, |k| y[k])[0]
         } else {
-            self.energy.run(tape, |k| y[k])[0]
+            self.value(y)
         }
     }
 
@@ -167,7 +199,10 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         self.check(&[n]);
         let tape = &self.shared.gradient;
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
-            gradient.copy_from_slice(self.gradient.run(tape, |k| y[k]));
+            let batch = Batch::one(y, gradient);
+            if self.gradient_as_code.run(self.set, batch).is_none() {
+                gradient.copy_from_slice(self.gradient.run(tape, |k| y[k]));
+            }
         }
     }
 
@@ -178,13 +213,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         stride: usize,
         count: usize,
     ) {
-        let Shared {
-            structure,
-            gradient,
-            gradient_in_lanes,
-            ..
-        } = &*self.shared;
-        let n = 2 * structure.degrees_of_freedom;
+        let n = 2 * self.shared.structure.degrees_of_freedom;
         check_batch(n, [states.len(), gradients.len()], stride, count);
         let batch = Batch {
             states,
@@ -192,10 +221,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
             stride,
             count,
         };
-        match &mut self.in_lanes {
-            Some(lanes) => lanes.gradients(gradient_in_lanes, batch),
-            None => self.gradient.each(gradient, batch),
-        }
+        self.gradients.run(self.set, &self.shared.gradients, batch);
     }
 
     fn forces_by_component(
@@ -217,12 +243,25 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
             stride,
             count,
         };
-        if let (Some(tape), Some(replay)) = (forces, &mut self.forces) {
-            match &mut self.in_lanes {
-                Some(lanes) => lanes.forces(tape, batch),
-                None => replay.each(tape, batch),
-            }
+        if let (Some(tape), Some(many)) = (forces, &mut self.forces) {
+            many.run(self.set, tape, batch);
         }
+    }
+
+    #[inline]
+    fn fuse_gradients<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
+        let n = 2 * self.shared.structure.degrees_of_freedom;
+        let stride = F::GROUPS * N;
+        let slopes = self.gradients.called(self.set, stride)?;
+        fuse!(self.set, n, slopes, task, [2 4])
+    }
+
+    #[inline]
+    fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
+        let m = self.shared.structure.degrees_of_freedom;
+        let stride = F::GROUPS * N;
+        let slopes = self.forces.as_mut()?.called(self.set, stride)?;
+        fuse!(self.set, m, slopes, task, [1 2 3 4])
     }
 
     fn kinetic(&mut self) -> Option<Kinetic<T>> {
@@ -231,9 +270,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     }
 
     fn set_instruction_set(&mut self, set: InstructionSet) {
-        if let Some(lanes) = &mut self.in_lanes {
-            lanes.set_instruction_set(set);
-        }
+        self.set = set;
     }
 
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {

@@ -6,7 +6,7 @@
 use crate::op::Op;
 use crate::stretches::Access;
 use crate::tape::{Run, Tape};
-use equip_scalar::{Constant, Float, Piecewise};
+use equip_scalar::{Constant, Float, Kernel, Piecewise};
 
 /// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of a closure:
 /// closures are not always inlined, and what is not inlined into a kernel has no vector instructions.
@@ -124,50 +124,80 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
 
 /// A sum by compensated summation: the errors of all additions are known [Knuth, vol. 2, 4.2.2], and added at the end. Four sums side by
 /// side, so that none waits for the other.
-pub(crate) fn compensated_sum<T: Float>(tape: &Tape, k: usize, run: &Run, values: &mut [T]) {
-    let mut sums = [Compensated::default(); 4];
-    for segment in &tape.segments[tape.sums[k].clone()] {
-        let term = |&slot: &u32| {
-            let term = values[slot as usize];
-            if segment.minus { -term } else { term }
-        };
-        let (fours, rest) = tape.terms[segment.terms.clone()].as_chunks::<4>();
-        for four in fours {
-            for (sum, slot) in sums.iter_mut().zip(four) {
-                sum.add(term(slot));
+pub(crate) struct CompensatedSum<'a, T> {
+    pub(crate) tape: &'a Tape,
+    pub(crate) sum: usize,
+    pub(crate) run: &'a Run,
+    pub(crate) values: &'a mut [T],
+}
+
+impl<T: Float> Kernel for CompensatedSum<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let (tape, values) = (self.tape, &mut *self.values);
+        let mut sums = Compensated::<T, 4>::zero();
+        for segment in &tape.segments[tape.sums[self.sum].clone()] {
+            let minus = segment.minus;
+            if let Some(first) = segment.first {
+                let terms = &values[first..first + segment.terms.len()];
+                let (fours, rest) = terms.as_chunks::<4>();
+                for four in fours {
+                    sums.add(four, minus);
+                }
+                for &term in rest {
+                    sums.add_to(0, term, minus);
+                }
+            } else {
+                let (fours, rest) = tape.terms[segment.terms.clone()].as_chunks::<4>();
+                for [a, b, c, d] in fours {
+                    sums.add(&[*a, *b, *c, *d].map(|slot| values[slot as usize]), minus);
+                }
+                for &slot in rest {
+                    sums.add_to(0, values[slot as usize], minus);
+                }
             }
         }
-        rest.iter().for_each(|slot| sums[0].add(term(slot)));
-    }
-    let mut total = Compensated::default();
-    for sum in sums {
-        total.add(sum.sum);
-        total.error += sum.error;
-    }
-    values[run.slots.start] = total.sum + total.error;
-}
-
-/// A sum, and what its additions have lost.
-#[derive(Clone, Copy)]
-struct Compensated<T> {
-    sum: T,
-    error: T,
-}
-
-impl<T: Float> Default for Compensated<T> {
-    fn default() -> Self {
-        let (sum, error) = (T::int(0), T::int(0));
-        Compensated { sum, error }
+        let mut total = Compensated::<T, 1>::zero();
+        for (sum, error) in sums.sum.into_iter().zip(sums.error) {
+            total.add_to(0, sum, false);
+            total.error[0] += error;
+        }
+        values[self.run.slots.start] = total.sum[0] + total.error[0];
     }
 }
 
-impl<T: Float> Compensated<T> {
+/// Sums, and what they have lost.
+struct Compensated<T, const N: usize> {
+    sum: [T; N],
+    error: [T; N],
+}
+
+impl<T: Float, const N: usize> Compensated<T, N> {
     #[inline(always)]
-    fn add(&mut self, term: T) {
-        let total = self.sum + term;
-        let added = total - self.sum;
-        self.error += (self.sum - (total - added)) + (term - added);
-        self.sum = total;
+    fn zero() -> Self {
+        Compensated {
+            sum: [T::int(0); N],
+            error: [T::int(0); N],
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, terms: &[T; N], minus: bool) {
+        for (i, &term) in terms.iter().enumerate() {
+            self.add_to(i, term, minus);
+        }
+    }
+
+    #[inline(always)]
+    fn add_to(&mut self, i: usize, term: T, minus: bool) {
+        let term = if minus { -term } else { term };
+        let sum = self.sum[i];
+        let total = sum + term;
+        let added = total - sum;
+        self.error[i] += (sum - (total - added)) + (term - added);
+        self.sum[i] = total;
     }
 }
 

@@ -6,7 +6,7 @@
 //! over lanes, 52 ns by the tape.
 
 use crate::batch::{self, Batch};
-use crate::fused::{Forces, Fused, Gradients, Joined};
+use crate::fused::{Forces, Fused, Gradients, Joined, fuse};
 use crate::point::{Points, check_batch, require_separable};
 use crate::{
     BuildError, Energy, Evaluate, Kinetic, Recorded, RecordedEvaluator, Structure, System,
@@ -115,19 +115,6 @@ macro_rules! by_length {
         const $n: usize = $value;
         $small
     }};
-}
-
-/// Runs the task with the number of components as a literal, or gives it back.
-macro_rules! fuse {
-    ($set:expr, $count:expr, $slopes:ident, $task:ident, [$($literal:literal)*]) => {
-        match $count {
-            $($literal => {
-                let mut joined = Joined::<_, _, $literal, N> { slopes: $slopes, task: $task };
-                $set.run_wide(&mut joined)
-            })*
-            _ => None,
-        }
-    };
 }
 
 impl<E: Energy, T: Float> StaticEvaluator<E, T> {

@@ -1,10 +1,10 @@
 //! [`Replay`]: the values of all slots of a tape, in one kind of number.
 
 use crate::batch::Batch;
-use crate::replay::{compensated_sum, forward};
+use crate::replay::{CompensatedSum, forward};
 use crate::tangent::Tangent;
 use crate::tape::{Block, Run, Tape, Transfer};
-use equip_scalar::{Constant, Float, Pack, Piecewise};
+use equip_scalar::{Constant, Float, InstructionSet, Pack, Piecewise};
 
 /// Workspace for replaying one tape. Constants, and what depends on them alone, are computed when it is made.
 #[derive(Debug, Clone)]
@@ -41,12 +41,22 @@ impl<T: Float> Replay<T> {
     }
 
     /// The results for the given inputs, long sums compensated.
-    pub(crate) fn run_compensated(&mut self, tape: &Tape, input: impl Fn(usize) -> T) -> &[T] {
+    pub(crate) fn run_compensated(
+        &mut self,
+        set: InstructionSet,
+        tape: &Tape,
+        input: impl Fn(usize) -> T,
+    ) -> &[T] {
         for block in &tape.blocks {
             self.read(tape, block, &input);
             for run in &tape.runs[block.runs.clone()] {
                 match tape.long_sum(run) {
-                    Some(k) => compensated_sum(tape, k, run, &mut self.values),
+                    Some(sum) => set.run(&mut CompensatedSum {
+                        tape,
+                        sum,
+                        run,
+                        values: &mut self.values,
+                    }),
                     None => self.forward(tape, std::slice::from_ref(run)),
                 }
             }

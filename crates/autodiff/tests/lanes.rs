@@ -92,6 +92,31 @@ impl Energy for Functions {
     }
 }
 
+/// Every operation that machine code is made of, long sums with terms subtracted too, and more numbers alive at a time than there are registers.
+#[derive(Clone, Copy)]
+struct Arithmetic;
+
+impl Energy for Arithmetic {
+    fn degrees_of_freedom(&self) -> usize {
+        12
+    }
+    #[inline(always)]
+    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+        let powers = q[0].powi(3) + q[1].powi(4) - q[2].powi(5) + q[3].powi(-6) + q[4].powi(7);
+        let powers = powers + q[5].powi(-1) - q[6].powi(9) + q[7].powi(1) + q[8].powi(0) * q[9];
+        let others = (q[0] - q[1]).abs() + (-q[2]).recip() + 3.0 / q[3] + (q[4] / q[5]).sqrt();
+        let mut pairs = q[0] * 0.0;
+        for i in 0..12 {
+            for j in 0..i {
+                let r2 = 0.5 + (q[i] - q[j]) * (q[i] - q[j]) + q[i] * q[i];
+                pairs -= (i as f64 + 1.0) / (r2 * r2.sqrt());
+            }
+        }
+        let kinetic = p.iter().fold(p[0], |sum, &p| sum + p * p / 3.0);
+        kinetic / 2.0 + powers - others * 0.25 + pairs
+    }
+}
+
 #[test]
 fn compiled_and_recorded_energies() {
     on_both_routes("Kepler", Kepler);
@@ -105,6 +130,7 @@ fn compiled_and_recorded_energies() {
 #[test]
 fn every_function() {
     on_both_routes("functions", Functions);
+    on_both_routes("arithmetic", Arithmetic);
 }
 
 #[test]

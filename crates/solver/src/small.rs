@@ -9,7 +9,6 @@ use crate::product::{Mixes, Square};
 use crate::row::{Row, literal};
 use equip_autodiff::{Fused, Slopes};
 use equip_scalar::Lanes;
-use std::array::from_fn;
 
 /// A form of the sweep that there is a kernel for.
 pub(crate) trait Small<'a>: Mix<'a, f64> {
@@ -31,10 +30,7 @@ pub(crate) trait Small<'a>: Mix<'a, f64> {
         k: &impl Mixes<f64, G, N>,
     ) -> f64 {
         let points = rows_of::<C, G, N>(self.step().points);
-        let mut slopes = [[Lanes::splat(0.0); C]; G];
-        for g in 0..G {
-            slopes[g] = gradients.at(&from_fn(|c| Lanes(points[c][g])));
-        }
+        let slopes = gradients.at(points);
         self.finish(&slopes, k)
     }
 }
@@ -47,6 +43,7 @@ pub(crate) struct TwoGroups<S>(pub(crate) S);
 
 impl<'a, S: Small<'a>, const N: usize> Fused<N> for OneGroup<S> {
     type Output = f64;
+    const GROUPS: usize = 1;
 
     #[inline(always)]
     fn run<const C: usize>(&mut self, gradients: &impl Slopes<C, N>) -> f64 {
@@ -57,6 +54,7 @@ impl<'a, S: Small<'a>, const N: usize> Fused<N> for OneGroup<S> {
 
 impl<'a, S: Small<'a>> Fused<HALF> for TwoGroups<S> {
     type Output = f64;
+    const GROUPS: usize = 2;
 
     #[inline(always)]
     fn run<const C: usize>(&mut self, gradients: &impl Slopes<C, HALF>) -> f64 {
