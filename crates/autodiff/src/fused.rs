@@ -2,7 +2,8 @@
 //!
 //! A stage sweep of a small system is a gradient of 30 ns and a product with a matrix of 30 ns. As two kernels that hand each
 //! other numbers through memory, with lengths known when the program runs, it takes three times the sum. Here the
-//! energy calls the computation and not the other way round: the compiler sees both, and the number of components as a literal.
+//! energy calls the computation and not the other way round: the compiler sees both, and the number of components as a literal. A recorded energy is not
+//! known to the compiler, and is called as machine code from there.
 
 use crate::Energy;
 use crate::batch::{force, gradient};
@@ -65,6 +66,7 @@ impl<const C: usize, const N: usize> Slopes<C, N> for Called<'_> {
         let mut rows = [[[0.0; N]; G]; C];
         let (from, to) = (states.as_flattened(), rows.as_flattened_mut());
         let count = G * N;
+        debug_assert_eq!(self.0.stride(), count);
         self.0
             .run(from.as_flattened(), to.as_flattened_mut(), &mut [], count);
         from_fn(|g| from_fn(|c| Lanes(rows[c][g])))

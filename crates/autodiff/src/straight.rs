@@ -10,12 +10,14 @@ use crate::tape::Tape;
 use crate::values::Replay;
 use equip_machine::{Program, Value};
 
-/// Operations of the longest program.
-const LONGEST: usize = 1 << 22;
+/// Nodes and terms of the largest graph that becomes a program: code and what it takes to make it are some hundred bytes for each.
+const LARGEST: usize = 1 << 22;
 
-/// The program of a graph whose operations are arithmetic, √ and |x| only, if it is not too long to be worth it.
+/// The program of a graph whose operations are arithmetic, √ and |x| only, if it is not too large.
 pub(crate) fn straight(graph: &Graph) -> Option<Program> {
-    if graph.nodes.len() + graph.terms.len() > LONGEST {
+    let is_known = |(node, &is_constant): (&Node, &bool)| is_constant || is_arithmetic(node.op);
+    let is_small = graph.nodes.len() + graph.terms.len() <= LARGEST;
+    if !is_small || !graph.nodes.iter().zip(&graph.is_constant).all(is_known) {
         return None;
     }
     let mut translation = Translation {
@@ -29,6 +31,14 @@ pub(crate) fn straight(graph: &Graph) -> Option<Program> {
         translation.program.result(row, value);
     }
     Some(translation.program)
+}
+
+fn is_arithmetic(op: Op) -> bool {
+    use Op::*;
+    matches!(
+        op,
+        Input(_) | Sum(_) | Add | Sub | Mul | Square | Div | Neg | Recip | Sqrt | Abs | Powi(_)
+    )
 }
 
 /// What is still to be done for a result.

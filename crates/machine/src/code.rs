@@ -10,11 +10,15 @@ use memmap2::{Mmap, MmapMut};
 type Function =
     unsafe extern "sysv64" fn(*const f64, *mut f64, *const f64, *mut Lanes<8>, groups: usize);
 
+/// Numbers between two rows from which on an address cannot reach the next.
+const FARTHEST: usize = 1 << 28;
+
 /// Machine code of a [`Program`] for rows of one length.
 #[derive(Debug)]
 pub struct Code {
     code: Mmap,
     constants: Vec<f64>,
+    /// Numbers of the inputs that are read, and of the results that are written.
     inputs: usize,
     results: usize,
     stride: usize,
@@ -27,12 +31,12 @@ impl Code {
     /// of several doubles that vectors of 4 do not fill, rows too far from each other for an address, or a system that
     /// lets no program make code.
     ///
-    /// Cost: 0.1 µs an operation, and some 10 µs for the memory.
+    /// Cost: 0.1 µs an operation, several times that where many values are alive, and some 10 µs for the memory.
     pub fn new(program: &Program, set: InstructionSet, stride: usize) -> Option<Self> {
         let has_avx2 = InstructionSet::avx2().is_some_and(|avx2| avx2 <= set);
         let has_avx512 = InstructionSet::avx512() == Some(set);
         let vectors = match stride {
-            0 => return None,
+            0 | FARTHEST.. => return None,
             _ if has_avx512 && stride.is_multiple_of(8) => Vectors::Eight,
             _ if has_avx2 && stride.is_multiple_of(4) => Vectors::Four,
             1 if has_avx2 => Vectors::One,
@@ -45,12 +49,18 @@ impl Code {
         Some(Code {
             code: memory.make_exec().ok()?,
             constants: program.constants.clone(),
-            inputs: program.inputs,
-            results: program.results,
+            inputs: program.inputs.checked_mul(stride)?,
+            results: program.results.checked_mul(stride)?,
             stride,
             lanes: vectors.lanes(),
             scratch: (slots * vectors.lanes()).div_ceil(8),
         })
+    }
+
+    /// Length of the rows.
+    #[inline]
+    pub fn stride(&self) -> usize {
+        self.stride
     }
 
     /// Scratch that a run needs.
@@ -67,11 +77,11 @@ impl Code {
     #[inline]
     pub fn run(&self, inputs: &[f64], results: &mut [f64], scratch: &mut [Lanes<8>], count: usize) {
         assert!(
-            inputs.len() >= self.inputs * self.stride
-                && results.len() >= self.results * self.stride
+            inputs.len() >= self.inputs
+                && results.len() >= self.results
                 && scratch.len() >= self.scratch
                 && count <= self.stride,
-            "{} rows of inputs and {} of results, of {} numbers each, and {} vectors of scratch",
+            "{} inputs and {} results, in rows of {}, and {} vectors of scratch",
             self.inputs,
             self.results,
             self.stride,
@@ -84,8 +94,8 @@ impl Code {
         let (inputs, results) = (inputs.as_ptr(), results.as_mut_ptr());
         let (constants, scratch) = (self.constants.as_ptr(), scratch.as_mut_ptr());
         // SAFETY: the mapping is executable and as long as `self`, and holds a function of this type. It uses instructions that
-        // the processor has (an `InstructionSet` is proof), reads the first `self.inputs` rows of inputs and all constants,
-        // and writes the first `self.results` rows of results and `self.scratch` vectors of scratch: in groups
+        // the processor has (an `InstructionSet` is proof), reads the first `self.inputs` numbers of inputs and all constants,
+        // and writes the first `self.results` numbers of results and `self.scratch` vectors of scratch: in groups
         // of lanes, which fill the rows, so that `count` ≤ stride keeps them inside. All this was just checked.
         #[allow(unsafe_code)]
         unsafe {
@@ -222,21 +232,32 @@ mod tests {
             assert!(Code::new(&program, set, 0).is_none());
             assert!(Code::new(&program, set, 6).is_none());
             assert!(Code::new(&program, InstructionSet::PORTABLE, 8).is_none());
-            // Row 3 is 3 · 2^31 bytes away.
-            assert!(Code::new(&program, set, 1 << 28).is_none());
+            // Row 3 is 3 · 2^30 bytes away.
+            assert!(Code::new(&program, set, 1 << 27).is_none());
+            // 8 · 2^61 bytes are none.
+            assert!(Code::new(&program, set, 1 << 61).is_none());
         }
     }
 
     #[test]
-    #[should_panic(expected = "4 rows of inputs")]
+    #[should_panic(expected = "32 inputs")]
     fn rows_that_are_not_there() {
         let mut program = Program::new();
         let x = program.input(3);
         program.result(0, x);
         match Code::new(&program, InstructionSet::best(), 8) {
             Some(code) => code.run(&[0.0; 31], &mut [0.0; 8], &mut [], 8),
-            None => panic!("no code to test 4 rows of inputs with"),
+            None => panic!("no code to test 32 inputs with"),
         }
+    }
+
+    #[test]
+    #[should_panic(expected = "row 1 is written twice")]
+    fn a_row_that_is_written_already() {
+        let mut program = Program::new();
+        let (x, y) = (program.input(0), program.input(1));
+        program.result(1, x);
+        program.result(1, y);
     }
 
     #[test]

@@ -13,6 +13,11 @@ impl Code {
         None
     }
 
+    /// Length of the rows.
+    pub fn stride(&self) -> usize {
+        match *self {}
+    }
+
     /// Scratch that a run needs.
     pub fn scratch(&self) -> usize {
         match *self {}

@@ -1,6 +1,6 @@
 //! [`Program`]: straight-line arithmetic, each operation on the results of earlier ones.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// The result of an operation of a [`Program`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,8 +18,9 @@ pub(crate) enum Binary {
 }
 
 impl Binary {
-    /// Whether exchanging the operands leaves every bit of the result.
-    pub(crate) fn is_commutative(self) -> bool {
+    /// Whether the operands may be exchanged, which leaves every bit of the result, but for which NaN it is. Not of `And` and `Xor`: of single doubles
+    /// they read 16 bytes to the right, so that has to be a constant, which is read from a register.
+    pub(crate) fn may_exchange(self) -> bool {
         matches!(self, Binary::Add | Binary::Mul)
     }
 }
@@ -44,7 +45,8 @@ pub(crate) enum Operation {
 /// Each operation is rounded for itself, as in Rust.
 ///
 /// # Panics
-/// All methods that take a [`Value`], if it is not of this program.
+/// All methods that take a [`Value`], if there is none of this number: values belong to the program that gave them. `input` and `result`, if the row is 2³² − 1 or
+/// beyond.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
     pub(crate) operations: Vec<Operation>,
@@ -54,6 +56,7 @@ pub struct Program {
     /// Rows of inputs that are read, and of results that are written.
     pub(crate) inputs: usize,
     pub(crate) results: usize,
+    written: HashSet<u32>,
 }
 
 impl Program {
@@ -62,20 +65,11 @@ impl Program {
         Self::default()
     }
 
-    /// Number of operations, those counted that read an input or a constant or give a result.
-    pub fn len(&self) -> usize {
-        self.operations.len()
-    }
-
-    /// Whether there is no operation.
-    pub fn is_empty(&self) -> bool {
-        self.operations.is_empty()
-    }
-
     /// A row of the inputs.
     pub fn input(&mut self, row: usize) -> Value {
-        self.inputs = self.inputs.max(row + 1);
-        self.push(Operation::Input(row as u32))
+        let row = number_of(row);
+        self.inputs = self.inputs.max(row as usize + 1);
+        self.push(Operation::Input(row))
     }
 
     /// The same number in every lane. Numbers of the same bits are one value.
@@ -127,10 +121,14 @@ impl Program {
         self.push(Operation::Sqrt(a))
     }
 
-    /// Writes a row of the results. If a row is written twice, what it is in the end is unspecified.
+    /// Writes a row of the results.
+    ///
+    /// # Panics
+    /// If it is written already.
     pub fn result(&mut self, row: usize, of: Value) {
-        self.results = self.results.max(row + 1);
-        let (row, of) = (row as u32, self.own(of));
+        let (row, of) = (number_of(row), self.own(of));
+        assert!(self.written.insert(row), "row {row} is written twice");
+        self.results = self.results.max(row as usize + 1);
         self.push(Operation::Result { row, of });
     }
 
@@ -153,4 +151,9 @@ impl Program {
         self.operations.push(operation);
         Value(self.operations.len() as u32 - 1)
     }
+}
+
+fn number_of(row: usize) -> u32 {
+    assert!(row < u32::MAX as usize, "row {row} of a program");
+    row as u32
 }

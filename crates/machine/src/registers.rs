@@ -78,7 +78,12 @@ impl Allocation {
         let mut next_use = vec![NEVER; count];
         let mut next_uses = vec![[NEVER; 2]; count];
         for (i, &operation) in program.operations.iter().enumerate().rev() {
-            let operands = operands(operation);
+            let is_done = matches!(operation, Operation::Result { .. }) || next_use[i] != NEVER;
+            let operands = if is_done {
+                operands(operation)
+            } else {
+                [None; 2]
+            };
             for (k, x) in operands.into_iter().enumerate() {
                 if let Some(x) = x {
                     next_uses[i][k] = next_use[x as usize];
@@ -105,10 +110,8 @@ impl Allocation {
         match operation {
             Operation::Input(row) => self.memory[i] = Some(Memory::Input(row)),
             Operation::Constant(k) => self.memory[i] = Some(Memory::Constant(k)),
-            Operation::Binary(..) | Operation::Sqrt(_) if self.next_use[i] == NEVER => {
-                self.free_registers(i, operation);
-                self.free_slots(operation);
-            }
+            // What nothing needs.
+            Operation::Binary(..) | Operation::Sqrt(_) if self.next_use[i] == NEVER => {}
             Operation::Result { row, of } => {
                 let from = self.loaded(of, &[]);
                 self.instructions
@@ -126,7 +129,7 @@ impl Allocation {
             }
             Operation::Binary(op, a, b) => {
                 let in_register = |x: u32| self.register[x as usize].is_some();
-                let exchange = op.is_commutative() && !in_register(a) && in_register(b);
+                let exchange = op.may_exchange() && !in_register(a) && in_register(b);
                 let (x, y, next) = match exchange {
                     true => (b, a, self.next_uses[i][0]),
                     false => (a, b, self.next_uses[i][1]),
@@ -150,6 +153,7 @@ impl Allocation {
         let register = self.free_register(keep);
         self.hold(register, x);
         let memory = self.memory[x as usize];
+        debug_assert!(memory.is_some(), "a value is in a register or in memory");
         let load = memory.map(|memory| Instruction::Load(register, memory));
         self.instructions.extend(load);
         register
@@ -187,6 +191,7 @@ impl Allocation {
         let candidates = held.filter_map(|(register, &x)| Some((register, x?)));
         let candidates = candidates.filter(|(_, x)| !keep.contains(x));
         let farthest = candidates.max_by_key(|&(_, x)| self.next_use[x as usize]);
+        debug_assert!(farthest.is_some(), "there are more registers than operands");
         let (register, x) = farthest.unwrap_or_default();
         if self.memory[x as usize].is_none() {
             let slot = self.free_slots.pop().unwrap_or_else(|| {
