@@ -107,8 +107,9 @@ impl Code {
 
 #[cfg(test)]
 mod tests {
-    use super::Code;
+    use super::{Code, Vectors, allocate};
     use crate::program::{Operation, Program, Value};
+    use crate::repeats::{Stretch, stretches};
     use equip_scalar::{InstructionSet, Lanes};
 
     /// xorshift64*, seeded.
@@ -188,6 +189,35 @@ mod tests {
         results
     }
 
+    /// Compares lane by lane. Gives 1 if there is scratch.
+    fn check(
+        program: &Program,
+        set: InstructionSet,
+        stride: usize,
+        count: usize,
+        random: &mut Random,
+    ) -> usize {
+        let Some(code) = Code::new(program, set, stride) else {
+            assert_eq!(set, InstructionSet::PORTABLE);
+            return 0;
+        };
+        let numbers = (0..program.inputs * stride).map(|_| random.number());
+        let inputs: Vec<f64> = numbers.collect();
+        let mut scratch = vec![Lanes::splat(0.0); code.scratch()];
+        let mut results = vec![f64::MAX; program.results * stride];
+        code.run(&inputs, &mut results, &mut scratch, count);
+        for lane in 0..count {
+            let expected = evaluate(program, |row| inputs[row * stride + lane]);
+            for (row, expected) in expected.into_iter().enumerate() {
+                let found = results[row * stride + lane];
+                let same =
+                    found.to_bits() == expected.to_bits() || found.is_nan() && expected.is_nan();
+                assert!(same, "{set:?}, {stride}: row {row}, lane {lane}");
+            }
+        }
+        usize::from(code.scratch() > 0)
+    }
+
     /// With few and with many values alive, so that registers suffice or do not, on every instruction set.
     #[test]
     fn random_programs_have_the_bits_of_single_operations() {
@@ -197,30 +227,63 @@ mod tests {
             let (rows, length) = (1 + random.below(30), 2 + random.below(400));
             let program = random_program(&mut random, rows, length, reach);
             for stride in [1, 4, 8, 16, 24] {
-                let inputs: Vec<f64> = (0..rows * stride).map(|_| random.number()).collect();
                 let count = stride - round % 4.min(stride);
                 for set in InstructionSet::available() {
-                    let Some(code) = Code::new(&program, set, stride) else {
-                        assert_eq!(set, InstructionSet::PORTABLE);
-                        continue;
-                    };
-                    with_scratch += usize::from(code.scratch() > 0);
-                    let mut scratch = vec![Lanes::splat(0.0); code.scratch()];
-                    let mut results = vec![f64::MAX; program.results * stride];
-                    code.run(&inputs, &mut results, &mut scratch, count);
-                    for lane in 0..count {
-                        let expected = evaluate(&program, |row| inputs[row * stride + lane]);
-                        for (row, expected) in expected.into_iter().enumerate() {
-                            let found = results[row * stride + lane];
-                            let same = found.to_bits() == expected.to_bits()
-                                || found.is_nan() && expected.is_nan();
-                            assert!(same, "round {round}, {set:?}, {stride}: {row}, {lane}");
-                        }
-                    }
+                    with_scratch += check(&program, set, stride, count, &mut random);
                 }
             }
         }
         assert!(with_scratch > 100 || InstructionSet::avx2().is_none());
+    }
+
+    /// A chain with constants that are the same, or not, with ends, and a flaw in the midst.
+    fn chain(length: usize, own_constants: bool, flaw: usize) -> Program {
+        let mut program = Program::new();
+        let mut before = None;
+        for row in 0..length {
+            let (q, next) = (program.input(row), program.input(row + 1));
+            let d = program.sub(next, q);
+            let kappa = if own_constants {
+                1.0 + row as f64
+            } else {
+                1.25
+            };
+            let kappa = program.constant(kappa);
+            let linear = program.mul(kappa, d);
+            let square = program.mul(d, d);
+            let cubic = program.mul(square, d);
+            let mut force = program.add(linear, cubic);
+            if row == flaw {
+                force = program.sqrt(force);
+            }
+            let other = before.replace(force);
+            let total = other.map_or(force, |other| program.sub(other, force));
+            program.result(row, total);
+        }
+        program
+    }
+
+    #[test]
+    fn chains_in_loops_have_the_bits_of_single_operations() {
+        let mut random = Random(11);
+        for (length, own_constants, flaw) in [
+            (3, false, 9),
+            (20, false, 30),
+            (200, false, 400),
+            (200, true, 400),
+            (300, false, 140),
+            (300, true, 295),
+        ] {
+            let program = chain(length, own_constants, flaw);
+            for set in InstructionSet::available() {
+                for stride in [1, 4, 8, 16] {
+                    check(&program, set, stride, stride, &mut random);
+                }
+            }
+        }
+        let instructions = allocate(&chain(200, true, 400), Vectors::Eight.registers()).0;
+        let is_loop = |stretch: &Stretch| stretch.count > 1 && stretch.steps.constants.is_some();
+        assert!(stretches(&instructions).iter().any(is_loop));
     }
 
     #[test]
