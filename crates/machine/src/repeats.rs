@@ -1,4 +1,4 @@
-//! Instructions that repeat, with other rows each time: a chain's are a few dozen, however long it is, and need not be read from memory as often as there
+//! Instructions that repeat, with other rows each time: those of a chain are a few dozen, however long it is, and need not be read from memory as often as there
 //! are masses.
 //!
 //! Found in the instructions as they are, so that nothing has to be known of the program: what is done in a loop is what would be done without.
