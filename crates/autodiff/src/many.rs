@@ -38,8 +38,14 @@ impl<T: Float> Many<T> {
         }
     }
 
+    /// By machine code alone; `None` if there is none.
+    #[inline]
+    pub(crate) fn run_code(&mut self, set: InstructionSet, batch: Batch<T>) -> Option<()> {
+        self.runs.run(set, batch)
+    }
+
     pub(crate) fn run(&mut self, set: InstructionSet, tape: &Tape, mut batch: Batch<T>) {
-        if self.runs.run(set, batch.reborrow()).is_some() {
+        if self.run_code(set, batch.reborrow()).is_some() {
             return;
         }
         self.prepare(tape);

@@ -127,7 +127,6 @@ impl System for Recorded {
             energy: Replay::new(&shared.energy),
             energy_as_code: Runs::new::<T>(&compiled.energy),
             gradient: Replay::new(&shared.gradient),
-            gradient_as_code: Runs::new::<T>(&compiled.gradient),
             single: Replay::tangents(&shared.gradient),
             several: Replay::tangents(&shared.gradient),
             gradients: Many::new(&compiled.gradient, set, &shared.gradients),
@@ -145,7 +144,6 @@ pub struct RecordedEvaluator<T: Float> {
     energy: Replay<T>,
     energy_as_code: Runs,
     gradient: Replay<T>,
-    gradient_as_code: Runs,
     single: Replay<Tangent<T, 1>>,
     several: Replay<Tangent<T, DIRECTIONS>>,
     gradients: Many<T>,
@@ -200,7 +198,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         let tape = &self.shared.gradient;
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
             let batch = Batch::one(y, gradient);
-            if self.gradient_as_code.run(self.set, batch).is_none() {
+            if self.gradients.run_code(self.set, batch).is_none() {
                 gradient.copy_from_slice(self.gradient.run(tape, |k| y[k]));
             }
         }

@@ -32,7 +32,8 @@ impl<H: System> System for &H {
     }
 }
 
-/// H, ∇H and ∇²H at given states y = (q, p) of length n = 2m. Nothing is allocated by these calls.
+/// H, ∇H and ∇²H at given states y = (q, p) of length n = 2m. Nothing is allocated by these calls, but by the first of a kind
+/// where an energy is run as machine code.
 ///
 /// Slices of another length are a programming error and panic.
 pub trait Evaluate<T: Float> {

@@ -17,14 +17,6 @@ pub(crate) enum Binary {
     Xor,
 }
 
-impl Binary {
-    /// Whether the operands may be exchanged, which leaves every bit of the result, but for which NaN it is. Not of `And` and `Xor`: of single doubles
-    /// they read 16 bytes to the right, so that has to be a constant, which is read from a register.
-    pub(crate) fn may_exchange(self) -> bool {
-        matches!(self, Binary::Add | Binary::Mul)
-    }
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Operation {
     /// A row of the inputs.

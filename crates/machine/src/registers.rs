@@ -5,6 +5,14 @@
 
 use crate::program::{Binary, Operation, Program};
 
+impl Binary {
+    /// Whether the operands may be exchanged, which leaves every bit of the result, but for which NaN it is. Not of `And` and `Xor`: of single doubles
+    /// they read 16 bytes to the right, so that has to be a constant, which is read from a register.
+    fn may_exchange(self) -> bool {
+        matches!(self, Binary::Add | Binary::Mul)
+    }
+}
+
 /// Where a number stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Memory {
