@@ -16,8 +16,7 @@
 use crate::aligned::{Aligned, Places};
 use crate::half::force;
 use crate::linear::DenseLu;
-use crate::pairs::{HALF, has_pairs};
-use crate::product::{Mixes, Sixteen, product_any};
+use crate::product::applied;
 use crate::prolongation::View;
 use crate::row::{
     Row, add, difference, in_memory, lanes_of, literal, rows, rows_mut, scaled, stride_for, times,
@@ -156,13 +155,8 @@ impl<T: Float> Foresee<'_, T> {
                         &scaled(&times(&hb[g], &behind[g]), last.ratio * kappa),
                     );
                 }
-                let mut room = [[T::int(0); N]; G];
-                let row = last.prolongation.prepared(&row, &mut room, s);
                 let at_start = last.known.map_or(T::int(0), |known| known[c]);
-                // A loop: a closure as long as this is not inlined.
-                for (g, gradient) in gradients[c].iter_mut().enumerate() {
-                    *gradient = (last.prolongation).foretell(row, (g, s), T::int(1), at_start);
-                }
+                gradients[c] = (last.prolongation).foretell(&row, s, T::int(1), at_start);
             }
             let gradient = &mut gradients[c];
             let mut forces: Row<T, G, N> = from_fn(|g| force(&hb[g], &gradient[g]));
@@ -252,27 +246,6 @@ fn in_reverse<T: Float, const G: usize, const N: usize>(
         to[i] = from[s - 1 - i];
     }
     reversed
-}
-
-/// A matrix, column by column, times a row.
-#[inline(always)]
-fn applied<T: Float, const G: usize, const N: usize>(
-    matrix: &[T],
-    x: &Row<T, G, N>,
-    s: usize,
-) -> Row<T, G, N> {
-    if has_pairs::<T>(s)
-        && let Some(x) = rows::<T, 2, HALF>(x.as_flattened()).first()
-    {
-        let columns = Sixteen(literal(rows(matrix).as_chunks().0.first_chunk()));
-        let product = columns.product(x);
-        return *literal(rows(product.as_flattened()).first());
-    }
-    let mut product = [[T::int(0); N]; G];
-    for (g, product) in product.iter_mut().enumerate() {
-        *product = product_any(matrix.as_chunks().0, x, g, s);
-    }
-    product
 }
 
 #[cfg(test)]

@@ -50,21 +50,18 @@ impl<'a, S: Small<'a>> Opening<'a, S> {
     #[inline(always)]
     fn lanes<const C: usize, const G: usize, const N: usize>(&mut self, k: &impl Mixes<f64, G, N>) {
         let m = C / S::WIDTH;
-        let l = self.l.as_chunks::<N>().0;
         let s = self.sweep.step().s;
         let hb: Row<f64, G, N> = *literal(rows(self.sweep.step().hb).first());
         let mut slopes = [[Lanes::splat(0.0); C]; G];
         for c in 0..C {
             let (from, by_momentum) = conjugate(c, 2 * m);
-            let row: &[[f64; N]; G] = literal(l[from * G..].first_chunk());
+            let row: &Row<f64, G, N> = literal(rows(self.l).get(from));
             let most = most_likely(row, Some(self.ratio));
-            let mut room = [[0.0; N]; G];
-            let row = self.prolongation.prepared(row, &mut room, s);
             let at_start = self.known.map_or(0.0, |known| known[c]);
             let sign = if by_momentum { -1.0 } else { 1.0 };
-            for (g, slopes) in slopes.iter_mut().enumerate() {
-                let gradient = self.prolongation.foretell(row, (g, s), sign, at_start);
-                slopes[c] = Lanes(likely(&gradient, &hb[g], most));
+            let gradients = self.prolongation.foretell(row, s, sign, at_start);
+            for g in 0..G {
+                slopes[g][c] = Lanes(likely(&gradients[g], &hb[g], most));
             }
         }
         self.sweep.finish(&slopes, k);

@@ -3,7 +3,8 @@
 //! Cost: s² products; by pairs of stages ([`crate::pairs`]) half of them.
 
 use crate::MAX_STAGES;
-use crate::row::{OnLines, Row, add, in_memory, scaled, sum_of};
+use crate::pairs::{HALF, has_pairs};
+use crate::row::{OnLines, Row, add, in_memory, literal, rows, scaled, sum_of};
 use equip_scalar::{Float, Pack};
 use std::array::from_fn;
 
@@ -140,6 +141,27 @@ impl<T: Float, const G: usize, const N: usize> Mixes<T, G, N> for Packed<T, G, N
         }
         sums
     }
+}
+
+/// A matrix, column by column, times a row.
+#[inline(always)]
+pub(crate) fn applied<T: Float, const G: usize, const N: usize>(
+    matrix: &[T],
+    x: &Row<T, G, N>,
+    s: usize,
+) -> Row<T, G, N> {
+    if has_pairs::<T>(s)
+        && let Some(x) = rows::<T, 2, HALF>(x.as_flattened()).first()
+    {
+        let columns = Sixteen(literal(rows(matrix).as_chunks().0.first_chunk()));
+        let product = columns.product(x);
+        return *literal(rows(product.as_flattened()).first());
+    }
+    let mut product = [[T::int(0); N]; G];
+    for (g, product) in product.iter_mut().enumerate() {
+        *product = product_any(matrix.as_chunks().0, x, g, s);
+    }
+    product
 }
 
 /// Σ_j K_ij L_j for the stages of group g, L standing in as many groups.

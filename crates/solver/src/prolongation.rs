@@ -8,8 +8,10 @@
 //! Cost: s³ multiplications for E, s² without.
 
 use crate::MAX_STAGES;
-use crate::product::product_any;
-use crate::row::{add, groups_of, lanes_of, scaled, stride_for};
+use crate::product::{applied, product_any};
+use crate::row::{
+    Row, add, groups_of, in_memory, lanes_of, literal, rows, scaled, stride_for,
+};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 
@@ -124,9 +126,30 @@ impl<'a, T: Float> View<'a, T> {
         })
     }
 
-    /// E L + ρ ∇H(y0) of the group g of stages, from the L of a component, here in room for what it is multiplied with first.
+    /// E L + ρ ∇H(y0), from the L of a component.
     #[inline(always)]
-    pub(crate) fn foretell<const N: usize>(
+    pub(crate) fn foretell<const G: usize, const N: usize>(
+        &self,
+        l: &Row<T, G, N>,
+        s: usize,
+        sign: T,
+        at_start: T,
+    ) -> Row<T, G, N> {
+        let guess = match self.coefficients {
+            Some(coefficients) => applied(self.e, in_memory(&mut applied(coefficients, l, s)), s),
+            None => applied(self.e, l, s),
+        };
+        let rho: &Row<T, G, N> = literal(rows(self.rho).first());
+        let mut gradients = guess;
+        for g in 0..G {
+            gradients[g] = foretold(&guess[g], &rho[g], sign, at_start);
+        }
+        gradients
+    }
+
+    /// The same of the group g of stages, L standing in any number of groups.
+    #[inline(always)]
+    pub(crate) fn foretell_group<const N: usize>(
         &self,
         l: &[[T; N]],
         (g, s): (usize, usize),
@@ -316,7 +339,7 @@ mod tests {
         let mut room = vec![[T::int(0); N]; l.len()];
         let prepared = view.prepared(l, &mut room, s);
         (0..l.len())
-            .flat_map(|g| view.foretell(prepared, (g, s), T::int(1), at_start))
+            .flat_map(|g| view.foretell_group(prepared, (g, s), T::int(1), at_start))
             .collect()
     }
 

@@ -20,7 +20,7 @@
 use crate::MAX_STAGES;
 use crate::product::{Mixes, Square};
 use crate::prolongation::{View, foretold};
-use crate::row::{by_lanes, groups_of};
+use crate::row::{Row, by_lanes, groups_of, literal, rows, rows_mut};
 use crate::whole::conjugate;
 use equip_scalar::{Float, Kernel};
 use std::array::from_fn;
@@ -77,6 +77,9 @@ impl<T: Float> Foretell<'_, T> {
             }
             return;
         }
+        if groups == 2 {
+            return self.rows::<2, N>();
+        }
         let mut room = [[T::int(0); N]; MAX_STAGES];
         for c in 0..self.wanted {
             let (from, by_momentum) = conjugate(c, 2 * m);
@@ -86,8 +89,29 @@ impl<T: Float> Foretell<'_, T> {
             let at_start = self.known.map_or(T::int(0), |known| known[c]);
             let sign = T::int(if by_momentum { -1 } else { 1 });
             for g in 0..groups {
-                let gradient = self.prolongation.foretell(row, (g, s), sign, at_start);
+                let gradient = self.prolongation.foretell_group(row, (g, s), sign, at_start);
                 gradients[c * groups + g] = likely(&gradient, &hb[g], most);
+            }
+        }
+    }
+}
+
+impl<T: Float> Foretell<'_, T> {
+    /// By rows of literal length.
+    #[inline(always)]
+    fn rows<const G: usize, const N: usize>(&mut self) {
+        let (s, m) = (self.s, self.m);
+        let l = rows::<T, G, N>(self.l);
+        let hb: &Row<T, G, N> = literal(rows(self.hb).first());
+        let gradients = rows_mut::<T, G, N>(self.gradients);
+        for c in 0..self.wanted {
+            let (from, by_momentum) = conjugate(c, 2 * m);
+            let at_start = self.known.map_or(T::int(0), |known| known[c]);
+            let sign = T::int(if by_momentum { -1 } else { 1 });
+            let most = most_likely(&l[from], self.ratio);
+            let gradient = self.prolongation.foretell(&l[from], s, sign, at_start);
+            for g in 0..G {
+                gradients[c][g] = likely(&gradient[g], &hb[g], most);
             }
         }
     }

@@ -42,6 +42,11 @@ use equip_tableau::Gauss;
 const MAX_SWEEPS: u32 = 80;
 /// Sweeps that are expected to change Z by more than so many ε are drafts.
 const DRAFT: i64 = 64;
+/// The same of short states with as many stages as there is room for in one row or more, where the contraction is between these bounds: they take 3
+/// to 10 % less time. Where it is better sweeps often change Z by less than expected, where it is worse the last are not like the first.
+const DRAFT_OF_SHORT: i64 = 2;
+const SHORT_STAGES: usize = 8;
+const CONTRACTIONS: [(i64, i64); 2] = [(1, 50), (1, 3)];
 /// Defects of the step with α = 0 up to this many floors are left to later steps if slopes do not remove them: to remove less by more is
 /// to move by rounding.
 const AT_FLOOR: i64 = 4;
@@ -168,6 +173,8 @@ impl<T: Float> Sweeps<T> {
         }
         let removes_all = task.rule == Rule::Slopes && self.displaced.is_none();
         let mut alphas = Moves::new(task.rule);
+        let [best, worst] = CONTRACTIONS.map(|(n, d)| T::ratio(n, d));
+        let is_short = self.iterate.s > SHORT_STAGES && !self.is_uneven();
         while self.made < MAX_SWEEPS {
             let spread = self.spread;
             let looks_early = constraint.is_some() && task.rule == Rule::Slopes;
@@ -175,7 +182,8 @@ impl<T: Float> Sweeps<T> {
             // after it.
             let is_far = |contraction: &Contraction<T>| {
                 let (change, error) = contraction.foretold();
-                change > T::int(DRAFT) * eps
+                let is_even = is_short && contraction.rate > best && contraction.rate < worst;
+                change > T::int(if is_even { DRAFT_OF_SHORT } else { DRAFT }) * eps
                     && (!looks_early || error * spread >= T::int(16) * threshold)
             };
             let draft = is_far(&self.contraction);
@@ -359,11 +367,15 @@ impl<T: Float> Sweeps<T> {
         is_finite
     }
 
+    /// On stiff springs and of many components not all of Z is known alike.
+    fn is_uneven(&self) -> bool {
+        self.iterate.has_springs() || self.iterate.n >= MANY
+    }
+
     /// Changes of Z that are rounding and no more: that of stiff forces is in the stages, whoever solves for them, and so is that of the forces
     /// between many components where one is small beside its neighbours.
     fn most_rounding(&self) -> T {
-        let is_uneven = self.iterate.has_springs() || self.iterate.n >= MANY;
-        let times = if is_uneven { BLOWN_UP } else { 1 };
+        let times = if self.is_uneven() { BLOWN_UP } else { 1 };
         T::int(times * BLOWN_UP) * T::EPSILON
     }
 
