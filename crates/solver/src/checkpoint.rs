@@ -13,7 +13,7 @@ use crate::springs::Trial;
 use equip_scalar::Float;
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 2;
+pub(crate) const FORMAT: u32 = 3;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
 /// [`AdaptiveStepper::checkpoint`](crate::AdaptiveStepper::checkpoint), read by `resume` and `integrate_from` of the same options.
@@ -62,8 +62,8 @@ pub struct Checkpoint {
     /// h, then L, of the step that the next guess prolongs.
     pub(crate) guess: Vec<Exact>,
     pub(crate) solver: SolverMemory,
-    /// What sweeps remember: contraction, defect and scale of the energy, how far slopes move the end point; and the steps that are left to Newton.
-    pub(crate) sweeps: Option<[Exact; 5]>,
+    /// What sweeps remember: contraction, defect and scale of the energy, how far slopes and responses move the end point; and the steps that are left to Newton.
+    pub(crate) sweeps: Option<[Exact; 6]>,
     pub(crate) pause: [u32; 2],
     /// Steps that are halved at once.
     #[cfg_attr(feature = "serde", serde(default))]

@@ -196,7 +196,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         self.core.guess.remember(&guess[1..], guess[0]);
         self.core.newton.restore(&from.solver)?;
         if let (Some(sweeps), Some(stored)) = (&mut self.core.sweeps, &from.sweeps) {
-            let mut memory = [T::int(0); 5];
+            let mut memory = [T::int(0); 6];
             Exact::read_all(stored, &mut memory, "the sweeps")?;
             sweeps.restore(memory);
         }

@@ -30,8 +30,10 @@ pub(crate) struct Constraint<T: Float> {
     pub(crate) floor: T,
     /// The floor of the last step that was solved to its own: g is not known to be smaller.
     pub(crate) inherited: T,
-    /// What a relative change of the state by 1 is worth.
+    /// What a relative change of the state by 1 is worth, with I itself, which is rounded too.
     pub(crate) scale: T,
+    /// The same without.
+    pub(crate) worth: T,
     /// The same of changes of many components that have nothing to do with each other: √(largest·sum), no less than the root of the sum of
     /// squares. Of few it is `scale`.
     pub(crate) spread: T,
@@ -56,6 +58,7 @@ impl<T: Float> Constraint<T> {
             floor: zero,
             inherited: zero,
             scale: zero,
+            worth: zero,
             spread: zero,
             gradient: vec![zero; n],
             start_gradient: vec![zero; n],
@@ -89,13 +92,14 @@ impl<T: Float> Constraint<T> {
         };
         self.defect = value - self.reference;
         let values = self.reference.abs() + value.abs();
-        (self.scale, self.spread) = if y1.hi.len() < MANY {
+        (self.worth, self.spread) = if y1.hi.len() < MANY {
             let [moved, _] = worths::<T, 1>(&self.gradient, &y1.hi, sizes);
-            (values + moved, values + moved)
+            (moved, values + moved)
         } else {
             let [moved, most] = worths::<T, 8>(&self.gradient, &y1.hi, sizes);
-            (values + moved, most.sqrt() * moved.sqrt())
+            (moved, most.sqrt() * moved.sqrt())
         };
+        self.scale = values + self.worth;
         self.floor = self.round_off();
         value.is_finite() && self.floor.is_finite()
     }

@@ -9,9 +9,7 @@
 
 use crate::MAX_STAGES;
 use crate::product::{applied, product_any};
-use crate::row::{
-    Row, add, groups_of, in_memory, lanes_of, literal, rows, scaled, stride_for,
-};
+use crate::row::{Row, add, groups_of, in_memory, lanes_of, literal, rows, scaled, stride_for};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 

@@ -223,6 +223,23 @@ impl<T: Float> Response<T> {
         true
     }
 
+    /// How far the end point moves along D where g is removed, relative to the positions or to the momenta, whichever is more.
+    pub(crate) fn displacement(&self, g: T) -> T {
+        let m = self.n / 2;
+        let of = |group: std::ops::Range<usize>| {
+            let (mut moved, mut size) = (T::int(0), T::int(0));
+            for c in group {
+                let ends = self.ends.iter().zip(&self.d);
+                let u = ends.fold(T::int(0), |sum, (u, &d)| sum + d * u[c]);
+                moved += u * u;
+                size += self.sizes[c] * self.sizes[c];
+            }
+            (moved / size).sqrt()
+        };
+        let (q, p) = (of(0..m), of(m..2 * m));
+        (g / self.slope).abs() * if q > p { q } else { p }
+    }
+
     /// Moves Z by Σ δα_k X_k, δα being the change of the α's.
     pub(crate) fn follow(&self, iterate: &mut Iterate<T>, y: &State<T>, delta: &[T]) {
         let (free, stride) = (self.free, self.stride);

@@ -89,7 +89,9 @@ impl<T: Float> Foretell<'_, T> {
             let at_start = self.known.map_or(T::int(0), |known| known[c]);
             let sign = T::int(if by_momentum { -1 } else { 1 });
             for g in 0..groups {
-                let gradient = self.prolongation.foretell_group(row, (g, s), sign, at_start);
+                let gradient = self
+                    .prolongation
+                    .foretell_group(row, (g, s), sign, at_start);
                 gradients[c * groups + g] = likely(&gradient, &hb[g], most);
             }
         }
