@@ -32,11 +32,11 @@ pub(crate) struct Constraint<T: Float> {
     pub(crate) inherited: T,
     /// What a relative change of the state by 1 is worth, with I itself, which is rounded too.
     pub(crate) scale: T,
-    /// The same without.
-    pub(crate) worth: T,
     /// The same of changes of many components that have nothing to do with each other: √(largest·sum), no less than the root of the sum of
     /// squares. Of few it is `scale`.
     pub(crate) spread: T,
+    /// What a relative change of the state by 1 is worth alone.
+    pub(crate) worth: T,
     /// ∇I(y1), of the last look that was no [`Constraint::glance`]: a step is accepted after another one only.
     pub(crate) gradient: Vec<T>,
     /// ∇I(y0), when the directions of the α's were taken.
