@@ -11,7 +11,8 @@
 //!
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged as far as that is likely ([`crate::start`]); else, or where sweeps from
 //! there do not contract, Z = 0.
-//! *End.* The stages have settled, and |g| is at its floor, or stalls near it, or with α = 0 or slopes is within 4 floors and not worth more.
+//! *End.* The stages have settled, and |g| is at its floor, or stalls near it, or with α = 0 or slopes is within 4 floors and not worth more, or
+//! within 7 and further to remove than it is worth (`FAR`).
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found, slopes that move the end point too far
 //! ([`crate::displaced`]). What comes then is [`crate::step_swept::Then`].
 //!
