@@ -155,7 +155,7 @@ fn kepler(
         )
     };
     let problem = Kepler {
-        e: Constant::Decimal(text),
+        e: decimal(text).map_err(|e| e.to_string())?,
         mu: Constant::from(1.0),
     };
     if task.extended() {

@@ -126,7 +126,7 @@ pub(crate) fn force<E: Energy, S: Piecewise, const M: usize>(energy: &E, state: 
     for c in 1..M {
         q[c] = Num(Dual::variable(state[c], c));
     }
-    let p = [Num(Dual::fixed(S::constant(Constant::Double(0.0)))); M];
+    let p = [Num(Dual::fixed(S::constant(Constant::double(0.0)))); M];
     let Num(h) = energy.energy(&q, &p);
     h.gradient()
 }

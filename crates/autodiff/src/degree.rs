@@ -5,7 +5,7 @@
 
 use crate::graph::Graph;
 use crate::op::Op;
-use equip_scalar::Constant;
+use equip_scalar::{Constant, Written};
 use std::ops::Range;
 
 /// Degree of H in the inputs of the given range, all others held fixed; `None` if it is not known to be a
@@ -52,8 +52,8 @@ fn power(degree: Option<u32>, exponent: Option<u32>) -> Option<u32> {
 
 /// A whole exponent ≥ 0 that is written as a double.
 fn whole(c: Constant) -> Option<u32> {
-    match c {
-        Constant::Double(x) if x == f64::from(x as u32) => Some(x as u32),
+    match c.written() {
+        Written::Double(x) if x == f64::from(x as u32) => Some(x as u32),
         _ => None,
     }
 }

@@ -13,7 +13,7 @@ mod twos;
 
 use crate::op::{Node, Op};
 use crate::recorder::Recorder;
-use equip_scalar::Constant;
+use equip_scalar::{Constant, Written};
 use std::collections::HashMap;
 
 /// Appends the derivatives of the node `root` by all inputs; their nodes.
@@ -304,8 +304,8 @@ impl Reverse<'_> {
 
     fn double(&self, node: u32) -> Option<f64> {
         match self.recorder.nodes[node as usize].op {
-            Op::Constant(k) => match self.recorder.constants[k as usize] {
-                Constant::Double(x) => Some(x),
+            Op::Constant(k) => match self.recorder.constants[k as usize].written() {
+                Written::Double(x) => Some(x),
                 _ => None,
             },
             _ => None,
@@ -313,7 +313,7 @@ impl Reverse<'_> {
     }
 
     fn number(&mut self, x: f64) -> u32 {
-        self.recorder.constant(Constant::Double(x))
+        self.recorder.constant(Constant::double(x))
     }
 
     fn apply(&mut self, op: Op, x: u32, y: u32) -> u32 {

@@ -93,7 +93,7 @@ impl<S: Piecewise, const N: usize> Dual<S, N> {
 
 #[inline(always)]
 fn number<S: Scalar>(x: f64) -> S {
-    S::constant(Constant::Double(x))
+    S::constant(Constant::double(x))
 }
 
 #[inline(always)]

@@ -49,7 +49,7 @@ fn count_uses(graph: &Graph) -> Vec<u32> {
 impl Graph {
     fn is_one(&self, node: u32) -> bool {
         match self.nodes[node as usize].op {
-            Op::Constant(k) => self.constants[k as usize] == Constant::Double(1.0),
+            Op::Constant(k) => self.constants[k as usize] == Constant::double(1.0),
             _ => false,
         }
     }

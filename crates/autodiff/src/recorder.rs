@@ -5,7 +5,7 @@
 //! the sign of zero included: x·1, x/1, x − 0, x + (−0), −(−x), x·(−1) = −x, x¹, x⁰ and x·x = x².
 
 use crate::op::{Node, Op};
-use equip_scalar::{Attempt, Constant};
+use equip_scalar::{Attempt, Constant, Written};
 use std::collections::HashMap;
 use std::panic::Location;
 
@@ -23,11 +23,11 @@ enum ConstantKey {
 
 impl From<Constant> for ConstantKey {
     fn from(c: Constant) -> Self {
-        match c {
-            Constant::Double(x) => ConstantKey::Double(x.to_bits()),
-            Constant::Ratio(n, d) => ConstantKey::Ratio(n, d),
-            Constant::Decimal(text) => ConstantKey::Decimal(text),
-            Constant::Extended(parts) => ConstantKey::Extended(parts.map(f64::to_bits)),
+        match c.written() {
+            Written::Double(x) => ConstantKey::Double(x.to_bits()),
+            Written::Ratio(n, d) => ConstantKey::Ratio(n, d),
+            Written::Decimal(text) => ConstantKey::Decimal(text),
+            Written::Extended(parts) => ConstantKey::Extended(parts.map(f64::to_bits)),
         }
     }
 }
@@ -107,7 +107,7 @@ impl Recorder {
             }),
             Op::Div if self.is_double(b, 1.0) => a,
             Op::Neg if self.nodes[a as usize].op == Op::Neg => self.nodes[a as usize].a,
-            Op::Powi(0) => self.constant(Constant::Double(1.0)),
+            Op::Powi(0) => self.constant(Constant::double(1.0)),
             Op::Powi(1) => a,
             Op::Powi(2) => self.node(Node {
                 op: Op::Square,
@@ -139,8 +139,8 @@ impl Recorder {
 
     fn is_double(&self, node: u32, x: f64) -> bool {
         match self.nodes[node as usize].op {
-            Op::Constant(k) => match self.constants[k as usize] {
-                Constant::Double(c) => c.to_bits() == x.to_bits(),
+            Op::Constant(k) => match self.constants[k as usize].written() {
+                Written::Double(c) => c.to_bits() == x.to_bits(),
                 _ => false,
             },
             _ => false,

@@ -66,7 +66,7 @@ macro_rules! listed {
     }};
 }
 
-const ONE: Constant = Constant::Double(1.0);
+const ONE: Constant = Constant::double(1.0);
 
 /// Computes the given runs, their operands being known. `exponents` are those of the tape, in a form
 /// that is cheap to read.

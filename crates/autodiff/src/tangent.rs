@@ -123,7 +123,7 @@ impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
     #[inline(always)]
     fn powf(x: Self, c: Constant) -> Self {
         let exponent: T = c.to();
-        let less_one = Constant::Extended((exponent - T::int(1)).expansion());
+        let less_one = Constant::from_expansion((exponent - T::int(1)).expansion());
         let slope = exponent * <T as Scalar>::powf(x.value, less_one);
         x.chain(
             <T as Scalar>::powf(x.value, c),

@@ -148,7 +148,7 @@ impl<S: Piecewise> Replay<S> {
 /// The number as the constant that is cheapest to read.
 fn resolved<T: Float>(x: T) -> Constant {
     match x.expansion() {
-        [head, 0.0, 0.0, 0.0] => Constant::Double(head),
-        parts => Constant::Extended(parts),
+        [head, 0.0, 0.0, 0.0] => Constant::double(head),
+        parts => Constant::from_expansion(parts),
     }
 }

@@ -18,11 +18,11 @@ struct Program {
 impl Program {
     fn new(random: &mut Random) -> Self {
         let constants = vec![
-            Constant::Double(0.0),
-            Constant::Double(-0.0),
-            Constant::Double(1.0),
-            Constant::Double(-1.0),
-            Constant::Double(random.within(-2.0, 2.0)),
+            Constant::double(0.0),
+            Constant::double(-0.0),
+            Constant::double(1.0),
+            Constant::double(-1.0),
+            Constant::double(random.within(-2.0, 2.0)),
             ratio(1, 3),
             decimal("0.1").unwrap(),
             Constant::from(DoubleDouble::ratio(2, 7)),

@@ -234,7 +234,7 @@ fn method<T: Float>(args: &RunArgs) -> Result<Method, Fault> {
         MethodName::Gauss => Gauss::stages(args.stages),
         MethodName::FixedAlpha(text) => {
             let alpha = number::<T>("--method fixed-alpha", text)?;
-            Method::fixed_alpha(args.stages, Constant::Extended(alpha.expansion()))
+            Method::fixed_alpha(args.stages, Constant::from_expansion(alpha.expansion()))
         }
     })
 }

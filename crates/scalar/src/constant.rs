@@ -6,33 +6,73 @@ use crate::{Float, ParseFloatError};
 ///
 /// An `f64` literal in a 31-digit run silently limits it to 16 digits unless it is exactly representable
 /// (`0.5`, `2.0`, `-0.75` are; `0.1` is not). [`ratio`] and [`decimal`] have no such limit.
+///
+/// The double it is in `f64` is kept beside it: there an energy that holds it costs what one that holds an `f64` costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Constant {
+pub struct Constant {
+    double: f64,
+    written: Written,
+}
+
+/// How a [`Constant`] was written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Written {
     /// Exactly this double.
     Double(f64),
     /// A quotient of two integers, divided in the target type.
     Ratio(i64, i64),
-    /// A decimal, parsed in the target type; checked when made by [`decimal`].
+    /// A decimal, parsed in the target type.
     Decimal(&'static str),
     /// A value captured from an extended type: an unevaluated sum, largest part first.
     Extended([f64; 4]),
 }
 
 impl Constant {
-    /// The constant in the float type `T`.
-    pub fn to<T: Float>(self) -> T {
-        match self {
-            Constant::Double(x) => T::exact(x),
-            Constant::Ratio(n, d) => T::ratio(n, d),
-            Constant::Decimal(text) => T::decimal(text).unwrap_or(T::NAN),
-            Constant::Extended(parts) => T::from_expansion(parts),
+    /// Exactly this double.
+    #[inline(always)]
+    pub const fn double(x: f64) -> Self {
+        Constant {
+            double: x,
+            written: Written::Double(x),
         }
+    }
+
+    /// The sum of an expansion made by [`Float::expansion`].
+    #[inline]
+    pub fn from_expansion(parts: [f64; 4]) -> Self {
+        Constant {
+            double: f64::from_expansion(parts),
+            written: Written::Extended(parts),
+        }
+    }
+
+    /// The constant in the float type `T`.
+    #[inline(always)]
+    pub fn to<T: Float>(self) -> T {
+        if T::IS_DOUBLE {
+            return T::exact(self.double);
+        }
+        match self.written {
+            Written::Double(x) => T::exact(x),
+            Written::Ratio(n, d) => T::ratio(n, d),
+            Written::Decimal(text) => T::decimal(text).unwrap_or(T::NAN),
+            Written::Extended(parts) => T::from_expansion(parts),
+        }
+    }
+
+    /// How it was written.
+    pub fn written(self) -> Written {
+        self.written
     }
 }
 
 /// n/d, divided in the float type H is computed in: `ratio(1, 3) * q[0].powi(3)`.
-pub fn ratio(n: i64, d: i64) -> Constant {
-    Constant::Ratio(n, d)
+#[inline(always)]
+pub const fn ratio(n: i64, d: i64) -> Constant {
+    Constant {
+        double: n as f64 / d as f64,
+        written: Written::Ratio(n, d),
+    }
 }
 
 /// A decimal, read in the float type H is computed in: `let mu = decimal("0.012277471")?;`.
@@ -40,23 +80,28 @@ pub fn ratio(n: i64, d: i64) -> Constant {
 /// # Errors
 /// [`ParseFloatError`] when the text is not a decimal number.
 pub fn decimal(text: &'static str) -> Result<Constant, ParseFloatError> {
-    f64::decimal(text).map(|_| Constant::Decimal(text))
+    f64::decimal(text).map(|double| Constant {
+        double,
+        written: Written::Decimal(text),
+    })
 }
 
 impl From<f64> for Constant {
+    #[inline(always)]
     fn from(x: f64) -> Self {
-        Constant::Double(x)
+        Constant::double(x)
     }
 }
 
 impl From<i32> for Constant {
+    #[inline(always)]
     fn from(n: i32) -> Self {
-        Constant::Double(f64::from(n))
+        Constant::double(f64::from(n))
     }
 }
 
 impl From<crate::DoubleDouble> for Constant {
     fn from(x: crate::DoubleDouble) -> Self {
-        Constant::Extended(x.expansion())
+        Constant::from_expansion(x.expansion())
     }
 }

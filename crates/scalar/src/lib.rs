@@ -34,7 +34,7 @@ mod recording;
 mod scalar;
 mod stages;
 
-pub use constant::{Constant, decimal, ratio};
+pub use constant::{Constant, Written, decimal, ratio};
 pub use double_double::{DoubleDouble, DoubleDoubles};
 pub use float::{Float, ParseFloatError};
 pub use forward::{FirstOrder, Forward, Forward2, SecondOrder};

@@ -9,7 +9,7 @@ use std::hint::black_box;
 #[rustfmt::skip]
 #[inline(always)]
 fn everything<S: Piecewise>(x: S, y: S) -> [S; 43] {
-    let c = Constant::Double(2.5);
+    let c = Constant::double(2.5);
     [
         x + y, x - y, x * y, x / y, -x,
         S::constant(c), S::recip(x), S::sqrt(x), S::exp(x), S::ln(x),

@@ -3,7 +3,7 @@
 //! A decimal or a quotient of integers becomes a constant that every float type reads in its own precision: a double if
 //! it is one, else n/d in lowest terms, and only if that is too long a double-double.
 
-use equip_scalar::{Constant, DoubleDouble, Float};
+use equip_scalar::{Constant, DoubleDouble, Float, ratio};
 
 /// The number written in `text`: exact whenever numerator and denominator fit in 53 bits and 63 bits,
 /// otherwise to double-double precision.
@@ -15,7 +15,7 @@ pub(crate) fn constant(text: &str) -> Option<Constant> {
     let nearest = f64::decimal(text).ok().filter(|x| x.is_finite())?;
     match short_decimal(text) {
         Some((n, d)) => Some(reduced(n, d)),
-        None if nearest == 0.0 => Some(Constant::Double(0.0)),
+        None if nearest == 0.0 => Some(Constant::double(0.0)),
         None => DoubleDouble::decimal(text).ok().map(Constant::from),
     }
 }
@@ -48,27 +48,27 @@ fn reduced(n: i64, d: i64) -> Constant {
     let (n, d) = (n / divisor, d / divisor);
     let exact_quotient = d & (d - 1) == 0 && n.unsigned_abs() < 1 << 53;
     if exact_quotient {
-        Constant::Double(n as f64 / d as f64)
+        Constant::double(n as f64 / d as f64)
     } else {
-        Constant::Ratio(n, d)
+        ratio(n, d)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::constant;
-    use equip_scalar::{Constant, DoubleDouble, Float};
+    use equip_scalar::{Constant, DoubleDouble, Float, ratio};
 
     #[test]
     fn short_texts_are_exact_quotients() {
-        assert_eq!(constant("0.1"), Some(Constant::Ratio(1, 10)));
-        assert_eq!(constant("1e-1"), Some(Constant::Ratio(1, 10)));
-        assert_eq!(constant("-2.5e-1"), Some(Constant::Double(-0.25)));
-        assert_eq!(constant("1/12"), Some(Constant::Ratio(1, 12)));
-        assert_eq!(constant("2/-24"), Some(Constant::Ratio(-1, 12)));
-        assert_eq!(constant("50"), Some(Constant::Double(50.0)));
-        assert_eq!(constant("0"), Some(Constant::Double(0.0)));
-        assert_eq!(constant(".6"), Some(Constant::Ratio(3, 5)));
+        assert_eq!(constant("0.1"), Some(ratio(1, 10)));
+        assert_eq!(constant("1e-1"), Some(ratio(1, 10)));
+        assert_eq!(constant("-2.5e-1"), Some(Constant::double(-0.25)));
+        assert_eq!(constant("1/12"), Some(ratio(1, 12)));
+        assert_eq!(constant("2/-24"), Some(ratio(-1, 12)));
+        assert_eq!(constant("50"), Some(Constant::double(50.0)));
+        assert_eq!(constant("0"), Some(Constant::double(0.0)));
+        assert_eq!(constant(".6"), Some(ratio(3, 5)));
     }
 
     #[test]

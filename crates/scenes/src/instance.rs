@@ -182,11 +182,11 @@ pub(crate) fn state<T: Float>(
     q: &[&'static str],
     v: &[&'static str],
 ) -> State<T> {
-    let read = |texts: &[&'static str]| -> Vec<T> {
-        texts
-            .iter()
-            .map(|text| equip_scalar::Constant::Decimal(text).to())
-            .collect()
-    };
-    (read(q), momenta(model, read(v)))
+    let all = |texts: &[&str]| texts.iter().map(|text| read(text)).collect();
+    (all(q), momenta(model, all(v)))
+}
+
+/// A decimal that stands in the source; were it none, not a number.
+pub(crate) fn read<T: Float>(text: &str) -> T {
+    T::decimal(text).unwrap_or(T::NAN)
 }

@@ -1,15 +1,24 @@
 //! [`Reference`]: a stored end state, computed once with more digits than any run here.
 
-use crate::instance::state;
+use crate::instance::{read, state};
 use crate::model::AnyModel;
 use crate::references;
-use equip_scalar::{Constant, Float};
+use equip_scalar::Float;
 
 /// Initial data that are doubles in every float type.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Doubles {
     pub(crate) q: &'static [f64],
     pub(crate) v: &'static [f64],
+}
+
+/// The time of an end state.
+#[derive(Debug, PartialEq)]
+pub(crate) enum End {
+    /// This double in every float type.
+    Double(f64),
+    /// Read in each.
+    Decimal(&'static str),
 }
 
 /// A row of the table of references.
@@ -20,7 +29,7 @@ pub(crate) struct ReferenceData {
     pub(crate) parameters: &'static [(&'static str, &'static str)],
     /// Doubles to start from, or nothing if it starts like the scene.
     pub(crate) start: Option<Doubles>,
-    pub(crate) end: Constant,
+    pub(crate) end: End,
     pub(crate) q: &'static [&'static str],
     /// Velocities; momenta are masses times these.
     pub(crate) v: &'static [&'static str],
@@ -44,7 +53,10 @@ impl Reference<'_> {
 
     /// The time of the end state.
     pub fn end<T: Float>(&self) -> T {
-        self.data.end.to()
+        match self.data.end {
+            End::Double(end) => T::exact(end),
+            End::Decimal(end) => read(end),
+        }
     }
 
     /// (q, p) at the end.
@@ -54,7 +66,7 @@ impl Reference<'_> {
 
     /// H along the solution.
     pub fn energy<T: Float>(&self) -> T {
-        Constant::Decimal(self.data.energy).to()
+        read(self.data.energy)
     }
 
     /// Bound on the error of [`energy`](Self::energy), from its digits.

@@ -6,8 +6,7 @@
 //! Arenstorf orbit it is the distance by which a Taylor series of order 40 in 45 digits misses the start after one period.
 #![allow(clippy::unreadable_literal)]
 
-use crate::reference::{Doubles, ReferenceData};
-use equip_scalar::Constant;
+use crate::reference::{Doubles, End, ReferenceData};
 
 pub(crate) static ALL: &[ReferenceData] = &[
     ReferenceData {
@@ -18,7 +17,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
             q: &[0.4, 0.0],
             v: &[0.0, 2.0],
         }),
-        end: Constant::Double(6283.185307179586),
+        end: End::Double(6283.185307179586),
         q: &[
             "0.400000000000000022204427307029320716637467522",
             "-0.00000000000651746933072320285300758255484675477685935342",
@@ -39,7 +38,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
             q: &[0.09999999999999998, 0.0],
             v: &[0.0, 4.358898943540674],
         }),
-        end: Constant::Double(628.3185307179587),
+        end: End::Double(628.3185307179587),
         q: &[
             "0.0999999999999999777955143918807479207945894133",
             "0.00000000000308932583682635782795686199647036266670145767",
@@ -60,7 +59,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
             q: &[0.0, 0.3],
             v: &[0.4219004621945797, 0.0],
         }),
-        end: Constant::Double(1000.0),
+        end: End::Double(1000.0),
         q: &[
             "-0.150249146578504008364085459558647878702975991",
             "-0.296889064944204069638953660746110743657853249",
@@ -81,7 +80,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
             q: &[1.0, 0.0, 0.0, 0.02, 0.0, 0.0],
             v: &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0],
         }),
-        end: Constant::Double(200.0),
+        end: End::Double(200.0),
         q: &[
             "0.0568458230701694418159775541225158646101868952",
             "0.79791318904286504579957683660168819063487114",
@@ -107,7 +106,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
         scene: "outer-solar-system",
         parameters: &[],
         start: None,
-        end: Constant::Double(200000.0),
+        end: End::Double(200000.0),
         q: &[
             "1.23584254235460835282189019109789959045789435",
             "-0.489943821144274890716761871934122521932077852",
@@ -157,7 +156,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
         scene: "pendulum",
         parameters: &[],
         start: None,
-        end: Constant::Decimal("6.28318530717958647692528676655900576839433879875"),
+        end: End::Decimal("6.28318530717958647692528676655900576839433879875"),
         q: &["-0.443944662290258815854022"],
         v: &["0.897846803312944006537465"],
         energy: "-0.5",
@@ -169,7 +168,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
         scene: "henon-heiles",
         parameters: &[("energy", "1/12"), ("q2", "0.3"), ("p2", "0.2")],
         start: None,
-        end: Constant::Decimal("100"),
+        end: End::Double(100.0),
         q: &["0.344579277015694507759536", "-0.0523538584736768651785930"],
         v: &["-0.192819166606316402249870", "-0.142647900923439427558198"],
         energy: "0.083333333333333333333333333333333333333333",
@@ -181,7 +180,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
         scene: "arenstorf",
         parameters: &[],
         start: None,
-        end: Constant::Decimal("17.0652165601579625588917206249"),
+        end: End::Decimal("17.0652165601579625588917206249"),
         q: &["0.994", "0"],
         v: &["0", "-1.00758510637908252240537862224"],
         energy: "-1.428206260104928922841",
@@ -193,7 +192,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
         scene: "double-pendulum",
         parameters: &[],
         start: None,
-        end: Constant::Decimal("16"),
+        end: End::Double(16.0),
         q: &["0.2274606317528033456842", "0.7320571034303412055347"],
         v: &["2.366665951354279233183", "3.419946158415670373392"],
         energy: "-14.39988748382646980647",
@@ -205,7 +204,7 @@ pub(crate) static ALL: &[ReferenceData] = &[
         scene: "pythagorean",
         parameters: &[],
         start: None,
-        end: Constant::Decimal("10"),
+        end: End::Double(10.0),
         q: &[
             "1.152985736299708",
             "-0.1626108874908984",

@@ -10,13 +10,16 @@
 //!
 //! Only for the method with α = 0, with which most sweeps of a step are made: K B K costs s³ products.
 
+use crate::ahead::Again;
 use crate::half::{Half, force};
 use crate::mix::{Mix, Moved, Step};
 use crate::pairs::HALF;
 use crate::product::{Mixes, Sixteen, product_any};
 use crate::row::{OnLines, Row, add, difference, literal, placed, rows, rows_mut, scaled};
 use crate::small::{Small, change, numbers, rows_of};
-use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
+use equip_autodiff::Slopes;
+use equip_scalar::{DoubleDouble, Float, Kernel};
+use std::array::from_fn;
 use std::ops::Range;
 
 pub(crate) struct Draft<'a, T> {
@@ -130,38 +133,46 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
     }
 }
 
+/// As many as go on, with what one leaves to the next in registers.
 impl<'a> Small<'a> for Draft<'a, f64> {
-    const WIDTH: usize = 1;
-
     #[inline(always)]
-    fn finish<const C: usize, const G: usize, const N: usize>(
+    fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
-        slopes: &[[Lanes<N>; C]; G],
+        gradients: &impl Slopes<C, N>,
         k: &impl Mixes<f64, G, N>,
+        again: &mut impl Again<f64>,
     ) -> f64 {
         let step = &mut self.half.step;
         let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
         let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
         let w = numbers::<C>(self.half.inverse_masses);
-        let l_p = rows_of::<C, G, N>(&mut step.l[C * G * N..]);
-        let z = rows_of::<C, G, N>(step.z);
-        let q = rows_of::<C, G, N>(step.points);
+        let hw: [f64; C] = from_fn(|c| self.h * w[c]);
+        let to_l = rows_of::<C, G, N>(&mut step.l[C * G * N..]);
+        let to_z = rows_of::<C, G, N>(step.z);
+        let to_q = rows_of::<C, G, N>(step.points);
+        let (mut l, mut z, mut q) = (*to_l, *to_z, *to_q);
         let folded = rows_of::<C, G, N>(step.folded);
-
-        for c in 0..C {
-            for g in 0..G {
-                folded[c][g] = moved(&hb[g], &slopes[g][c].0, &mut l_p[c][g]);
+        loop {
+            let slopes = gradients.at(&q);
+            for c in 0..C {
+                for g in 0..G {
+                    folded[c][g] = moved(&hb[g], &slopes[g][c].0, &mut l[c][g]);
+                }
+            }
+            let mut by = [[[0.0; N]; G]; C];
+            for c in 0..C {
+                let mixed = k.product(&folded[c]);
+                for g in 0..G {
+                    by[c][g] = scaled(&mixed[g], hw[c]);
+                    add(&mut z[c][g], &by[c][g]);
+                    q[c][g] = placed(hi[c], lo[c], &z[c][g]);
+                }
+            }
+            let change = change(&by, numbers(step.inverse_scale));
+            if !again.again(change) {
+                (*to_l, *to_z, *to_q) = (l, z, q);
+                return change;
             }
         }
-        let mut by = [[[0.0; N]; G]; C];
-        for c in 0..C {
-            let mixed = k.product(&folded[c]);
-            for g in 0..G {
-                by[c][g] = scaled(&mixed[g], self.h * w[c]);
-                add(&mut z[c][g], &by[c][g]);
-                q[c][g] = placed(hi[c], lo[c], &z[c][g]);
-            }
-        }
-        change(&by, numbers(step.inverse_scale))
     }
 }

@@ -11,6 +11,7 @@ mod adaptive;
 mod adaptive_first;
 mod adaptive_run;
 mod adaptive_stepper;
+mod ahead;
 mod aligned;
 mod alpha;
 mod certificate;

@@ -284,7 +284,7 @@ mod tests {
             let mut iterate = Iterate::new(&gauss, 4, kinetic, &vec![0.0; s - 1]);
             iterate.begin(&gauss, (&y, h));
             for _ in 0..30 {
-                iterate.sweep(&mut evaluator, &y, false, |_| false);
+                iterate.sweep(&mut evaluator, &y, false, &mut crate::ahead::Once);
             }
             let stiff = (pattern, w.as_slice(), false);
             let springs = Springs::find(&gauss, &mut evaluator, stiff, (&y.hi, h));

@@ -7,7 +7,7 @@ use crate::pairs::{HALF, has_pairs};
 use crate::product::{Mixes, Square};
 use crate::prolongation::View;
 use crate::row::{Row, literal, rows};
-use crate::small::Small;
+use crate::small::Finish;
 use crate::start::{largest, likely, most_likely, resolve, see};
 use crate::whole::conjugate;
 use equip_scalar::{InstructionSet, Kernel, Lanes};
@@ -26,7 +26,7 @@ pub(crate) struct Opening<'a, S> {
     pub(crate) inverse_scale: &'a mut [f64],
 }
 
-impl<'a, S: Small<'a>> Opening<'a, S> {
+impl<'a, S: Finish<'a>> Opening<'a, S> {
     /// Does it, if there is a kernel for these lengths. The unknown components are numbered by literals, as are the lanes.
     pub(crate) fn run(&mut self, set: InstructionSet) -> Option<()> {
         let step = self.sweep.step();
@@ -81,7 +81,7 @@ impl<'a, S: Small<'a>> Opening<'a, S> {
 struct OneGroup<'a, S, const C: usize, const N: usize>(&'a mut S);
 struct Pairs<'a, S, const C: usize>(&'a mut S);
 
-impl<'b, S: Small<'b>, const C: usize, const N: usize> Kernel
+impl<'b, S: Finish<'b>, const C: usize, const N: usize> Kernel
     for OneGroup<'_, Opening<'b, S>, C, N>
 {
     type Output = ();
@@ -94,7 +94,7 @@ impl<'b, S: Small<'b>, const C: usize, const N: usize> Kernel
     }
 }
 
-impl<'b, S: Small<'b>, const C: usize> Kernel for Pairs<'_, Opening<'b, S>, C> {
+impl<'b, S: Finish<'b>, const C: usize> Kernel for Pairs<'_, Opening<'b, S>, C> {
     type Output = ();
 
     #[inline(always)]

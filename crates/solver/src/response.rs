@@ -13,6 +13,7 @@
 //! Cost: about s/2 + 2 sweeps of s + 1 stages, as many gradients as ∇²H has groups of columns, and some 6 linear sweeps of
 //! each of 2·[`LEADING`] + 1 right-hand sides. Nothing is allocated.
 
+use crate::ahead::Once;
 use crate::constraint::Constraint;
 use crate::displacement::{Displacements, dot};
 use crate::hessians;
@@ -379,7 +380,7 @@ impl<T: Float> Finer<T> {
             {
                 own.activate_as(&self.method.gauss, springs);
             }
-            let change = self.iterate.sweep(energy, y, false, |_| false);
+            let change = self.iterate.sweep(energy, y, false, &mut Once);
             self.evaluations += (s + 1) as u64;
             if !change.is_finite() {
                 return false;

@@ -16,6 +16,7 @@
 //!
 //! Cost: where nothing is tried that of the slopes; else a product K L, one sweep, and those that settle the stages.
 
+use crate::ahead::Once;
 use crate::moves::Moves;
 use crate::outcome::Counts;
 use crate::state::State;
@@ -98,7 +99,7 @@ impl<T: Float> Sweeps<T> {
         alphas.by_response = false;
         let (mut change, mut moved) = (T::INFINITY, T::INFINITY);
         if self.move_alphas((g, noise), alphas, task) {
-            change = self.iterate.sweep(energy, task.y, false, |_| false);
+            change = self.iterate.sweep(energy, task.y, false, &mut Once);
             counts.sweeps += 1;
             counts.gradients += self.iterate.s as u64;
             self.iterate.end_point(task.y, next);

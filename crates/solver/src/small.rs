@@ -3,28 +3,40 @@
 //! The same operations in the same order as in [`crate::mix`], bit for bit. What bounds a sweep is the chain of dependent operations, which is
 //! walked through for all components side by side: ∇U, then P ← p + K L_p, then Z_q ← K L_q.
 
+use crate::ahead::Again;
 use crate::mix::Mix;
 use crate::pairs::HALF;
 use crate::product::{Mixes, Square};
-use crate::row::{Row, literal};
+use crate::row::{Row, in_memory, literal};
 use equip_autodiff::{Fused, Slopes};
 use equip_scalar::Lanes;
 
 /// A form of the sweep that there is a kernel for.
 pub(crate) trait Small<'a>: Mix<'a, f64> {
+    /// Sweeps of C unknown components: one, and as many more as `again` says. Gives what [`Mix::mix`] does of the last.
+    fn kernel<const C: usize, const G: usize, const N: usize>(
+        &mut self,
+        gradients: &impl Slopes<C, N>,
+        k: &impl Mixes<f64, G, N>,
+        again: &mut impl Again<f64>,
+    ) -> f64;
+}
+
+/// The same of one whose slopes may come from elsewhere.
+pub(crate) trait Finish<'a>: Small<'a> {
     /// Unknown components for each degree of freedom.
     const WIDTH: usize;
 
-    /// The sweep of C unknown components from their slopes on. Gives what [`Mix::mix`] does.
+    /// The sweep from the slopes on.
     fn finish<const C: usize, const G: usize, const N: usize>(
         &mut self,
         slopes: &[[Lanes<N>; C]; G],
         k: &impl Mixes<f64, G, N>,
     ) -> f64;
 
-    /// All of it.
+    /// All of one sweep.
     #[inline(always)]
-    fn kernel<const C: usize, const G: usize, const N: usize>(
+    fn once<const C: usize, const G: usize, const N: usize>(
         &mut self,
         gradients: &impl Slopes<C, N>,
         k: &impl Mixes<f64, G, N>,
@@ -36,47 +48,49 @@ pub(crate) trait Small<'a>: Mix<'a, f64> {
 }
 
 /// Up to eight stages: one group.
-pub(crate) struct OneGroup<S>(pub(crate) S);
+pub(crate) struct OneGroup<S, A>(pub(crate) S, pub(crate) A);
 
 /// Sixteen stages: two groups.
-pub(crate) struct TwoGroups<S>(pub(crate) S);
+pub(crate) struct TwoGroups<S, A>(pub(crate) S, pub(crate) A);
 
-impl<'a, S: Small<'a>, const N: usize> Fused<N> for OneGroup<S> {
+impl<'a, S: Small<'a>, A: Again<f64>, const N: usize> Fused<N> for OneGroup<S, A> {
     type Output = f64;
     const GROUPS: usize = 1;
 
     #[inline(always)]
     fn run<const C: usize>(&mut self, gradients: &impl Slopes<C, N>) -> f64 {
         let k = Square(literal(self.0.step().k.as_chunks().0.first_chunk()));
-        self.0.kernel(gradients, &k)
+        self.0.kernel(gradients, &k, &mut self.1)
     }
 }
 
-impl<'a, S: Small<'a>> Fused<HALF> for TwoGroups<S> {
+impl<'a, S: Small<'a>, A: Again<f64>> Fused<HALF> for TwoGroups<S, A> {
     type Output = f64;
     const GROUPS: usize = 2;
 
     #[inline(always)]
     fn run<const C: usize>(&mut self, gradients: &impl Slopes<C, HALF>) -> f64 {
         let k = S::sixteen(self.0.step().k);
-        self.0.kernel(gradients, &k)
+        self.0.kernel(gradients, &k, &mut self.1)
     }
 }
 
 /// The largest change of Z, `by`, relative to the sizes of the components, as an integer: of numbers that are not negative the larger has the
-/// larger bits, and what is not a number the largest. A maximum of integers is the same in any order, so the compiler may take vectors.
+/// larger bits, and what is not a number the largest. Lane by lane, and the lanes in memory: by itself the compiler takes all numbers out of their vectors.
 #[inline(always)]
 pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
     by: &[Row<f64, G, N>; C],
     inverse_scale: &[f64; C],
 ) -> f64 {
-    let mut most = 0;
+    let mut most = [0; N];
     for (by, &inverse_scale) in by.iter().zip(inverse_scale) {
-        for &by in by.as_flattened() {
-            most = most.max((by * inverse_scale).abs().to_bits());
+        for by in by {
+            for i in 0..N {
+                most[i] = most[i].max((by[i] * inverse_scale).abs().to_bits());
+            }
         }
     }
-    f64::from_bits(most)
+    f64::from_bits(in_memory(&mut most).iter().fold(0, |a, &b| a.max(b)))
 }
 
 /// A number for each of C components.

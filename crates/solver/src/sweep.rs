@@ -24,6 +24,7 @@ mod double_double;
 mod sprung;
 mod stage_by_stage;
 
+use crate::ahead::{Again, InDoubles, Once};
 use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
 use crate::contraction::FAR;
@@ -40,6 +41,7 @@ use crate::whole::Whole;
 use equip_autodiff::{Evaluate, Kinetic};
 use equip_scalar::{Float, InstructionSet};
 use equip_tableau::Gauss;
+use std::marker::PhantomData;
 
 /// The forms of a sweep.
 enum Form<'a, T> {
@@ -257,7 +259,7 @@ impl<T: Float> Iterate<T> {
         energy: &mut E,
         y: &State<T>,
         draft: bool,
-        mut again: impl FnMut(T) -> bool,
+        again: &mut impl Again<T>,
     ) -> T {
         let unknown = std::mem::take(&mut self.is_first) && !self.is_prolonged;
         // What was measured on stages that were far off is measured again: after the drafts, on springs at once.
@@ -267,14 +269,12 @@ impl<T: Float> Iterate<T> {
         let measures = unknown || (self.was_far && !self.is_draft);
         self.has_momenta = measures;
         let drafts = self.is_draft;
-        let mut again =
-            |change: T| drafts && !(springs && change > T::ratio(1, FAR)) && again(change);
         let fused = if T::IS_DOUBLE {
             match self.stride {
                 _ if springs => None,
-                4 => self.fuse::<4, E>(energy, y, &mut again),
-                8 => self.fuse::<8, E>(energy, y, &mut again),
-                16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y, &mut again),
+                4 => self.fuse::<4, E>(energy, y, again),
+                8 => self.fuse::<8, E>(energy, y, again),
+                16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y, again),
                 _ => None,
             }
         } else {
@@ -285,7 +285,8 @@ impl<T: Float> Iterate<T> {
                 self.evaluate(energy);
                 self.foresee(y, unknown);
                 let change = self.mix(y);
-                if !again(change) {
+                let leaps = springs && change > T::ratio(1, FAR);
+                if !drafts || leaps || !again.again(change) {
                     return change;
                 }
             }
@@ -304,32 +305,25 @@ impl<T: Float> Iterate<T> {
         &mut self,
         energy: &mut E,
         y: &State<T>,
-        again: &mut impl FnMut(T) -> bool,
+        again: &mut impl Again<T>,
     ) -> Option<T> {
         let two_groups = has_pairs::<T>(self.s);
         macro_rules! fused {
-            ($method:ident, $n:expr, $task:expr) => {{
-                let mut task = $task;
-                loop {
-                    let change = T::exact(energy.$method::<$n, _>(&mut task)?);
-                    if !again(change) {
-                        return Some(change);
-                    }
+            ($method:ident, $task:expr, $again:expr) => {{
+                let task = $task.in_doubles()?;
+                if two_groups {
+                    energy.$method::<HALF, _>(&mut TwoGroups(task, $again))?
+                } else {
+                    energy.$method::<N, _>(&mut OneGroup(task, $again))?
                 }
             }};
-            ($method:ident, $task:expr) => {
-                if two_groups {
-                    fused!($method, HALF, TwoGroups($task.in_doubles()?))
-                } else {
-                    fused!($method, N, OneGroup($task.in_doubles()?))
-                }
-            };
         }
-        match form!(self, y, &self.inverse_scale) {
-            Form::Whole(task) => fused!(fuse_gradients, task),
-            Form::Half(task) => fused!(fuse_forces, task),
-            Form::Draft(task) => fused!(fuse_forces, task),
-        }
+        let change = match form!(self, y, &self.inverse_scale) {
+            Form::Whole(task) => fused!(fuse_gradients, task, Once),
+            Form::Half(task) => fused!(fuse_forces, task, Once),
+            Form::Draft(task) => fused!(fuse_forces, task, InDoubles(again, PhantomData)),
+        };
+        Some(T::exact(change))
     }
 
     /// ∇H, or ∇U, at the stages.

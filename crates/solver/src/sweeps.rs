@@ -20,6 +20,7 @@
 
 mod memory;
 
+use crate::ahead::{Drafts, SHORT_STAGES};
 use crate::constraint::{Constraint, MANY};
 use crate::contraction::Contraction;
 use crate::displaced::Displaced;
@@ -41,13 +42,6 @@ use equip_tableau::Gauss;
 
 /// Sweeps allowed in a step.
 const MAX_SWEEPS: u32 = 80;
-/// Sweeps that are expected to change Z by more than so many ε are drafts.
-const DRAFT: i64 = 64;
-/// The same of short states with more stages than [`SHORT_STAGES`], where the contraction is between [`CONTRACTIONS`]: they take 2 to 7 % less time. Where
-/// it is better sweeps often change Z by less than expected, where it is worse the last are not like the first.
-const DRAFT_OF_SHORT: i64 = 2;
-const SHORT_STAGES: usize = 8;
-const CONTRACTIONS: [(i64, i64); 2] = [(1, 50), (1, 3)];
 /// Defects of the step with α = 0 up to this many floors are left to later steps if slopes do not remove them: to remove less by more is
 /// to move by rounding.
 const AT_FLOOR: i64 = 4;
@@ -183,28 +177,16 @@ impl<T: Float> Sweeps<T> {
         }
         let removes_all = task.rule == Rule::Slopes && self.displaced.is_none();
         let mut alphas = Moves::new(task.rule);
-        let [best, worst] = CONTRACTIONS.map(|(n, d)| T::ratio(n, d));
         let is_short = self.iterate.s > SHORT_STAGES && !self.is_uneven();
         while self.made < MAX_SWEEPS {
             let spread = self.spread;
             let looks_early = constraint.is_some() && task.rule == Rule::Slopes;
-            // The next sweep leaves others to come: by the contraction seen it changes Z by more than round-off, and g will not be looked at
-            // after it.
-            let is_far = |contraction: &Contraction<T>| {
-                let (change, error) = contraction.foretold();
-                let is_even = is_short && contraction.rate > best && contraction.rate < worst;
-                change > T::int(if is_even { DRAFT_OF_SHORT } else { DRAFT }) * eps
-                    && (!looks_early || error * spread >= T::int(16) * threshold)
-            };
-            let draft = is_far(&self.contraction);
+            let look = looks_early.then_some((spread, threshold));
             self.iterate.was_far |= std::mem::take(&mut self.contraction.is_far);
-            let (contraction, mut seen, mut made) = (&mut self.contraction, false, 1);
-            let change = self.iterate.sweep(energy, task.y, draft, |change| {
-                seen = contraction.see_plain(change);
-                let again = seen && is_far(contraction);
-                made += u32::from(again);
-                again
-            });
+            let mut drafts = Drafts::new(&mut self.contraction, is_short, look);
+            let draft = drafts.are_next();
+            let change = self.iterate.sweep(energy, task.y, draft, &mut drafts);
+            let Drafts { seen, made, .. } = drafts;
             counts.sweeps += u64::from(made);
             counts.gradients += u64::from(made) * self.iterate.s as u64;
             self.made += made;

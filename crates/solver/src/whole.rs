@@ -1,10 +1,12 @@
 //! The sweep of any H: Z ← K L with L = h b J∇H, all components.
 
+use crate::ahead::Again;
 use crate::mix::{Mix, Moved, Step};
 use crate::pairs::Blocks;
 use crate::product::Mixes;
 use crate::row::{Row, difference, literal, placed, rows, rows_mut, times};
-use crate::small::{Small, change, numbers, rows_of};
+use crate::small::{Finish, Small, change, numbers, rows_of};
+use equip_autodiff::Slopes;
 use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
 use std::array::from_fn;
 use std::ops::Range;
@@ -99,6 +101,18 @@ impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
 }
 
 impl<'a> Small<'a> for Whole<'a, f64> {
+    #[inline(always)]
+    fn kernel<const C: usize, const G: usize, const N: usize>(
+        &mut self,
+        gradients: &impl Slopes<C, N>,
+        k: &impl Mixes<f64, G, N>,
+        _again: &mut impl Again<f64>,
+    ) -> f64 {
+        self.once(gradients, k)
+    }
+}
+
+impl<'a> Finish<'a> for Whole<'a, f64> {
     const WIDTH: usize = 2;
 
     #[inline(always)]

@@ -4,6 +4,7 @@
 //! 1963; Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.0]. Both orbits were recomputed with 45 digits: they
 //! return to their start within 5e-27 and 4e-26.
 
+use crate::instance::read;
 use crate::model::{Model, State};
 use crate::{Parameter, Range, Scene, View};
 use equip_autodiff::Energy;
@@ -34,19 +35,13 @@ pub(crate) const SCENE: Scene = Scene {
 };
 
 /// Starting velocity q̇₂ and period of the orbits.
-const ORBITS: [(Constant, Constant); 2] = [
-    (
-        Constant::Decimal("-2.00158510637908252240537862224"),
-        Constant::Decimal("17.0652165601579625588917206249"),
-    ),
-    (
-        Constant::Decimal("-2.0317326295573368357302057924"),
-        Constant::Decimal("11.124340337266085134999734047"),
-    ),
+const ORBITS: [(&str, &str); 2] = [
+    ("-2.00158510637908252240537862224", "17.0652165601579625588917206249"),
+    ("-2.0317326295573368357302057924", "11.124340337266085134999734047"),
 ];
 
 impl Arenstorf {
-    fn orbit(&self) -> (Constant, Constant) {
+    fn orbit(&self) -> (&'static str, &'static str) {
         ORBITS[self.orbit - 1]
     }
 }
@@ -69,13 +64,13 @@ impl Energy for Arenstorf {
 
 impl Model for Arenstorf {
     fn initial<T: Float>(&self) -> State<T> {
-        let x = Constant::Decimal("0.994").to::<T>();
+        let x = read::<T>("0.994");
         let (velocity, _) = self.orbit();
-        (vec![x, T::int(0)], vec![T::int(0), velocity.to::<T>() + x])
+        (vec![x, T::int(0)], vec![T::int(0), read::<T>(velocity) + x])
     }
 
     fn period<T: Float>(&self, _: &State<T>) -> T {
-        self.orbit().1.to()
+        read(self.orbit().1)
     }
 
     fn step(&self) -> f64 {
@@ -83,7 +78,7 @@ impl Model for Arenstorf {
     }
 
     fn end(&self) -> f64 {
-        self.orbit().1.to()
+        read(self.orbit().1)
     }
 
     fn view(&self) -> View {

@@ -10,7 +10,7 @@
 use crate::model::{Model, State};
 use crate::{Invariant, InvariantKind, Parameter, Range, Scene, View};
 use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_scalar::{Constant, Float, Num, Scalar, ratio};
 
 /// Two unit rods with unit masses, and a spring ½C²Q₂² between them.
 #[derive(Debug, Clone, Copy)]
@@ -61,8 +61,8 @@ pub(crate) const STIFF: Scene = Scene {
     solution: "none stored",
     hard: "C -> infinity: fast frequency near 2.2 C, so h = 2^-7 gives h omega = 0.6 at C = 32 and 18 at C = 1024; not separable",
     build: |v| {
-        let momentum = Constant::Decimal("2.7746");
-        let start = [Constant::Decimal("1.1"), Constant::Decimal("-1.1"), momentum, momentum];
+        let momentum = ratio(27_746, 10_000);
+        let start = [ratio(11, 10), ratio(-11, 10), momentum, momentum];
         Ok(DoublePendulum { start, g: v[1].exact, spring: Some(v[0].exact) }.into())
     },
 };

@@ -97,7 +97,8 @@ impl<T: Float> Iterate<T> {
         match form!(self, y, &nothing) {
             Form::Whole(task) => opening!(task),
             Form::Half(task) => opening!(task),
-            Form::Draft(task) => opening!(task),
+            // No step begins by one.
+            Form::Draft(_) => None,
         }
     }
 

@@ -1,0 +1,90 @@
+//! Which sweeps are drafts ([`crate::draft`]): those that leave others to come. By the contraction seen they change Z by more than round-off, and g
+//! will not be looked at after them.
+
+use crate::contraction::Contraction;
+use equip_scalar::Float;
+
+/// Sweeps that are expected to change Z by more than so many ε are drafts.
+const DRAFT: i64 = 64;
+/// The same of short states with more stages than [`SHORT_STAGES`], where the contraction is between [`CONTRACTIONS`]: they take 2 to 7 % less time. Where
+/// it is better sweeps often change Z by less than expected, where it is worse the last are not like the first.
+const DRAFT_OF_SHORT: i64 = 2;
+pub(crate) const SHORT_STAGES: usize = 8;
+const CONTRACTIONS: [(i64, i64); 2] = [(1, 50), (1, 3)];
+
+/// Whether sweeps of a row go on.
+pub(crate) trait Again<T> {
+    /// After one that has changed Z by `change`. Mark it `#[inline(always)]`: it is asked in the midst of a kernel.
+    fn again(&mut self, change: T) -> bool;
+}
+
+/// One sweep.
+pub(crate) struct Once;
+
+impl<T> Again<T> for Once {
+    #[inline(always)]
+    fn again(&mut self, _change: T) -> bool {
+        false
+    }
+}
+
+/// What is asked for any float, asked by doubles.
+pub(crate) struct InDoubles<'a, A, T>(pub(crate) &'a mut A, pub(crate) std::marker::PhantomData<T>);
+
+/// A row of drafts and what is seen of them.
+pub(crate) struct Drafts<'a, T> {
+    contraction: &'a mut Contraction<T>,
+    is_short: bool,
+    /// What an error of the end point is worth in g, and what it is to be below when g is looked at early, if that may be.
+    look: Option<(T, T)>,
+    /// The last has been seen.
+    pub(crate) seen: bool,
+    pub(crate) made: u32,
+}
+
+impl<'a, T: Float> Drafts<'a, T> {
+    pub(crate) fn new(
+        contraction: &'a mut Contraction<T>,
+        is_short: bool,
+        look: Option<(T, T)>,
+    ) -> Self {
+        Drafts {
+            contraction,
+            is_short,
+            look,
+            seen: false,
+            made: 1,
+        }
+    }
+
+    /// Whether the next sweep leaves others to come.
+    #[inline(always)]
+    pub(crate) fn are_next(&self) -> bool {
+        let (change, error) = self.contraction.foretold();
+        let rate = self.contraction.rate;
+        let [best, worst] = CONTRACTIONS.map(|(n, d)| T::ratio(n, d));
+        let is_even = self.is_short && rate > best && rate < worst;
+        let most = T::int(if is_even { DRAFT_OF_SHORT } else { DRAFT }) * T::EPSILON;
+        change > most
+            && self
+                .look
+                .is_none_or(|(spread, threshold)| error * spread >= T::int(16) * threshold)
+    }
+}
+
+impl<T: Float> Again<T> for Drafts<'_, T> {
+    #[inline(always)]
+    fn again(&mut self, change: T) -> bool {
+        self.seen = self.contraction.see_plain(change);
+        let again = self.seen && self.are_next();
+        self.made += u32::from(again);
+        again
+    }
+}
+
+impl<T: Float, A: Again<T>> Again<f64> for InDoubles<'_, A, T> {
+    #[inline(always)]
+    fn again(&mut self, change: f64) -> bool {
+        self.0.again(T::exact(change))
+    }
+}
