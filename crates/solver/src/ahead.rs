@@ -35,7 +35,7 @@ pub(crate) struct InDoubles<'a, A, T>(pub(crate) &'a mut A, pub(crate) std::mark
 pub(crate) struct Drafts<'a, T> {
     contraction: &'a mut Contraction<T>,
     is_short: bool,
-    /// What an error of the end point is worth in g, and what it is to be below when g is looked at early, if that may be.
+    /// What an error of the end point is worth in g, and below what that is looked at early, if it may be.
     look: Option<(T, T)>,
     /// The last has been seen.
     pub(crate) seen: bool,
@@ -60,15 +60,13 @@ impl<'a, T: Float> Drafts<'a, T> {
     /// Whether the next sweep leaves others to come.
     #[inline(always)]
     pub(crate) fn are_next(&self) -> bool {
-        let (change, error) = self.contraction.foretold();
-        let rate = self.contraction.rate;
+        let contraction = &*self.contraction;
+        let rate = contraction.rate;
         let [best, worst] = CONTRACTIONS.map(|(n, d)| T::ratio(n, d));
-        let is_even = self.is_short && rate > best && rate < worst;
+        let is_even = self.is_short & (rate > best) & (rate < worst);
         let most = T::int(if is_even { DRAFT_OF_SHORT } else { DRAFT }) * T::EPSILON;
-        change > most
-            && self
-                .look
-                .is_none_or(|(spread, threshold)| error * spread >= T::int(16) * threshold)
+        let is_seen = |(worth, least)| contraction.next_error() * worth < least;
+        contraction.next_change() > most && !self.look.is_some_and(is_seen)
     }
 }
 

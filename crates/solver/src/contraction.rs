@@ -41,8 +41,6 @@ pub(crate) struct Contraction<T> {
     is_new: bool,
     /// ρ.
     pub(crate) rate: T,
-    /// Error of the end point over the change of Z.
-    tail: T,
     /// The last change of Z, and what it is without its noise.
     pub(crate) change: T,
     left: T,
@@ -68,7 +66,6 @@ impl<T: Float> Contraction<T> {
             has_springs: false,
             is_new: false,
             rate: zero,
-            tail: zero,
             change: zero,
             left: zero,
             is_apart: true,
@@ -84,12 +81,16 @@ impl<T: Float> Contraction<T> {
 
     pub(crate) fn set_rate(&mut self, rate: T) {
         self.rate = rate.min(T::ratio(9, 10));
+    }
+
+    /// Error of the end point over the change of Z.
+    fn tail(&self) -> T {
         let share = if self.is_twofold {
             self.rate.sqrt()
         } else {
             self.rate
         };
-        self.tail = share / (T::int(1) - self.rate);
+        share / (T::int(1) - self.rate)
     }
 
     /// A step begins, with springs or without.
@@ -139,12 +140,18 @@ impl<T: Float> Contraction<T> {
             let now = change / last;
             self.seen = now.max(std::mem::replace(&mut self.last, now));
             self.set_rate(self.seen.max(T::ratio(1, LEAST)));
-        } else if last <= T::ratio(1, FAR) && change > self.seen * last {
-            self.seen = change / last;
+            return;
         }
-        if self.seen > self.rate {
-            self.set_rate(self.seen);
-        }
+        // Without branches: no processor foretells which sweep contracts worst.
+        let zero = T::int(0);
+        let now = if last <= T::ratio(1, FAR) {
+            change / last
+        } else {
+            zero
+        };
+        self.seen = if now > self.seen { now } else { self.seen };
+        let most = self.seen.min(T::ratio(9, 10));
+        self.rate = if most > self.rate { most } else { self.rate };
     }
 
     /// What [`Self::see`] does with most changes: those above rounding that are at most half of the last. Returns whether this is one of them; of
@@ -261,12 +268,12 @@ impl<T: Float> Contraction<T> {
 
     /// What the last sweep has left of an error at the end point.
     pub(crate) fn error(&self) -> T {
-        self.left * self.tail
+        self.left * self.tail()
     }
 
     /// Rounding at the end point, of stages that have settled.
     pub(crate) fn noise(&self) -> T {
-        let left = (self.change * self.tail).min(self.change);
+        let left = (self.change * self.tail()).min(self.change);
         if self.has_springs {
             // Sweeps that solve for stiff springs contract what is off, not what rounding the forces makes anew.
             left.max(self.change.min(T::int(NOISY) * T::EPSILON))
@@ -285,10 +292,15 @@ impl<T: Float> Contraction<T> {
         self.still == STILL
     }
 
-    /// The next change of Z, as far as can be told, and the error that it leaves.
-    pub(crate) fn foretold(&self) -> (T, T) {
-        let next = self.left * self.rate;
-        (next, next * self.tail)
+    /// The next change of Z, as far as can be told.
+    #[inline(always)]
+    pub(crate) fn next_change(&self) -> T {
+        self.left * self.rate
+    }
+
+    /// The error that it leaves.
+    pub(crate) fn next_error(&self) -> T {
+        self.next_change() * self.tail()
     }
 }
 

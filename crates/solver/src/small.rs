@@ -7,7 +7,7 @@ use crate::ahead::Again;
 use crate::mix::Mix;
 use crate::pairs::HALF;
 use crate::product::{Mixes, Square};
-use crate::row::{Row, in_memory, literal};
+use crate::row::{OnLines, Row, in_memory, literal};
 use equip_autodiff::{Fused, Slopes};
 use equip_scalar::Lanes;
 
@@ -82,15 +82,15 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
     by: &[Row<f64, G, N>; C],
     inverse_scale: &[f64; C],
 ) -> f64 {
-    let mut most = [0; N];
+    let mut most = OnLines([0; N]);
     for (by, &inverse_scale) in by.iter().zip(inverse_scale) {
         for by in by {
             for i in 0..N {
-                most[i] = most[i].max((by[i] * inverse_scale).abs().to_bits());
+                most.0[i] = most.0[i].max((by[i] * inverse_scale).abs().to_bits());
             }
         }
     }
-    f64::from_bits(in_memory(&mut most).iter().fold(0, |a, &b| a.max(b)))
+    f64::from_bits(in_memory(&mut most).0.iter().fold(0, |a, &b| a.max(b)))
 }
 
 /// A number for each of C components.

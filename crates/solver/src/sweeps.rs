@@ -181,7 +181,7 @@ impl<T: Float> Sweeps<T> {
         while self.made < MAX_SWEEPS {
             let spread = self.spread;
             let looks_early = constraint.is_some() && task.rule == Rule::Slopes;
-            let look = looks_early.then_some((spread, threshold));
+            let look = looks_early.then_some((spread, T::int(16) * threshold));
             self.iterate.was_far |= std::mem::take(&mut self.contraction.is_far);
             let mut drafts = Drafts::new(&mut self.contraction, is_short, look);
             let draft = drafts.are_next();
