@@ -59,14 +59,17 @@ impl<'a, T: Float> Drafts<'a, T> {
 
     /// Whether the next sweep leaves others to come.
     #[inline(always)]
-    pub(crate) fn are_next(&self) -> bool {
-        let contraction = &*self.contraction;
+    pub(crate) fn are_next(&mut self) -> bool {
+        let contraction = &mut *self.contraction;
         let rate = contraction.rate;
         let [best, worst] = CONTRACTIONS.map(|(n, d)| T::ratio(n, d));
         let is_even = self.is_short & (rate > best) & (rate < worst);
         let most = T::int(if is_even { DRAFT_OF_SHORT } else { DRAFT }) * T::EPSILON;
-        let is_seen = |(worth, least)| contraction.next_error() * worth < least;
-        contraction.next_change() > most && !self.look.is_some_and(is_seen)
+        let is_seen = |contraction: &mut Contraction<T>, (worth, least)| {
+            contraction.next_error() * worth < least
+        };
+        contraction.next_change() > most
+            && !self.look.is_some_and(|look| is_seen(contraction, look))
     }
 }
 

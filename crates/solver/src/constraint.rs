@@ -160,7 +160,7 @@ impl<T: Float> Constraint<T> {
 
     /// The floor by which g is judged at the end of a step: its own if g is there, else the inherited one if that is larger.
     pub(crate) fn judging_floor(&self) -> T {
-        if self.in_floors() <= T::int(1) {
+        if self.defect.abs() <= self.floor {
             self.floor
         } else {
             self.floor.max(self.inherited)

@@ -41,6 +41,9 @@ pub(crate) struct Contraction<T> {
     is_new: bool,
     /// ρ.
     pub(crate) rate: T,
+    /// Error of the end point over the change of Z, and the ρ that it was told by.
+    tail: T,
+    tail_of: T,
     /// The last change of Z, and what it is without its noise.
     pub(crate) change: T,
     left: T,
@@ -66,6 +69,8 @@ impl<T: Float> Contraction<T> {
             has_springs: false,
             is_new: false,
             rate: zero,
+            tail: zero,
+            tail_of: zero,
             change: zero,
             left: zero,
             is_apart: true,
@@ -84,13 +89,17 @@ impl<T: Float> Contraction<T> {
     }
 
     /// Error of the end point over the change of Z.
-    fn tail(&self) -> T {
-        let share = if self.is_twofold {
-            self.rate.sqrt()
-        } else {
-            self.rate
-        };
-        share / (T::int(1) - self.rate)
+    #[inline(always)]
+    fn tail(&mut self) -> T {
+        if self.tail_of != self.rate {
+            let share = if self.is_twofold {
+                self.rate.sqrt()
+            } else {
+                self.rate
+            };
+            (self.tail, self.tail_of) = (share / (T::int(1) - self.rate), self.rate);
+        }
+        self.tail
     }
 
     /// A step begins, with springs or without.
@@ -267,12 +276,12 @@ impl<T: Float> Contraction<T> {
     }
 
     /// What the last sweep has left of an error at the end point.
-    pub(crate) fn error(&self) -> T {
+    pub(crate) fn error(&mut self) -> T {
         self.left * self.tail()
     }
 
     /// Rounding at the end point, of stages that have settled.
-    pub(crate) fn noise(&self) -> T {
+    pub(crate) fn noise(&mut self) -> T {
         let left = (self.change * self.tail()).min(self.change);
         if self.has_springs {
             // Sweeps that solve for stiff springs contract what is off, not what rounding the forces makes anew.
@@ -299,7 +308,7 @@ impl<T: Float> Contraction<T> {
     }
 
     /// The error that it leaves.
-    pub(crate) fn next_error(&self) -> T {
+    pub(crate) fn next_error(&mut self) -> T {
         self.next_change() * self.tail()
     }
 }
@@ -363,6 +372,7 @@ mod tests {
                         // What is allowed above rounding is nobody's concern below.
                         long.allowed = short.allowed;
                     }
+                    assert_eq!(short.tail(), long.tail(), "{changes:?}");
                     assert_eq!(format!("{short:?}"), format!("{long:?}"), "{changes:?}");
                 }
             }

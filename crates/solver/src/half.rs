@@ -7,7 +7,7 @@ use crate::mix::{Mix, Moved, Step};
 use crate::pairs::Blocks;
 use crate::product::Mixes;
 use crate::row::{Row, difference, linear, literal, placed, rows, rows_mut, times};
-use crate::small::{Finish, Small, change, numbers, rows_of};
+use crate::small::{Finish, Small, numbers, rows_of};
 use equip_autodiff::Slopes;
 use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
 use std::array::from_fn;
@@ -152,7 +152,7 @@ impl<'a> Finish<'a> for Half<'a, f64> {
         &mut self,
         slopes: &[[Lanes<N>; C]; G],
         k: &impl Mixes<f64, G, N>,
-    ) -> f64 {
+    ) -> [Row<f64, G, N>; C] {
         let step = &mut self.step;
         let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
         let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
@@ -193,6 +193,6 @@ impl<'a> Finish<'a> for Half<'a, f64> {
             }
             z[c] = moved;
         }
-        change(&by, numbers(step.inverse_scale))
+        by
     }
 }

@@ -27,12 +27,12 @@ pub(crate) trait Finish<'a>: Small<'a> {
     /// Unknown components for each degree of freedom.
     const WIDTH: usize;
 
-    /// The sweep from the slopes on.
+    /// The sweep from the slopes on. Gives the changes of Z.
     fn finish<const C: usize, const G: usize, const N: usize>(
         &mut self,
         slopes: &[[Lanes<N>; C]; G],
         k: &impl Mixes<f64, G, N>,
-    ) -> f64;
+    ) -> [Row<f64, G, N>; C];
 
     /// All of one sweep.
     #[inline(always)]
@@ -43,7 +43,8 @@ pub(crate) trait Finish<'a>: Small<'a> {
     ) -> f64 {
         let points = rows_of::<C, G, N>(self.step().points);
         let slopes = gradients.at(points);
-        self.finish(&slopes, k)
+        let by = self.finish(&slopes, k);
+        change(&by, numbers(self.step().inverse_scale))
     }
 }
 

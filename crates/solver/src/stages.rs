@@ -30,6 +30,9 @@ pub(crate) struct Stages<T: Float> {
     gradients: Vec<T>,
     /// α_1 … α_{s−1}.
     pub(crate) alphas: Vec<T>,
+    /// All of them are zero, and they are those that swept steps start from: known, as it is asked in every step.
+    pub(crate) alphas_are_zero: bool,
+    alphas_are_start: bool,
     /// U(α), row by row.
     pub(crate) u: Vec<T>,
     /// U is not that of the α's.
@@ -50,6 +53,8 @@ impl<T: Float> Stages<T> {
             points: zeros(s * n),
             gradients: zeros(s * n),
             alphas: zeros(s - 1),
+            alphas_are_zero: true,
+            alphas_are_start: false,
             u: zeros(s * s),
             u_is_stale: false,
             scale: zeros(n),
@@ -72,10 +77,19 @@ impl<T: Float> Stages<T> {
         }
     }
 
-    /// Notes the α's of stages that were solved elsewhere; U is not made for them.
-    pub(crate) fn note_alphas(&mut self, alphas: &[T]) {
+    /// Notes the α's of stages that were swept, which mostly `are_start`: those that such steps start from. U is not made for them.
+    pub(crate) fn note_alphas(&mut self, alphas: &[T], are_start: bool) {
+        if are_start && self.alphas_are_start {
+            return;
+        }
         self.u_is_stale |= self.alphas != alphas;
         self.alphas.copy_from_slice(alphas);
+        self.see_alphas(are_start);
+    }
+
+    fn see_alphas(&mut self, are_start: bool) {
+        self.alphas_are_start = are_start;
+        self.alphas_are_zero = self.alphas.iter().all(|&alpha| alpha == T::int(0));
     }
 
     /// Adds `step` times `direction` to the α's.
@@ -88,6 +102,7 @@ impl<T: Float> Stages<T> {
 
     fn update_skew(&mut self) {
         self.u_is_stale = false;
+        self.see_alphas(false);
         self.gauss.antisymmetric_into(&self.alphas, &mut self.u);
         self.end.forget_weights();
     }

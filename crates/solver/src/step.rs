@@ -325,10 +325,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
             solved?;
         }
-        let zero = |alpha: &T| *alpha == T::int(0);
         Ok(if !constrained {
             self.unconstrained
-        } else if self.stages.alphas.iter().all(zero) {
+        } else if self.stages.alphas_are_zero {
             Outcome::AtFloor
         } else {
             Outcome::Solved

@@ -204,7 +204,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 if let Then::Halves(level) = then {
                     self.halved[level..].fill(Pause::NONE);
                 }
-                self.stages.note_alphas(&sweeps.alphas);
+                let are_start = !sweeps.iterate.k_has_moved();
+                self.stages.note_alphas(&sweeps.alphas, are_start);
                 self.guess.remember_swept(h);
             }
             Err(trouble) => {

@@ -259,8 +259,11 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// Energy, invariants and α's of the step just made.
     fn measure(&mut self, outcome: Outcome) {
         self.floor = None;
-        for (range, &alpha) in self.alpha_range.iter_mut().zip(&self.core.stages.alphas) {
-            *range = (range.0.min(alpha), range.1.max(alpha));
+        // Zero is in all of them from the beginning.
+        if !self.core.stages.alphas_are_zero {
+            for (range, &alpha) in self.alpha_range.iter_mut().zip(&self.core.stages.alphas) {
+                *range = (range.0.min(alpha), range.1.max(alpha));
+            }
         }
         if self.has_target {
             let residual = &self.core.constraints[0];

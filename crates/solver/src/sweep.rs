@@ -229,6 +229,11 @@ impl<T: Float> Iterate<T> {
         }
     }
 
+    /// K is not the one a step starts from.
+    pub(crate) fn k_has_moved(&self) -> bool {
+        self.k_has_moved
+    }
+
     /// K for these α's.
     pub(crate) fn set_alphas(&mut self, alphas: &[T]) {
         self.columns.fill(self.set, alphas, &mut self.k);

@@ -5,7 +5,7 @@ use crate::mix::{Mix, Moved, Step};
 use crate::pairs::Blocks;
 use crate::product::Mixes;
 use crate::row::{Row, difference, literal, placed, rows, rows_mut, times};
-use crate::small::{Finish, Small, change, numbers, rows_of};
+use crate::small::{Finish, Small, numbers, rows_of};
 use equip_autodiff::Slopes;
 use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
 use std::array::from_fn;
@@ -120,7 +120,7 @@ impl<'a> Finish<'a> for Whole<'a, f64> {
         &mut self,
         slopes: &[[Lanes<N>; C]; G],
         k: &impl Mixes<f64, G, N>,
-    ) -> f64 {
+    ) -> [Row<f64, G, N>; C] {
         let step = &mut self.0;
         let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
         let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
@@ -145,6 +145,6 @@ impl<'a> Finish<'a> for Whole<'a, f64> {
             }
             z[c] = moved;
         }
-        change(&by, numbers(step.inverse_scale))
+        by
     }
 }
