@@ -91,7 +91,15 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
             }
         }
     }
-    f64::from_bits(in_memory(&mut most).0.iter().fold(0, |a, &b| a.max(b)))
+    let mut most = in_memory(&mut most).0;
+    let mut count = N;
+    while count > 1 {
+        count /= 2;
+        for i in 0..count {
+            most[i] = most[i].max(most[i + count]);
+        }
+    }
+    f64::from_bits(most[0])
 }
 
 /// A number for each of C components.
