@@ -1,7 +1,8 @@
 //! The order of the runs: what settings are tried, which of them are timed, and what counts.
 //!
 //! 1. Every contestant climbs its ladder from coarse to fine, until it is slower than the cap or no longer improves.
-//! 2. Between the last setting that misses a target and the first that reaches it, settings are halved geometrically.
+//! 2. Between the last setting that misses a target and the first that reaches it, settings are halved geometrically; and so they are on both sides of
+//!    the quickest that reaches it, which need not be the coarsest.
 //! 3. For each target every contestant's quickest setting that reaches it is timed again, all contestants in turn, for a
 //!    number of rounds; what counts is the median over the rounds.
 //!
@@ -61,16 +62,16 @@ pub struct Lane {
 }
 
 impl Lane {
-    /// Index of the quickest setting that reaches `target`.
+    /// Index of the quickest setting that reaches `target`; once some have been timed again, of those.
     pub fn quickest(&self, target: f64) -> Option<usize> {
         let reaches = |i: usize| {
             let next = self.tried.get(i + 1);
             self.tried[i].error <= target && next.is_none_or(|n| n.error <= target)
         };
         let time = |i: &usize| self.tried[*i].median();
-        (0..self.tried.len())
-            .filter(|&i| reaches(i))
-            .min_by(|a, b| time(a).total_cmp(&time(b)))
+        let once = |i: &usize| self.tried[*i].seconds.len() == 1;
+        let order = |a: &usize, b: &usize| once(a).cmp(&once(b)).then(time(a).total_cmp(&time(b)));
+        (0..self.tried.len()).filter(|&i| reaches(i)).min_by(order)
     }
 
     /// Index of the setting that is the tolerance `tolerance`, if the contestant has one.
@@ -161,6 +162,26 @@ impl Lane {
             }
         }
     }
+
+    /// On both sides of the quickest settings.
+    fn refine(&mut self, task: &Task) {
+        let ladder = self.contestant.ladder();
+        for &target in task.targets {
+            for _ in 0..BISECTIONS {
+                let Some(i) = self.quickest(target) else {
+                    break;
+                };
+                let near = i.saturating_sub(1)..(i + 2).min(self.tried.len());
+                let settings: Vec<f64> = self.tried[near].iter().map(|t| t.setting).collect();
+                for pair in settings.windows(2) {
+                    let middle = ladder.between(pair[0], pair[1]);
+                    if !pair.contains(&middle) {
+                        self.try_setting(middle, task);
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Seconds a run may take that misses an error, and that error: the hardest one that a contestant so far reaches.
@@ -200,6 +221,7 @@ pub fn race(
         };
         lane.climb(task, cap(task, &lanes));
         lane.bisect(task);
+        lane.refine(task);
         lanes.push(lane);
     }
     let mut again: Vec<(usize, usize)> = Vec::new();
