@@ -169,22 +169,19 @@ impl Mix<'_> {
         }
     }
 
-    /// Two groups of 8 lanes and S columns: K is too long for the registers.
+    /// Two groups of 8 lanes and S columns: K is too long for the registers, and is read for two components at a time.
     #[inline(always)]
     fn two_groups<const S: usize>(&mut self) {
-        let Some(columns) = self.k.as_chunks::<16>().0.first_chunk::<S>() else {
+        let Some(columns) = self.k.as_chunks().0.as_chunks::<2>().0.first_chunk::<S>() else {
             return;
         };
-        let (l, z) = (self.l.as_chunks::<16>().0, self.z.as_chunks_mut::<16>().0);
-        for (l, z) in l.iter().zip(z) {
-            for (g, z) in z.as_chunks_mut::<8>().0.iter_mut().enumerate() {
-                let column = |j: usize| -> Lanes<8> { Lanes(columns[j].as_chunks().0[g]) };
-                let mut sum = column(0) * Lanes::splat(l[0]);
-                for (j, &l) in l.iter().enumerate().take(S).skip(1) {
-                    sum = sum + column(j) * Lanes::splat(l);
-                }
-                *z = sum.0;
-            }
+        let l = self.l.as_chunks::<16>().0.as_chunks::<2>();
+        let z = self.z.as_chunks_mut::<16>().0.as_chunks_mut::<2>();
+        for (l, z) in l.0.iter().zip(z.0) {
+            *z = mixed(columns, l);
+        }
+        if let ([l], [z]) = (l.1, z.1) {
+            [*z] = mixed(columns, &[*l]);
         }
     }
 
@@ -203,4 +200,29 @@ impl Mix<'_> {
             }
         }
     }
+}
+
+/// C components, two groups of stages each.
+#[inline(always)]
+fn mixed<const C: usize, const S: usize>(
+    columns: &[[[f64; 8]; 2]; S],
+    l: &[[f64; 16]; C],
+) -> [[f64; 16]; C] {
+    let mut sums = [[Lanes::<8>::splat(0.0); 2]; C];
+    for (sums, l) in sums.iter_mut().zip(l) {
+        *sums = columns[0].map(|column| Lanes(column) * Lanes::splat(l[0]));
+    }
+    for j in 1..S {
+        for (sums, l) in sums.iter_mut().zip(l) {
+            for g in 0..2 {
+                sums[g] = sums[g] + Lanes(columns[j][g]) * Lanes::splat(l[j]);
+            }
+        }
+    }
+    let mut z = [[0.0; 16]; C];
+    for (z, [first, last]) in z.iter_mut().zip(sums) {
+        z[..8].copy_from_slice(&first.0);
+        z[8..].copy_from_slice(&last.0);
+    }
+    z
 }

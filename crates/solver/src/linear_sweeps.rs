@@ -162,19 +162,18 @@ impl<T: Float> LinearSweeps<T> {
                 }
                 let mixed = &mut self.mixed[at..at + half];
                 mix_stages(self.set, k, dl, mixed, s, stride);
-                let moved = x[at..at + half].iter_mut().zip(&r[at..at + half]);
-                for ((x, &r), &z) in moved.zip(&*mixed) {
-                    *x = r + z;
-                }
+                self.set.run(&mut Plus {
+                    x: &mut x[at..at + half],
+                    r: &r[at..at + half],
+                    z: mixed,
+                });
             }
             self.before[..len / stride].copy_from_slice(&self.sums[..len / stride]);
-            for (sum, dl) in self
-                .sums
-                .iter_mut()
-                .zip(self.dl[..len].chunks_exact(stride))
-            {
-                *sum = dl[..s].iter().fold(T::int(0), |sum, &x| sum + x);
-            }
+            self.set.run(&mut Sums {
+                rows: &self.dl[..len],
+                sums: &mut self.sums,
+                stride,
+            });
             if made + 1 >= MIN_SWEEPS {
                 match self.rests(sides, weights, tolerance) {
                     Some(true) => return true,
@@ -257,6 +256,66 @@ impl<T: Float> Times<'_, T> {
             }
         }
     }
+}
+
+/// X = r + Z.
+struct Plus<'a, T> {
+    x: &'a mut [T],
+    r: &'a [T],
+    z: &'a [T],
+}
+
+impl<T: Float> Kernel for Plus<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        for ((x, &r), &z) in self.x.iter_mut().zip(self.r).zip(self.z) {
+            *x = r + z;
+        }
+    }
+}
+
+/// The sum of each row, whose padding is zero.
+struct Sums<'a, T> {
+    rows: &'a [T],
+    sums: &'a mut [T],
+    stride: usize,
+}
+
+impl<T: Float> Kernel for Sums<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        by_lanes!(T, self.stride, self)
+    }
+}
+
+impl<T: Float> Sums<'_, T> {
+    #[inline(always)]
+    fn lanes<const N: usize>(&mut self) {
+        let groups = self.stride / N;
+        let rows = self.rows.as_chunks::<N>().0.chunks_exact(groups);
+        for (sum, row) in self.sums.iter_mut().zip(rows) {
+            let mut lanes = row[0];
+            row[1..].iter().for_each(|part| add(&mut lanes, part));
+            *sum = total(lanes);
+        }
+    }
+}
+
+/// The sum of all lanes, half against half.
+#[inline(always)]
+fn total<T: Float, const N: usize>(mut x: [T; N]) -> T {
+    let mut count = N;
+    while count > 1 {
+        count /= 2;
+        for i in 0..count {
+            x[i] += x[i + count];
+        }
+    }
+    x[0]
 }
 
 #[cfg(test)]

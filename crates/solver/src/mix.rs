@@ -63,6 +63,7 @@ pub(crate) trait Mix<'a, T: Float> {
                 4 => self.square::<4>(k),
                 8 => self.square::<8>(k),
                 16 => self.by_rows(&Columns::<T, 2, 8>::of(rows(k), s)),
+                24 => self.by_rows(&Columns::<T, 3, 8>::of(rows(k), s)),
                 _ => self.lanes::<8>(),
             }
         } else if const { T::WIDTH == 1 } {
