@@ -1,5 +1,5 @@
 //! Which sweeps are drafts ([`crate::draft`]): those that leave others to come. By the contraction seen they change Z by more than round-off, and g
-//! will not be looked at after them.
+//! will not be looked at after them. Short states have rows of them in one kernel ([`crate::small`]), which asks here whether to go on.
 
 use crate::contraction::Contraction;
 use equip_scalar::Float;

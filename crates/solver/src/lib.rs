@@ -23,6 +23,7 @@ mod constraint;
 mod contraction;
 mod control;
 mod control_estimate;
+mod dear;
 mod dense;
 mod dense_trajectory;
 mod dense_watch;

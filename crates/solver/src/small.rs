@@ -86,8 +86,8 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
     let mut most = OnLines([0; N]);
     for (by, &inverse_scale) in by.iter().zip(inverse_scale) {
         for by in by {
-            for i in 0..N {
-                most.0[i] = most.0[i].max((by[i] * inverse_scale).abs().to_bits());
+            for (most, &by) in most.0.iter_mut().zip(by) {
+                *most = (*most).max((by * inverse_scale).abs().to_bits());
             }
         }
     }

@@ -16,8 +16,8 @@
 //! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`. In Newton's order: `stage_by_stage`. On stiff springs gradients are foreseen
 //! ([`crate::springs`]): `sprung`.
 //!
-//! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated. Kepler, on 3 GHz with AVX-512: 200 cycles
-//! with s = 8, 315 with s = 16; a draft a quarter less.
+//! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated. Kepler, with AVX-512: 200 cycles
+//! with s = 16, a draft 155.
 
 mod begin;
 mod double_double;

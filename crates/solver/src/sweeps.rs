@@ -12,7 +12,7 @@
 //! *Start.* The polynomial of the last step's stage derivatives, prolonged as far as that is likely ([`crate::start`]); else, or where sweeps from
 //! there do not contract, Z = 0.
 //! *End.* The stages have settled, and |g| is at its floor, or stalls near it, or with α = 0 or slopes is within 4 floors and not worth more, or
-//! within 7 and further to remove than it is worth (`FAR`).
+//! within 7 and dear to remove ([`crate::dear`]).
 //! *Not for this iteration:* sweeps that do not contract, α's beyond their bound, responses not found, slopes that move the end point too far
 //! ([`crate::displaced`]). What comes then is [`crate::step_swept::Then`].
 //!
@@ -23,6 +23,7 @@ mod memory;
 use crate::ahead::{Drafts, SHORT_STAGES};
 use crate::constraint::{Constraint, MANY};
 use crate::contraction::Contraction;
+use crate::dear::Dear;
 use crate::displaced::Displaced;
 use crate::moves::Moves;
 use crate::newton::ENERGY_STAGNATED;
@@ -42,17 +43,8 @@ use equip_tableau::Gauss;
 
 /// Sweeps allowed in a step.
 const MAX_SWEEPS: u32 = 80;
-/// Defects of the step with α = 0 up to this many floors are left to later steps if slopes do not remove them: to remove less by more is
-/// to move by rounding.
-const AT_FLOOR: i64 = 4;
-/// … and with changes above this many ε it is for Newton, if he may be asked: quadratic invariants would leak as much.
+/// Stages that no longer come nearer with changes above this many ε are for Newton, if he may be asked: quadratic invariants would leak as much.
 const BLOWN_UP: i64 = 16;
-/// Defects within the floors that are promised are left as well where they take the end point further than so many times what they are worth: a circular
-/// orbit has the least energy of all with its angular momentum, and one floor more than that is an eccentricity of √ε. Measured there: 1e4 to 6e6; with
-/// e = 0.6 and Hénon–Heiles mostly 1 to 200. On springs moves of the stiff motion, which are as large, are meant.
-const FAR: i64 = 1 << 13;
-/// The most that is remembered of it.
-const MOST_FAR: i64 = 1 << 25;
 /// What is expected to remain of g when the α's have moved.
 const REMAINS: i64 = 8;
 /// Before directions are taken g is to be known this well: they are taken from the stages as they are then.
@@ -82,8 +74,7 @@ pub(crate) struct Sweeps<T: Float> {
     scale: T,
     spread: T,
     prolongation: Prolongation<T>,
-    /// How far the end point would have had to move for a defect that was left for it, over what that is worth; forgotten by degrees.
-    pub(crate) far: T,
+    dear: Dear<T>,
     /// What removes slight defects where others are left to responses.
     pub(crate) slight: Slight<T>,
     /// What α's by slopes do to the end point, if they are not the only ones there are.
@@ -112,7 +103,7 @@ impl<T: Float> Sweeps<T> {
             defect: zero,
             scale: zero,
             spread: zero,
-            far: zero,
+            dear: Dear::new(),
             prolongation: Prolongation::new(gauss, iterate.unknowns()),
             slight: Slight::new(n, iterate.stride, responds),
             displaced: (rule == Rule::Slopes && !is_alone)
@@ -242,8 +233,7 @@ impl<T: Float> Sweeps<T> {
             }
             let (g, out) = (constraint.defect, constraint.in_floors());
             let floors = constraint.in_judging_floors();
-            let is_dear = self.far > T::int(FAR);
-            let at_floor = floors <= T::int(if is_dear { ENERGY_STAGNATED } else { AT_FLOOR });
+            let at_floor = self.dear.leaves(floors);
             let is_left = at_floor && alphas.moves == 0 && !removes_all;
             if alphas.moves == 0 {
                 let is_nothing = is_left && task.rule == Rule::Slopes;
@@ -291,9 +281,7 @@ impl<T: Float> Sweeps<T> {
             }
             if settled && alphas.moves == 0 {
                 if is_left {
-                    if floors > T::int(AT_FLOOR) {
-                        self.far *= T::ratio(127, 128);
-                    }
+                    self.dear.has_left(floors);
                     return Ok(());
                 }
                 if task.rule == Rule::Newton {
@@ -322,9 +310,8 @@ impl<T: Float> Sweeps<T> {
                         return Err(Trouble::StagesOnly);
                     }
                     let far = response.displacement(g) * constraint.worth / g.abs();
-                    let is_promised = floors <= T::int(ENERGY_STAGNATED);
-                    if is_promised && far > T::int(FAR) && !self.iterate.has_springs() {
-                        self.far = far.min(T::int(MOST_FAR));
+                    // On springs moves of the stiff motion, which are as large, are meant.
+                    if !self.iterate.has_springs() && self.dear.is_too_far(floors, far) {
                         if settled {
                             return Ok(());
                         }

@@ -11,7 +11,7 @@ impl<T: Float> Sweeps<T> {
         self.contraction.set_rate(T::ratio(1, 2));
         self.defect = T::int(0);
         (self.scale, self.spread) = (T::int(0), T::int(0));
-        self.far = T::int(0);
+        self.dear.far = T::int(0);
         self.slight.forget();
     }
 
@@ -36,13 +36,20 @@ impl<T: Float> Sweeps<T> {
     /// What is remembered from step to step.
     pub(crate) fn memory(&self) -> [T; 6] {
         let (rate, reach) = (self.contraction.rate, self.slight.reach);
-        [rate, self.defect, self.scale, self.spread, reach, self.far]
+        [
+            rate,
+            self.defect,
+            self.scale,
+            self.spread,
+            reach,
+            self.dear.far,
+        ]
     }
 
     pub(crate) fn restore(&mut self, [rate, defect, scale, spread, reach, far]: [T; 6]) {
         self.contraction.set_rate(rate);
         (self.defect, self.scale, self.spread) = (defect, scale, spread);
         self.slight.reach = reach;
-        self.far = far;
+        self.dear.far = far;
     }
 }
