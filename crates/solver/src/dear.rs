@@ -13,7 +13,7 @@ const FAR: i64 = 1 << 13;
 const MOST: i64 = 1 << 25;
 /// Defects of the step with α = 0 up to this many floors are left to later steps in any case if slopes do not remove them: to remove less by more is
 /// to move by rounding.
-pub(crate) const AT_FLOOR: i64 = 4;
+const AT_FLOOR: i64 = 4;
 
 #[derive(Debug)]
 pub(crate) struct Dear<T> {
