@@ -8,21 +8,14 @@
 //!
 //! What a sweep of a small system waits for is one product after the other, and of a long chain they are most of the work.
 //!
-//! On a stiff spring κ what the force will have changed by is part of the sweep ([`crate::foresee`]), and both together are one product again:
-//!
-//! $$ \Delta Z = h w\, M K B K\, \delta, \qquad L_p \leftarrow L_p + \delta - h b\, \kappa\, \Delta Z . $$
-//!
 //! Only for the method with α = 0, with which most sweeps of a step are made: K B K costs s³ products.
 
 use crate::ahead::Again;
-use crate::foresee::Foreseen;
 use crate::half::{Half, force};
 use crate::mix::{Mix, Moved, Step};
 use crate::pairs::HALF;
-use crate::product::{Mixes, Sixteen, applied, product_any};
-use crate::row::{
-    OnLines, Row, add, difference, in_memory, literal, placed, rows, rows_mut, scaled, times,
-};
+use crate::product::{Mixes, Sixteen, product_any};
+use crate::row::{OnLines, Row, add, difference, literal, placed, rows, rows_mut, scaled};
 use crate::small::{Small, change, numbers, rows_of};
 use equip_autodiff::Slopes;
 use equip_scalar::{DoubleDouble, Float, Kernel};
@@ -33,8 +26,6 @@ pub(crate) struct Draft<'a, T> {
     /// With K B K in place of K.
     pub(crate) half: Half<'a, T>,
     pub(crate) h: T,
-    /// None where sweeps are kernels with H.
-    pub(crate) foreseen: Foreseen<'a, T>,
 }
 
 impl<T: Float> Kernel for Draft<'_, T> {
@@ -55,19 +46,12 @@ fn moved<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N], l: &mut [T; N
     moved
 }
 
-/// L_p as the force of a spring changes when its end has moved.
-#[inline(always)]
-fn bend<T: Float, const N: usize>(l: &mut [T; N], hb: &[T; N], kappa: T, by: &[T; N]) {
-    *l = difference(l, &times(hb, &scaled(by, kappa)));
-}
-
 impl<'a, T: Float> Draft<'a, T> {
     #[inline(always)]
     pub(crate) fn in_doubles(self) -> Option<Draft<'a, f64>> {
         Some(Draft {
             half: self.half.in_doubles()?,
             h: T::as_doubles(std::slice::from_ref(&self.h))?[0],
-            foreseen: Foreseen::NOTHING,
         })
     }
 
@@ -76,7 +60,6 @@ impl<'a, T: Float> Draft<'a, T> {
         Some(Draft {
             half: self.half.in_double_doubles()?,
             h: T::as_double_doubles(std::slice::from_ref(&self.h))?[0],
-            foreseen: Foreseen::NOTHING,
         })
     }
 }
@@ -117,26 +100,13 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
         let inverse_scale = &step.inverse_scale[block.clone()];
         let w = &self.half.inverse_masses[block.clone()];
         let mut delta = OnLines([[T::int(0); N]; G]);
-        let Foreseen { springs, matrices } = self.foreseen;
-        let first = springs.partition_point(|spring| spring.c < block.start);
-        let mut springs = springs[first..].iter().peekable();
         for c in 0..block.len() {
             for g in 0..G {
                 delta.0[g] = moved(&hb[g], &gradients[c][g], &mut l_p[c][g]);
             }
-            let spring = springs.next_if(|spring| spring.c == block.start + c);
-            let (mixed, times) = match spring {
-                None => (k.mixed(&mut delta.0), h * w[c]),
-                Some(spring) => {
-                    let matrix = &matrices[spring.matrix].by_force;
-                    (applied(matrix, in_memory(&mut delta.0), step.s), w[c])
-                }
-            };
+            let mixed = k.mixed(&mut delta.0);
             for g in 0..G {
-                let by = scaled(&mixed[g], times);
-                if let Some(spring) = spring {
-                    bend(&mut l_p[c][g], &hb[g], spring.kappa, &by);
-                }
+                let by = scaled(&mixed[g], h * w[c]);
                 change.see(&by, inverse_scale[c]);
                 add(&mut z[c][g], &by);
                 q[c][g] = placed(hi[c], lo[c], &z[c][g]);
@@ -153,19 +123,9 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
         for g in 0..groups {
             step.folded[g] = moved(&step.hb[g], &step.gradients[q + g], &mut step.l[p + g]);
         }
-        let Foreseen { springs, matrices } = self.foreseen;
-        let found = springs.binary_search_by(|spring| spring.c.cmp(&c));
-        let spring = found.ok().map(|i| &springs[i]);
-        let (k, times) = match spring {
-            None => (step.k, h * w),
-            Some(spring) => (matrices[spring.matrix].by_force.as_chunks().0, w),
-        };
         for g in 0..groups {
-            let mixed = product_any(k, &step.folded[..groups], g, step.s);
-            let by = scaled(&mixed, times);
-            if let Some(spring) = spring {
-                bend(&mut step.l[p + g], &step.hb[g], spring.kappa, &by);
-            }
+            let mixed = product_any(step.k, &step.folded[..groups], g, step.s);
+            let by = scaled(&mixed, h * w);
             change.see(&by, step.inverse_scale[c]);
             add(&mut step.z[q + g], &by);
             step.points[q + g] = placed(step.hi[c], step.lo[c], &step.z[q + g]);

@@ -46,7 +46,7 @@ macro_rules! by_rows {
 #[derive(Debug)]
 pub(crate) struct Matrix<T> {
     /// h M K B K, column by column.
-    pub(crate) by_force: Aligned<T>,
+    by_force: Aligned<T>,
     /// h M c.
     by_velocity: Vec<T>,
 }
@@ -85,20 +85,6 @@ impl<T: Float> Matrix<T> {
             by_velocity,
         })
     }
-}
-
-/// Springs in the order of their components, and what is foreseen by.
-#[derive(Clone, Copy)]
-pub(crate) struct Foreseen<'a, T> {
-    pub(crate) springs: &'a [Spring<T>],
-    pub(crate) matrices: &'a [Matrix<T>],
-}
-
-impl<T> Foreseen<'_, T> {
-    pub(crate) const NOTHING: Self = Foreseen {
-        springs: &[],
-        matrices: &[],
-    };
 }
 
 /// Where the gradients are from.

@@ -262,7 +262,6 @@ impl<const N: usize> Moved<N> {
 mod tests {
     use super::*;
     use crate::draft::Draft;
-    use crate::foresee::Foreseen;
     use crate::half::Half;
     use crate::whole::Whole;
     use equip_scalar::InstructionSet;
@@ -322,7 +321,6 @@ mod tests {
         Draft {
             half: half(step, w, b),
             h: 0.75,
-            foreseen: Foreseen::NOTHING,
         }
     }
 

@@ -18,7 +18,7 @@ pub(crate) use which::most_resolved;
 use crate::checkpoint::{Exact, SpringsMemory};
 use crate::columns::both_ways;
 use crate::error::IntegrateError;
-use crate::foresee::{Foresee, ForeseeSides, Foreseen, From, Matrix};
+use crate::foresee::{Foresee, ForeseeSides, From, Matrix};
 use crate::outcome::Counts;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet};
@@ -210,13 +210,6 @@ impl<T: Float> Springs<T> {
     /// Whether the last step as a whole is to foretell this one, or what is slow in it.
     pub(crate) fn foretells(&self) -> bool {
         !self.is_active || 64 * self.misled <= self.steps + 64
-    }
-
-    pub(crate) fn foreseen(&self) -> Foreseen<'_, T> {
-        Foreseen {
-            springs: &self.springs,
-            matrices: &self.matrices,
-        }
     }
 
     /// Adds to the gradients of stages with these h b_i what they are about to change by.

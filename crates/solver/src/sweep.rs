@@ -29,7 +29,6 @@ use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
 use crate::contraction::FAR;
 use crate::draft::Draft;
-use crate::foresee::Foreseen;
 use crate::half::Half;
 use crate::mix::Step;
 use crate::pairs::{HALF, has_pairs};
@@ -68,8 +67,7 @@ macro_rules! form {
             points: &mut $iterate.points,
             s: $iterate.s,
         };
-        let foreseen = $crate::sweep::sprung::foreseen(&$iterate.springs);
-        let draft = twice.map(|_| ($iterate.h, foreseen));
+        let draft = twice.map(|_| $iterate.h);
         $crate::sweep::Form::new(step, $iterate.kinetic.as_ref(), $iterate.has_momenta, draft)
     }};
 }
@@ -81,7 +79,7 @@ impl<'a, T: Float> Form<'a, T> {
         step: Step<'a, T>,
         kinetic: Option<&'a Kinetic<T>>,
         keeps_momenta: bool,
-        draft: Option<(T, Foreseen<'a, T>)>,
+        draft: Option<T>,
     ) -> Self {
         let Some(kinetic) = kinetic else {
             return Form::Whole(Whole(step));
@@ -94,7 +92,7 @@ impl<'a, T: Float> Form<'a, T> {
         };
         match draft {
             None => Form::Half(half),
-            Some((h, foreseen)) => Form::Draft(Draft { half, h, foreseen }),
+            Some(h) => Form::Draft(Draft { half, h }),
         }
     }
 }
@@ -290,10 +288,7 @@ impl<T: Float> Iterate<T> {
         let change = fused.unwrap_or_else(|| {
             loop {
                 self.evaluate(energy);
-                // Drafts do so themselves.
-                if !drafts {
-                    self.foresee(y, unknown);
-                }
+                self.foresee(y, unknown);
                 let change = self.mix(y);
                 let leaps = springs && change > T::ratio(1, FAR);
                 if !drafts || leaps || !again.again(change) {

@@ -1,7 +1,7 @@
 //! What a sweep does besides for components on stiff springs.
 
 use super::Iterate;
-use crate::foresee::{Foreseen, From, Last};
+use crate::foresee::{From, Last};
 use crate::outcome::Counts;
 use crate::prolongation::Prolongation;
 use crate::springs::Springs;
@@ -92,11 +92,6 @@ impl<T: Float> Iterate<T> {
             }
         }
     }
-}
-
-/// What the sweeps of this step foresee by.
-pub(super) fn foreseen<T: Float>(springs: &Option<Springs<T>>) -> Foreseen<'_, T> {
-    active(springs).map_or(Foreseen::NOTHING, Springs::foreseen)
 }
 
 fn active<T: Float>(springs: &Option<Springs<T>>) -> Option<&Springs<T>> {
