@@ -167,8 +167,7 @@ fn shifted_energy<T: Float>(n: i64, s: usize) {
             certificate.alpha_range
         );
         assert!(certificate.energy_kept_on_every_step());
-        // 8 floors, of which each is the rounding of H at both ends.
-        assert!(energy <= T::int(16) * T::int(10_000_000_000) * T::EPSILON);
+        assert!(energy <= T::int(8) * T::int(10_000_000_000) * T::EPSILON);
         // Never judge by the energy: the trajectory is no worse than that of Gauss.
         assert!(error(&state) <= 1.05 * error(&gauss));
         assert!(

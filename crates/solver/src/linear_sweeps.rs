@@ -169,11 +169,13 @@ impl<T: Float> LinearSweeps<T> {
                 });
             }
             self.before[..len / stride].copy_from_slice(&self.sums[..len / stride]);
-            self.set.run(&mut Sums {
-                rows: &self.dl[..len],
-                sums: &mut self.sums,
-                stride,
-            });
+            for (sum, dl) in self
+                .sums
+                .iter_mut()
+                .zip(self.dl[..len].chunks_exact(stride))
+            {
+                *sum = dl[..s].iter().fold(T::int(0), |sum, &x| sum + x);
+            }
             if made + 1 >= MIN_SWEEPS {
                 match self.rests(sides, weights, tolerance) {
                     Some(true) => return true,
@@ -274,48 +276,6 @@ impl<T: Float> Kernel for Plus<'_, T> {
             *x = r + z;
         }
     }
-}
-
-/// The sum of each row, whose padding is zero.
-struct Sums<'a, T> {
-    rows: &'a [T],
-    sums: &'a mut [T],
-    stride: usize,
-}
-
-impl<T: Float> Kernel for Sums<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(&mut self) {
-        by_lanes!(T, self.stride, self)
-    }
-}
-
-impl<T: Float> Sums<'_, T> {
-    #[inline(always)]
-    fn lanes<const N: usize>(&mut self) {
-        let groups = self.stride / N;
-        let rows = self.rows.as_chunks::<N>().0.chunks_exact(groups);
-        for (sum, row) in self.sums.iter_mut().zip(rows) {
-            let mut lanes = row[0];
-            row[1..].iter().for_each(|part| add(&mut lanes, part));
-            *sum = total(lanes);
-        }
-    }
-}
-
-/// The sum of all lanes, half against half.
-#[inline(always)]
-fn total<T: Float, const N: usize>(mut x: [T; N]) -> T {
-    let mut count = N;
-    while count > 1 {
-        count /= 2;
-        for i in 0..count {
-            x[i] += x[i + count];
-        }
-    }
-    x[0]
 }
 
 #[cfg(test)]
