@@ -94,12 +94,32 @@ fn half<T: Float, const N: usize>(x: T::Pack<N>, count: usize) -> T::Pack<N> {
     T::Pack::of(&numbers)
 }
 
-/// Components that are added up abreast, lane for lane: so many that the compiler takes vectors of them. Of one component alone every addition
-/// waits for the one before.
+/// Components that are added up abreast: so many that the compiler takes vectors of them. Of one component alone every addition waits for the
+/// one before.
 const ABREAST: usize = 32;
 
-/// Numbers of the components abreast, for each lane.
-type Abreast<T, const N: usize> = [[T; ABREAST]; N];
+/// Sums of the components abreast and what they have lost, N numbers each.
+type Sums<T, const N: usize> = [[[T; N]; ABREAST]; 2];
+
+/// The first half of N numbers plus the second.
+#[inline(always)]
+fn fold<T: Float, const N: usize, const H: usize>(sum: &[T; N], lost: &[T; N]) -> [[T; H]; 2] {
+    let (mut sums, mut losts) = ([T::int(0); H], [T::int(0); H]);
+    for i in 0..H {
+        let (s, e) = T::two_sum(sum[i], sum[i + H]);
+        (sums[i], losts[i]) = (s, (lost[i] + lost[i + H]) + e);
+    }
+    [sums, losts]
+}
+
+/// The same of all components.
+#[inline(always)]
+fn fold_all<T: Float, const N: usize, const H: usize>(from: &Sums<T, N>, to: &mut Sums<T, H>) {
+    let ([sum, lost], [sums, losts]) = (from, to);
+    for c in 0..ABREAST {
+        [sums[c], losts[c]] = fold(&sum[c], &lost[c]);
+    }
+}
 
 impl<T: Float> Advance<'_, T> {
     #[inline(always)]
@@ -107,9 +127,19 @@ impl<T: Float> Advance<'_, T> {
         let n = self.from.hi.len();
         let abreast = if T::IS_DOUBLE { n - n % ABREAST } else { 0 };
         if abreast > 0 {
-            let mut room: [Abreast<T, N>; 2] = [[[T::int(0); ABREAST]; N]; 2];
+            let zero = T::int(0);
+            let mut quarters = [[[zero; 2]; ABREAST]; 2];
+            let mut halves = [[[zero; 4]; ABREAST]; 2];
+            let mut sums = [[[zero; 1]; ABREAST]; 2];
             for first in (0..abreast).step_by(ABREAST) {
-                self.several::<N>(first, &mut room);
+                if N == 8 {
+                    self.halves::<8, 4>(first, &mut halves);
+                    fold_all(&halves, &mut quarters);
+                } else {
+                    self.halves::<4, 2>(first, &mut quarters);
+                }
+                fold_all(&quarters, &mut sums);
+                self.several(first, &sums);
             }
         }
         for c in abreast..n {
@@ -170,47 +200,28 @@ impl<T: Float> Advance<'_, T> {
         (self.next.hi[c], self.next.lo[c]) = T::two_sum(y, e + (lost + self.from.lo[c]));
     }
 
-    /// The same for the components from `first` on.
+    /// The same for the components from `first` on, up to half of the N sums of each.
     #[inline(always)]
-    fn several<const N: usize>(&mut self, first: usize, [sum, lost]: &mut [Abreast<T, N>; 2]) {
+    fn halves<const N: usize, const H: usize>(&self, first: usize, to: &mut Sums<T, H>) {
         let groups = groups_of::<T, N>(self.s);
         let rows = &self.increments.as_chunks::<N>().0[first * groups..(first + ABREAST) * groups];
+        let [sums, losts] = to;
         for (c, row) in rows.chunks_exact(groups).enumerate() {
-            let (mut sums, mut losts) = (row[0], [T::int(0); N]);
+            let (mut sum, mut lost) = (row[0], [T::int(0); N]);
             for x in &row[1..] {
                 for i in 0..N {
-                    let (s, e) = T::two_sum(sums[i], x[i]);
-                    sums[i] = s;
-                    losts[i] += e;
+                    let (s, e) = T::two_sum(sum[i], x[i]);
+                    sum[i] = s;
+                    lost[i] += e;
                 }
             }
-            for i in 0..N {
-                sum[i][c] = sums[i];
-            }
-            if groups > 1 {
-                for i in 0..N {
-                    lost[i][c] = losts[i];
-                }
-            }
+            [sums[c], losts[c]] = fold(&sum, &lost);
         }
-        let (mut count, mut has_lost) = (N, groups > 1);
-        while count > 1 {
-            count /= 2;
-            let (sums, others) = sum.split_at_mut(count);
-            let (losts, others_lost) = lost.split_at_mut(count);
-            for i in 0..count {
-                for c in 0..ABREAST {
-                    let (s, e) = T::two_sum(sums[i][c], others[i][c]);
-                    sums[i][c] = s;
-                    losts[i][c] = if has_lost {
-                        (losts[i][c] + others_lost[i][c]) + e
-                    } else {
-                        e
-                    };
-                }
-            }
-            has_lost = true;
-        }
+    }
+
+    /// … and with these sums the rest.
+    #[inline(always)]
+    fn several(&mut self, first: usize, [sum, lost]: &Sums<T, 1>) {
         let block = first..first + ABREAST;
         let from = self.from.hi[block.clone()].first_chunk::<ABREAST>();
         let from_lost = self.from.lo[block.clone()].first_chunk::<ABREAST>();
@@ -218,8 +229,8 @@ impl<T: Float> Advance<'_, T> {
         let to_lost = self.next.lo[block].first_chunk_mut::<ABREAST>();
         if let (Some(hi0), Some(lo0), Some(hi), Some(lo)) = (from, from_lost, to, to_lost) {
             for c in 0..ABREAST {
-                let (y, e) = T::two_sum(hi0[c], sum[0][c]);
-                (hi[c], lo[c]) = T::two_sum(y, e + (lost[0][c] + lo0[c]));
+                let (y, e) = T::two_sum(hi0[c], sum[c][0]);
+                (hi[c], lo[c]) = T::two_sum(y, e + (lost[c][0] + lo0[c]));
             }
         }
     }
