@@ -27,6 +27,7 @@ mod stage_by_stage;
 use crate::ahead::{Again, InDoubles, Once};
 use crate::aligned::{Aligned, Places};
 use crate::columns::{Columns, length_of};
+use crate::constraint::MANY;
 use crate::contraction::FAR;
 use crate::draft::Draft;
 use crate::half::Half;
@@ -36,7 +37,7 @@ use crate::row::stride_for;
 use crate::small::{OneGroup, TwoGroups};
 use crate::springs::Springs;
 use crate::state::State;
-use crate::twice;
+use crate::twice::Twice;
 use crate::whole::Whole;
 use equip_autodiff::{Evaluate, Kinetic};
 use equip_scalar::{Float, InstructionSet};
@@ -53,9 +54,10 @@ enum Form<'a, T> {
 /// What the next sweep of an iterate does, with all it reads and writes.
 macro_rules! form {
     ($iterate:ident, $y:expr, $inverse_scale:expr) => {{
-        let twice = ($iterate.twice.as_deref()).filter(|_| $iterate.is_draft);
+        let twice = ($iterate.twice.as_ref()).filter(|_| $iterate.is_draft);
+        let twice = twice.and_then(|twice| twice.get($iterate.k_has_moved, $iterate.h));
         let step = $crate::mix::Step {
-            k: twice.unwrap_or(&$iterate.k),
+            k: twice.map_or(&*$iterate.k, |(twice, _)| twice),
             hb: &$iterate.hb,
             hi: &$y.hi,
             lo: &$y.lo,
@@ -67,7 +69,7 @@ macro_rules! form {
             points: &mut $iterate.points,
             s: $iterate.s,
         };
-        let draft = twice.map(|_| $iterate.h);
+        let draft = twice.map(|(_, h)| h);
         $crate::sweep::Form::new(step, $iterate.kinetic.as_ref(), $iterate.has_momenta, draft)
     }};
 }
@@ -133,8 +135,10 @@ pub(crate) struct Iterate<T: Float> {
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
     inverse_scale: Vec<T>,
-    /// K B K, if the α's a step starts from are zero.
-    twice: Option<Aligned<T>>,
+    /// K B K, if the α's a step starts from are zero; where many components are worth it of those that have moved too.
+    twice: Option<Twice<T>>,
+    /// Z is what K(α) makes of L_p.
+    is_of_l: bool,
     /// Components whose gradients are foreseen.
     pub(crate) springs: Option<Springs<T>>,
     /// The last sweep was a draft: L is not there.
@@ -161,7 +165,8 @@ impl<T: Float> Iterate<T> {
         let mut iterate = Self::start(gauss, (n, kinetic), Some(alphas), &mut places);
         if iterate.kinetic.is_some() && alphas.iter().all(|&alpha| alpha == T::int(0)) {
             let (set, k) = (iterate.set, &*iterate.k_start);
-            iterate.twice = Some(twice::as_read(set, gauss, k, &mut places));
+            let room = (n >= MANY, &mut places);
+            iterate.twice = Some(Twice::new(set, gauss, k, room));
         }
         iterate
     }
@@ -212,6 +217,7 @@ impl<T: Float> Iterate<T> {
             scale: vec![T::int(0); n],
             inverse_scale: vec![T::int(0); n],
             twice: None,
+            is_of_l: true,
             springs: None,
             is_draft: false,
             is_first: true,
@@ -238,6 +244,9 @@ impl<T: Float> Iterate<T> {
     pub(crate) fn set_alphas(&mut self, alphas: &[T]) {
         self.columns.fill(self.set, alphas, &mut self.k);
         self.k_has_moved = true;
+        if let Some(twice) = &mut self.twice {
+            twice.follow(self.set, &self.k, (&self.hb, self.s));
+        }
     }
 
     /// Stages from Z.
@@ -269,11 +278,15 @@ impl<T: Float> Iterate<T> {
         let unknown = std::mem::take(&mut self.is_first) && !self.is_prolonged;
         // What was measured on stages that were far off is measured again: after the drafts, on springs at once.
         let springs = self.has_springs();
-        let can_draft = self.twice.is_some() && !self.k_has_moved && !unknown;
+        let moved = self.k_has_moved;
+        let twice = self.twice.as_ref().and_then(|t| t.get(moved, self.h));
+        let follows = !moved || (self.is_of_l && !springs);
+        let can_draft = twice.is_some() && follows && !unknown;
         self.is_draft = draft && can_draft && !(springs && self.was_far);
         let measures = unknown || (self.was_far && !self.is_draft);
         self.has_momenta = measures;
         let drafts = self.is_draft;
+        self.is_of_l = true;
         let fused = if T::IS_DOUBLE {
             match self.stride {
                 _ if springs => None,
@@ -363,6 +376,7 @@ impl<T: Float> Iterate<T> {
         self.z_before.copy_from_slice(&self.z);
         self.has_momenta = false;
         self.mix(y);
+        self.is_of_l = true;
     }
 
     /// Sees to it that the stages of momenta are there too: by the linear half of the last sweep once more.
@@ -384,6 +398,7 @@ impl<T: Float> Iterate<T> {
         }
         self.follow();
         self.place(y);
+        self.is_of_l = false;
     }
 
     /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
@@ -393,6 +408,7 @@ impl<T: Float> Iterate<T> {
         let rows = self.z.chunks_exact_mut(self.stride).enumerate();
         rows.take(unknowns).for_each(|(c, z)| change(c, z));
         self.place(y);
+        self.is_of_l = false;
     }
 
     /// y1 = y0 + Σ L_i.

@@ -16,7 +16,7 @@ use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 
 /// K B K column by column; `k` is K as sweeps read it.
-pub(crate) fn as_read<T: Float>(
+fn as_read<T: Float>(
     set: InstructionSet,
     gauss: &Gauss<T>,
     k: &[T],
@@ -54,6 +54,83 @@ pub(crate) fn as_read<T: Float>(
     twice
 }
 
+/// What drafts are made with.
+#[derive(Debug)]
+pub(crate) struct Twice<T> {
+    /// K B K.
+    start: Aligned<T>,
+    moved: Option<Moved<T>>,
+}
+
+impl<T: Float> Twice<T> {
+    /// `k` is K as sweeps read it; with or without room for that of α's that move.
+    pub(crate) fn new(
+        set: InstructionSet,
+        gauss: &Gauss<T>,
+        k: &[T],
+        (moves, places): (bool, &mut Places),
+    ) -> Self {
+        Twice {
+            start: as_read(set, gauss, k, places),
+            moved: moves.then(|| Moved::new(gauss.stages(), places)),
+        }
+    }
+
+    /// The α's have moved: `k` is another, h b as it was.
+    pub(crate) fn follow(&mut self, set: InstructionSet, k: &[T], (hb, s): (&[T], usize)) {
+        if let Some(moved) = &mut self.moved {
+            moved.make(set, k, (hb, s));
+        }
+    }
+
+    /// h K B K in two factors, if it is known.
+    pub(crate) fn get(&self, has_moved: bool, h: T) -> Option<(&[T], T)> {
+        if has_moved {
+            self.moved.as_ref().map(|m| (&*m.twice, T::int(1)))
+        } else {
+            Some((&self.start, h))
+        }
+    }
+}
+
+/// h K(α) B K(α) of α's that have moved, in the same float type: what drafts move Z by then is little.
+#[derive(Debug)]
+struct Moved<T> {
+    columns: Aligned<T>,
+    twice: Aligned<T>,
+}
+
+impl<T: Float> Moved<T> {
+    fn new(s: usize, places: &mut Places) -> Self {
+        let stride = stride_for::<T>(s);
+        Moved {
+            columns: places.zeros(s * stride),
+            twice: places.zeros(stride * stride),
+        }
+    }
+
+    fn make(&mut self, set: InstructionSet, k: &[T], (hb, s): (&[T], usize)) {
+        let stride = stride_for::<T>(s);
+        for (j, column) in self.columns.chunks_exact_mut(stride).enumerate() {
+            for (i, x) in column.iter_mut().enumerate().take(s) {
+                *x = if has_pairs::<T>(s) {
+                    let [p, q] = parts(k, i, j);
+                    T::ratio(1, 2) + (p + q)
+                } else {
+                    k[j * stride + i]
+                };
+            }
+        }
+        self.twice.fill(T::int(0));
+        set.run(&mut Product {
+            k: &self.columns,
+            b: &hb[..s],
+            stride,
+            twice: &mut self.twice,
+        });
+    }
+}
+
 /// K B K column by column, of K by columns, in the same float type.
 pub(crate) fn of<T: Float>(
     set: InstructionSet,
@@ -65,7 +142,7 @@ pub(crate) fn of<T: Float>(
     let mut k = vec![T::int(0); s * stride];
     gauss.skew_columns_into(&vec![T::int(0); s - 1], stride, &mut k);
     let mut twice = places.zeros(stride * stride);
-    set.run(&mut Twice {
+    set.run(&mut Product {
         k: &k,
         b: gauss.weights(),
         stride,
@@ -74,14 +151,14 @@ pub(crate) fn of<T: Float>(
     twice
 }
 
-struct Twice<'a, T> {
+struct Product<'a, T> {
     k: &'a [T],
     b: &'a [T],
     stride: usize,
     twice: &'a mut [T],
 }
 
-impl<T: Float> Kernel for Twice<'_, T> {
+impl<T: Float> Kernel for Product<'_, T> {
     type Output = ();
 
     #[inline(always)]
