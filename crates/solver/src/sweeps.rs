@@ -45,8 +45,8 @@ use equip_tableau::Gauss;
 const MAX_SWEEPS: u32 = 80;
 /// Stages that no longer come nearer with changes above this many ε are for Newton, if he may be asked: quadratic invariants would leak as much.
 const BLOWN_UP: i64 = 16;
-/// What is expected to remain of g when the α's have moved.
-const REMAINS: i64 = 8;
+/// When the α's have moved along slopes 1 over this of g or less is expected to remain, and g is looked at when it is known that well.
+const REMAINS: i64 = 64;
 /// Before directions are taken g is to be known this well: they are taken from the stages as they are then.
 const CLEAR: i64 = 1024;
 /// … and the stages to so many ε: the local error aimed at is the difference of two ends, and as wrong as they are.
@@ -243,7 +243,6 @@ impl<T: Float> Sweeps<T> {
             threshold = match task.rule {
                 // It is there, and is looked at when the stages are there too.
                 Rule::Slopes if out <= one || is_left => zero,
-                Rule::Slopes if alphas.moves > 0 => g.abs() / T::int(REMAINS),
                 _ => g.abs(),
             };
             if settled
@@ -333,7 +332,10 @@ impl<T: Float> Sweeps<T> {
                     displaced.begin(&self.slopes, next, (out, errors));
                 }
                 match task.rule {
-                    Rule::Slopes => self.contraction.renew(),
+                    Rule::Slopes => {
+                        threshold = (g.abs() / T::int(REMAINS)).max(constraint.floor);
+                        self.contraction.renew();
+                    }
                     _ => self.contraction.disturb(),
                 }
             }
