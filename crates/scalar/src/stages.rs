@@ -1,6 +1,7 @@
 //! Z = K L for all components at once: the linear half of a stage sweep.
 
 use crate::{Float, InstructionSet, Kernel, Lanes, Pack};
+use std::hint::black_box;
 
 /// Z_i = Σ_j K_ij L_j for every component, `stages` being the number of i and of j.
 ///
@@ -161,6 +162,8 @@ impl Mix<'_> {
         }
         let (l, z) = (self.l.as_chunks::<N>().0, self.z.as_chunks_mut::<N>().0);
         for (l, z) in l.iter().zip(z) {
+            // One component after the other: eight at a time the compiler would gather their numbers from eight rows.
+            let l = black_box(l);
             let mut sum = k[0] * Lanes::splat(l[0]);
             for j in 1..S {
                 sum = sum + k[j] * Lanes::splat(l[j]);

@@ -12,7 +12,8 @@
 //! stands for the displacement of y1. It is invariant under scaling of q against p. Under reversal of time φ_j becomes ∓φ_j, and v_k keeps
 //! its ratio to the others: the direction is that of the step made backwards.
 //!
-//! Cost: 2m s² products for the coefficients, about 16 m s for the sums, j side by side in vectors.
+//! Cost: 2m s² products for the coefficients, about 16 m s for the sums, j side by side in vectors. Of many components some are gone through at a time, so that
+//! their coefficients stay in the first-level cache.
 
 use crate::row::{by_lanes, groups_of};
 use crate::sweep::Iterate;
@@ -23,14 +24,19 @@ use equip_tableau::Gauss;
 /// are small differences: with all, one sweep more at s = 8 and errors no smaller.
 const LEADING: usize = 3;
 
+/// Degrees of freedom whose coefficients are there at a time.
+const BLOCK: usize = 32;
+
 #[derive(Debug)]
 pub(crate) struct Slopes<T: Float> {
     /// P_j(c_i) at i·stride + j.
     legendre: Vec<T>,
-    /// φ: component c of φ_j at c·stride + j.
-    coefficients: Vec<T>,
+    /// φ^q and φ^p: component c of φ_j at c·stride + j.
+    coefficients: [Vec<T>; 2],
     /// ‖φ_j^q‖ and ‖φ_j^p‖.
     pub(crate) norms: [Vec<T>; 2],
+    /// W(a, j) at a·stride + j.
+    products: Vec<T>,
     /// ω(k, j) and ω(k − 1, j) for the j > k that W(k − 1, j) and W(k, j) come with, else 0; at (k − 1)·stride + j.
     ahead: Vec<T>,
     behind: Vec<T>,
@@ -68,8 +74,9 @@ impl<T: Float> Slopes<T> {
         }
         Slopes {
             legendre,
-            coefficients: zeros(iterate.n * stride),
+            coefficients: [0, 1].map(|_| zeros(BLOCK.min(iterate.n / 2) * stride)),
             norms: [zeros(stride), zeros(stride)],
+            products: zeros((LEADING + 1) * stride),
             ahead,
             behind,
             v: [T::int(0); LEADING],
@@ -81,14 +88,20 @@ impl<T: Float> Slopes<T> {
     /// Slopes and direction at the current L. Returns whether there is a direction.
     pub(crate) fn take(&mut self, iterate: &Iterate<T>, h: T) -> bool {
         let (set, s, stride) = (iterate.set, iterate.s, iterate.stride);
-        mix_stages(
-            set,
-            &self.legendre,
-            &iterate.l,
-            &mut self.coefficients,
-            s,
-            stride,
-        );
+        self.products.fill(T::int(0));
+        self.norms.iter_mut().for_each(|x| x.fill(T::int(0)));
+        let (l_q, l_p) = iterate.l.split_at(iterate.n / 2 * stride);
+        let blocks = |l| <[T]>::chunks(l, BLOCK * stride);
+        for (l_q, l_p) in blocks(l_q).zip(blocks(l_p)) {
+            for (to, l) in self.coefficients.iter_mut().zip([l_q, l_p]) {
+                mix_stages(set, &self.legendre, l, &mut to[..l.len()], s, stride);
+            }
+            set.run(&mut Products {
+                slopes: self,
+                s,
+                len: l_q.len(),
+            });
+        }
         set.run(&mut Sums { slopes: self, s });
         let zero = T::int(0);
         let mut largest = zero;
@@ -123,7 +136,60 @@ impl<T: Float> Slopes<T> {
     }
 }
 
-/// The sums over j: −h v_k and h w_k.
+/// W(a, j) and the squares of the norms, with a block of components more; each of φ^q and φ^p has this length.
+struct Products<'a, T: Float> {
+    slopes: &'a mut Slopes<T>,
+    s: usize,
+    len: usize,
+}
+
+impl<T: Float> Kernel for Products<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        by_lanes!(T, self.s, self)
+    }
+}
+
+impl<T: Float> Products<'_, T> {
+    #[inline(always)]
+    fn lanes<const N: usize>(&mut self) {
+        let groups = groups_of::<T, N>(self.s);
+        let stride = groups * N;
+        let slopes = &mut *self.slopes;
+        let [q, p] = slopes.coefficients.each_ref().map(|x| &x[..self.len]);
+        for (squares, rows) in slopes.norms.iter_mut().zip([q, p]) {
+            for (g, squares) in squares.as_chunks_mut::<N>().0.iter_mut().enumerate() {
+                let mut sum = *squares;
+                for row in rows.as_chunks::<N>().0.iter().skip(g).step_by(groups) {
+                    for j in 0..N {
+                        sum[j] += row[j] * row[j];
+                    }
+                }
+                *squares = sum;
+            }
+        }
+        let known = self.s.min(LEADING + 1);
+        for g in 0..groups {
+            let at = |x: &[T], row: usize| -> [T; N] { x.as_chunks().0[row * groups + g] };
+            for a in 0..known {
+                let to = &mut slopes.products.as_chunks_mut::<N>().0[a * groups + g];
+                let mut product = *to;
+                for c in 0..self.len / stride {
+                    let (q_a, p_a) = (q[c * stride + a], p[c * stride + a]);
+                    let (q_j, p_j) = (at(q, c), at(p, c));
+                    for j in 0..N {
+                        product[j] += p_a * q_j[j] - q_a * p_j[j];
+                    }
+                }
+                *to = product;
+            }
+        }
+    }
+}
+
+/// The norms, and the sums over j: −h v_k and h w_k.
 struct Sums<'a, T: Float> {
     slopes: &'a mut Slopes<T>,
     s: usize,
@@ -142,20 +208,9 @@ impl<T: Float> Sums<'_, T> {
     #[inline(always)]
     fn lanes<const N: usize>(&mut self) {
         let groups = groups_of::<T, N>(self.s);
-        let stride = groups * N;
         let slopes = &mut *self.slopes;
-        let half = slopes.coefficients.len() / 2;
-        let (q, p) = slopes.coefficients.split_at(half);
-        for (norms, rows) in slopes.norms.iter_mut().zip([q, p]) {
-            for g in 0..groups {
-                let mut squares = [T::int(0); N];
-                for row in rows.as_chunks::<N>().0.iter().skip(g).step_by(groups) {
-                    for j in 0..N {
-                        squares[j] += row[j] * row[j];
-                    }
-                }
-                norms.as_chunks_mut::<N>().0[g] = squares.map(|x| x.sqrt());
-            }
+        for squares in slopes.norms.iter_mut().flatten() {
+            *squares = squares.sqrt();
         }
         let [norms_q, norms_p] = &slopes.norms;
         let known = self.s.min(LEADING + 1);
@@ -164,14 +219,7 @@ impl<T: Float> Sums<'_, T> {
             let at = |x: &[T], row: usize| -> [T; N] { x.as_chunks().0[row * groups + g] };
             for a in 0..known {
                 // W(a, j) and its bound.
-                let (mut product, mut bound) = ([T::int(0); N], [T::int(0); N]);
-                for c in 0..half / stride {
-                    let (q_a, p_a) = (q[c * stride + a], p[c * stride + a]);
-                    let (q_j, p_j) = (at(q, c), at(p, c));
-                    for j in 0..N {
-                        product[j] += p_a * q_j[j] - q_a * p_j[j];
-                    }
-                }
+                let (product, mut bound) = (at(&slopes.products, a), [T::int(0); N]);
                 let (q_j, p_j) = (at(norms_q, 0), at(norms_p, 0));
                 for j in 0..N {
                     bound[j] = norms_p[a] * q_j[j] + norms_q[a] * p_j[j];
