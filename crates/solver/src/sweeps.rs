@@ -168,11 +168,12 @@ impl<T: Float> Sweeps<T> {
         }
         let removes_all = task.rule == Rule::Slopes && self.displaced.is_none();
         let mut alphas = Moves::new(task.rule);
+        let margin = T::int(if self.iterate.n < MANY { 16 } else { 1 });
         let is_short = self.iterate.s > SHORT_STAGES && !self.is_uneven();
         while self.made < MAX_SWEEPS {
             let spread = self.spread;
             let looks_early = constraint.is_some() && task.rule == Rule::Slopes;
-            let look = looks_early.then_some((spread, T::int(16) * threshold));
+            let look = looks_early.then_some((spread, margin * threshold));
             self.iterate.was_far |= std::mem::take(&mut self.contraction.is_far);
             let mut drafts = Drafts::new(&mut self.contraction, is_short, look);
             let draft = drafts.are_next();
