@@ -8,7 +8,7 @@
 //!
 //! What a sweep of a small system waits for is one product after the other, and of a long chain they are most of the work.
 //!
-//! Only for the method with α = 0, with which most sweeps of a step are made: K B K costs s³ products.
+//! For α = 0, with which most sweeps of a step are made: K B K costs s³ products. Where many components are worth them, for α's that have moved too.
 
 use crate::ahead::Again;
 use crate::half::{Half, force};

@@ -137,7 +137,7 @@ pub(crate) struct Iterate<T: Float> {
     inverse_scale: Vec<T>,
     /// K B K, if the α's a step starts from are zero; where many components are worth it of those that have moved too.
     twice: Option<Twice<T>>,
-    /// Z is what K(α) makes of L_p.
+    /// Z is what K(α) makes of L_p, as drafts take it to be.
     is_of_l: bool,
     /// Components whose gradients are foreseen.
     pub(crate) springs: Option<Springs<T>>,

@@ -47,6 +47,8 @@ const MAX_SWEEPS: u32 = 80;
 const BLOWN_UP: i64 = 16;
 /// When the α's have moved along slopes 1 over this of g or less is expected to remain, and g is looked at when it is known that well.
 const REMAINS: i64 = 64;
+/// Errors above so many times what g is looked at for leave drafts to come; of many components, where a sweep by K costs three times as much, all above it.
+const DRAFTED: i64 = 16;
 /// Before directions are taken g is to be known this well: they are taken from the stages as they are then.
 const CLEAR: i64 = 1024;
 /// … and the stages to so many ε: the local error aimed at is the difference of two ends, and as wrong as they are.
@@ -168,12 +170,12 @@ impl<T: Float> Sweeps<T> {
         }
         let removes_all = task.rule == Rule::Slopes && self.displaced.is_none();
         let mut alphas = Moves::new(task.rule);
-        let margin = T::int(if self.iterate.n < MANY { 16 } else { 1 });
+        let drafted = T::int(if self.iterate.n < MANY { DRAFTED } else { 1 });
         let is_short = self.iterate.s > SHORT_STAGES && !self.is_uneven();
         while self.made < MAX_SWEEPS {
             let spread = self.spread;
             let looks_early = constraint.is_some() && task.rule == Rule::Slopes;
-            let look = looks_early.then_some((spread, margin * threshold));
+            let look = looks_early.then_some((spread, drafted * threshold));
             self.iterate.was_far |= std::mem::take(&mut self.contraction.is_far);
             let mut drafts = Drafts::new(&mut self.contraction, is_short, look);
             let draft = drafts.are_next();

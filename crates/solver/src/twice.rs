@@ -5,7 +5,9 @@
 //! layouts: ½ + U rounded, or ½ and U apart ([`crate::pairs`]), and K B K is summed in double-double. With K of the other layout, 5e-17 off, angular momentum of
 //! Kepler's problem grows by 2e-17 a step.
 //!
-//! Cost: s³ products, of doubles in double-double.
+//! Of α's that have moved it is made in the float type itself, h included: what is left to the sweeps then is small.
+//!
+//! Cost: s³ products, of doubles in double-double where α = 0.
 
 use crate::MAX_STAGES;
 use crate::aligned::{Aligned, Places};
@@ -14,45 +16,6 @@ use crate::product::{Mixes, Packed, product_any};
 use crate::row::{rows, stride_for};
 use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
-
-/// K B K column by column; `k` is K as sweeps read it.
-fn as_read<T: Float>(
-    set: InstructionSet,
-    gauss: &Gauss<T>,
-    k: &[T],
-    places: &mut Places,
-) -> Aligned<T> {
-    let s = gauss.stages();
-    let stride = stride_for::<T>(s);
-    let mut twice = places.zeros(stride * stride);
-    let doubles = (T::as_doubles(gauss.weights()), T::as_doubles(k));
-    let (Some(b), Some(k), Some(to)) = (doubles.0, doubles.1, T::as_doubles_mut(&mut twice)) else {
-        return of(set, gauss, places);
-    };
-    let exact = |x: f64| DoubleDouble::exact(x);
-    let entry = |i: usize, j: usize| {
-        if !has_pairs::<f64>(s) {
-            return exact(k[j * stride + i]);
-        }
-        let [p, q] = parts(k, i, j).map(exact);
-        exact(0.5) + p + q
-    };
-    let width = s.next_multiple_of(8);
-    let mut columns = vec![exact(0.0); s * width];
-    for (j, column) in columns.chunks_exact_mut(width).enumerate() {
-        for (i, x) in column.iter_mut().enumerate().take(s) {
-            *x = entry(i, j);
-        }
-    }
-    set.run(&mut Exactly {
-        columns: &columns,
-        b,
-        width,
-        stride,
-        twice: to,
-    });
-    twice
-}
 
 /// What drafts are made with.
 #[derive(Debug)]
@@ -93,7 +56,7 @@ impl<T: Float> Twice<T> {
     }
 }
 
-/// h K(α) B K(α) of α's that have moved, in the same float type: what drafts move Z by then is little.
+/// h K(α) B K(α) column by column, and K(α) for it.
 #[derive(Debug)]
 struct Moved<T> {
     columns: Aligned<T>,
@@ -129,6 +92,45 @@ impl<T: Float> Moved<T> {
             twice: &mut self.twice,
         });
     }
+}
+
+/// K B K column by column; `k` is K as sweeps read it.
+fn as_read<T: Float>(
+    set: InstructionSet,
+    gauss: &Gauss<T>,
+    k: &[T],
+    places: &mut Places,
+) -> Aligned<T> {
+    let s = gauss.stages();
+    let stride = stride_for::<T>(s);
+    let mut twice = places.zeros(stride * stride);
+    let doubles = (T::as_doubles(gauss.weights()), T::as_doubles(k));
+    let (Some(b), Some(k), Some(to)) = (doubles.0, doubles.1, T::as_doubles_mut(&mut twice)) else {
+        return of(set, gauss, places);
+    };
+    let exact = |x: f64| DoubleDouble::exact(x);
+    let entry = |i: usize, j: usize| {
+        if !has_pairs::<f64>(s) {
+            return exact(k[j * stride + i]);
+        }
+        let [p, q] = parts(k, i, j).map(exact);
+        exact(0.5) + p + q
+    };
+    let width = s.next_multiple_of(8);
+    let mut columns = vec![exact(0.0); s * width];
+    for (j, column) in columns.chunks_exact_mut(width).enumerate() {
+        for (i, x) in column.iter_mut().enumerate().take(s) {
+            *x = entry(i, j);
+        }
+    }
+    set.run(&mut Exactly {
+        columns: &columns,
+        b,
+        width,
+        stride,
+        twice: to,
+    });
+    twice
 }
 
 /// K B K column by column, of K by columns, in the same float type.
@@ -286,6 +288,39 @@ mod tests {
                         let half = 0.5 * (found.abs().next_up() - found.abs());
                         assert!(off <= half + 1e-30, "s = {s}, {set:?}: {off:e}");
                     }
+                }
+            }
+        }
+    }
+
+    /// As two products with K(α), h B between them, in all layouts of K.
+    #[test]
+    fn moved_alphas_have_theirs() {
+        for s in [3, 4, 8, 9, 16, 20, 32] {
+            let gauss = Gauss::<f64>::new(s).unwrap();
+            let stride = stride_for::<f64>(s);
+            let alphas: Vec<f64> = (1..s).map(|k| 0.02 / k as f64).collect();
+            let mut hb = vec![0.0; stride];
+            for (hb, &b) in hb.iter_mut().zip(gauss.weights()) {
+                *hb = 0.3 * b;
+            }
+            let mut columns = vec![0.0; s * stride];
+            gauss.skew_columns_into(&alphas, stride, &mut columns);
+            let entry = |i: usize, j: usize| columns[j * stride + i];
+            for set in InstructionSet::available() {
+                let mut k = vec![0.0; length_of::<f64>(s)];
+                Columns::new(&gauss, true).fill(set, &alphas, &mut k);
+                let mut moved = Moved::new(s, &mut Places::default());
+                moved.make(set, &k, (&hb, s));
+                for (place, &found) in moved.twice.iter().enumerate() {
+                    let (i, j) = (place % stride, place / stride);
+                    let twice = if i < s && j < s {
+                        (0..s).map(|l| entry(i, l) * hb[l] * entry(l, j)).sum()
+                    } else {
+                        0.0
+                    };
+                    let off: f64 = found - twice;
+                    assert!(off.abs() < 2e-16, "s = {s}, {set:?}, ({i}, {j}): {off:e}");
                 }
             }
         }

@@ -123,12 +123,12 @@ fn fixed_steps() {
     fixed(&chaos, &Equip::stages(2).step(1.5), 50, 150.0);
     // Of many components most are halved at once, as those before were.
     let chain = scene("fput-beta", &[("n", "40")]);
-    let options = Equip::stages(4).step(2.5);
+    let options = Equip::stages(4).step(3.0);
     for at in [1, 5, 12] {
-        fixed(&chain, &options, at, 50.0);
+        fixed(&chain, &options, at, 60.0);
     }
     let (q, p) = chain.initial::<f64>();
-    let run = options.integrate(chain.hamiltonian(), &q, &p, 0.0..=50.0);
+    let run = options.integrate(chain.hamiltonian(), &q, &p, 0.0..=60.0);
     assert!(run.unwrap().certificate().counts.halvings > 10);
 }
 
