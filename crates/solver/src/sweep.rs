@@ -13,7 +13,7 @@
 //! K enters as K, with K_ij + K_ji = 1 to the last bit, so quadratic invariants are kept to rounding.
 //!
 //! How they are gone through: for any system in [`crate::mix`]; for short states whose H is compiled, as one kernel with it, in
-//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`. In Newton's order: `stage_by_stage`. On stiff springs gradients are foreseen
+//! [`crate::small`]; the product by pairs of stages in [`crate::pairs`]. How a step begins: `begin`. What moves with the α's: `moved`. In Newton's order: `stage_by_stage`. On stiff springs gradients are foreseen
 //! ([`crate::springs`]): `sprung`.
 //!
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated. Kepler, with AVX-512: 200 cycles
@@ -21,6 +21,7 @@
 
 mod begin;
 mod double_double;
+mod moved;
 mod sprung;
 mod stage_by_stage;
 
@@ -235,20 +236,6 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// K is not the one a step starts from.
-    pub(crate) fn k_has_moved(&self) -> bool {
-        self.k_has_moved
-    }
-
-    /// K for these α's.
-    pub(crate) fn set_alphas(&mut self, alphas: &[T]) {
-        self.columns.fill(self.set, alphas, &mut self.k);
-        self.k_has_moved = true;
-        if let Some(twice) = &mut self.twice {
-            twice.follow(self.set, &self.k, (&self.hb, self.s));
-        }
-    }
-
     /// Stages from Z.
     fn place(&mut self, y: &State<T>) {
         let (stride, unknowns) = (self.stride, self.unknowns());
@@ -368,47 +355,6 @@ impl<T: Float> Iterate<T> {
             Form::Half(mut task) => set.run(&mut task),
             Form::Draft(mut task) => set.run(&mut task),
         }
-    }
-
-    /// After K has changed for the first time in the step: Z ← K L with the gradients there are. What Z was is kept.
-    pub(crate) fn mix_anew(&mut self, y: &State<T>) {
-        debug_assert!(!self.is_draft);
-        self.z_before.copy_from_slice(&self.z);
-        self.has_momenta = false;
-        self.mix(y);
-        self.is_of_l = true;
-    }
-
-    /// Sees to it that the stages of momenta are there too: by the linear half of the last sweep once more.
-    pub(crate) fn keep_momenta(&mut self, y: &State<T>) {
-        debug_assert!(!self.is_draft);
-        if !std::mem::replace(&mut self.has_momenta, true) {
-            self.mix(y);
-        }
-    }
-
-    /// After K has changed again, by `share` of the first change: Z moves by this share of how it has moved since.
-    pub(crate) fn extrapolate(&mut self, y: &State<T>, share: T) {
-        let len = self.unknowns() * self.stride;
-        if self.has_springs() {
-            self.folded[..len].copy_from_slice(&self.z[..len]);
-        }
-        for (z, &before) in self.z[..len].iter_mut().zip(&*self.z_before) {
-            *z += share * (*z - before);
-        }
-        self.follow();
-        self.place(y);
-        self.is_of_l = false;
-    }
-
-    /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
-    /// On springs L is to follow ([`Iterate::follow_with`]).
-    pub(crate) fn displace(&mut self, y: &State<T>, mut change: impl FnMut(usize, &mut [T])) {
-        let unknowns = self.unknowns();
-        let rows = self.z.chunks_exact_mut(self.stride).enumerate();
-        rows.take(unknowns).for_each(|(c, z)| change(c, z));
-        self.place(y);
-        self.is_of_l = false;
     }
 
     /// y1 = y0 + Σ L_i.
