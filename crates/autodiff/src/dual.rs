@@ -12,51 +12,51 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Rates one by one, as macros: closures are not always inlined.
 macro_rules! each_rate {
-    ($x:expr, |$rate:ident| $result:expr) => {
-        match $x {
-            Some(mut rates) => {
-                for place in &mut rates {
-                    let $rate = *place;
-                    *place = $result;
-                }
-                Some(rates)
+    ($x:expr, |$rate:ident| $result:expr) => {{
+        let mut rates = $x;
+        for place in &mut rates {
+            if let Some($rate) = *place {
+                *place = Some($result);
             }
-            None => None,
         }
-    };
+        rates
+    }};
 }
 
-/// value + Σ ε_k rates_k; `None` for a number that does not depend on the variables.
+/// value + Σ ε_k rates_k; `None` for a variable that the number does not depend on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Dual<S, const N: usize> {
     pub(crate) value: S,
-    pub(crate) rates: Option<[S; N]>,
+    pub(crate) rates: [Option<S>; N],
 }
 
 impl<S: Piecewise, const N: usize> Dual<S, N> {
     #[inline(always)]
     pub(crate) fn fixed(value: S) -> Self {
-        Dual { value, rates: None }
+        Dual {
+            value,
+            rates: [None; N],
+        }
     }
 
     /// The independent variable number `index`.
     #[inline(always)]
     pub(crate) fn variable(value: S, index: usize) -> Self {
-        let mut rates = [number(0.0); N];
-        rates[index] = number(1.0);
-        Dual {
-            value,
-            rates: Some(rates),
-        }
+        let mut rates = [None; N];
+        rates[index] = Some(number(1.0));
+        Dual { value, rates }
     }
 
     /// The derivatives.
     #[inline(always)]
     pub(crate) fn gradient(self) -> [S; N] {
-        match self.rates {
-            Some(rates) => rates,
-            None => [number(0.0); N],
+        let mut gradient = [number(0.0); N];
+        for (slope, rate) in gradient.iter_mut().zip(self.rates) {
+            if let Some(rate) = rate {
+                *slope = rate;
+            }
         }
+        gradient
     }
 
     #[inline(always)]
@@ -97,17 +97,16 @@ fn number<S: Scalar>(x: f64) -> S {
 }
 
 #[inline(always)]
-fn sum<S: Piecewise, const N: usize>(x: Option<[S; N]>, y: Option<[S; N]>) -> Option<[S; N]> {
-    match (x, y) {
-        (Some(mut x), Some(y)) => {
-            for k in 0..N {
-                x[k] = x[k] + y[k];
-            }
-            Some(x)
-        }
-        (Some(rates), None) | (None, Some(rates)) => Some(rates),
-        (None, None) => None,
+fn sum<S: Piecewise, const N: usize>(x: [Option<S>; N], y: [Option<S>; N]) -> [Option<S>; N] {
+    let mut sums = x;
+    for (sum, rate) in sums.iter_mut().zip(y) {
+        *sum = match (*sum, rate) {
+            (Some(x), Some(y)) => Some(x + y),
+            (Some(rate), None) | (None, Some(rate)) => Some(rate),
+            (None, None) => None,
+        };
     }
+    sums
 }
 
 impl<S: Piecewise, const N: usize> Add for Dual<S, N> {
