@@ -4,7 +4,7 @@
 //! `f64` alone. Arithmetic, √, |x|, min, max and the selections of [`Piecewise`] become vector instructions inside a
 //! [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin` over 8 lanes: 68 ns).
 
-use crate::{Constant, Float, Pack, Piecewise, Scalar};
+use crate::{Constant, Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// N doubles, usually one for each stage of a step.
@@ -172,10 +172,9 @@ impl<const N: usize> Pack<f64, N> for Lanes<N> {
 
     #[inline(always)]
     fn two_sum(a: Self, b: Self) -> (Self, Self) {
-        let (mut sum, mut rest) = (a, b);
-        for k in 0..N {
-            (sum.0[k], rest.0[k]) = f64::two_sum(a.0[k], b.0[k]);
-        }
-        (sum, rest)
+        // Operation by operation: of lanes that are gone through one by one the compiler does not always make vectors.
+        let sum = a + b;
+        let b_part = sum - a;
+        (sum, (a - (sum - b_part)) + (b - b_part))
     }
 }

@@ -1,7 +1,8 @@
 //! The state y = (q, p) with the part that rounding would lose, and the compensated update.
 
-use crate::row::{by_lanes, groups_of};
+use crate::row::{OnLines, by_lanes, groups_of, in_memory, literal};
 use equip_scalar::{Float, InstructionSet, Kernel, Pack};
+use std::array::from_fn;
 
 /// A state carried to about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
 #[derive(Debug, Clone, PartialEq)]
@@ -98,6 +99,9 @@ fn half<T: Float, const N: usize>(x: T::Pack<N>, count: usize) -> T::Pack<N> {
 /// one before.
 const ABREAST: usize = 32;
 
+/// Components of short states, a vector of them.
+const FEW: usize = 4;
+
 /// Sums of the components abreast and what they have lost, N numbers each.
 type Sums<T, const N: usize> = [[[T; N]; ABREAST]; 2];
 
@@ -110,6 +114,20 @@ fn fold<T: Float, const N: usize, const H: usize>(sum: &[T; N], lost: &[T; N]) -
         (sums[i], losts[i]) = (s, (lost[i] + lost[i + H]) + e);
     }
     [sums, losts]
+}
+
+/// N sums of a row, and of these the first half plus the second.
+#[inline(always)]
+fn half_sums<T: Float, const N: usize, const H: usize>(row: &[[T; N]]) -> [[T; H]; 2] {
+    let (mut sum, mut lost) = (row[0], [T::int(0); N]);
+    for x in &row[1..] {
+        for i in 0..N {
+            let (s, e) = T::two_sum(sum[i], x[i]);
+            sum[i] = s;
+            lost[i] += e;
+        }
+    }
+    fold(&sum, &lost)
 }
 
 /// The same of all components.
@@ -142,13 +160,54 @@ impl<T: Float> Advance<'_, T> {
                 self.several(first, &sums);
             }
         }
-        for c in abreast..n {
+        let fours = if T::IS_DOUBLE { n - n % FEW } else { 0 };
+        for first in (abreast..fours).step_by(FEW) {
+            if N == 8 {
+                self.few::<8, 4>(first);
+            } else {
+                self.few::<4, 2>(first);
+            }
+        }
+        for c in fours..n {
             if T::IS_DOUBLE {
                 self.one::<N>(c);
             } else {
                 self.one_in_packs::<N>(c);
             }
         }
+    }
+
+    /// A few components from `first` on, a lane for each once the first halves are added to the second.
+    #[inline(always)]
+    fn few<const N: usize, const H: usize>(&mut self, first: usize) {
+        let groups = groups_of::<T, N>(self.s);
+        let rows = &self.increments.as_chunks::<N>().0[first * groups..(first + FEW) * groups];
+        let mut halves = OnLines([[[T::int(0); H]; 2]; FEW]);
+        for (half, row) in halves.0.iter_mut().zip(rows.chunks_exact(groups)) {
+            *half = half_sums(row);
+        }
+        let halves = &in_memory(&mut halves).0;
+        let mut sums = [[T::Pack::<FEW>::splat(T::int(0)); H]; 2];
+        for k in 0..2 {
+            for i in 0..H {
+                sums[k][i] = T::Pack::of(&from_fn(|c| halves[c][k][i]));
+            }
+        }
+        let [mut sum, mut lost] = sums;
+        let mut count = H;
+        while count > 1 {
+            count /= 2;
+            for i in 0..count {
+                let (s, e) = T::Pack::two_sum(sum[i], sum[i + count]);
+                (sum[i], lost[i]) = (s, (lost[i] + lost[i + count]) + e);
+            }
+        }
+        let hi = T::Pack::of(literal(self.from.hi[first..].first_chunk()));
+        let lo = T::Pack::of(literal(self.from.lo[first..].first_chunk()));
+        let (y, e) = T::Pack::two_sum(hi, sum[0]);
+        let (hi, lo) = T::Pack::two_sum(y, e + (lost[0] + lo));
+        *literal(self.next.hi[first..].first_chunk_mut()) = hi.numbers();
+        *literal(self.next.lo[first..].first_chunk_mut()) = lo.numbers();
     }
 
     /// Component c.
@@ -207,15 +266,7 @@ impl<T: Float> Advance<'_, T> {
         let rows = &self.increments.as_chunks::<N>().0[first * groups..(first + ABREAST) * groups];
         let [sums, losts] = to;
         for (c, row) in rows.chunks_exact(groups).enumerate() {
-            let (mut sum, mut lost) = (row[0], [T::int(0); N]);
-            for x in &row[1..] {
-                for i in 0..N {
-                    let (s, e) = T::two_sum(sum[i], x[i]);
-                    sum[i] = s;
-                    lost[i] += e;
-                }
-            }
-            [sums[c], losts[c]] = fold(&sum, &lost);
+            [sums[c], losts[c]] = half_sums(row);
         }
     }
 
