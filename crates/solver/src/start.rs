@@ -164,11 +164,18 @@ impl<T: Float> Sizes<'_, T> {
     fn lanes<const N: usize>(&mut self) {
         let points = self.points.as_chunks::<N>().0;
         let groups = groups_of::<T, N>(self.s);
-        for (c, (scale, &hi)) in self.scale.iter_mut().zip(self.hi).enumerate() {
-            let mut size = [hi.abs(); N];
-            for points in &points[c * groups..(c + 1) * groups] {
+        let components = self.scale.iter_mut().zip(self.hi);
+        if groups == 1 {
+            for ((scale, &hi), points) in components.zip(points) {
+                let mut size = [hi.abs(); N];
                 see(&mut size, points);
+                *scale = largest(size);
             }
+            return;
+        }
+        for ((scale, &hi), points) in components.zip(points.chunks_exact(groups)) {
+            let mut size = [hi.abs(); N];
+            points.iter().for_each(|points| see(&mut size, points));
             *scale = largest(size);
         }
     }
