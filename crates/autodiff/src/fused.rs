@@ -27,6 +27,8 @@ pub trait Fused<const N: usize> {
     type Output;
     /// The computation.
     fn run<const C: usize>(&mut self, slopes: &impl Slopes<C, N>) -> Self::Output;
+    /// The same for few registers, as [`Kernel::run_narrow`].
+    fn run_narrow<const C: usize>(&mut self, slopes: &impl Slopes<C, N>) -> Self::Output;
 }
 
 /// ∇U of a separable system with M positions.
@@ -89,6 +91,11 @@ where
     #[inline(always)]
     fn run(&mut self) -> F::Output {
         self.task.run(&self.slopes)
+    }
+
+    #[inline(always)]
+    fn run_narrow(&mut self) -> F::Output {
+        self.task.run_narrow(&self.slopes)
     }
 }
 

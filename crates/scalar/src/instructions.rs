@@ -18,6 +18,12 @@ pub trait Kernel {
     type Output;
     /// The computation.
     fn run(&mut self) -> Self::Output;
+
+    /// The same for sets with 16 registers of at most four doubles, where AVX-512 has 32 of eight: for kernels that keep more in registers than fits there.
+    #[inline(always)]
+    fn run_narrow(&mut self) -> Self::Output {
+        self.run()
+    }
 }
 
 /// The widest vector instructions that are used. A value of this type is proof that the processor has them.
@@ -108,7 +114,7 @@ impl InstructionSet {
     #[inline(always)]
     pub fn run<K: Kernel>(self, kernel: &mut K) -> K::Output {
         match self.0 {
-            Level::Portable => kernel.run(),
+            Level::Portable => kernel.run_narrow(),
             #[cfg(target_arch = "x86_64")]
             level => x86_64::run(level, kernel),
         }
@@ -124,7 +130,7 @@ mod x86_64 {
 
     #[target_feature(enable = "avx2")]
     fn avx2<K: Kernel>(kernel: &mut K) -> K::Output {
-        kernel.run()
+        kernel.run_narrow()
     }
 
     #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
@@ -135,7 +141,7 @@ mod x86_64 {
     #[inline(always)]
     pub(super) fn run<K: Kernel>(level: Level, kernel: &mut K) -> K::Output {
         match level {
-            Level::Portable => kernel.run(),
+            Level::Portable => kernel.run_narrow(),
             level => run_wide(level, kernel),
         }
     }

@@ -66,10 +66,16 @@ impl<'a, T: Float> Draft<'a, T> {
 
 impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
     type Sixteen = Sixteen<'a, T, HALF>;
+    type There = Self::Sixteen;
 
     #[inline(always)]
     fn sixteen(k: &'a [T]) -> Self::Sixteen {
         Sixteen(literal(rows(k).as_chunks().0.first_chunk()))
+    }
+
+    #[inline(always)]
+    fn there(k: &'a [T]) -> Self::There {
+        Self::sixteen(k)
     }
 
     #[inline(always)]

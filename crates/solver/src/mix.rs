@@ -39,7 +39,10 @@ pub(crate) struct Step<'a, T> {
 pub(crate) trait Mix<'a, T: Float> {
     /// Its matrix for sixteen stages of doubles.
     type Sixteen: Mixes<T, 2, HALF>;
+    /// The same where it stands.
+    type There: Mixes<T, 2, HALF>;
     fn sixteen(k: &'a [T]) -> Self::Sixteen;
+    fn there(k: &'a [T]) -> Self::There;
     fn step(&mut self) -> &mut Step<'a, T>;
     /// Components whose Z is made.
     fn unknowns(&self) -> usize;

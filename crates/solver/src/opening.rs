@@ -4,7 +4,7 @@
 //! states as short as those of [`crate::small`].
 
 use crate::pairs::{HALF, has_pairs};
-use crate::product::{Mixes, Square};
+use crate::product::{Anew, Mixes, Square};
 use crate::prolongation::View;
 use crate::row::{Row, literal, rows};
 use crate::small::Finish;
@@ -89,8 +89,13 @@ impl<'b, S: Finish<'b>, const C: usize, const N: usize> Kernel
     #[inline(always)]
     fn run(&mut self) {
         let k: &'b [f64] = self.0.sweep.step().k;
-        let k = Square(literal(k.as_chunks().0.first_chunk()));
-        self.0.lanes::<C, 1, N>(&k);
+        self.0.lanes::<C, 1, N>(&Square::of(k));
+    }
+
+    #[inline(always)]
+    fn run_narrow(&mut self) {
+        let k: &'b [f64] = self.0.sweep.step().k;
+        self.0.lanes::<C, 1, N>(&Anew(Square::of(k)));
     }
 }
 
@@ -101,5 +106,11 @@ impl<'b, S: Finish<'b>, const C: usize> Kernel for Pairs<'_, Opening<'b, S>, C> 
     fn run(&mut self) {
         let k: &'b [f64] = self.0.sweep.step().k;
         self.0.lanes::<C, 2, HALF>(&S::sixteen(k));
+    }
+
+    #[inline(always)]
+    fn run_narrow(&mut self) {
+        let k: &'b [f64] = self.0.sweep.step().k;
+        self.0.lanes::<C, 2, HALF>(&Anew(S::there(k)));
     }
 }

@@ -16,6 +16,7 @@ use crate::product::Mixes;
 use crate::row::{self, add, literal, scaled, sum_of};
 use equip_scalar::Float;
 use std::array::from_fn;
+use std::borrow::Borrow;
 
 /// Lanes of half the stages.
 pub(crate) const HALF: usize = 8;
@@ -60,7 +61,7 @@ fn folded<T: Float>(l: &Row<T>) -> Row<T> {
 
 /// K L for one component from its S and D, `k` being P and Q.
 #[inline(always)]
-fn product<T: Float>(k: &[[[T; HALF]; HALF]; 2], [s, d]: &Row<T>) -> Row<T> {
+fn product<T: Float>(k: &Parts<T>, [s, d]: &Row<T>) -> Row<T> {
     let half = T::ratio(1, 2);
     let odd = sum_of(from_fn(|j| scaled(&k[0][j], s[j])));
     let even = sum_of(from_fn(|j| scaled(&k[1][j], d[j])));
@@ -75,18 +76,27 @@ fn backwards<T: Float>(x: &[T; HALF]) -> [T; HALF] {
     from_fn(|i| x[HALF - 1 - i])
 }
 
-/// K as P and Q.
-#[derive(Clone, Copy)]
-pub(crate) struct Blocks<T>(pub(crate) [[[T; HALF]; HALF]; 2]);
+/// P and Q.
+pub(crate) type Parts<T> = [[[T; HALF]; HALF]; 2];
 
-impl<T: Float> Blocks<T> {
+/// K as P and Q, or where these stand.
+pub(crate) struct Blocks<K>(K);
+
+impl<T: Float> Blocks<Parts<T>> {
     #[inline(always)]
     pub(crate) fn of(k: &[T]) -> Self {
-        Blocks(*literal(k.as_chunks().0.as_chunks().0.first_chunk()))
+        Blocks(*Blocks::at(k).0)
     }
 }
 
-impl<T: Float> Mixes<T, 2, HALF> for Blocks<T> {
+impl<'a, T: Float> Blocks<&'a Parts<T>> {
+    #[inline(always)]
+    pub(crate) fn at(k: &'a [T]) -> Self {
+        Blocks(literal(k.as_chunks().0.as_chunks().0.first_chunk()))
+    }
+}
+
+impl<T: Float, K: Borrow<Parts<T>>> Mixes<T, 2, HALF> for Blocks<K> {
     const FOLDS: bool = true;
 
     #[inline(always)]
@@ -96,6 +106,6 @@ impl<T: Float> Mixes<T, 2, HALF> for Blocks<T> {
 
     #[inline(always)]
     fn product(&self, folded: &Row<T>) -> Row<T> {
-        product(&self.0, folded)
+        product(self.0.borrow(), folded)
     }
 }

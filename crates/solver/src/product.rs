@@ -7,6 +7,7 @@ use crate::pairs::{HALF, has_pairs};
 use crate::row::{OnLines, Row, add, in_memory, literal, rows, scaled, sum_of};
 use equip_scalar::{Float, Pack};
 use std::array::from_fn;
+use std::hint::black_box;
 
 /// K in one of the forms it is kept in. The product has two parts: what is read number by number is best read from memory, where
 /// the first part puts it.
@@ -47,8 +48,33 @@ pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
     }
 }
 
+/// K read where it stands for every product: where the registers are too few for it, the compiler would take it out of a loop all the same and put
+/// it on the stack, 60 vectors of it with 16 stages.
+pub(crate) struct Anew<M>(pub(crate) M);
+
+impl<T: Float, M: Mixes<T, G, N>, const G: usize, const N: usize> Mixes<T, G, N> for Anew<M> {
+    const FOLDS: bool = M::FOLDS;
+
+    #[inline(always)]
+    fn folded(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
+        self.0.folded(l)
+    }
+
+    #[inline(always)]
+    fn product(&self, folded: &Row<T, G, N>) -> Row<T, G, N> {
+        black_box(&self.0).product(folded)
+    }
+}
+
 /// As many columns as places in one group of stages.
 pub(crate) struct Square<'a, T, const N: usize>(pub(crate) &'a [[T; N]; N]);
+
+impl<'a, T: Float, const N: usize> Square<'a, T, N> {
+    #[inline(always)]
+    pub(crate) fn of(k: &'a [T]) -> Self {
+        Square(literal(k.as_chunks().0.first_chunk()))
+    }
+}
 
 impl<T: Float, const N: usize> Mixes<T, 1, N> for Square<'_, T, N> {
     #[inline(always)]

@@ -6,7 +6,7 @@
 use crate::ahead::Again;
 use crate::mix::Mix;
 use crate::pairs::HALF;
-use crate::product::{Mixes, Square};
+use crate::product::{Anew, Mixes, Square};
 use crate::row::{OnLines, Row, in_memory, literal};
 use equip_autodiff::{Fused, Slopes};
 use equip_scalar::Lanes;
@@ -60,7 +60,13 @@ impl<'a, S: Small<'a>, A: Again<f64>, const N: usize> Fused<N> for OneGroup<S, A
 
     #[inline(always)]
     fn run<const C: usize>(&mut self, gradients: &impl Slopes<C, N>) -> f64 {
-        let k = Square(literal(self.0.step().k.as_chunks().0.first_chunk()));
+        let k = Square::of(self.0.step().k);
+        self.0.kernel(gradients, &k, &mut self.1)
+    }
+
+    #[inline(always)]
+    fn run_narrow<const C: usize>(&mut self, gradients: &impl Slopes<C, N>) -> f64 {
+        let k = Anew(Square::of(self.0.step().k));
         self.0.kernel(gradients, &k, &mut self.1)
     }
 }
@@ -74,6 +80,12 @@ impl<'a, S: Small<'a>, A: Again<f64>> Fused<HALF> for TwoGroups<S, A> {
         let k = S::sixteen(self.0.step().k);
         self.0.kernel(gradients, &k, &mut self.1)
     }
+
+    #[inline(always)]
+    fn run_narrow<const C: usize>(&mut self, gradients: &impl Slopes<C, HALF>) -> f64 {
+        let k = Anew(S::there(self.0.step().k));
+        self.0.kernel(gradients, &k, &mut self.1)
+    }
 }
 
 /// The largest change of Z, `by`, relative to the sizes of the components, as an integer: of numbers that are not negative the larger has the
@@ -83,11 +95,12 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
     by: &[Row<f64, G, N>; C],
     inverse_scale: &[f64; C],
 ) -> f64 {
-    let mut most = OnLines([0; N]);
+    // Signed, as AVX2 compares.
+    let mut most = OnLines([0_i64; N]);
     for (by, &inverse_scale) in by.iter().zip(inverse_scale) {
         for by in by {
             for (most, &by) in most.0.iter_mut().zip(by) {
-                *most = (*most).max((by * inverse_scale).abs().to_bits());
+                *most = (*most).max((by * inverse_scale).abs().to_bits().cast_signed());
             }
         }
     }
@@ -99,7 +112,7 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
             most[i] = most[i].max(most[i + count]);
         }
     }
-    f64::from_bits(most[0])
+    f64::from_bits(most[0].cast_unsigned())
 }
 
 /// A number for each of C components.

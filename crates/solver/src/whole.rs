@@ -2,7 +2,7 @@
 
 use crate::ahead::Again;
 use crate::mix::{Mix, Moved, Step};
-use crate::pairs::Blocks;
+use crate::pairs::{Blocks, Parts};
 use crate::product::Mixes;
 use crate::row::{Row, difference, literal, placed, rows, rows_mut, times};
 use crate::small::{Finish, Small, numbers, rows_of};
@@ -49,11 +49,17 @@ impl<'a, T: Float> Whole<'a, T> {
 }
 
 impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
-    type Sixteen = Blocks<T>;
+    type Sixteen = Blocks<Parts<T>>;
+    type There = Blocks<&'a Parts<T>>;
 
     #[inline(always)]
-    fn sixteen(k: &'a [T]) -> Blocks<T> {
+    fn sixteen(k: &'a [T]) -> Self::Sixteen {
         Blocks::of(k)
+    }
+
+    #[inline(always)]
+    fn there(k: &'a [T]) -> Self::There {
+        Blocks::at(k)
     }
 
     #[inline(always)]
