@@ -1,8 +1,8 @@
 //! [`Dual`]: a number with N first derivatives, for floats and for lanes alike.
 //!
 //! The gradient of the trait route: each variable carries its own unit vector, each operation applies the chain rule. The
-//! value has every bit of the float's own function. A number without derivatives is known as such when it is
-//! compiled, so constants, and momenta when only forces are asked for, cost nothing.
+//! value has every bit of the float's own function. Which variables a number does not depend on is known when it is
+//! compiled, so constants, the other coordinates, and momenta when only forces are asked for, cost nothing.
 //!
 //! At kinks as on the tape. √, powers and quotients of zero: a slope that is infinite times a rate
 //! that is exactly 0 is 0.

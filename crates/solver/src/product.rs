@@ -49,7 +49,7 @@ pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
 }
 
 /// K read where it stands for every product: where the registers are too few for it, the compiler would take it out of a loop all the same and put
-/// it on the stack, 60 vectors of it with 16 stages.
+/// it on the stack, 64 vectors of K B K for 16 stages.
 pub(crate) struct Anew<M>(pub(crate) M);
 
 impl<T: Float, M: Mixes<T, G, N>, const G: usize, const N: usize> Mixes<T, G, N> for Anew<M> {

@@ -116,9 +116,9 @@ fn fold<T: Float, const N: usize, const H: usize>(sum: &[T; N], lost: &[T; N]) -
     [sums, losts]
 }
 
-/// N sums of a row, and of these the first half plus the second.
+/// Sums of the groups of a row, place by place, and what they have lost.
 #[inline(always)]
-fn half_sums<T: Float, const N: usize, const H: usize>(row: &[[T; N]]) -> [[T; H]; 2] {
+fn row_sums<T: Float, const N: usize>(row: &[[T; N]]) -> [[T; N]; 2] {
     let (mut sum, mut lost) = (row[0], [T::int(0); N]);
     for x in &row[1..] {
         for i in 0..N {
@@ -127,6 +127,13 @@ fn half_sums<T: Float, const N: usize, const H: usize>(row: &[[T; N]]) -> [[T; H
             lost[i] += e;
         }
     }
+    [sum, lost]
+}
+
+/// Of these the first half plus the second.
+#[inline(always)]
+fn half_sums<T: Float, const N: usize, const H: usize>(row: &[[T; N]]) -> [[T; H]; 2] {
+    let [sum, lost] = row_sums(row);
     fold(&sum, &lost)
 }
 
@@ -215,14 +222,7 @@ impl<T: Float> Advance<'_, T> {
     fn one<const N: usize>(&mut self, c: usize) {
         let groups = groups_of::<T, N>(self.s);
         let row = &self.increments.as_chunks::<N>().0[c * groups..(c + 1) * groups];
-        let (mut sum, mut lost) = (row[0], [T::int(0); N]);
-        for x in &row[1..] {
-            for i in 0..N {
-                let (s, e) = T::two_sum(sum[i], x[i]);
-                sum[i] = s;
-                lost[i] += e;
-            }
-        }
+        let [mut sum, mut lost] = row_sums(row);
         let mut count = N;
         while count > 1 {
             count /= 2;
