@@ -14,20 +14,44 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 macro_rules! each_rate {
     ($x:expr, |$rate:ident| $result:expr) => {{
         let mut rates = $x;
-        for place in &mut rates {
-            if let Some($rate) = *place {
-                *place = Some($result);
+        for k in 0..N {
+            if rates.has(k) {
+                let $rate = rates.of[k];
+                rates.of[k] = $result;
             }
         }
         rates
     }};
 }
 
-/// value + Σ ε_k rates_k; `None` for a variable that the number does not depend on.
+/// Rates of change with the variables, `of` the first, the second … one, and a bit for each variable that there is one of: bits, because as long as the
+/// compiler does not know them it does not take a loop of so many operations apart.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rates<S, const N: usize> {
+    of: [S; N],
+    variables: u32,
+}
+
+impl<S: Piecewise, const N: usize> Rates<S, N> {
+    #[inline(always)]
+    fn none() -> Self {
+        Rates {
+            of: [number(0.0); N],
+            variables: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn has(&self, k: usize) -> bool {
+        (self.variables >> k) & 1 == 1
+    }
+}
+
+/// value + Σ ε_k rates_k.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Dual<S, const N: usize> {
     pub(crate) value: S,
-    pub(crate) rates: [Option<S>; N],
+    rates: Rates<S, N>,
 }
 
 impl<S: Piecewise, const N: usize> Dual<S, N> {
@@ -35,28 +59,23 @@ impl<S: Piecewise, const N: usize> Dual<S, N> {
     pub(crate) fn fixed(value: S) -> Self {
         Dual {
             value,
-            rates: [None; N],
+            rates: Rates::none(),
         }
     }
 
     /// The independent variable number `index`.
     #[inline(always)]
     pub(crate) fn variable(value: S, index: usize) -> Self {
-        let mut rates = [None; N];
-        rates[index] = Some(number(1.0));
+        let mut rates = Rates::none();
+        rates.of[index] = number(1.0);
+        rates.variables = 1 << index;
         Dual { value, rates }
     }
 
     /// The derivatives.
     #[inline(always)]
     pub(crate) fn gradient(self) -> [S; N] {
-        let mut gradient = [number(0.0); N];
-        for (slope, rate) in gradient.iter_mut().zip(self.rates) {
-            if let Some(rate) = rate {
-                *slope = rate;
-            }
-        }
-        gradient
+        self.rates.of
     }
 
     #[inline(always)]
@@ -97,15 +116,14 @@ fn number<S: Scalar>(x: f64) -> S {
 }
 
 #[inline(always)]
-fn sum<S: Piecewise, const N: usize>(x: [Option<S>; N], y: [Option<S>; N]) -> [Option<S>; N] {
+fn sum<S: Piecewise, const N: usize>(x: Rates<S, N>, y: Rates<S, N>) -> Rates<S, N> {
     let mut sums = x;
-    for (sum, rate) in sums.iter_mut().zip(y) {
-        *sum = match (*sum, rate) {
-            (Some(x), Some(y)) => Some(x + y),
-            (Some(rate), None) | (None, Some(rate)) => Some(rate),
-            (None, None) => None,
-        };
+    for k in 0..N {
+        if y.has(k) {
+            sums.of[k] = if x.has(k) { x.of[k] + y.of[k] } else { y.of[k] };
+        }
     }
+    sums.variables |= y.variables;
     sums
 }
 
