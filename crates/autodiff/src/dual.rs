@@ -24,8 +24,8 @@ macro_rules! each_rate {
     }};
 }
 
-/// Rates of change with the variables, `of` the first, the second … one, and a bit for each variable that there is one of: bits, because as long as the
-/// compiler does not know them it does not take a loop of so many operations apart.
+/// Rates of change with the variables, and a bit for each variable that there is one of; the others are zero. The compiler knows the bits before it
+/// takes the loops apart; of `Option`s in memory it takes no long loop apart at all.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rates<S, const N: usize> {
     of: [S; N],
