@@ -74,9 +74,17 @@ fn responses_know_of_springs() {
     println!("{counts:?}");
     assert_eq!(counts.newton_iterations, 0);
     assert!(counts.alpha_solves > 0);
-    let energy = run.certificate().energy.as_ref().unwrap();
-    // Measured 3.3e-14, of an energy of 2: the forces of the springs round by some 20 times as much as p does.
-    assert!(energy.max.abs() < 4e-14, "{:e}", energy.max);
+    // Of an energy of 2 the largest defect is 2.8e-14 to 9.5e-14 with 380 to 420 steps, never more than 4 floors: the forces of the springs round by some
+    // 20 times as much as p does, and where they are largest so is the floor.
+    let (energy, floors) = (
+        &run.certificate().energy,
+        run.certificate().energy_in_floors,
+    );
+    let most = energy.as_ref().unwrap().max.abs();
+    assert!(
+        most < 1e-13 && floors.unwrap() <= 4.0,
+        "{most:e}, {floors:?}"
+    );
     let fine = chain(&Gauss::stages(16).step(0.0625), 20.0);
     let [found, gauss, fine] = [&run, &chain(&Gauss::stages(8).step(0.05), 20.0), &fine]
         .map(|run| [run.last().1, run.last().2].concat());

@@ -285,7 +285,6 @@ impl<T: Float> Response<T> {
                 self.rhs[(c * free + k) * stride..][..stride].copy_from_slice(t_l);
             }
         }
-        self.x[..len].copy_from_slice(&self.rhs[..len]);
         let sides = (&self.rhs[..len], &mut self.x[..len]);
         if !(self.linear).solve(Held::Start, sides, &self.weights, tolerance, iterate) {
             return false;
@@ -309,7 +308,6 @@ impl<T: Float> Response<T> {
                 self.rhs[(c * count + k) * stride..][..stride].fill(u[c]);
             }
         }
-        x.copy_from_slice(&self.rhs);
         let sides = (self.rhs.as_slice(), x.as_mut_slice());
         let solved = (self.linear).solve(Held::End, sides, &self.weights, tolerance, iterate);
         self.back = x;

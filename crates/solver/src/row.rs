@@ -46,6 +46,20 @@ macro_rules! by_lanes {
 }
 pub(crate) use by_lanes;
 
+/// A task's `groups` for the number of lanes and groups that `s` stages of the float stand in, both of them literals: loops over groups are none.
+macro_rules! by_groups {
+    ($float:ty, $s:expr, $task:ident) => {
+        match $crate::row::stride_for::<$float>($s) {
+            s if const { <$float as Float>::WIDTH == 1 } => $task.groups::<1>(s),
+            4 => $task.groups::<4>(1),
+            8 => $task.groups::<8>(1),
+            16 => $task.groups::<8>(2),
+            stride => $task.groups::<8>(stride / 8),
+        }
+    };
+}
+pub(crate) use by_groups;
+
 /// Whole rows.
 #[inline(always)]
 pub(crate) fn rows<T, const G: usize, const N: usize>(x: &[T]) -> &[Row<T, G, N>] {

@@ -118,7 +118,7 @@ pub(crate) struct Iterate<T: Float> {
     k_has_moved: bool,
     /// h b_i.
     pub(crate) hb: Aligned<T>,
-    h: T,
+    pub(crate) h: T,
     /// L of the last sweep.
     pub(crate) l: Aligned<T>,
     /// L of the step before.

@@ -144,13 +144,23 @@ pub(crate) fn of<T: Float>(
     let mut k = vec![T::int(0); s * stride];
     gauss.skew_columns_into(&vec![T::int(0); s - 1], stride, &mut k);
     let mut twice = places.zeros(stride * stride);
-    set.run(&mut Product {
-        k: &k,
-        b: gauss.weights(),
-        stride,
-        twice: &mut twice,
-    });
+    add_product(set, &k, gauss, &mut twice);
     twice
+}
+
+/// K B K of any K, which stands column by column, added to `twice`.
+pub(crate) fn add_product<T: Float>(
+    set: InstructionSet,
+    k: &[T],
+    gauss: &Gauss<T>,
+    twice: &mut [T],
+) {
+    set.run(&mut Product {
+        k,
+        b: gauss.weights(),
+        stride: stride_for::<T>(gauss.stages()),
+        twice,
+    });
 }
 
 struct Product<'a, T> {
