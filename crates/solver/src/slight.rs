@@ -11,10 +11,10 @@
 //!
 //! So r is measured, after one sweep with the α's moved: if the end point is [`FAR`] times as far off as the defect was
 //! large, everything is put back, and the step goes on as if nothing had been tried. r is remembered: while r D is above [`FAR`] nothing is
-//! tried, and r forgotten by degrees. Where sweeps contract badly one of them does not show how far the end point moves, and nothing is
+//! tried, and r forgotten by degrees; D is 1 at least, so while r alone is above it D is not asked for. Where sweeps contract badly one of them does not show how far the end point moves, and nothing is
 //! tried either.
 //!
-//! Cost: where nothing is tried that of the slopes; else a product K L, one sweep, and those that settle the stages.
+//! Cost: where nothing is tried at most that of the slopes; else a product K L, one sweep, and those that settle the stages.
 
 use crate::ahead::Once;
 use crate::moves::Moves;
@@ -32,7 +32,7 @@ const SLIGHT: i64 = 8;
 const FAR: i64 = 16;
 /// Contraction, as 1 over this, above which one sweep does not show the displacement: at 1/5 it shows a tenth of it.
 const CONTRACTS: i64 = 20;
-/// α's larger than 1 over this are not for slight defects.
+/// α's larger than 1 over this are not for slight defects, nor is anything tried in the next 7 steps.
 const SMALL: i64 = 128;
 /// r before it has been measured, and the most that is remembered.
 const REACH: i64 = 4;
@@ -85,9 +85,15 @@ impl<T: Float> Sweeps<T> {
         if self.response.is_none() || floors > T::int(SLIGHT) || !contracts {
             return None;
         }
+        // D is no less than 1: there is no need of slopes to know it.
+        if self.slight.reach > T::int(FAR) {
+            self.slight.reach *= T::ratio(4, 5);
+            return None;
+        }
         let taken = self.slopes.take(&self.iterate, task.h);
         let needed = (g / self.slopes.slope()).abs();
         if !taken || !(needed <= T::ratio(1, SMALL)) {
+            self.slight.reach = T::int(4 * FAR);
             return None;
         }
         let bound = self.slopes.displacement();
