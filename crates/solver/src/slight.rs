@@ -32,7 +32,7 @@ const SLIGHT: i64 = 8;
 const FAR: i64 = 16;
 /// Contraction, as 1 over this, above which one sweep does not show the displacement: at 1/5 it shows a tenth of it.
 const CONTRACTS: i64 = 20;
-/// α's larger than 1 over this are not for slight defects, nor is anything tried in the next 7 steps.
+/// α's larger than 1 over this are not for slight defects.
 const SMALL: i64 = 128;
 /// r before it has been measured, and the most that is remembered.
 const REACH: i64 = 4;
@@ -93,6 +93,7 @@ impl<T: Float> Sweeps<T> {
         let taken = self.slopes.take(&self.iterate, task.h);
         let needed = (g / self.slopes.slope()).abs();
         if !taken || !(needed <= T::ratio(1, SMALL)) {
+            // Forgotten after 7 slight defects.
             self.slight.reach = T::int(4 * FAR);
             return None;
         }

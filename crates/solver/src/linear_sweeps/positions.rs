@@ -223,3 +223,70 @@ fn folded<T: Float, const N: usize>(lanes: &[T; N]) -> T {
     let [a, b] = two.numbers();
     a + b
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ahead::Once;
+    use crate::outcome::Counts;
+    use crate::state::State;
+    use equip_autodiff::{Evaluate, Hamiltonian, System};
+    use equip_scalar::DoubleDouble;
+
+    /// The sums, and X where it is made, of the whole system and of its positions alone, in doubles and wider.
+    #[test]
+    fn momenta_put_in_change_nothing() {
+        alone_and_together::<f64>(1e-14, 1e-13);
+        alone_and_together::<DoubleDouble>(1e-28, 1e-26);
+    }
+
+    fn alone_and_together<T: Float>(tolerance: f64, most: f64) {
+        let energy = Hamiltonian::new(2, |q, p| {
+            let r = (q[0] * q[0] + 2.0 * q[1] * q[1]).sqrt();
+            0.5 * (p[0] * p[0] + 0.25 * p[1] * p[1]) + p[1] - 1.0 / r
+        });
+        let energy = energy.unwrap();
+        let pattern = &energy.structure().hessian;
+        let mut evaluator = energy.evaluator::<T>();
+        let numbers = |x: [i64; 2]| x.map(|x| T::ratio(x, 10));
+        let y = State::new(&numbers([10, 3]), &numbers([-2, 9]));
+        for s in [2, 3, 4, 8, 11, 16, 20] {
+            let (h, gauss) = (T::ratio(4, 10), Gauss::<T>::new(s).unwrap());
+            let alphas = vec![T::int(0); s - 1];
+            let mut iterate = Iterate::new(&gauss, 4, evaluator.kinetic(), &alphas);
+            iterate.begin(&gauss, (&y, h));
+            for _ in 0..30 {
+                iterate.sweep(&mut evaluator, &y, false, &mut Once);
+            }
+            let whole = Iterate::new(&gauss, 4, None, &alphas);
+            let (sides, stride) = (3, iterate.stride);
+            let mut r = vec![T::int(0); 4 * sides * stride];
+            for (k, row) in r.chunks_exact_mut(stride).enumerate() {
+                for (i, x) in row.iter_mut().enumerate().take(s) {
+                    *x = T::ratio(((7 * k + i * i) % 11) as i64 - 5, 3);
+                }
+            }
+            let mut both = [&whole, &iterate].map(|of| {
+                let mut linear = LinearSweeps::new(&gauss, of, pattern.clone(), sides);
+                assert!(linear.take(&iterate, &mut evaluator, true, &mut Counts::default()));
+                linear
+            });
+            assert!(both[0].positions.is_none() && both[1].positions.is_some());
+            for held in [Held::Start, Held::End] {
+                let [together, alone] = both.each_mut().map(|linear| {
+                    let mut x = vec![T::int(0); r.len()];
+                    let tolerance = T::exact(tolerance);
+                    let weights = vec![T::int(1); 4];
+                    assert!(linear.solve(held, (&r, &mut x), &weights, tolerance, &iterate));
+                    x.truncate(2 * sides * stride);
+                    [linear.sums.clone(), x].concat()
+                });
+                assert_eq!(together.len(), alone.len());
+                for (a, b) in together.into_iter().zip(alone) {
+                    let off = (a - b).abs().to_f64();
+                    assert!(off <= most, "s = {s}, {held:?}: {off:e}");
+                }
+            }
+        }
+    }
+}
