@@ -44,6 +44,7 @@ mod op;
 mod order;
 mod peephole;
 mod point;
+mod ready;
 mod recorded;
 mod recorder;
 mod replay;
@@ -75,6 +76,8 @@ pub use trace::{Trace, Var};
 pub use equip_scalar as scalar;
 #[doc(hidden)]
 pub use fused::{Fused, Slopes};
+#[doc(hidden)]
+pub use system::Holds;
 
 /// Compiles the snippets of the page on constants.
 #[cfg(doctest)]

@@ -10,6 +10,9 @@ use crate::many::Many;
 use crate::order::Blocks;
 use crate::peephole::peephole;
 use crate::point::{check_batch, require_separable};
+use crate::ready::ready;
+use crate::recorder::Recorder;
+use crate::system::Holds;
 use crate::tangent::Tangent;
 use crate::tape::Tape;
 use crate::trace::record;
@@ -52,7 +55,12 @@ impl Recorded {
         m: usize,
         energy: impl FnOnce(&[Var], &[Var]) -> Var,
     ) -> Result<Self, BuildError> {
-        let (mut recorder, root) = record(m, energy)?;
+        let (recorder, root) = record(m, energy)?;
+        Recorded::of(m, recorder, root)
+    }
+
+    /// Compiled once, and not for every closure.
+    fn of(m: usize, mut recorder: Recorder, root: u32) -> Result<Self, BuildError> {
         let graph = Graph::new(&recorder, &[root]);
         let structure = Structure {
             degrees_of_freedom: m,
@@ -119,20 +127,7 @@ impl System for Recorded {
     }
 
     fn evaluator<T: Float>(&self) -> RecordedEvaluator<T> {
-        let shared = Arc::clone(&self.shared);
-        let (compiled, set) = (&shared.compiled, InstructionSet::best());
-        let forces = shared.forces.as_ref();
-        RecordedEvaluator {
-            set,
-            energy: Replay::new(&shared.energy),
-            energy_as_code: Runs::new::<T>(&compiled.energy),
-            gradient: Replay::new(&shared.gradient),
-            single: Replay::tangents(&shared.gradient),
-            several: Replay::tangents(&shared.gradient),
-            gradients: Many::new(&compiled.gradient, set, &shared.gradients),
-            forces: forces.map(|tape| Many::new(&compiled.forces, set, tape)),
-            shared,
-        }
+        (ready::<T>().evaluator)(self)
     }
 }
 
@@ -152,6 +147,23 @@ pub struct RecordedEvaluator<T: Float> {
 }
 
 impl<T: Float> RecordedEvaluator<T> {
+    pub(crate) fn new(of: &Recorded) -> Self {
+        let shared = Arc::clone(&of.shared);
+        let (compiled, set) = (&shared.compiled, InstructionSet::best());
+        let forces = shared.forces.as_ref();
+        RecordedEvaluator {
+            set,
+            energy: Replay::new(&shared.energy),
+            energy_as_code: Runs::new::<T>(&compiled.energy),
+            gradient: Replay::new(&shared.gradient),
+            single: Replay::tangents(&shared.gradient),
+            several: Replay::tangents(&shared.gradient),
+            gradients: Many::new(&compiled.gradient, set, &shared.gradients),
+            forces: forces.map(|tape| Many::new(&compiled.forces, set, tape)),
+            shared,
+        }
+    }
+
     fn check(&self, lengths: &[usize]) {
         let n = 2 * self.shared.structure.degrees_of_freedom;
         assert!(
@@ -159,10 +171,8 @@ impl<T: Float> RecordedEvaluator<T> {
             "a state of this system has {n} components"
         );
     }
-}
 
-impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
-    fn value(&mut self, y: &[T]) -> T {
+    pub(crate) fn value_at(&mut self, y: &[T]) -> T {
         self.check(&[y.len()]);
         let mut value = [T::int(0)];
         let batch = Batch::one(y, &mut value);
@@ -173,27 +183,17 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         self.energy.run(tape, |k| y[k])[0]
     }
 
-    fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T {
-        self.gradients(y, gradient, y.len());
-        self.value(y)
-    }
-
-    fn compensated_value(&mut self, y: &[T]) -> T {
+    pub(crate) fn compensated_value_at(&mut self, y: &[T]) -> T {
         self.check(&[y.len()]);
         let tape = &self.shared.energy;
         if tape.has_long_sums {
             self.energy.run_compensated(self.set, tape, |k| y[k])[0]
         } else {
-            self.value(y)
+            self.value_at(y)
         }
     }
 
-    fn gradient_with_compensated_value(&mut self, y: &[T], gradient: &mut [T]) -> T {
-        self.gradients(y, gradient, y.len());
-        self.compensated_value(y)
-    }
-
-    fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
+    pub(crate) fn gradients_at(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         self.check(&[n]);
         let tape = &self.shared.gradient;
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
@@ -204,7 +204,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         }
     }
 
-    fn gradients_by_component(
+    pub(crate) fn gradients_of(
         &mut self,
         states: &[T],
         gradients: &mut [T],
@@ -222,7 +222,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         self.gradients.run(self.set, &self.shared.gradients, batch);
     }
 
-    fn forces_by_component(
+    pub(crate) fn forces_of(
         &mut self,
         positions: &[T],
         gradients: &mut [T],
@@ -246,32 +246,12 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         }
     }
 
-    #[inline]
-    fn fuse_gradients<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
-        let n = 2 * self.shared.structure.degrees_of_freedom;
-        let stride = F::GROUPS * N;
-        let slopes = self.gradients.called(self.set, stride)?;
-        fuse!(self.set, n, slopes, task, [2 4])
-    }
-
-    #[inline]
-    fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
-        let m = self.shared.structure.degrees_of_freedom;
-        let stride = F::GROUPS * N;
-        let slopes = self.forces.as_mut()?.called(self.set, stride)?;
-        fuse!(self.set, m, slopes, task, [1 2 3 4])
-    }
-
-    fn kinetic(&mut self) -> Option<Kinetic<T>> {
+    pub(crate) fn kinetic_energy(&mut self) -> Option<Kinetic<T>> {
         let shared = Arc::clone(&self.shared);
         Kinetic::new(&shared.structure, self)
     }
 
-    fn set_instruction_set(&mut self, set: InstructionSet) {
-        self.set = set;
-    }
-
-    fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
+    pub(crate) fn hessian_times(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.check(&[y.len(), v.len(), product.len()]);
         let tape = &self.shared.gradient;
         let rows = self.single.run(tape, |k| Tangent {
@@ -283,7 +263,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         }
     }
 
-    fn hessian(&mut self, y: &[T], entries: &mut [T]) {
+    pub(crate) fn hessian_at(&mut self, y: &[T], entries: &mut [T]) {
         self.check(&[y.len()]);
         let Shared {
             gradient: tape,
@@ -311,5 +291,88 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
                 entries[pickup.entry as usize] = row.rates[pickup.direction as usize];
             }
         }
+    }
+}
+
+/// Compiled with this crate ([`crate::ready`]), all but what is woven into sweeps.
+impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
+    const IS_RECORDED: bool = true;
+
+    fn recorded<'a, H: Holds<'a>>(held: H::With<Self>) -> H::With<Self> {
+        held
+    }
+
+    fn value(&mut self, y: &[T]) -> T {
+        (ready::<T>().value)(self, y)
+    }
+
+    fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T {
+        self.gradients(y, gradient, y.len());
+        self.value(y)
+    }
+
+    fn compensated_value(&mut self, y: &[T]) -> T {
+        (ready::<T>().compensated_value)(self, y)
+    }
+
+    fn gradient_with_compensated_value(&mut self, y: &[T], gradient: &mut [T]) -> T {
+        self.gradients(y, gradient, y.len());
+        self.compensated_value(y)
+    }
+
+    fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
+        (ready::<T>().gradients)(self, states, gradients, n);
+    }
+
+    fn gradients_by_component(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        (ready::<T>().gradients_by_component)(self, states, gradients, stride, count);
+    }
+
+    fn forces_by_component(
+        &mut self,
+        positions: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        (ready::<T>().forces_by_component)(self, positions, gradients, stride, count);
+    }
+
+    #[inline]
+    fn fuse_gradients<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
+        let n = 2 * self.shared.structure.degrees_of_freedom;
+        let stride = F::GROUPS * N;
+        let slopes = self.gradients.called(self.set, stride)?;
+        fuse!(self.set, n, slopes, task, [2 4])
+    }
+
+    #[inline]
+    fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
+        let m = self.shared.structure.degrees_of_freedom;
+        let stride = F::GROUPS * N;
+        let slopes = self.forces.as_mut()?.called(self.set, stride)?;
+        fuse!(self.set, m, slopes, task, [1 2 3 4])
+    }
+
+    fn kinetic(&mut self) -> Option<Kinetic<T>> {
+        (ready::<T>().kinetic)(self)
+    }
+
+    fn set_instruction_set(&mut self, set: InstructionSet) {
+        self.set = set;
+    }
+
+    fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
+        (ready::<T>().hessian_vector)(self, y, v, product);
+    }
+
+    fn hessian(&mut self, y: &[T], entries: &mut [T]) {
+        (ready::<T>().hessian)(self, y, entries);
     }
 }

@@ -1,6 +1,6 @@
 //! What an integrator asks of an energy.
 
-use crate::{Fused, Kinetic, Structure};
+use crate::{Fused, Kinetic, RecordedEvaluator, Structure};
 use equip_scalar::{Float, InstructionSet};
 
 /// A scalar energy with everything derived from it, in any float type.
@@ -37,6 +37,21 @@ impl<H: System> System for &H {
 ///
 /// Slices of another length are a programming error and panic.
 pub trait Evaluate<T: Float> {
+    /// Whether this is a [`RecordedEvaluator`], as [`recorded`](Self::recorded) takes for granted: a constant, so that code for the one or the other
+    /// need not be compiled.
+    #[doc(hidden)]
+    const IS_RECORDED: bool = false;
+
+    /// What holds an evaluator of this type, known to hold one of a recording: how generic code reaches what is compiled for recordings once.
+    #[doc(hidden)]
+    fn recorded<'a, H: Holds<'a>>(held: H::With<Self>) -> H::With<RecordedEvaluator<T>>
+    where
+        Self: Sized + 'a,
+    {
+        drop(held);
+        unreachable!("only evaluators of recordings are asked")
+    }
+
     /// H(y).
     fn value(&mut self, y: &[T]) -> T;
 
@@ -114,4 +129,11 @@ pub trait Evaluate<T: Float> {
 
     /// The entries of ∇²H(y) in the order of the pattern `structure().hessian`.
     fn hessian(&mut self, y: &[T], entries: &mut [T]);
+}
+
+/// Something with an evaluator in it, whatever its type.
+#[doc(hidden)]
+pub trait Holds<'a> {
+    /// It, with an evaluator of type `E`.
+    type With<E: 'a>;
 }

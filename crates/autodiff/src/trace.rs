@@ -50,23 +50,31 @@ pub(crate) fn record(
     m: usize,
     energy: impl FnOnce(&[Var], &[Var]) -> Var,
 ) -> Result<(Recorder, u32), BuildError> {
+    let (id, y) = begin(m)?;
+    let guard = Guard;
+    let Num(result) = energy(&y[..m], &y[m..]);
+    std::mem::forget(guard);
+    end(id, result)
+}
+
+fn begin(m: usize) -> Result<(u32, Vec<Var>), BuildError> {
     static LAST: AtomicU32 = AtomicU32::new(NOWHERE);
     if m == 0 {
         return Err(BuildError::NoDegreesOfFreedom);
     }
     let id = LAST.fetch_add(1, Ordering::Relaxed).wrapping_add(1).max(1);
-    let y: Vec<Var> = (0..2 * m as u32)
-        .map(|node| {
-            Num(Trace {
-                recording: id,
-                node,
-            })
-        })
-        .collect();
+    let variable = |node| Trace {
+        recording: id,
+        node,
+    };
     RECORDERS.with_borrow_mut(|stack| stack.push(Recorder::new(id, 2 * m)));
-    let guard = Guard;
-    let Num(result) = energy(&y[..m], &y[m..]);
-    std::mem::forget(guard);
+    Ok((
+        id,
+        (0..2 * m as u32).map(|node| Num(variable(node))).collect(),
+    ))
+}
+
+fn end(id: u32, result: Trace) -> Result<(Recorder, u32), BuildError> {
     let recorder = RECORDERS
         .with_borrow_mut(Vec::pop)
         .ok_or(BuildError::ForeignVariable)?;

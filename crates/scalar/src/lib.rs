@@ -30,6 +30,7 @@ mod lanes;
 mod num;
 mod pack;
 mod piecewise;
+mod ready;
 mod recording;
 mod scalar;
 mod stages;
@@ -43,6 +44,8 @@ pub use lanes::Lanes;
 pub use num::Num;
 pub use pack::Pack;
 pub use piecewise::Piecewise;
+#[doc(hidden)]
+pub use ready::same;
 pub use recording::{Attempt, Recording};
 pub use scalar::Scalar;
 pub use stages::mix_stages;

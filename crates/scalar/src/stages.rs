@@ -45,14 +45,22 @@ pub fn mix_stages<T: Float>(
     }
     if let (Some(k), Some(l), Some(z)) = (T::as_doubles(k), T::as_doubles(l), T::as_doubles_mut(z))
     {
-        set.run(&mut Mix {
-            k,
-            l,
-            z,
-            stages,
-            stride,
-        });
+        of_doubles(
+            set,
+            Mix {
+                k,
+                l,
+                z,
+                stages,
+                stride,
+            },
+        );
     }
+}
+
+/// Compiled with this crate.
+fn of_doubles(set: InstructionSet, mut task: Mix) {
+    set.run(&mut task);
 }
 
 /// One component after the other, in floats that are not `f64`.

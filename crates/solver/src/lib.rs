@@ -62,6 +62,7 @@ mod outcome;
 mod pairs;
 mod product;
 mod prolongation;
+mod ready;
 mod response;
 mod reversible;
 mod reversible_stepper;

@@ -20,6 +20,7 @@ use crate::hessians;
 use crate::linear_sweeps::{Held, LinearSweeps};
 use crate::one_more::OneMore;
 use crate::outcome::Counts;
+use crate::ready::ready;
 use crate::springs::Springs;
 use crate::stages::raise_to_least;
 use crate::state::State;
@@ -185,12 +186,13 @@ impl<T: Float> Response<T> {
         if wanted < self.linear.accuracy() && !self.linear.take(iterate, energy, true, counts) {
             return false;
         }
+        let ready = ready::<T>();
         let tolerance = wanted.clamp(T::int(16) * T::EPSILON, T::ratio(1, 100));
-        if !self.solve_forward(iterate, tolerance) {
+        if !(ready.solve_forward)(self, iterate, tolerance) {
             return false;
         }
         counts.alpha_solves += 2 * self.free as u64;
-        if !self.solve_back(iterate, tolerance) {
+        if !(ready.solve_back)(self, iterate, tolerance) {
             return false;
         }
         for (u, back) in self.ends.iter().zip(&self.starts) {
@@ -276,7 +278,7 @@ impl<T: Float> Response<T> {
     }
 
     /// X_k and u_k.
-    fn solve_forward(&mut self, iterate: &Iterate<T>, tolerance: T) -> bool {
+    pub(crate) fn solve_forward(&mut self, iterate: &Iterate<T>, tolerance: T) -> bool {
         let (free, stride, n) = (self.free, self.stride, self.n);
         let len = n * free * stride;
         for (k, t) in self.t_columns.iter().enumerate() {
@@ -299,7 +301,7 @@ impl<T: Float> Response<T> {
     }
 
     /// u'_k, e'. X of the forward solution stays.
-    fn solve_back(&mut self, iterate: &Iterate<T>, tolerance: T) -> bool {
+    pub(crate) fn solve_back(&mut self, iterate: &Iterate<T>, tolerance: T) -> bool {
         let (count, stride, n) = (self.free + 1, self.stride, self.n);
         let mut x = std::mem::take(&mut self.back);
         for c in 0..n {
@@ -361,7 +363,7 @@ impl<T: Float> Finer<T> {
         if let Some(own) = &mut self.iterate.springs {
             own.is_active = false;
         }
-        self.iterate.begin(&self.method.gauss, (y, h));
+        (ready::<T>().begin_from_nothing)(&mut self.iterate, &self.method.gauss, (y, h));
         self.iterate.displace(y, |c, z| {
             let l = &coarse.l[c * stride..][..s];
             for (z, row) in z[..own].iter_mut().zip(rows.chunks_exact(s)) {

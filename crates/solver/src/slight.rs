@@ -19,6 +19,7 @@
 use crate::ahead::Once;
 use crate::moves::Moves;
 use crate::outcome::Counts;
+use crate::ready::ready;
 use crate::state::State;
 use crate::sweep_task::{Rule, SweepTask};
 use crate::sweeps::Sweeps;
@@ -90,7 +91,8 @@ impl<T: Float> Sweeps<T> {
             self.slight.reach *= T::ratio(4, 5);
             return None;
         }
-        let taken = self.slopes.take(&self.iterate, task.h);
+        let ready = ready::<T>();
+        let taken = (ready.slopes)(&mut self.slopes, &self.iterate, task.h);
         let needed = (g / self.slopes.slope()).abs();
         if !taken || !(needed <= T::ratio(1, SMALL)) {
             // Forgotten after 7 slight defects.
@@ -105,11 +107,11 @@ impl<T: Float> Sweeps<T> {
         self.keep(next);
         alphas.by_response = false;
         let (mut change, mut moved) = (T::INFINITY, T::INFINITY);
-        if self.move_alphas((g, noise), alphas, task) {
+        if (ready.move_alphas)(self, (g, noise), alphas, task) {
             change = self.iterate.sweep(energy, task.y, false, &mut Once);
             counts.sweeps += 1;
             counts.gradients += self.iterate.s as u64;
-            self.iterate.end_point(task.y, next);
+            (ready.end_point)(&self.iterate, task.y, next);
             moved = self.displaced(next) / (T::EPSILON * floors);
         }
         self.slight.reach = (moved / bound).min(T::int(MOST_REACH));
@@ -119,7 +121,7 @@ impl<T: Float> Sweeps<T> {
         self.alphas.copy_from_slice(task.alphas);
         self.iterate.set_alphas(&self.alphas);
         self.put_back();
-        self.iterate.end_point(task.y, next);
+        (ready.end_point)(&self.iterate, task.y, next);
         *alphas = Moves::new(Rule::Response);
         None
     }

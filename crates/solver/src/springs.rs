@@ -220,6 +220,9 @@ impl<T: Float> Springs<T> {
         (hb, gradients): (&[T], &mut [T]),
         s: usize,
     ) {
+        if const { !T::IS_DOUBLE } {
+            return;
+        }
         set.run(&mut Foresee {
             springs: &self.springs,
             matrices: &self.matrices,
@@ -241,6 +244,9 @@ impl<T: Float> Springs<T> {
         (sides, s): (usize, usize),
         reversed: bool,
     ) {
+        if const { !T::IS_DOUBLE } {
+            return;
+        }
         set.run(&mut ForeseeSides {
             springs: &self.springs,
             matrices: &self.matrices,

@@ -9,6 +9,7 @@ use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
 use crate::one_more::OneMore;
 use crate::options::{OnNoAlpha, Settings, StageSolver};
 use crate::outcome::{Counts, Outcome};
+use crate::ready::ready;
 use crate::stages::Stages;
 use crate::state::State;
 use crate::step_swept::{KnownGradient, Pause, Then, can_sweep, rule};
@@ -82,7 +83,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let alphas = (rule, &structure.hessian, is_alone);
         let sweeps = can_sweep(&settings, s, constraints.len()).then(|| {
             let methods = (&gauss, finer.as_ref());
-            Sweeps::new(methods, n, energy.kinetic(), &start_alphas, alphas)
+            (ready::<T>().sweeps)(methods, n, energy.kinetic(), &start_alphas, alphas)
         });
         Core {
             sweeps,
@@ -90,7 +91,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             pause: Pause::NONE,
             halved: vec![Pause::NONE; settings.max_halvings as usize],
             energy,
-            newton: Newton::new(
+            newton: (ready::<T>().newton)(
                 s,
                 finer.as_ref(),
                 structure,
@@ -131,12 +132,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// One step of size `h` from `y` at time `t` into `next`. `y` is not changed, whatever happens.
-    pub(crate) fn step(
+    /// [`step`](Self::step), where it is compiled.
+    pub(crate) fn make(
         &mut self,
-        y: &State<T>,
-        t: T,
-        h: T,
+        (y, t, h): (&State<T>, T, T),
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
         self.parts.clear();

@@ -5,6 +5,7 @@ use crate::constraint::MANY;
 use crate::error::IntegrateError;
 use crate::newton::nearly_met;
 use crate::options::{Settings, StageSolver};
+use crate::ready::ready;
 use crate::springs::Springs;
 use crate::state::State;
 use crate::step::Core;
@@ -96,8 +97,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// The run is made of steps of size `h` and begins at `y`.
-    pub(crate) fn find_springs(&mut self, structure: &Structure, (y, h): (&[T], T)) {
+    pub(crate) fn look_for_springs(&mut self, structure: &Structure, (y, h): (&[T], T)) {
         let gauss = &self.stages.gauss;
         if let Some(sweeps) = &mut self.sweeps
             && T::IS_DOUBLE
@@ -229,7 +229,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 }
                 self.counts.taken_over += 1;
                 if trouble == Trouble::StagesOnly {
-                    sweeps.iterate.give_z(y, &mut self.stages.z);
+                    (ready::<T>().give_z)(&mut sweeps.iterate, y, &mut self.stages.z);
                     self.guess.is_made();
                 }
             }
@@ -272,7 +272,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// The same of Z, of a step from `y`, in the stages only.
     pub(crate) fn fetch_z(&mut self, y: &State<T>) {
         if let (Some(sweeps), true) = (&mut self.sweeps, self.guess.is_swept()) {
-            sweeps.iterate.give_z(y, &mut self.stages.z);
+            (ready::<T>().give_z)(&mut sweeps.iterate, y, &mut self.stages.z);
         }
     }
 }

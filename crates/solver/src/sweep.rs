@@ -34,6 +34,7 @@ use crate::draft::Draft;
 use crate::half::Half;
 use crate::mix::Step;
 use crate::pairs::{HALF, has_pairs};
+use crate::ready::ready;
 use crate::row::stride_for;
 use crate::small::{OneGroup, TwoGroups};
 use crate::springs::Springs;
@@ -274,6 +275,7 @@ impl<T: Float> Iterate<T> {
         self.has_momenta = measures;
         let drafts = self.is_draft;
         self.is_of_l = true;
+        let ready = ready::<T>();
         let fused = if T::IS_DOUBLE {
             match self.stride {
                 _ if springs => None,
@@ -288,8 +290,8 @@ impl<T: Float> Iterate<T> {
         let change = fused.unwrap_or_else(|| {
             loop {
                 self.evaluate(energy);
-                self.foresee(y, unknown);
-                let change = self.mix(y);
+                (ready.foresee)(self, y, unknown);
+                let change = (ready.mix)(self, y);
                 let leaps = springs && change > T::ratio(1, FAR);
                 if !drafts || leaps || !again.again(change) {
                     return change;
@@ -297,7 +299,7 @@ impl<T: Float> Iterate<T> {
             }
         });
         if measures {
-            self.measure(y, 0..self.n);
+            (ready.measure)(self, y, 0..self.n);
             self.was_far = false;
         }
         self.was_remeasured = measures && (unknown || springs || self.twice.is_none());
@@ -344,7 +346,7 @@ impl<T: Float> Iterate<T> {
     }
 
     /// L from the gradients, Z ← K L, and the stages; P and L_q on the way, where momenta are not unknowns.
-    fn mix(&mut self, y: &State<T>) -> T {
+    pub(crate) fn mix(&mut self, y: &State<T>) -> T {
         let set = self.set;
         let form = form!(self, y, &self.inverse_scale);
         if T::IS_DOUBLE_DOUBLE {

@@ -30,6 +30,7 @@ use crate::newton::ENERGY_STAGNATED;
 use crate::one_more::OneMore;
 use crate::outcome::Counts;
 use crate::prolongation::Prolongation;
+use crate::ready::ready;
 use crate::response::Response;
 use crate::slight::Slight;
 use crate::slopes::Slopes;
@@ -159,7 +160,8 @@ impl<T: Float> Sweeps<T> {
         (next, task): (&mut State<T>, &SweepTask<'_, T>),
         counts: &mut Counts,
     ) -> Result<(), Trouble> {
-        self.begin(gauss, task);
+        let ready = ready::<T>();
+        (ready.begin)(self, gauss, task);
         let mut prolonged = task.last.is_some();
         let (zero, one, eps) = (T::int(0), T::int(1), T::EPSILON);
         let mut last_out = T::INFINITY;
@@ -190,7 +192,7 @@ impl<T: Float> Sweeps<T> {
                 if !alone || !std::mem::take(&mut prolonged) {
                     return Err(Trouble::Slow);
                 }
-                self.iterate.begin(gauss, (task.y, task.h));
+                (ready.begin_from_nothing)(&mut self.iterate, gauss, (task.y, task.h));
                 self.contraction.begin_from_nothing();
                 if let Some(springs) = &mut self.iterate.springs {
                     springs.was_misled();
@@ -207,7 +209,7 @@ impl<T: Float> Sweeps<T> {
             }
             let Some(constraint) = constraint.as_deref_mut() else {
                 if settled {
-                    self.iterate.end_point(task.y, next);
+                    (ready.end_point)(&self.iterate, task.y, next);
                     return Ok(());
                 }
                 continue;
@@ -226,7 +228,7 @@ impl<T: Float> Sweeps<T> {
             if !settled && (!early || self.scale == zero) {
                 continue;
             }
-            self.iterate.end_point(task.y, next);
+            (ready.end_point)(&self.iterate, task.y, next);
             let gradient = settled || alphas.moves == 0 || task.rule != Rule::Slopes;
             if !self.look(energy, constraint, (next, gradient), counts) {
                 return Err(Trouble::Slow);
@@ -306,7 +308,7 @@ impl<T: Float> Sweeps<T> {
                     if let Some(known) = task.known {
                         constraint.start_gradient.copy_from_slice(known);
                     }
-                    self.iterate.keep_momenta(task.y);
+                    (ready.keep_momenta)(&mut self.iterate, task.y);
                     let step = (task.y, task.h);
                     if !response.take(&self.iterate, energy, step, constraint, counts) {
                         return Err(Trouble::StagesOnly);
@@ -321,7 +323,7 @@ impl<T: Float> Sweeps<T> {
                     }
                 }
                 let noise = uncertain + constraint.floor;
-                if !self.move_alphas((g, noise), &mut alphas, task) {
+                if !(ready.move_alphas)(self, (g, noise), &mut alphas, task) {
                     if alone && settled && at_floor {
                         // No α is worth this.
                         self.alphas.copy_from_slice(task.alphas);
@@ -385,7 +387,7 @@ impl<T: Float> Sweeps<T> {
         exact && error <= T::int(THERE) * eps && T::int(CLEAR) * error * self.scale <= g
     }
 
-    fn begin(&mut self, gauss: &Gauss<T>, task: &SweepTask<'_, T>) {
+    pub(crate) fn begin(&mut self, gauss: &Gauss<T>, task: &SweepTask<'_, T>) {
         self.alphas.copy_from_slice(task.alphas);
         self.made = 0;
         self.contraction.begin(self.iterate.has_springs());

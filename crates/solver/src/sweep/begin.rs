@@ -103,7 +103,7 @@ impl<T: Float> Iterate<T> {
     }
 
     /// Measures components by their stages.
-    pub(super) fn measure(&mut self, y: &State<T>, components: Range<usize>) {
+    pub(crate) fn measure(&mut self, y: &State<T>, components: Range<usize>) {
         let stride = self.stride;
         self.set.run(&mut Sizes {
             hi: &y.hi[components.clone()],

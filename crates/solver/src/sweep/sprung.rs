@@ -35,7 +35,7 @@ impl<T: Float> Iterate<T> {
     }
 
     /// Adds to the gradients on springs what they are about to change by: from Z = 0, or from Z as it was made by L.
-    pub(super) fn foresee(&mut self, y: &State<T>, from_nothing: bool) {
+    pub(crate) fn foresee(&mut self, y: &State<T>, from_nothing: bool) {
         if let (Some(springs), Some(kinetic)) = (active(&self.springs), &self.kinetic) {
             let from = if from_nothing {
                 From::Nothing(&y.hi, kinetic.offset())

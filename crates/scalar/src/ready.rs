@@ -1,0 +1,43 @@
+//! What is compiled once, with a crate, and not again in each that uses it.
+//!
+//! Generic code is compiled where it is used, and an integrator is much of it: its kernels for every set of instructions take a minute. So such code is
+//! called through a table of functions, generic in the float type, of which a crate makes one for doubles and one for double-doubles. Constants say which
+//! of them is meant, so that for these types nothing is compiled elsewhere.
+//!
+//! Cost: a call by an address.
+
+use std::any::Any;
+
+/// Makes the two of a table with a constant `HERE`, and `ready::<T>()`, which gives the one for a float type.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! ready {
+    ($table:ident) => {
+        static IN_DOUBLES: $table<f64> = $table::HERE;
+        static IN_DOUBLE_DOUBLES: $table<$crate::DoubleDouble> = $table::HERE;
+
+        /// The functions for this float type.
+        pub(crate) fn ready<T: $crate::Float>() -> &'static $table<T> {
+            if const { T::IS_DOUBLE } {
+                $crate::same(&IN_DOUBLES)
+            } else if const { T::IS_DOUBLE_DOUBLE } {
+                $crate::same(&IN_DOUBLE_DOUBLES)
+            } else {
+                const { &$table::HERE }
+            }
+        }
+    };
+}
+
+/// `x`, whose type has two names.
+///
+/// # Panics
+/// If they are two types.
+#[doc(hidden)]
+#[inline(always)]
+pub fn same<A: Any, B: Any>(x: &A) -> &B {
+    match (x as &dyn Any).downcast_ref() {
+        Some(x) => x,
+        None => panic!("the constants of a float type say which it is"),
+    }
+}
