@@ -7,7 +7,7 @@
 
 use crate::Energy;
 use crate::dual::Dual;
-use equip_scalar::{Constant, DoubleDouble, Float, Lanes, Num, Pack, Piecewise};
+use equip_scalar::{Constant, Float, Lanes, Num, Pack, Piecewise};
 
 /// Points in a group.
 const LANES: usize = 4;
@@ -63,16 +63,6 @@ impl<T: Float> Batch<'_, T> {
     /// The same, if the numbers are doubles.
     pub(crate) fn in_doubles(&mut self) -> Option<Batch<'_, f64>> {
         Batch::of_doubles(self.states, &mut *self.gradients, self.stride, self.count)
-    }
-
-    /// The same, if the numbers are double-doubles.
-    pub(crate) fn in_double_doubles(&mut self) -> Option<Batch<'_, DoubleDouble>> {
-        Some(Batch {
-            states: T::as_double_doubles(self.states)?,
-            gradients: T::as_double_doubles_mut(&mut *self.gradients)?,
-            stride: self.stride,
-            count: self.count,
-        })
     }
 }
 

@@ -8,8 +8,7 @@ use crate::batch::Batch;
 use crate::replay::forward;
 use crate::tape::{Tape, Transfer};
 use crate::values::Replay;
-use equip_scalar::{DoubleDouble, DoubleDoubles, Float, InstructionSet, Kernel, Lanes, Pack};
-use std::any::Any;
+use equip_scalar::{Float, InstructionSet, Kernel, Lanes, Pack};
 
 /// Slots of the longest tape that is replayed at 16 points at once: 64 KiB.
 const SHORT: usize = 512;
@@ -33,18 +32,14 @@ impl<T: Float> InLanes<T> {
     }
 
     pub(crate) fn run(&mut self, set: InstructionSet, tape: &Tape, batch: &mut Batch<T>) {
-        if T::IS_DOUBLE_DOUBLE {
-            let replay: &mut dyn Any = &mut self.eight;
-            if let (Some(replay), Some(mut batch)) =
-                (replay.downcast_mut(), batch.in_double_doubles())
-            {
-                double_doubles(set, tape, replay, &mut batch);
-            }
-        } else if let (16, Some(replay), Some(mut batch)) =
-            (batch.stride, &mut self.sixteen, batch.in_doubles())
-        {
-            sixteen_doubles(set, tape, replay, &mut batch);
-        } else if batch.stride <= 4 {
+        let sixteen = self.sixteen.as_mut().filter(|_| batch.stride == 16);
+        if let (Some(replay), Some(mut batch)) = (sixteen, batch.in_doubles()) {
+            set.run(&mut Group::<f64, 16> {
+                tape,
+                replay,
+                batch: &mut batch,
+            });
+        } else if const { T::IS_DOUBLE } && batch.stride <= 4 {
             let replay = &mut self.four;
             set.run(&mut Group::<T, 4> {
                 tape,
@@ -60,34 +55,6 @@ impl<T: Float> InLanes<T> {
             });
         }
     }
-}
-
-/// Compiled here once, and not in each crate that has energies.
-fn double_doubles(
-    set: InstructionSet,
-    tape: &Tape,
-    replay: &mut Replay<DoubleDoubles<8>>,
-    batch: &mut Batch<DoubleDouble>,
-) {
-    set.run(&mut Group::<DoubleDouble, 8> {
-        tape,
-        replay,
-        batch,
-    });
-}
-
-/// Compiled once, too.
-fn sixteen_doubles(
-    set: InstructionSet,
-    tape: &Tape,
-    replay: &mut Replay<Lanes<16>>,
-    batch: &mut Batch<f64>,
-) {
-    set.run(&mut Group::<f64, 16> {
-        tape,
-        replay,
-        batch,
-    });
 }
 
 /// A tape and the points to replay it at.

@@ -6,6 +6,7 @@ use equip_scalar::Float;
 
 /// The functions: those of [`Evaluate`](crate::Evaluate), by their names there.
 #[rustfmt::skip]
+#[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
     pub(crate) evaluator: fn(&Recorded) -> RecordedEvaluator<T>,
     pub(crate) value: fn(&mut RecordedEvaluator<T>, &[T]) -> T,

@@ -294,7 +294,7 @@ impl<T: Float> RecordedEvaluator<T> {
     }
 }
 
-/// Compiled with this crate ([`crate::ready`]), all but what is woven into sweeps.
+// All but what is woven into sweeps is compiled with this crate: `crate::ready`.
 impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     const IS_RECORDED: bool = true;
 

@@ -1,6 +1,6 @@
 //! [`Float`]: what the integrator computes in.
 
-use crate::{DoubleDouble, FirstOrder, Pack, Scalar, SecondOrder};
+use crate::{FirstOrder, Pack, Scalar, SecondOrder};
 use nalgebra::RealField;
 use std::fmt::{Display, LowerExp};
 
@@ -38,7 +38,7 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
 
     /// Whether this is `f64`, so that [`as_doubles`](Self::as_doubles) gives the numbers: where code for the one or the other need not be compiled.
     const IS_DOUBLE: bool = false;
-    /// Whether this is [`DoubleDouble`].
+    /// Whether this is [`DoubleDouble`](crate::DoubleDouble).
     const IS_DOUBLE_DOUBLE: bool = false;
     /// How many numbers are best worked on together: 8, or 1 where there are no vectors.
     const WIDTH: usize;
@@ -82,16 +82,6 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
     /// As [`as_doubles`](Self::as_doubles), to be written to.
     #[inline(always)]
     fn as_doubles_mut(_: &mut [Self]) -> Option<&mut [f64]> {
-        None
-    }
-    /// The slice as double-doubles, if this type is [`DoubleDouble`]: how generic code reaches what is compiled for them once.
-    #[inline(always)]
-    fn as_double_doubles(_: &[Self]) -> Option<&[DoubleDouble]> {
-        None
-    }
-    /// As [`as_double_doubles`](Self::as_double_doubles), to be written to.
-    #[inline(always)]
-    fn as_double_doubles_mut(_: &mut [Self]) -> Option<&mut [DoubleDouble]> {
         None
     }
     /// Whether the number is NaN.

@@ -18,7 +18,7 @@ use crate::product::{Mixes, Sixteen, product_any};
 use crate::row::{OnLines, Row, add, difference, literal, placed, rows, rows_mut, scaled};
 use crate::small::{Small, change, numbers, rows_of};
 use equip_autodiff::Slopes;
-use equip_scalar::{DoubleDouble, Float, Kernel};
+use equip_scalar::{Float, Kernel};
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -52,14 +52,6 @@ impl<'a, T: Float> Draft<'a, T> {
         Some(Draft {
             half: self.half.in_doubles()?,
             h: T::as_doubles(std::slice::from_ref(&self.h))?[0],
-        })
-    }
-
-    #[inline(always)]
-    pub(crate) fn in_double_doubles(self) -> Option<Draft<'a, DoubleDouble>> {
-        Some(Draft {
-            half: self.half.in_double_doubles()?,
-            h: T::as_double_doubles(std::slice::from_ref(&self.h))?[0],
         })
     }
 }

@@ -9,7 +9,7 @@ use crate::product::Mixes;
 use crate::row::{Row, difference, linear, literal, placed, rows, rows_mut, times};
 use crate::small::{Finish, Small, numbers, rows_of};
 use equip_autodiff::Slopes;
-use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
+use equip_scalar::{Float, Kernel, Lanes};
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -43,16 +43,6 @@ impl<'a, T: Float> Half<'a, T> {
             step: self.step.in_doubles()?,
             inverse_masses: T::as_doubles(self.inverse_masses)?,
             offset: T::as_doubles(self.offset)?,
-            keeps_momenta: self.keeps_momenta,
-        })
-    }
-
-    #[inline(always)]
-    pub(crate) fn in_double_doubles(self) -> Option<Half<'a, DoubleDouble>> {
-        Some(Half {
-            step: self.step.in_double_doubles()?,
-            inverse_masses: T::as_double_doubles(self.inverse_masses)?,
-            offset: T::as_double_doubles(self.offset)?,
             keeps_momenta: self.keeps_momenta,
         })
     }

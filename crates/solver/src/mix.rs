@@ -12,7 +12,7 @@ use crate::pairs::{HALF, has_pairs};
 use crate::product::{Columns, Mixes, Packed, Square, product_any};
 use crate::row::{difference, literal, placed, rows, rows_mut, stride_for};
 use crate::start::largest;
-use equip_scalar::{DoubleDouble, Float, Pack};
+use equip_scalar::{Float, Pack};
 use std::ops::Range;
 
 /// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands at `c·stride + i`.
@@ -109,36 +109,24 @@ pub(crate) trait Mix<'a, T: Float> {
 /// Components whose rows stay in the first-level cache from one loop to the next.
 const BLOCK: usize = 32;
 
-/// The same, if the floats are of this type.
-macro_rules! in_floats {
-    ($name:ident, $float:ty, $slice:ident, $slice_mut:ident) => {
-        #[inline(always)]
-        pub(crate) fn $name(self) -> Option<Step<'a, $float>> {
-            Some(Step {
-                k: T::$slice(self.k)?,
-                hb: T::$slice(self.hb)?,
-                hi: T::$slice(self.hi)?,
-                lo: T::$slice(self.lo)?,
-                inverse_scale: T::$slice(self.inverse_scale)?,
-                gradients: T::$slice_mut(self.gradients)?,
-                l: T::$slice_mut(self.l)?,
-                folded: T::$slice_mut(self.folded)?,
-                z: T::$slice_mut(self.z)?,
-                points: T::$slice_mut(self.points)?,
-                s: self.s,
-            })
-        }
-    };
-}
-
 impl<'a, T: Float> Step<'a, T> {
-    in_floats!(in_doubles, f64, as_doubles, as_doubles_mut);
-    in_floats!(
-        in_double_doubles,
-        DoubleDouble,
-        as_double_doubles,
-        as_double_doubles_mut
-    );
+    /// The same, if the floats are doubles.
+    #[inline(always)]
+    pub(crate) fn in_doubles(self) -> Option<Step<'a, f64>> {
+        Some(Step {
+            k: T::as_doubles(self.k)?,
+            hb: T::as_doubles(self.hb)?,
+            hi: T::as_doubles(self.hi)?,
+            lo: T::as_doubles(self.lo)?,
+            inverse_scale: T::as_doubles(self.inverse_scale)?,
+            gradients: T::as_doubles_mut(self.gradients)?,
+            l: T::as_doubles_mut(self.l)?,
+            folded: T::as_doubles_mut(self.folded)?,
+            z: T::as_doubles_mut(self.z)?,
+            points: T::as_doubles_mut(self.points)?,
+            s: self.s,
+        })
+    }
 
     /// Z ← K L and the stages, for the components of a block.
     #[inline(always)]

@@ -22,6 +22,7 @@ use std::ops::Range;
 
 /// The functions, each as it is called.
 #[rustfmt::skip]
+#[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
     pub(crate) step: fn(&mut Recorded<T>, (&State<T>, T, T), &mut State<T>) -> Result<Outcome, IntegrateError<T>>,
     pub(crate) find_springs: fn(&mut Recorded<T>, &Structure, (&[T], T)),

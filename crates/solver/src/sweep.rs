@@ -20,7 +20,6 @@
 //! with s = 16, a draft 155.
 
 mod begin;
-mod double_double;
 mod moved;
 mod sprung;
 mod stage_by_stage;
@@ -348,11 +347,7 @@ impl<T: Float> Iterate<T> {
     /// L from the gradients, Z ← K L, and the stages; P and L_q on the way, where momenta are not unknowns.
     pub(crate) fn mix(&mut self, y: &State<T>) -> T {
         let set = self.set;
-        let form = form!(self, y, &self.inverse_scale);
-        if T::IS_DOUBLE_DOUBLE {
-            return double_double::run(set, form).map_or(T::NAN, T::exact);
-        }
-        match form {
+        match form!(self, y, &self.inverse_scale) {
             Form::Whole(mut task) => set.run(&mut task),
             Form::Half(mut task) => set.run(&mut task),
             Form::Draft(mut task) => set.run(&mut task),

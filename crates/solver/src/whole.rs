@@ -7,7 +7,7 @@ use crate::product::Mixes;
 use crate::row::{Row, difference, literal, placed, rows, rows_mut, times};
 use crate::small::{Finish, Small, numbers, rows_of};
 use equip_autodiff::Slopes;
-use equip_scalar::{DoubleDouble, Float, Kernel, Lanes};
+use equip_scalar::{Float, Kernel, Lanes};
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -40,11 +40,6 @@ impl<'a, T: Float> Whole<'a, T> {
     #[inline(always)]
     pub(crate) fn in_doubles(self) -> Option<Whole<'a, f64>> {
         self.0.in_doubles().map(Whole)
-    }
-
-    #[inline(always)]
-    pub(crate) fn in_double_doubles(self) -> Option<Whole<'a, DoubleDouble>> {
-        self.0.in_double_doubles().map(Whole)
     }
 }
 

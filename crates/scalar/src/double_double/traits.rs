@@ -82,14 +82,6 @@ impl Float for DoubleDouble {
         self.hi
     }
     #[inline(always)]
-    fn as_double_doubles(x: &[Self]) -> Option<&[DoubleDouble]> {
-        Some(x)
-    }
-    #[inline(always)]
-    fn as_double_doubles_mut(x: &mut [Self]) -> Option<&mut [DoubleDouble]> {
-        Some(x)
-    }
-    #[inline(always)]
     fn expansion(self) -> [f64; 4] {
         DoubleDouble::expansion(self)
     }
