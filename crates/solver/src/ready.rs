@@ -84,6 +84,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         h: T,
         next: &mut State<T>,
     ) -> Result<Outcome, IntegrateError<T>> {
+        // Constant, so that nothing is compiled for recordings but the call.
         if const { E::IS_RECORDED } {
             (ready::<T>().step)(E::recorded::<InCore<T>>(self), (y, t, h), next)
         } else {

@@ -132,7 +132,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// [`step`](Self::step), where it is compiled.
+    /// One step of size `h` from `y` at time `t` into `next`, as [`step`](Self::step) has it made. `y` is not changed, whatever happens.
     pub(crate) fn make(
         &mut self,
         (y, t, h): (&State<T>, T, T),

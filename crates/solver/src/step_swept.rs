@@ -97,6 +97,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
+    /// As [`find_springs`](Self::find_springs) has it done.
     pub(crate) fn look_for_springs(&mut self, structure: &Structure, (y, h): (&[T], T)) {
         let gauss = &self.stages.gauss;
         if let Some(sweeps) = &mut self.sweeps
