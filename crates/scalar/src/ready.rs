@@ -41,3 +41,31 @@ pub fn same<A: Any, B: Any>(x: &A) -> &B {
         None => panic!("the constants of a float type say which it is"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{DoubleDouble, Float};
+
+    pub(crate) struct Table<T> {
+        epsilon: fn() -> T,
+    }
+
+    fn epsilon<T: Float>() -> T {
+        T::EPSILON
+    }
+
+    impl<T: Float> Table<T> {
+        const HERE: Self = Table { epsilon };
+    }
+
+    ready!(Table);
+
+    /// Not another one of the same functions, compiled anew.
+    #[test]
+    fn each_float_has_the_table_that_was_made_for_it() {
+        assert!(std::ptr::eq(ready::<f64>(), &IN_DOUBLES));
+        assert!(std::ptr::eq(ready::<DoubleDouble>(), &IN_DOUBLE_DOUBLES));
+        assert_eq!((ready::<f64>().epsilon)(), f64::EPSILON);
+        assert_eq!((ready::<DoubleDouble>().epsilon)(), DoubleDouble::EPSILON);
+    }
+}
