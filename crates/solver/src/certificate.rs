@@ -34,7 +34,7 @@ pub struct Certificate<T> {
     /// Counts of work and of outcomes.
     pub counts: Counts,
     /// hω of the stiffest spring at the start of the run, if that is above 2 and more than sweeps solve for with α's, 2s/5: Newton's method
-    /// makes most steps then, of 64 components and more their halves. `None` if there is none, and where springs are not looked for: in other
+    /// makes most steps then, of 24 components and more their halves. `None` if there is none, and where springs are not looked for: in other
     /// floats than `f64`, with variable steps, without sweeps or α's, and for T(p) that is no sum of squares.
     pub unresolved_spring: Option<T>,
     /// Extra steps made for output times; their work is not in `counts`.

@@ -48,7 +48,7 @@ pub enum StageSolver {
     /// by sweeps as well. No factorisation. [`Newton`](Self::Newton) for steps where that fails, and for 1, 2, 4, … 64 steps after each one
     /// where sweeps did not contract; for further invariants that are to be kept; for the α of the paper alone.
     ///
-    /// From 2m = 64 components on, in `f64` and with s ≥ 4, the α's move by slopes, as with [`Sweeps`](Self::Sweeps). A step that sweeps do not solve, or
+    /// From 2m = 24 components on, in `f64` and with s ≥ 4, the α's move by slopes, as with [`Sweeps`](Self::Sweeps). A step that sweeps do not solve, or
     /// whose end point slopes move by more than 4 estimated local errors (64 where these are next to round-off), is halved as often as
     /// [`FixedStep::max_halvings`] allows before it is Newton's.
     ///
@@ -172,7 +172,7 @@ impl<T: Float> FixedStep<T> {
         self
     }
 
-    /// How often a step that fails may be halved, 3 by default; 0 never halves. With [`StageSolver::Sweeps`], and from 64 components on by default, a step
+    /// How often a step that fails may be halved, 3 by default; 0 never halves. With [`StageSolver::Sweeps`], and from 24 components on by default, a step
     /// that sweeps do not solve is one that fails.
     #[must_use]
     pub fn max_halvings(mut self, halvings: u32) -> Self {

@@ -1,7 +1,6 @@
 //! The step by sweeps: when they are tried, what they start from, and what they leave to Newton and to others.
 
 use crate::checkpoint::SpringsMemory;
-use crate::constraint::MANY;
 use crate::error::IntegrateError;
 use crate::newton::nearly_met;
 use crate::options::{Settings, StageSolver};
@@ -278,6 +277,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 }
 
+/// Components about whose error three α's can do little.
+const MANY_FOR_RESPONSES: usize = 24;
+
 /// Who moves the α's of steps whose stages sweeps have found, for n components.
 pub(crate) fn rule<T: Float>(
     settings: &Settings<T>,
@@ -287,8 +289,9 @@ pub(crate) fn rule<T: Float>(
     let wanted = constraints == 1 && settings.first_alpha == Some(1) && s > 2;
     match settings.stage_solver {
         StageSolver::Sweeps => Rule::Slopes,
-        // Three α's can do little about the error of so many components.
-        StageSolver::Automatic if wanted && T::IS_DOUBLE && s > 3 && n >= MANY => Rule::Slopes,
+        StageSolver::Automatic if wanted && T::IS_DOUBLE && s > 3 && n >= MANY_FOR_RESPONSES => {
+            Rule::Slopes
+        }
         // In wide numbers directions are repeated to a fixed point, which is Newton's.
         StageSolver::Automatic if wanted && T::IS_DOUBLE => Rule::Response,
         StageSolver::Responses if wanted => Rule::Response,
