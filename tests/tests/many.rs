@@ -129,7 +129,7 @@ fn a_chain_is_as_near_as_gauss_for_little_more() {
     }
 }
 
-/// 24 components are many, 22 are not: their α's are by responses, for twice the gradients and some nine times the time.
+/// 24 components are many, 22 are not: their α's are by responses, for twice the gradients and several times the time.
 #[test]
 fn twelve_masses_are_many() {
     // Measured: 0.78 and 3.1 times as far off, 4.00 and 1.84 times the gradients.

@@ -277,7 +277,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 }
 
-/// Components about whose error three α's can do little.
+/// Components from which on three α's can do so little about the error that responses are not worth their time (`docs/adr/0006-sweeps-first.md`).
 const MANY_FOR_RESPONSES: usize = 24;
 
 /// Who moves the α's of steps whose stages sweeps have found, for n components.
