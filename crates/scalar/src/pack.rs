@@ -56,6 +56,24 @@ pub trait Pack<T: Float, const N: usize>: Piecewise {
         }
     }
 
+    /// The sum of all numbers of these packs, and what rounding it to one number has lost, so that both together are about as exact as sums with twice the
+    /// digits. Half is added to half, so that the chain of additions is short.
+    #[inline(always)]
+    fn total(packs: &[[T; N]]) -> (T, T) {
+        let (mut sum, mut lost) = (Self::splat(T::int(0)), Self::splat(T::int(0)));
+        for x in packs {
+            let (s, e) = Self::two_sum(sum, Self::of(x));
+            (sum, lost) = (s, lost + e);
+        }
+        let mut count = N;
+        while count > 1 {
+            count /= 2;
+            let (s, e) = Self::two_sum(sum, behind(sum, count));
+            (sum, lost) = (s, (lost + behind(lost, count)) + e);
+        }
+        (sum.numbers()[0], lost.numbers()[0])
+    }
+
     /// Σ_j a_jg·b_j for one place g of several, in this order. Products and sums are rounded each for itself in floats that do so
     /// cheaply; in others the sum as a whole is as exact as that.
     #[inline(always)]
@@ -70,4 +88,14 @@ pub trait Pack<T: Float, const N: usize>: Piecewise {
         }
         sum
     }
+}
+
+/// The numbers from `count` on, in front.
+#[inline(always)]
+fn behind<T: Float, P: Pack<T, N>, const N: usize>(pack: P, count: usize) -> P {
+    let mut numbers = pack.numbers();
+    for i in 0..count {
+        numbers[i] = numbers[i + count];
+    }
+    P::of(&numbers)
 }

@@ -4,6 +4,7 @@
 //! K_ji = 1 to the last bit. U is antisymmetric to the last bit, so each of the two is found without the other, and all
 //! entries at once: s² products for each α_k ≠ 0, in vector instructions.
 
+use crate::MAX_STAGES;
 use crate::aligned::{Aligned, Places};
 use crate::pairs::{HALF, fill, has_pairs};
 use crate::row::{add, scaled, stride_for};
@@ -108,8 +109,12 @@ impl<T: Float> Kernel for Fill<'_, T> {
         if const { T::WIDTH == 1 } {
             self.packs::<1>();
         } else {
-            // Strides are multiples of it.
-            self.packs::<4>();
+            // Strides are multiples of it; those of wide numbers of 8.
+            if T::IS_DOUBLE {
+                self.packs::<4>();
+            } else {
+                self.packs::<8>();
+            }
         }
     }
 }
@@ -118,17 +123,35 @@ impl<T: Float> Fill<'_, T> {
     #[inline(always)]
     fn packs<const N: usize>(&mut self) {
         let (columns, k) = (self.columns, &mut *self.k);
-        k.copy_from_slice(&columns.unperturbed);
-        let k = k.as_chunks_mut::<N>().0;
-        for (basis, &alpha) in
-            (columns.basis.chunks_exact(columns.unperturbed.len())).zip(self.alphas)
-        {
-            if alpha != T::int(0) {
-                for (u, t) in k.iter_mut().zip(basis.as_chunks().0) {
+        let basis = columns.basis.chunks_exact(columns.unperturbed.len());
+        let moved = basis
+            .zip(self.alphas)
+            .filter(|&(_, &alpha)| alpha != T::int(0));
+        if T::IS_DOUBLE {
+            k.copy_from_slice(&columns.unperturbed);
+            for (basis, &alpha) in moved {
+                for (u, t) in k.as_chunks_mut::<N>().0.iter_mut().zip(basis.as_chunks().0) {
                     add(u, &scaled(t, alpha));
                 }
             }
+        } else {
+            // As one dot product, which is the same sum in doubles.
+            let mut terms = [(&*columns.unperturbed, T::int(1)); MAX_STAGES];
+            let mut count = 1;
+            for (basis, &alpha) in moved {
+                terms[count] = (basis, alpha);
+                count += 1;
+            }
+            let factors = terms.map(|(_, alpha)| alpha);
+            let mut packs = [[T::Pack::splat(T::int(0))]; MAX_STAGES];
+            for (at, u) in k.as_chunks_mut::<N>().0.iter_mut().enumerate() {
+                for (pack, (basis, _)) in packs.iter_mut().zip(&terms[..count]) {
+                    *pack = [T::Pack::of(&basis.as_chunks().0[at])];
+                }
+                *u = T::Pack::dot(&packs[..count], 0, &factors[..count]).numbers();
+            }
         }
+        let k = k.as_chunks_mut::<N>().0;
         if let Some([half, one]) = &columns.half_and_one {
             let constants = half.as_chunks().0.iter().zip(one.as_chunks().0);
             for (k, (half, one)) in k.iter_mut().zip(constants) {

@@ -85,16 +85,6 @@ impl<T: Float> Kernel for Advance<'_, T> {
     }
 }
 
-/// The numbers from `count` on, in front.
-#[inline(always)]
-fn half<T: Float, const N: usize>(x: T::Pack<N>, count: usize) -> T::Pack<N> {
-    let mut numbers = x.numbers();
-    for i in 0..count {
-        numbers[i] = numbers[i + count];
-    }
-    T::Pack::of(&numbers)
-}
-
 /// Components that are added up abreast: so many that the compiler takes vectors of them. Of one component alone every addition waits for the
 /// one before.
 const ABREAST: usize = 32;
@@ -175,12 +165,10 @@ impl<T: Float> Advance<'_, T> {
                 self.few::<4, 2>(first);
             }
         }
-        for c in fours..n {
-            if T::IS_DOUBLE {
-                self.one::<N>(c);
-            } else {
-                self.one_in_packs::<N>(c);
-            }
+        if T::IS_DOUBLE {
+            (fours..n).for_each(|c| self.one::<N>(c));
+        } else {
+            self.by_totals::<N>();
         }
     }
 
@@ -236,27 +224,25 @@ impl<T: Float> Advance<'_, T> {
         (self.next.hi[c], self.next.lo[c]) = T::two_sum(y, e + (lost[0] + self.from.lo[c]));
     }
 
-    /// Component c of floats of more than one word: of `f64` the compiler takes vectors of lanes by itself, and better ones.
+    /// Floats of more than one word: a few components side by side once their rows are added up, as of `f64`.
     #[inline(always)]
-    fn one_in_packs<const N: usize>(&mut self, c: usize) {
+    fn by_totals<const N: usize>(&mut self) {
         let groups = groups_of::<T, N>(self.s);
-        let row = &self.increments.as_chunks::<N>().0[c * groups..(c + 1) * groups];
-        let (mut sum, mut lost) = (T::Pack::of(&row[0]), T::Pack::splat(T::int(0)));
-        for x in &row[1..] {
-            let (s, e) = T::Pack::two_sum(sum, T::Pack::of(x));
-            sum = s;
-            lost = lost + e;
+        let n = self.from.hi.len();
+        let rows = self.increments.as_chunks::<N>().0;
+        for first in (0..n).step_by(FEW) {
+            let (mut sums, mut losts) = ([T::int(0); FEW], [T::int(0); FEW]);
+            let totals = sums.iter_mut().zip(&mut losts);
+            for ((sum, lost), row) in totals.zip(rows[first * groups..].chunks_exact(groups)) {
+                (*sum, *lost) = T::Pack::total(row);
+            }
+            let hi = T::Pack::<FEW>::load(&self.from.hi[first..]);
+            let lo = T::Pack::load(&self.from.lo[first..]);
+            let (y, e) = T::Pack::two_sum(hi, T::Pack::of(&sums));
+            let (hi, lo) = T::Pack::two_sum(y, e + (T::Pack::of(&losts) + lo));
+            hi.store(&mut self.next.hi[first..]);
+            lo.store(&mut self.next.lo[first..]);
         }
-        let mut count = N;
-        while count > 1 {
-            count /= 2;
-            let (s, e) = T::Pack::two_sum(sum, half::<T, N>(sum, count));
-            sum = s;
-            lost = (lost + half::<T, N>(lost, count)) + e;
-        }
-        let (sum, lost) = (sum.numbers()[0], lost.numbers()[0]);
-        let (y, e) = T::two_sum(self.from.hi[c], sum);
-        (self.next.hi[c], self.next.lo[c]) = T::two_sum(y, e + (lost + self.from.lo[c]));
     }
 
     /// The same for the components from `first` on, up to half of the N sums of each.

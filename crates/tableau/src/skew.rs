@@ -19,7 +19,8 @@
 //! Cost: s²/2 multiplications for each α_k ≠ 0, no allocation in the `_into` forms; α = 0 costs a copy.
 
 use crate::Gauss;
-use equip_scalar::Float;
+use crate::gauss::MAX_STAGES;
+use equip_scalar::{Float, Pack};
 
 impl<T: Float> Gauss<T> {
     /// T_k, s × s in row-major order, for k = 1 … s − 1; antisymmetric to the last bit.
@@ -103,13 +104,7 @@ impl<T: Float> Gauss<T> {
         for i in 0..s {
             k[i * stride + i] = half;
             for j in i + 1..s {
-                let place = i * s + j;
-                let mut u = self.unperturbed[place];
-                for (basis, &alpha) in self.basis.chunks_exact(s * s).zip(alphas) {
-                    if alpha != T::int(0) {
-                        u += alpha * basis[place];
-                    }
-                }
+                let u = self.entry(alphas, i * s + j);
                 let (upper, lower) = halves(u, half, one);
                 k[j * stride + i] = upper;
                 k[i * stride + j] = lower;
@@ -133,18 +128,34 @@ impl<T: Float> Gauss<T> {
         let s = self.stages;
         assert_eq!(alphas.len(), s - 1, "one alpha for each k = 1..s-1");
         assert_eq!(u.len(), s * s, "room for s x s entries");
-        u.copy_from_slice(&self.unperturbed);
-        for (index, &alpha) in alphas.iter().enumerate() {
-            if alpha != T::int(0) {
-                let t_k = self.skew_basis(index + 1);
-                for i in 0..s {
-                    for j in i + 1..s {
-                        u[i * s + j] += alpha * t_k[i * s + j];
-                    }
-                }
+        for i in 0..s {
+            for j in i..s {
+                u[i * s + j] = self.entry(alphas, i * s + j);
             }
         }
         mirror(s, u);
+    }
+
+    /// An entry of U(α): as one dot product ([`Pack::dot`]).
+    fn entry(&self, alphas: &[T], place: usize) -> T {
+        let (mut terms, mut factors) = (
+            [[T::Pack::splat(T::int(0))]; MAX_STAGES],
+            [T::int(1); MAX_STAGES],
+        );
+        terms[0] = [T::Pack::of(&[self.unperturbed[place]])];
+        let mut count = 1;
+        for (t_k, &alpha) in self
+            .basis
+            .chunks_exact(self.stages * self.stages)
+            .zip(alphas)
+        {
+            if alpha != T::int(0) {
+                (terms[count], factors[count]) = ([T::Pack::of(&[t_k[place]])], alpha);
+                count += 1;
+            }
+        }
+        let [u] = T::Pack::<1>::dot(&terms[..count], 0, &factors[..count]).numbers();
+        u
     }
 }
 

@@ -7,7 +7,7 @@
 
 use super::arithmetic::SAFE_MIN;
 use super::roots::SAFE_MAX;
-use super::words::{self, Dot, Pair, Word};
+use super::words::{self, Dot, Pair, Sum, Word};
 use super::{DoubleDouble, dd};
 use crate::{Constant, Lanes, Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -300,6 +300,29 @@ impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
     }
 
     #[inline(always)]
+    fn total(packs: &[[DoubleDouble; N]]) -> (DoubleDouble, DoubleDouble) {
+        let mut sum = Sum::of(Self::of(&packs[0]).words());
+        for x in &packs[1..] {
+            sum = sum.plus(Sum::of(Self::of(x).words()));
+        }
+        let mut count = N;
+        while count > 1 {
+            count /= 2;
+            let behind = sum.words.map(|word| behind(word, count));
+            sum = sum.plus(Sum { words: behind });
+        }
+        let first = Sum {
+            words: sum.words.map(|word| word.0[0]),
+        };
+        let ((hi, lo), rest) = first.total();
+        if (hi - hi) + (lo + rest) - (lo + rest) == 0.0 {
+            (dd(hi, lo), dd(rest, 0.0))
+        } else {
+            special_total(packs)
+        }
+    }
+
+    #[inline(always)]
     fn dot<const G: usize>(a: &[[Self; G]], g: usize, b: &[DoubleDouble]) -> Self {
         let mut dot = Dot::new();
         for (a, &b) in a.iter().zip(b) {
@@ -327,4 +350,22 @@ fn special_dot<const N: usize, const G: usize>(
         }
     }
     DoubleDoubles::of(&sums)
+}
+
+/// The numbers from `count` on, in front.
+#[inline(always)]
+fn behind<const N: usize>(lanes: Lanes<N>, count: usize) -> Lanes<N> {
+    let mut moved = lanes;
+    for i in 0..count {
+        moved.0[i] = lanes.0[i + count];
+    }
+    moved
+}
+
+#[cold]
+#[inline(never)]
+fn special_total<const N: usize>(packs: &[[DoubleDouble; N]]) -> (DoubleDouble, DoubleDouble) {
+    let numbers = packs.as_flattened().iter();
+    let sum = numbers.fold(DoubleDouble::ZERO, |sum, &x| sum + x);
+    (sum, DoubleDouble::ZERO)
 }

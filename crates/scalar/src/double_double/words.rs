@@ -137,3 +137,40 @@ impl<W: Word> Dot<W> {
         two_sum(self.sum, self.rest)
     }
 }
+
+/// A sum of pairs in three words: the first two are added without error, what they lose is added up in the third. [Rump, Ogita, Oishi, *Accurate
+/// floating-point summation*, SIAM J. Sci. Comput. 31 (2008), SumK for K = 3, the lower words entering one level below the upper ones.]
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sum<W> {
+    pub(super) words: [W; 3],
+}
+
+impl<W: Word> Sum<W> {
+    #[inline(always)]
+    pub(super) fn of((hi, lo): Pair<W>) -> Self {
+        Sum {
+            words: [hi, lo, W::word(0.0)],
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn plus(self, other: Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.words, other.words);
+        let (a, e) = two_sum(a, x);
+        let (b, f) = two_sum(b, y);
+        let (b, g) = two_sum(b, e);
+        Sum {
+            words: [a, b, (c + z) + (f + g)],
+        }
+    }
+
+    /// The nearest pair or nearly so, and what is left.
+    #[inline(always)]
+    pub(super) fn total(self) -> (Pair<W>, W) {
+        let [a, b, c] = self.words;
+        let (a, b) = two_sum(a, b);
+        let (b, c) = two_sum(b, c);
+        let (a, b) = two_sum(a, b);
+        ((a, b), c)
+    }
+}
