@@ -171,6 +171,15 @@ impl<const N: usize> Pack<f64, N> for Lanes<N> {
     }
 
     #[inline(always)]
+    fn choose(test: Self, one: Self, other: Self) -> Self {
+        let mut chosen = one;
+        for k in 0..N {
+            chosen.0[k] = if test.0[k] == 0.0 { other.0[k] } else { one.0[k] };
+        }
+        chosen
+    }
+
+    #[inline(always)]
     fn two_sum(a: Self, b: Self) -> (Self, Self) {
         // Operation by operation: of lanes that are gone through one by one the compiler does not always make vectors.
         let sum = a + b;

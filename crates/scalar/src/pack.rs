@@ -24,6 +24,8 @@ pub trait Pack<T: Float, const N: usize>: Piecewise {
     fn numbers(self) -> [T; N];
     /// The numbers as the nearest `f64`.
     fn heads(self) -> [f64; N];
+    /// The numbers of the one where `test` is not zero, of the other where it is.
+    fn choose(test: Self, one: Self, other: Self) -> Self;
     /// As [`Float::two_sum`].
     fn two_sum(a: Self, b: Self) -> (Self, Self);
 

@@ -142,13 +142,10 @@ impl<T: Float> Fill<'_, T> {
                 terms[count] = (basis, alpha);
                 count += 1;
             }
-            let factors = terms.map(|(_, alpha)| alpha);
-            let mut packs = [[T::Pack::splat(T::int(0))]; MAX_STAGES];
-            for (at, u) in k.as_chunks_mut::<N>().0.iter_mut().enumerate() {
-                for (pack, (basis, _)) in packs.iter_mut().zip(&terms[..count]) {
-                    *pack = [T::Pack::of(&basis.as_chunks().0[at])];
-                }
-                *u = T::Pack::dot(&packs[..count], 0, &factors[..count]).numbers();
+            let k = k.as_chunks_mut::<N>().0;
+            match count {
+                ..=4 => dots::<T, N, 4>(&terms[..count], k),
+                _ => dots::<T, N, MAX_STAGES>(&terms[..count], k),
             }
         }
         let k = k.as_chunks_mut::<N>().0;
@@ -159,11 +156,25 @@ impl<T: Float> Fill<'_, T> {
                 let large = T::Pack::of(half) + T::Pack::abs(u);
                 let small = T::Pack::of(one) - large;
                 let takes_large = T::Pack::at_most(T::Pack::splat(T::int(0)), u);
-                let takes_small = T::Pack::splat(T::int(1)) - takes_large;
-                let large = T::Pack::where_nonzero(large, takes_large);
-                *k = (large + T::Pack::where_nonzero(small, takes_small)).numbers();
+                *k = T::Pack::choose(takes_large, large, small).numbers();
             }
         }
+    }
+}
+
+/// Σ of at most C matrices, each times its factor.
+#[inline(always)]
+fn dots<T: Float, const N: usize, const C: usize>(terms: &[(&[T], T)], to: &mut [[T; N]]) {
+    let mut factors = [T::int(0); C];
+    let mut packs = [[T::Pack::splat(T::int(0))]; C];
+    for (factor, term) in factors.iter_mut().zip(terms) {
+        *factor = term.1;
+    }
+    for (at, u) in to.iter_mut().enumerate() {
+        for (pack, (matrix, _)) in packs.iter_mut().zip(terms) {
+            *pack = [T::Pack::of(&matrix.as_chunks().0[at])];
+        }
+        *u = T::Pack::dot(&packs[..terms.len()], 0, &factors).numbers();
     }
 }
 

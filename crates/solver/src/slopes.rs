@@ -15,9 +15,9 @@
 //! Cost: 2m s² products for the coefficients, about 16 m s for the sums, j side by side in vectors. Of many components some are gone through at a time, so that
 //! their coefficients stay in the first-level cache.
 
-use crate::row::{by_lanes, groups_of};
+use crate::row::{add, by_lanes, difference, groups_of, scaled, times};
 use crate::sweep::Iterate;
-use equip_scalar::{Float, Kernel, mix_stages};
+use equip_scalar::{Float, Kernel, Pack, Scalar, mix_stages};
 use equip_tableau::Gauss;
 
 /// So many α's move. The higher ones disturb the stages the more for the same displacement of y1, and with small defects their slopes
@@ -163,9 +163,7 @@ impl<T: Float> Products<'_, T> {
             for (g, squares) in squares.as_chunks_mut::<N>().0.iter_mut().enumerate() {
                 let mut sum = *squares;
                 for row in rows.as_chunks::<N>().0.iter().skip(g).step_by(groups) {
-                    for j in 0..N {
-                        sum[j] += row[j] * row[j];
-                    }
+                    add(&mut sum, &times(row, row));
                 }
                 *squares = sum;
             }
@@ -179,9 +177,8 @@ impl<T: Float> Products<'_, T> {
                 for c in 0..self.len / stride {
                     let (q_a, p_a) = (q[c * stride + a], p[c * stride + a]);
                     let (q_j, p_j) = (at(q, c), at(p, c));
-                    for j in 0..N {
-                        product[j] += p_a * q_j[j] - q_a * p_j[j];
-                    }
+                    let by_q = scaled(&q_j, p_a);
+                    add(&mut product, &difference(&by_q, &scaled(&p_j, q_a)));
                 }
                 *to = product;
             }
@@ -209,8 +206,10 @@ impl<T: Float> Sums<'_, T> {
     fn lanes<const N: usize>(&mut self) {
         let groups = groups_of::<T, N>(self.s);
         let slopes = &mut *self.slopes;
-        for squares in slopes.norms.iter_mut().flatten() {
-            *squares = squares.sqrt();
+        for squares in &mut slopes.norms {
+            for squares in squares.as_chunks_mut::<N>().0 {
+                *squares = T::Pack::sqrt(T::Pack::of(squares)).numbers();
+            }
         }
         let [norms_q, norms_p] = &slopes.norms;
         let known = self.s.min(LEADING + 1);
@@ -219,24 +218,19 @@ impl<T: Float> Sums<'_, T> {
             let at = |x: &[T], row: usize| -> [T; N] { x.as_chunks().0[row * groups + g] };
             for a in 0..known {
                 // W(a, j) and its bound.
-                let (product, mut bound) = (at(&slopes.products, a), [T::int(0); N]);
+                let product = at(&slopes.products, a);
                 let (q_j, p_j) = (at(norms_q, 0), at(norms_p, 0));
-                for j in 0..N {
-                    bound[j] = norms_p[a] * q_j[j] + norms_q[a] * p_j[j];
-                }
+                let mut bound = scaled(&q_j, norms_p[a]);
+                add(&mut bound, &scaled(&p_j, norms_q[a]));
                 if a < LEADING {
                     let ahead = at(&slopes.ahead, a);
-                    for j in 0..N {
-                        v[a][j] += ahead[j] * product[j];
-                        w[a][j] += ahead[j] * bound[j];
-                    }
+                    add(&mut v[a], &times(&ahead, &product));
+                    add(&mut w[a], &times(&ahead, &bound));
                 }
                 if a > 0 {
                     let behind = at(&slopes.behind, a - 1);
-                    for j in 0..N {
-                        v[a - 1][j] -= behind[j] * product[j];
-                        w[a - 1][j] += behind[j] * bound[j];
-                    }
+                    v[a - 1] = difference(&v[a - 1], &times(&behind, &product));
+                    add(&mut w[a - 1], &times(&behind, &bound));
                 }
             }
         }

@@ -20,7 +20,7 @@
 use crate::MAX_STAGES;
 use crate::product::{Mixes, Square};
 use crate::prolongation::{View, foretold};
-use crate::row::{Row, by_lanes, groups_of, literal, rows, rows_mut};
+use crate::row::{Row, by_lanes, groups_of, literal, rows, rows_mut, times};
 use crate::whole::conjugate;
 use equip_scalar::{Float, Kernel};
 use std::array::from_fn;
@@ -133,8 +133,9 @@ pub(crate) fn most_likely<T: Float, const N: usize>(last: &[[T; N]], ratio: Opti
 /// Gradients as they are foretold, or none where L would be larger than it may be.
 #[inline(always)]
 pub(crate) fn likely<T: Float, const N: usize>(gradient: &[T; N], hb: &[T; N], most: T) -> [T; N] {
+    let l = times(hb, gradient);
     from_fn(|i| {
-        if (hb[i] * gradient[i]).abs() <= most {
+        if l[i].abs() <= most {
             gradient[i]
         } else {
             T::int(0)

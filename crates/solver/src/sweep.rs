@@ -34,14 +34,14 @@ use crate::half::Half;
 use crate::mix::Step;
 use crate::pairs::{HALF, has_pairs};
 use crate::ready::ready;
-use crate::row::stride_for;
+use crate::row::{by_lanes, groups_of, placed, stride_for};
 use crate::small::{OneGroup, TwoGroups};
 use crate::springs::Springs;
 use crate::state::State;
 use crate::twice::Twice;
 use crate::whole::Whole;
 use equip_autodiff::{Evaluate, Kinetic};
-use equip_scalar::{Float, InstructionSet};
+use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 use std::marker::PhantomData;
 
@@ -238,18 +238,14 @@ impl<T: Float> Iterate<T> {
 
     /// Stages from Z.
     fn place(&mut self, y: &State<T>) {
-        let (stride, unknowns) = (self.stride, self.unknowns());
-        let rows = self.points.chunks_exact_mut(stride);
-        let starts = y.hi.iter().zip(&y.lo);
-        for ((point, z), (&hi, &lo)) in rows
-            .zip(self.z.chunks_exact(stride))
-            .zip(starts)
-            .take(unknowns)
-        {
-            for (x, &z) in point.iter_mut().zip(z) {
-                *x = hi + (z + lo);
-            }
-        }
+        let unknowns = self.unknowns();
+        self.set.run(&mut Place {
+            hi: &y.hi[..unknowns],
+            lo: &y.lo[..unknowns],
+            z: &self.z,
+            points: &mut self.points,
+            s: self.s,
+        });
     }
 
     /// One sweep from the step's start `y`; of drafts others as long as `again` says so of the change that each has made. Returns the last change,
@@ -357,5 +353,38 @@ impl<T: Float> Iterate<T> {
     /// y1 = y0 + Σ L_i.
     pub(crate) fn end_point(&self, y: &State<T>, next: &mut State<T>) {
         y.advance_by_component(self.set, &self.l, self.s, next);
+    }
+}
+
+/// The stages y0 + Z.
+struct Place<'a, T> {
+    hi: &'a [T],
+    lo: &'a [T],
+    z: &'a [T],
+    points: &'a mut [T],
+    s: usize,
+}
+
+impl<T: Float> Kernel for Place<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        by_lanes!(T, self.s, self)
+    }
+}
+
+impl<T: Float> Place<'_, T> {
+    #[inline(always)]
+    fn lanes<const N: usize>(&mut self) {
+        let groups = groups_of::<T, N>(self.s);
+        let points = self.points.as_chunks_mut::<N>().0.chunks_exact_mut(groups);
+        let z = self.z.as_chunks::<N>().0.chunks_exact(groups);
+        let starts = self.hi.iter().zip(self.lo);
+        for ((points, z), (&hi, &lo)) in points.zip(z).zip(starts) {
+            for (point, z) in points.iter_mut().zip(z) {
+                *point = placed(hi, lo, z);
+            }
+        }
     }
 }

@@ -290,6 +290,14 @@ impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
     }
 
     #[inline(always)]
+    fn choose(test: Self, one: Self, other: Self) -> Self {
+        Self::joined((
+            one.hi.unless_zero(test.hi, other.hi),
+            one.lo.unless_zero(test.hi, other.lo),
+        ))
+    }
+
+    #[inline(always)]
     fn two_sum(a: Self, b: Self) -> (Self, Self) {
         let (sum, rest) = words::distilled(a.words(), b.words());
         let (sum, rest) = (Self::joined(sum), Self::joined(rest));
@@ -305,16 +313,12 @@ impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
         for x in &packs[1..] {
             sum = sum.plus(Sum::of(Self::of(x).words()));
         }
-        let mut count = N;
-        while count > 1 {
-            count /= 2;
-            let behind = sum.words.map(|word| behind(word, count));
-            sum = sum.plus(Sum { words: behind });
-        }
-        let first = Sum {
-            words: sum.words.map(|word| word.0[0]),
+        let sum = if N == 8 {
+            folded::<2, 1>(folded::<4, 2>(folded::<N, 4>(sum))).lane(0)
+        } else {
+            (1..N).fold(sum.lane(0), |all, k| all.plus(sum.lane(k)))
         };
-        let ((hi, lo), rest) = first.total();
+        let ((hi, lo), rest) = sum.total();
         if (hi - hi) + (lo + rest) - (lo + rest) == 0.0 {
             (dd(hi, lo), dd(rest, 0.0))
         } else {
@@ -352,14 +356,26 @@ fn special_dot<const N: usize, const G: usize>(
     DoubleDoubles::of(&sums)
 }
 
-/// The numbers from `count` on, in front.
-#[inline(always)]
-fn behind<const N: usize>(lanes: Lanes<N>, count: usize) -> Lanes<N> {
-    let mut moved = lanes;
-    for i in 0..count {
-        moved.0[i] = lanes.0[i + count];
+impl<const N: usize> Sum<Lanes<N>> {
+    #[inline(always)]
+    fn lane(self, k: usize) -> Sum<f64> {
+        Sum {
+            words: self.words.map(|word| word.0[k]),
+        }
     }
-    moved
+}
+
+/// The first H lanes plus the next.
+#[inline(always)]
+fn folded<const N: usize, const H: usize>(sum: Sum<Lanes<N>>) -> Sum<Lanes<H>> {
+    let mut halves = [sum.words.map(|_| Lanes::splat(0.0)); 2];
+    for (at, half) in halves.iter_mut().enumerate() {
+        for (half, word) in half.iter_mut().zip(&sum.words) {
+            half.0.copy_from_slice(&word.0[at * H..(at + 1) * H]);
+        }
+    }
+    let [first, last] = halves.map(|words| Sum { words });
+    first.plus(last)
 }
 
 #[cold]

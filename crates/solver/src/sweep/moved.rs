@@ -2,7 +2,8 @@
 
 use super::Iterate;
 use crate::state::State;
-use equip_scalar::Float;
+use crate::row::{add, by_lanes, difference, scaled};
+use equip_scalar::{Float, Kernel};
 
 impl<T: Float> Iterate<T> {
     /// K is not the one a step starts from.
@@ -42,9 +43,12 @@ impl<T: Float> Iterate<T> {
         if self.has_springs() {
             self.folded[..len].copy_from_slice(&self.z[..len]);
         }
-        for (z, &before) in self.z[..len].iter_mut().zip(&*self.z_before) {
-            *z += share * (*z - before);
-        }
+        self.set.run(&mut Extrapolate {
+            z: &mut self.z[..len],
+            before: &self.z_before[..len],
+            share,
+            s: self.s,
+        });
         self.follow();
         self.place(y);
         self.is_of_l = false;
@@ -58,5 +62,33 @@ impl<T: Float> Iterate<T> {
         rows.take(unknowns).for_each(|(c, z)| change(c, z));
         self.place(y);
         self.is_of_l = false;
+    }
+}
+
+/// Z moves by a share of how it has moved.
+struct Extrapolate<'a, T> {
+    z: &'a mut [T],
+    before: &'a [T],
+    share: T,
+    s: usize,
+}
+
+impl<T: Float> Kernel for Extrapolate<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        by_lanes!(T, self.s, self)
+    }
+}
+
+impl<T: Float> Extrapolate<'_, T> {
+    #[inline(always)]
+    fn lanes<const N: usize>(&mut self) {
+        let before = self.before.as_chunks::<N>().0;
+        for (z, before) in self.z.as_chunks_mut::<N>().0.iter_mut().zip(before) {
+            let moved = difference(z, before);
+            add(z, &scaled(&moved, self.share));
+        }
     }
 }
