@@ -174,7 +174,11 @@ impl<const N: usize> Pack<f64, N> for Lanes<N> {
     fn choose(test: Self, one: Self, other: Self) -> Self {
         let mut chosen = one;
         for k in 0..N {
-            chosen.0[k] = if test.0[k] == 0.0 { other.0[k] } else { one.0[k] };
+            chosen.0[k] = if test.0[k] == 0.0 {
+                other.0[k]
+            } else {
+                one.0[k]
+            };
         }
         chosen
     }

@@ -5,12 +5,12 @@ use crate::contraction::Contraction;
 use equip_scalar::Float;
 
 /// Sweeps that are expected to change Z by more than so many ε are drafts.
-const DRAFT: i64 = 64;
+const DRAFT: f64 = 64.0;
 /// The same of short states with more stages than [`SHORT_STAGES`], where the contraction is between [`CONTRACTIONS`]: they take 2 to 7 % less time. Where
 /// it is better sweeps often change Z by less than expected, where it is worse the last are not like the first.
-const DRAFT_OF_SHORT: i64 = 2;
+const DRAFT_OF_SHORT: f64 = 2.0;
 pub(crate) const SHORT_STAGES: usize = 8;
-const CONTRACTIONS: [(i64, i64); 2] = [(1, 50), (1, 3)];
+const CONTRACTIONS: [f64; 2] = [1.0 / 50.0, 1.0 / 3.0];
 
 /// Whether sweeps of a row go on.
 pub(crate) trait Again<T> {
@@ -36,7 +36,7 @@ pub(crate) struct Drafts<'a, T> {
     contraction: &'a mut Contraction<T>,
     is_short: bool,
     /// What an error of the end point is worth in g, and below what that is looked at early, if it may be.
-    look: Option<(T, T)>,
+    look: Option<(f64, f64)>,
     /// The last has been seen.
     pub(crate) seen: bool,
     pub(crate) made: u32,
@@ -51,7 +51,7 @@ impl<'a, T: Float> Drafts<'a, T> {
         Drafts {
             contraction,
             is_short,
-            look,
+            look: look.map(|(worth, least)| (worth.to_f64(), least.to_f64())),
             seen: false,
             made: 1,
         }
@@ -62,9 +62,9 @@ impl<'a, T: Float> Drafts<'a, T> {
     pub(crate) fn are_next(&mut self) -> bool {
         let contraction = &mut *self.contraction;
         let rate = contraction.rate;
-        let [best, worst] = CONTRACTIONS.map(|(n, d)| T::ratio(n, d));
+        let [best, worst] = CONTRACTIONS;
         let is_even = self.is_short & (rate > best) & (rate < worst);
-        let most = T::int(if is_even { DRAFT_OF_SHORT } else { DRAFT }) * T::EPSILON;
+        let most = if is_even { DRAFT_OF_SHORT } else { DRAFT } * T::EPSILON.to_f64();
         let is_seen = |contraction: &mut Contraction<T>, (worth, least)| {
             contraction.next_error() * worth < least
         };
@@ -76,7 +76,7 @@ impl<'a, T: Float> Drafts<'a, T> {
 impl<T: Float> Again<T> for Drafts<'_, T> {
     #[inline(always)]
     fn again(&mut self, change: T) -> bool {
-        self.seen = self.contraction.see_plain(change);
+        self.seen = self.contraction.see_plain(change.to_f64());
         let again = self.seen && self.are_next();
         self.made += u32::from(again);
         again

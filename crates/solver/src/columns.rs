@@ -19,6 +19,8 @@ pub(crate) struct Columns<T> {
     basis: Aligned<T>,
     /// ½ and 1 where K has an entry, 0 in the padding; none for P and Q, which are made of U alone.
     half_and_one: Option<[Aligned<T>; 2]>,
+    /// Numbers before the columns that are all padding.
+    used: usize,
 }
 
 impl<T: Float> Columns<T> {
@@ -58,10 +60,11 @@ impl<T: Float> Columns<T> {
             unperturbed,
             basis,
             half_and_one,
+            used: if by_pairs { len } else { s * stride },
         }
     }
 
-    /// K(α) into `k`.
+    /// K(α) into `k`, whose last columns, if they are padding, stay as they are.
     pub(crate) fn fill(&self, set: InstructionSet, alphas: &[T], k: &mut [T]) {
         set.run(&mut Fill {
             columns: self,
@@ -122,13 +125,14 @@ impl<T: Float> Kernel for Fill<'_, T> {
 impl<T: Float> Fill<'_, T> {
     #[inline(always)]
     fn packs<const N: usize>(&mut self) {
-        let (columns, k) = (self.columns, &mut *self.k);
+        let (columns, used) = (self.columns, self.columns.used);
+        let (unperturbed, k) = (&columns.unperturbed[..used], &mut self.k[..used]);
         let basis = columns.basis.chunks_exact(columns.unperturbed.len());
         let moved = basis
             .zip(self.alphas)
             .filter(|&(_, &alpha)| alpha != T::int(0));
         if T::IS_DOUBLE {
-            k.copy_from_slice(&columns.unperturbed);
+            k.copy_from_slice(unperturbed);
             for (basis, &alpha) in moved {
                 for (u, t) in k.as_chunks_mut::<N>().0.iter_mut().zip(basis.as_chunks().0) {
                     add(u, &scaled(t, alpha));
@@ -136,7 +140,7 @@ impl<T: Float> Fill<'_, T> {
             }
         } else {
             // As one dot product, which is the same sum in doubles.
-            let mut terms = [(&*columns.unperturbed, T::int(1)); MAX_STAGES];
+            let mut terms = [(unperturbed, T::int(1)); MAX_STAGES];
             let mut count = 1;
             for (basis, &alpha) in moved {
                 terms[count] = (basis, alpha);
@@ -189,7 +193,8 @@ mod tests {
             let (columns, stride) = (Columns::new(&gauss, true), stride_for::<T>(s));
             let alphas: Vec<T> = (1..s as i64).map(|k| T::ratio(k * k - 3 * k, 7)).collect();
             for set in InstructionSet::available() {
-                let mut k = vec![T::NAN; length_of::<T>(s)];
+                let mut k = vec![T::int(0); length_of::<T>(s)];
+                k[..columns.used].fill(T::NAN);
                 columns.fill(set, &alphas, &mut k);
                 if has_pairs::<T>(s) {
                     let (p, q) = k.split_at(HALF * HALF);

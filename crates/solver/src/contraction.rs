@@ -1,4 +1,4 @@
-//! How the sweeps of a step contract, and what they have left.
+//! How the sweeps of a step contract, and what they have left: sizes, for which doubles will do in any float.
 //!
 //! A sweep that changes Z by Δ and contracts by ρ leaves an error of Δρ/(1 − ρ). ρ is the worst contraction seen in the step, no less
 //! than half of what it was in the last; sweeps from far off, which change Z by 1/8 of its size and more, say nothing of it. Near round-off
@@ -8,22 +8,23 @@
 //! below ε, or Δ does not shrink three times.
 
 use equip_scalar::Float;
+use std::marker::PhantomData;
 
-/// Contraction, in hundredths, at which Newton is the better choice.
-const SLOW_PERCENT: i64 = 70;
+/// Contraction at which Newton is the better choice.
+const SLOW: f64 = 0.7;
 /// What is allowed of the contraction at the beginning of a step: a change of this many times the first.
-const ALLOWANCE: i64 = 16;
+const ALLOWANCE: f64 = 16.0;
 /// Sweeps are not taken to contract by more than this in advance.
-const LEAST: i64 = 1000;
+const LEAST: f64 = 1000.0;
 /// Changes of Z above 1 over this of its size are far from those that the contraction holds for.
-pub(crate) const FAR: i64 = 8;
+pub(crate) const FAR: f64 = 8.0;
 /// Changes of Z below this many ε are rounding if they do not shrink.
-const ROUNDING: i64 = 256;
+const ROUNDING: f64 = 256.0;
 /// Changes of Z below this many ε have their share of rounding.
-const NOISY: i64 = 16;
+const NOISY: f64 = 16.0;
 /// Errors of the end point below ε over this are of no account. With 4 angular momentum grows by 1e-17 a step in Kepler's problem, with
 /// 64 not at all, for 0.4 sweeps more.
-const SETTLED: i64 = 64;
+const SETTLED: f64 = 64.0;
 /// Changes of Z in the last digits that do not shrink so many times in a row do not shrink.
 const STILL: u32 = 3;
 
@@ -32,36 +33,42 @@ pub(crate) struct Contraction<T> {
     /// A sweep is two, from the positions to the momenta and back: ρ is the product of both, and what is left at the end point has had the first only.
     is_twofold: bool,
     /// The worst contraction seen in the step, or where the first sweeps are not like the last the worse of the last two; 0 if none was.
-    pub(crate) seen: T,
+    pub(crate) seen: f64,
     /// The last.
-    last: T,
+    last: f64,
     /// The sweeps solve for stiff springs: the first are not like the last.
     has_springs: bool,
     /// The α's have moved by slopes: what is seen since is no matter of the sweeps before.
     is_new: bool,
     /// ρ.
-    pub(crate) rate: T,
+    pub(crate) rate: f64,
     /// Error of the end point over the change of Z, and the ρ that it was told by.
-    tail: T,
-    tail_of: T,
+    tail: f64,
+    tail_of: f64,
     /// The last change of Z, and what it is without its noise.
-    pub(crate) change: T,
-    left: T,
+    pub(crate) change: f64,
+    left: f64,
     /// The next change is not to be compared with the last: the sweeps have begun anew, or something else has moved Z.
     is_apart: bool,
     /// The largest change allowed, if the sweeps contract on the whole.
-    allowed: Option<T>,
+    allowed: Option<f64>,
     /// Sweeps in a row that contracted slowly, and that stood still.
     slow: u32,
     still: u32,
     is_settled: bool,
     /// Z has changed by as much as its size or so.
     pub(crate) is_far: bool,
+    float: PhantomData<T>,
 }
 
 impl<T: Float> Contraction<T> {
+    #[inline(always)]
+    fn epsilon() -> f64 {
+        T::EPSILON.to_f64()
+    }
+
     pub(crate) fn new(is_twofold: bool) -> Self {
-        let zero = T::int(0);
+        let zero = 0.0;
         let mut new = Contraction {
             is_twofold,
             seen: zero,
@@ -79,25 +86,26 @@ impl<T: Float> Contraction<T> {
             still: 0,
             is_settled: false,
             is_far: false,
+            float: PhantomData,
         };
-        new.set_rate(T::ratio(1, 2));
+        new.set_rate(0.5);
         new
     }
 
-    pub(crate) fn set_rate(&mut self, rate: T) {
-        self.rate = rate.min(T::ratio(9, 10));
+    pub(crate) fn set_rate(&mut self, rate: f64) {
+        self.rate = rate.min(0.9);
     }
 
     /// Error of the end point over the change of Z.
     #[inline(always)]
-    fn tail(&mut self) -> T {
+    fn tail(&mut self) -> f64 {
         if self.tail_of != self.rate {
             let share = if self.is_twofold {
                 self.rate.sqrt()
             } else {
                 self.rate
             };
-            (self.tail, self.tail_of) = (share / (T::int(1) - self.rate), self.rate);
+            (self.tail, self.tail_of) = (share / (1.0 - self.rate), self.rate);
         }
         self.tail
     }
@@ -105,19 +113,19 @@ impl<T: Float> Contraction<T> {
     /// A step begins, with springs or without.
     pub(crate) fn begin(&mut self, has_springs: bool) {
         self.has_springs = has_springs;
-        self.set_rate((self.rate / T::int(2)).max(T::ratio(1, LEAST)));
+        self.set_rate((self.rate / 2.0).max(1.0 / LEAST));
         self.begin_anew();
     }
 
     /// It begins once more, from Z = 0.
     pub(crate) fn begin_from_nothing(&mut self) {
-        self.set_rate(T::ratio(1, 4));
+        self.set_rate(0.25);
         self.begin_anew();
     }
 
     fn begin_anew(&mut self) {
-        (self.seen, self.last) = (T::int(0), T::int(0));
-        (self.change, self.left) = (T::INFINITY, T::INFINITY);
+        (self.seen, self.last) = (0.0, 0.0);
+        (self.change, self.left) = (f64::INFINITY, f64::INFINITY);
         (self.is_apart, self.is_settled) = (true, false);
         (self.slow, self.still) = (0, 0);
         self.is_far = false;
@@ -133,50 +141,50 @@ impl<T: Float> Contraction<T> {
     /// The same, and what it has done to Z goes away like no error before: K is another.
     pub(crate) fn renew(&mut self) {
         self.disturb();
-        self.last = T::int(0);
+        self.last = 0.0;
         self.is_new = true;
     }
 
     /// A sweep that is not to be compared with others has changed Z.
-    pub(crate) fn jump(&mut self, change: T) {
+    pub(crate) fn jump(&mut self, change: f64) {
         (self.change, self.left, self.is_apart) = (change, change, true);
     }
 
     /// Z has changed by `change`, and by `last` before.
     #[inline(always)]
-    fn contract(&mut self, change: T, last: T) {
+    fn contract(&mut self, change: f64, last: f64) {
         if self.has_springs || self.is_new {
             let now = change / last;
             self.seen = now.max(std::mem::replace(&mut self.last, now));
-            self.set_rate(self.seen.max(T::ratio(1, LEAST)));
+            self.set_rate(self.seen.max(1.0 / LEAST));
             return;
         }
         // Without branches: no processor foretells which sweep contracts worst.
-        let zero = T::int(0);
-        let now = if last <= T::ratio(1, FAR) {
+        let zero = 0.0;
+        let now = if last <= (1.0 / FAR) {
             change / last
         } else {
             zero
         };
         self.seen = if now > self.seen { now } else { self.seen };
-        let most = self.seen.min(T::ratio(9, 10));
+        let most = self.seen.min(0.9);
         self.rate = if most > self.rate { most } else { self.rate };
     }
 
     /// What [`Self::see`] does with most changes: those above rounding that are at most half of the last. Returns whether this is one of them; of
     /// others it sees nothing.
     #[inline(always)]
-    pub(crate) fn see_plain(&mut self, change: T) -> bool {
-        let (last, eps) = (self.change, T::EPSILON);
+    pub(crate) fn see_plain(&mut self, change: f64) -> bool {
+        let (last, eps) = (self.change, Self::epsilon());
         let Some(allowed) = self.allowed else {
             return self.see_first(change);
         };
-        let allowed = allowed * T::ratio(SLOW_PERCENT, 100);
-        let contracts = (change <= last / T::int(2)) & (change <= allowed);
-        if self.is_apart | !contracts | !(change > T::int(NOISY) * eps) {
+        let allowed = allowed * SLOW;
+        let contracts = (change <= last / 2.0) & (change <= allowed);
+        if self.is_apart | !contracts | !(change > NOISY * eps) {
             return false;
         }
-        if last > T::int(ROUNDING) * eps {
+        if last > ROUNDING * eps {
             self.contract(change, last);
             self.slow = 0;
         }
@@ -188,42 +196,42 @@ impl<T: Float> Contraction<T> {
 
     /// The same of the first change of a step, if that is above rounding.
     #[inline(always)]
-    fn see_first(&mut self, change: T) -> bool {
+    fn see_first(&mut self, change: f64) -> bool {
         let is_first = !self.change.is_finite();
-        if !is_first | !(change > T::int(NOISY) * T::EPSILON) | !change.is_finite() {
+        if !is_first | !(change > NOISY * Self::epsilon()) | !change.is_finite() {
             return false;
         }
-        self.allowed = Some(T::int(ALLOWANCE) * change);
+        self.allowed = Some(ALLOWANCE * change);
         (self.change, self.left, self.is_apart) = (change, change, false);
         (self.still, self.is_settled) = (0, false);
-        self.is_far = change > T::ratio(1, FAR);
+        self.is_far = change > (1.0 / FAR);
         true
     }
 
     /// The same of changes that are rounding to a good part, which may be the last.
     #[inline(always)]
-    fn see_rounding(&mut self, change: T) -> bool {
-        let (last, eps) = (self.change, T::EPSILON);
-        if self.is_apart | !last.is_finite() | !(change <= T::int(NOISY) * eps) {
+    fn see_rounding(&mut self, change: f64) -> bool {
+        let (last, eps) = (self.change, Self::epsilon());
+        if self.is_apart | !last.is_finite() | !(change <= NOISY * eps) {
             return false;
         }
-        if last > T::int(ROUNDING) * eps {
+        if last > ROUNDING * eps {
             self.contract(change, last);
             self.slow = 0;
         }
         let left = self.left * self.rate;
         self.left = if left < change { left } else { change };
         self.change = change;
-        self.settle(true, change > last / T::int(2));
+        self.settle(true, change > last / 2.0);
         true
     }
 
     /// Whether the stages have settled, by an error that was `observed` or not, and a change that `stagnates` or not.
     #[inline(always)]
     fn settle(&mut self, observed: bool, stagnates: bool) {
-        let (error, eps) = (self.error(), T::EPSILON);
+        let (error, eps) = (self.error(), Self::epsilon());
         self.still = if stagnates { self.still + 1 } else { 0 };
-        self.is_settled = (observed & (error <= eps / T::int(SETTLED)))
+        self.is_settled = (observed & (error <= eps / SETTLED))
             | (stagnates & (error <= eps))
             | self.stands_still();
     }
@@ -231,61 +239,61 @@ impl<T: Float> Contraction<T> {
     /// A sweep has changed Z by `change`, and with it perhaps what it is relative to. Returns whether it is worth while to go on; before
     /// anything but sweeps has moved Z (`alone`) it is not if they do not contract on the whole.
     #[inline(always)]
-    pub(crate) fn see(&mut self, change: T, is_remeasured: bool, alone: bool) -> bool {
+    pub(crate) fn see(&mut self, change: f64, is_remeasured: bool, alone: bool) -> bool {
         (!is_remeasured && (self.see_rounding(change) || self.see_plain(change)))
             || self.see_any(change, is_remeasured, alone)
     }
 
-    fn see_any(&mut self, change: T, is_remeasured: bool, alone: bool) -> bool {
-        let eps = T::EPSILON;
+    fn see_any(&mut self, change: f64, is_remeasured: bool, alone: bool) -> bool {
+        let eps = Self::epsilon();
         let (last, is_first) = (self.change, !self.change.is_finite());
         let is_apart = std::mem::replace(&mut self.is_apart, is_remeasured);
         let compares = !is_first && !is_apart;
-        let is_rounding = change <= T::int(ROUNDING) * eps;
-        if compares && last > T::int(ROUNDING) * eps {
-            let is_slow = change > last * T::ratio(SLOW_PERCENT, 100);
+        let is_rounding = change <= ROUNDING * eps;
+        if compares && last > ROUNDING * eps {
+            let is_slow = change > last * SLOW;
             self.slow = if is_slow { self.slow + 1 } else { 0 };
             self.contract(change, last);
         }
         let allowed = match self.allowed {
-            Some(allowed) => allowed * T::ratio(SLOW_PERCENT, 100),
-            None => T::int(ALLOWANCE) * change,
+            Some(allowed) => allowed * SLOW,
+            None => ALLOWANCE * change,
         };
         // The first change from nothing is relative to sizes that were not known yet.
         self.allowed = (!(is_first && is_remeasured)).then_some(allowed);
-        let grows = self.slow > 1 && change > T::int(2) * last;
+        let grows = self.slow > 1 && change > 2.0 * last;
         // Not one sweep after the other, perhaps, but on the whole.
         let behind = alone && !is_rounding && change > allowed;
         if self.slow > 2 || grows || behind || !change.is_finite() {
             self.change = change;
             return false;
         }
-        self.left = if compares && change <= T::int(NOISY) * eps {
+        self.left = if compares && change <= NOISY * eps {
             change.min(self.left * self.rate)
         } else {
             change
         };
         self.change = change;
-        self.is_far |= change > T::ratio(1, FAR);
+        self.is_far |= change > (1.0 / FAR);
         // Rounding, and sweeps contract well enough for it not to be blown up.
-        let stagnates = is_rounding && (compares || is_first) && change > last / T::int(2);
+        let stagnates = is_rounding && (compares || is_first) && change > last / 2.0;
         // What is relative to sizes that were not known yet says nothing.
-        let observed = !is_first || (change <= T::int(4) * eps && !is_remeasured);
+        let observed = !is_first || (change <= 4.0 * eps && !is_remeasured);
         self.settle(observed, stagnates);
         true
     }
 
     /// What the last sweep has left of an error at the end point.
-    pub(crate) fn error(&mut self) -> T {
+    pub(crate) fn error(&mut self) -> f64 {
         self.left * self.tail()
     }
 
     /// Rounding at the end point, of stages that have settled.
-    pub(crate) fn noise(&mut self) -> T {
+    pub(crate) fn noise(&mut self) -> f64 {
         let left = (self.change * self.tail()).min(self.change);
         if self.has_springs {
             // Sweeps that solve for stiff springs contract what is off, not what rounding the forces makes anew.
-            left.max(self.change.min(T::int(NOISY) * T::EPSILON))
+            left.max(self.change.min(NOISY * Self::epsilon()))
         } else {
             left
         }
@@ -303,12 +311,12 @@ impl<T: Float> Contraction<T> {
 
     /// The next change of Z, as far as can be told.
     #[inline(always)]
-    pub(crate) fn next_change(&self) -> T {
+    pub(crate) fn next_change(&self) -> f64 {
         self.left * self.rate
     }
 
     /// The error that it leaves.
-    pub(crate) fn next_error(&mut self) -> T {
+    pub(crate) fn next_error(&mut self) -> f64 {
         self.next_change() * self.tail()
     }
 }

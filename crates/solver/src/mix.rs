@@ -73,8 +73,9 @@ pub(crate) trait Mix<'a, T: Float> {
             self.lanes::<1>()
         } else {
             match stride_for::<T>(s) {
-                8 => self.by_rows(&Packed::<T, 1, 8>::of(rows(k), s)),
-                16 => self.by_rows(&Packed::<T, 2, 8>::of(rows(k), s)),
+                8 if s <= 4 => self.by_rows(&Packed::<T, 1, 8, 4>::of(rows(k), s)),
+                8 => self.by_rows(&Packed::<T, 1, 8, 8>::of(rows(k), s)),
+                16 => self.by_rows(&Packed::<T, 2, 8, 16>::of(rows(k), s)),
                 _ => self.lanes::<8>(),
             }
         }

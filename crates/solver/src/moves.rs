@@ -74,6 +74,10 @@ impl<T: Float> Sweeps<T> {
         let d = by_response.map_or(&self.slopes.d, |response| &response.d);
         for (k, alpha) in self.alphas.iter_mut().enumerate() {
             let base = by_response.map_or(T::int(0), |response| response.base[k]);
+            if d[k] == T::int(0) && base == T::int(0) {
+                self.delta[k] = T::int(0);
+                continue;
+            }
             let moved = task.alphas[k] + base + alphas.t * d[k];
             self.delta[k] = moved - *alpha;
             *alpha = moved;

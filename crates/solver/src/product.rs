@@ -137,18 +137,16 @@ impl<T: Float, const G: usize, const N: usize> Mixes<T, G, N> for Columns<'_, T,
 }
 
 /// The first columns, of numbers that take more than one word: put into packs once, and all groups together.
-pub(crate) struct Packed<T: Float, const G: usize, const N: usize> {
-    columns: [[T::Pack<N>; G]; MOST],
+pub(crate) struct Packed<T: Float, const G: usize, const N: usize, const S: usize> {
+    columns: [[T::Pack<N>; G]; S],
     s: usize,
 }
 
-/// Stages of the longest rows by literal length.
-const MOST: usize = 16;
-
-impl<T: Float, const G: usize, const N: usize> Packed<T, G, N> {
+impl<T: Float, const G: usize, const N: usize, const S: usize> Packed<T, G, N, S> {
+    /// The first `s` of them, S at most.
     #[inline(always)]
     pub(crate) fn of(columns: &[Row<T, G, N>], s: usize) -> Self {
-        let mut packed = [[T::Pack::splat(T::int(0)); G]; MOST];
+        let mut packed = [[T::Pack::splat(T::int(0)); G]; S];
         for (packed, column) in packed.iter_mut().zip(columns).take(s) {
             for g in 0..G {
                 packed[g] = T::Pack::of(&column[g]);
@@ -158,7 +156,9 @@ impl<T: Float, const G: usize, const N: usize> Packed<T, G, N> {
     }
 }
 
-impl<T: Float, const G: usize, const N: usize> Mixes<T, G, N> for Packed<T, G, N> {
+impl<T: Float, const G: usize, const N: usize, const S: usize> Mixes<T, G, N>
+    for Packed<T, G, N, S>
+{
     #[inline(always)]
     fn product(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
         let mut sums = [[T::int(0); N]; G];

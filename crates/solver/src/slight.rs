@@ -32,7 +32,7 @@ const SLIGHT: i64 = 8;
 /// Displacements of the end point, in ε of its sizes, for each floor of the defect. Least displacement makes 3 to 9.
 const FAR: i64 = 16;
 /// Contraction, as 1 over this, above which one sweep does not show the displacement: at 1/5 it shows a tenth of it.
-const CONTRACTS: i64 = 20;
+const CONTRACTS: f64 = 20.0;
 /// α's larger than 1 over this are not for slight defects.
 const SMALL: i64 = 128;
 /// r before it has been measured, and the most that is remembered.
@@ -82,7 +82,7 @@ impl<T: Float> Sweeps<T> {
         task: &SweepTask<'_, T>,
         counts: &mut Counts,
     ) -> Option<T> {
-        let contracts = self.contraction.rate <= T::ratio(1, CONTRACTS);
+        let contracts = self.contraction.rate <= 1.0 / CONTRACTS;
         if self.response.is_none() || floors > T::int(SLIGHT) || !contracts {
             return None;
         }

@@ -165,7 +165,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             Then::Nothing => &mut none,
         };
         if pause.passes() {
-            sweeps.contraction.seen = T::int(0);
+            sweeps.contraction.seen = 0.0;
             return Err(Trouble::Slow);
         }
         if !self.constraints.is_empty() && self.start.y != y.hi {
@@ -244,7 +244,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             return None;
         }
         let sweeps = self.sweeps.as_ref()?;
-        let rate = sweeps.contraction.seen.to_f64();
+        let rate = sweeps.contraction.seen;
         let contraction = match sweeps.iterate.kinetic {
             Some(_) => rate.sqrt(),
             None => rate,

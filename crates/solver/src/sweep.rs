@@ -287,7 +287,7 @@ impl<T: Float> Iterate<T> {
                 self.evaluate(energy);
                 (ready.foresee)(self, y, unknown);
                 let change = (ready.mix)(self, y);
-                let leaps = springs && change > T::ratio(1, FAR);
+                let leaps = springs && change > T::exact(1.0 / FAR);
                 if !drafts || leaps || !again.again(change) {
                     return change;
                 }

@@ -147,7 +147,7 @@ impl<T: Float> Sweeps<T> {
         }
         if let (Ok(()), Some(springs)) = (solved, &mut self.iterate.springs) {
             let are_at_start = self.alphas == task.alphas;
-            springs.has_made(are_at_start.then_some(self.contraction.seen));
+            springs.has_made(are_at_start.then_some(T::exact(self.contraction.seen)));
         }
         solved
     }
@@ -187,7 +187,7 @@ impl<T: Float> Sweeps<T> {
             counts.gradients += u64::from(made) * self.iterate.s as u64;
             self.made += made;
             let (remeasured, alone) = (self.iterate.was_remeasured, alphas.moves == 0);
-            if !seen && !self.contraction.see(change, remeasured, alone) {
+            if !seen && !self.contraction.see(change.to_f64(), remeasured, alone) {
                 // Prolonged too far, perhaps.
                 if !alone || !std::mem::take(&mut prolonged) {
                     return Err(Trouble::Slow);
@@ -214,7 +214,7 @@ impl<T: Float> Sweeps<T> {
                 }
                 continue;
             };
-            let error = self.contraction.error();
+            let error = T::exact(self.contraction.error());
             let uncertain = match task.rule {
                 Rule::Slopes => error * self.spread,
                 _ => error * self.scale,
@@ -234,7 +234,7 @@ impl<T: Float> Sweeps<T> {
                 return Err(Trouble::Slow);
             }
             if settled {
-                constraint.add_noise(self.contraction.noise());
+                constraint.add_noise(T::exact(self.contraction.noise()));
             }
             let (g, out) = (constraint.defect, constraint.in_floors());
             let floors = constraint.in_judging_floors();
@@ -278,7 +278,7 @@ impl<T: Float> Sweeps<T> {
                     && let Some(change) =
                         self.remove_slight(energy, seen, (&mut alphas, next), task, counts)
                 {
-                    self.contraction.jump(change);
+                    self.contraction.jump(change.to_f64());
                     last_out = out;
                     continue;
                 }

@@ -213,7 +213,7 @@ impl Exactly<'_> {
     /// Up to 16 stages.
     #[inline(always)]
     fn packed<const G: usize>(&mut self) {
-        let k = Packed::<DoubleDouble, G, 8>::of(rows(self.columns), self.b.len());
+        let k = Packed::<DoubleDouble, G, 8, 16>::of(rows(self.columns), self.b.len());
         let columns = self.columns.chunks_exact(self.width);
         for (to, column) in self.twice.chunks_exact_mut(self.stride).zip(columns) {
             let mut row = [[DoubleDouble::exact(0.0); 8]; G];

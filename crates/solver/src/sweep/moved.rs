@@ -1,8 +1,8 @@
 //! What moves with the α's in the midst of a step: K, Z, and the stages.
 
 use super::Iterate;
-use crate::state::State;
 use crate::row::{add, by_lanes, difference, scaled};
+use crate::state::State;
 use equip_scalar::{Float, Kernel};
 
 impl<T: Float> Iterate<T> {

@@ -8,7 +8,7 @@ use equip_scalar::Float;
 impl<T: Float> Sweeps<T> {
     /// Forgets what was remembered of earlier steps.
     pub(crate) fn forget(&mut self) {
-        self.contraction.set_rate(T::ratio(1, 2));
+        self.contraction.set_rate(0.5);
         self.defect = T::int(0);
         (self.scale, self.spread) = (T::int(0), T::int(0));
         self.dear.far = T::int(0);
@@ -22,7 +22,7 @@ impl<T: Float> Sweeps<T> {
             Trouble::Slow if !self.contraction.change.is_finite() => Failure::NotFinite,
             Trouble::Slow | Trouble::StagesOnly => Failure::NoConvergence {
                 iterations: self.made,
-                correction: self.contraction.change,
+                correction: T::exact(self.contraction.change),
             },
         }
     }
@@ -37,7 +37,7 @@ impl<T: Float> Sweeps<T> {
     pub(crate) fn memory(&self) -> [T; 6] {
         let (rate, reach) = (self.contraction.rate, self.slight.reach);
         [
-            rate,
+            T::exact(rate),
             self.defect,
             self.scale,
             self.spread,
@@ -47,7 +47,7 @@ impl<T: Float> Sweeps<T> {
     }
 
     pub(crate) fn restore(&mut self, [rate, defect, scale, spread, reach, far]: [T; 6]) {
-        self.contraction.set_rate(rate);
+        self.contraction.set_rate(rate.to_f64());
         (self.defect, self.scale, self.spread) = (defect, scale, spread);
         self.slight.reach = reach;
         self.dear.far = far;
