@@ -15,10 +15,12 @@ use crate::half::{Half, force};
 use crate::mix::{Mix, Moved, Step};
 use crate::pairs::HALF;
 use crate::product::{Mixes, Sixteen, product_any};
-use crate::row::{OnLines, Row, add, difference, literal, placed, rows, rows_mut, scaled};
+use crate::row::{
+    OnLines, Row, add, difference, in_memory, literal, placed, rows, rows_mut, scaled,
+};
 use crate::small::{Small, change, numbers, rows_of};
 use equip_autodiff::Slopes;
-use equip_scalar::{Float, Kernel};
+use equip_scalar::{Float, Kernel, Pack};
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -87,6 +89,9 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
         block: Range<usize>,
         change: &mut Moved<N>,
     ) {
+        if !T::IS_DOUBLE {
+            return self.wide_block(k, block, change);
+        }
         let m = self.unknowns();
         let (h, step) = (self.h, &mut self.half.step);
         let hb: Row<T, G, N> = *literal(rows(step.hb).first());
@@ -127,6 +132,44 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
             change.see(&by, step.inverse_scale[c]);
             add(&mut step.z[q + g], &by);
             step.points[q + g] = placed(step.hi[c], step.lo[c], &step.z[q + g]);
+        }
+    }
+}
+
+impl<T: Float> Draft<'_, T> {
+    /// As [`Half::wide_block`].
+    #[inline(always)]
+    fn wide_block<const G: usize, const N: usize>(
+        &mut self,
+        k: &impl Mixes<T, G, N>,
+        block: Range<usize>,
+        change: &mut Moved<N>,
+    ) {
+        let (m, h) = (self.half.inverse_masses.len(), self.h);
+        let step = &mut self.half.step;
+        let hb = literal(rows::<T, G, N>(step.hb).first()).map(|hb| T::Pack::of(&hb));
+        let l_p = &mut rows_mut::<T, G, N>(step.l)[m..];
+        let z = rows_mut::<T, G, N>(step.z);
+        let q = rows_mut::<T, G, N>(step.points);
+        let splat = |x: T| T::Pack::<N>::splat(x);
+        let mut delta = OnLines([[T::int(0); N]; G]);
+        for c in block {
+            let gradient = &rows::<T, G, N>(step.gradients)[c];
+            for g in 0..G {
+                let new = -(hb[g] * T::Pack::of(&gradient[g]));
+                delta.0[g] = (new - T::Pack::of(&l_p[c][g])).numbers();
+                l_p[c][g] = new.numbers();
+            }
+            let mixed = k.packs(in_memory(&mut delta.0));
+            let by = splat(h * self.half.inverse_masses[c]);
+            let (hi, lo) = (splat(step.hi[c]), splat(step.lo[c]));
+            for g in 0..G {
+                let by = mixed[g] * by;
+                change.see_heads(by.heads(), step.inverse_scale[c]);
+                let moved = T::Pack::of(&z[c][g]) + by;
+                z[c][g] = moved.numbers();
+                q[c][g] = (hi + (moved + lo)).numbers();
+            }
         }
     }
 }

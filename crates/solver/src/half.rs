@@ -6,10 +6,10 @@ use crate::ahead::Again;
 use crate::mix::{Mix, Moved, Step};
 use crate::pairs::{Blocks, Parts};
 use crate::product::Mixes;
-use crate::row::{Row, difference, linear, literal, placed, rows, rows_mut, times};
+use crate::row::{Row, difference, in_memory, linear, literal, placed, rows, rows_mut, times};
 use crate::small::{Finish, Small, numbers, rows_of};
 use equip_autodiff::Slopes;
-use equip_scalar::{Float, Kernel, Lanes};
+use equip_scalar::{Float, Kernel, Lanes, Pack};
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -79,6 +79,9 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
         block: Range<usize>,
         change: &mut Moved<N>,
     ) {
+        if !T::IS_DOUBLE {
+            return self.wide_block(k, block, change);
+        }
         let m = self.inverse_masses.len();
         let (len, momenta) = (block.len(), block.start + m..block.end + m);
         let step = &mut self.step;
@@ -125,6 +128,51 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
             }
         }
         step.advance(c, change);
+    }
+}
+
+impl<T: Float> Half<'_, T> {
+    /// Numbers of more than one word stay in packs from one product to the next: to put the words in order and apart again takes as long as a product.
+    #[inline(always)]
+    fn wide_block<const G: usize, const N: usize>(
+        &mut self,
+        k: &impl Mixes<T, G, N>,
+        block: Range<usize>,
+        change: &mut Moved<N>,
+    ) {
+        let m = self.inverse_masses.len();
+        let step = &mut self.step;
+        let hb = literal(rows::<T, G, N>(step.hb).first()).map(|hb| T::Pack::of(&hb));
+        let (l_q, l_p) = rows_mut::<T, G, N>(step.l).split_at_mut(m);
+        let (q, p) = rows_mut::<T, G, N>(step.points).split_at_mut(m);
+        let z = rows_mut::<T, G, N>(step.z);
+        let splat = |x: &[T], c: usize| T::Pack::<N>::splat(x[c]);
+        for c in block.clone() {
+            let gradient = &rows::<T, G, N>(step.gradients)[c];
+            for g in 0..G {
+                l_p[c][g] = (-(hb[g] * T::Pack::of(&gradient[g]))).numbers();
+            }
+            let moved = k.packs(in_memory(&mut l_p[c]));
+            let (hi, lo) = (splat(step.hi, c + m), splat(step.lo, c + m));
+            let (w, b) = (splat(self.inverse_masses, c), splat(self.offset, c));
+            for g in 0..G {
+                let momenta = hi + (moved[g] + lo);
+                l_q[c][g] = (hb[g] * (w * momenta + b)).numbers();
+                if self.keeps_momenta {
+                    p[c][g] = momenta.numbers();
+                }
+            }
+        }
+        for c in block {
+            let moved = k.packs(in_memory(&mut l_q[c]));
+            let (hi, lo) = (splat(step.hi, c), splat(step.lo, c));
+            for g in 0..G {
+                let by = moved[g] - T::Pack::of(&z[c][g]);
+                change.see_heads(by.heads(), step.inverse_scale[c]);
+                q[c][g] = (hi + (moved[g] + lo)).numbers();
+                z[c][g] = moved[g].numbers();
+            }
+        }
     }
 }
 

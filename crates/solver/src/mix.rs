@@ -230,8 +230,13 @@ impl<const N: usize> Moved<N> {
 
     #[inline(always)]
     pub(crate) fn see<T: Float>(&mut self, by: &[T; N], inverse_scale: T) {
+        self.see_heads(T::Pack::of(by).heads(), inverse_scale);
+    }
+
+    #[inline(always)]
+    pub(crate) fn see_heads<T: Float>(&mut self, by: [f64; N], inverse_scale: T) {
         let inverse_scale = inverse_scale.to_f64();
-        for (i, by) in T::Pack::of(by).heads().into_iter().enumerate() {
+        for (i, by) in by.into_iter().enumerate() {
             let moved = by.abs() * inverse_scale;
             let most = self.largest[i];
             self.largest[i] = if moved > most { moved } else { most };

@@ -23,6 +23,12 @@ pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
 
     fn product(&self, folded: &Row<T, G, N>) -> Row<T, G, N>;
 
+    /// The same in packs, for what goes on with them.
+    #[inline(always)]
+    fn packs(&self, folded: &Row<T, G, N>) -> [T::Pack<N>; G] {
+        self.product(folded).map(|row| T::Pack::of(&row))
+    }
+
     /// K L of what has just been made.
     #[inline(always)]
     fn mixed(&self, l: &mut Row<T, G, N>) -> Row<T, G, N> {
@@ -162,8 +168,17 @@ impl<T: Float, const G: usize, const N: usize, const S: usize> Mixes<T, G, N>
     #[inline(always)]
     fn product(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
         let mut sums = [[T::int(0); N]; G];
+        for (sum, pack) in sums.iter_mut().zip(self.packs(l)) {
+            *sum = pack.numbers();
+        }
+        sums
+    }
+
+    #[inline(always)]
+    fn packs(&self, l: &Row<T, G, N>) -> [T::Pack<N>; G] {
+        let mut sums = [T::Pack::splat(T::int(0)); G];
         for (g, sum) in sums.iter_mut().enumerate() {
-            *sum = T::Pack::dot(&self.columns[..self.s], g, l.as_flattened()).numbers();
+            *sum = T::Pack::dot(&self.columns[..self.s], g, l.as_flattened());
         }
         sums
     }
