@@ -58,10 +58,10 @@ impl InstructionSet {
     /// What every processor of the target has; on x86-64 two doubles at a time.
     pub const PORTABLE: Self = InstructionSet(Level::Portable);
 
-    /// AVX2: four doubles at a time.
+    /// AVX2 with fused multiply-add, which all processors but a few have that have AVX2: four doubles at a time.
     pub fn avx2() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
             return Some(InstructionSet(Level::Avx2));
         }
         None
@@ -71,6 +71,7 @@ impl InstructionSet {
     pub fn avx512() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("fma")
             && is_x86_feature_detected!("avx512vl")
             && is_x86_feature_detected!("avx512dq")
         {
@@ -128,12 +129,12 @@ mod x86_64 {
 
     use super::{Kernel, Level};
 
-    #[target_feature(enable = "avx2")]
+    #[target_feature(enable = "avx2,fma")]
     fn avx2<K: Kernel>(kernel: &mut K) -> K::Output {
         kernel.run_narrow()
     }
 
-    #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,fma")]
     fn avx512<K: Kernel>(kernel: &mut K) -> K::Output {
         kernel.run()
     }

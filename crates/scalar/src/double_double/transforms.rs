@@ -17,21 +17,25 @@ pub(super) fn fast_two_sum<W: Word>(a: W, b: W) -> (W, W) {
     (s, b - (s - a))
 }
 
-/// a = high + low with at most 26 bits each. [Dekker 1971; Veltkamp] Overflows to NaN above 2⁹⁹⁶.
-#[inline(always)]
-fn split<W: Word>(a: W) -> (W, W) {
-    let t = W::word(134_217_729.0) * a; // 2²⁷ + 1
-    let high = t - (t - a);
-    (high, a - high)
-}
-
-/// a·b = p + e exactly, p = RN(ab), unless ab < 2⁻⁹⁶⁹ or a factor is above 2⁹⁹⁶ (then e is NaN). [Dekker 1971]
+/// a·b = p + e exactly, p = RN(ab), unless e is below the least number (then it is the nearest) or p is not finite: e = RN(ab − p), one operation of
+/// processors that have it.
 #[inline(always)]
 pub(super) fn two_prod<W: Word>(a: W, b: W) -> (W, W) {
     let p = a * b;
-    let (ah, al) = split(a);
-    let (bh, bl) = split(b);
-    (p, ((ah * bh - p) + ah * bl + al * bh) + al * bl)
+    (p, W::product_rest(a, b, p))
+}
+
+/// The same e without that operation: a = high + low with at most 26 bits each. [Dekker 1971; Veltkamp] Inexact where ab < 2⁻⁹⁶⁹, NaN where a factor is
+/// above 2⁹⁹⁶.
+#[inline(always)]
+pub(super) fn rest_by_splitting(a: f64, b: f64, p: f64) -> f64 {
+    let split = |a: f64| {
+        let t = 134_217_729.0 * a; // 2²⁷ + 1
+        let high = t - (t - a);
+        (high, a - high)
+    };
+    let ((ah, al), (bh, bl)) = (split(a), split(b));
+    ((ah * bh - p) + ah * bl + al * bh) + al * bl
 }
 
 /// 2ᵏ for −1022 ≤ k ≤ 1023.
