@@ -63,6 +63,7 @@ mod pairs;
 mod product;
 mod prolongation;
 mod ready;
+mod refined;
 mod response;
 mod reversible;
 mod reversible_stepper;

@@ -330,7 +330,7 @@ impl<T: Float> Linearised<T> {
 
     /// Correction of the stages for the right-hand side x, in place.
     pub(crate) fn solve(&mut self, x: &mut DVector<T>) {
-        match (self.active, &mut self.simplified, &self.full) {
+        match (self.active, &mut self.simplified, &mut self.full) {
             (Active::Simplified, Some(simplified), _) => simplified.solve(x),
             (_, _, Some(full)) => full.solve(x),
             _ => {}

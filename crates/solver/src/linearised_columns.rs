@@ -77,7 +77,7 @@ impl<T: Float> Linearised<T> {
         let found = if self.is_simplified() {
             self.refine(stages, &mut x, self.columns_to, true)
         } else {
-            if let Some(full) = &self.full {
+            if let Some(full) = &mut self.full {
                 full.solve_transposed(&mut x);
             }
             true

@@ -192,7 +192,7 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
         if self.is_factored || !self.sweep() {
             self.factor(part)?;
             mix(&self.stages, &self.turned, self.x.as_mut_slice());
-            if let Some(linearised) = &self.linearised {
+            if let Some(linearised) = &mut self.linearised {
                 linearised.solve(&mut self.x);
             }
         }
