@@ -1,7 +1,8 @@
 //! [`DoubleDouble`]: about 31 digits, as an unevaluated sum of two `f64`.
 //!
-//! x = hi + lo with hi = RN(hi + lo), so |lo| ≤ ulp(hi)/2. Own code throughout: no FMA (on plain x86-64 that
-//! is a call into libm), no libm function but the correctly rounded `sqrt`, hence the same bits on every platform.
+//! x = hi + lo with hi = RN(hi + lo), so |lo| ≤ ulp(hi)/2. Own code throughout: no libm function but the correctly rounded
+//! `sqrt` and fused multiply-add, hence the same bits on every platform. The latter is a call on plain x86-64, so that single numbers call it only where
+//! products split by Dekker are not exact; in vectors it is an instruction.
 //!
 //! | | largest relative error proved or measured, in units of 2⁻¹⁰⁴ |
 //! |---|---|
