@@ -76,6 +76,7 @@ pub(crate) trait Mix<'a, T: Float> {
                 8 if s <= 4 => self.by_rows(&Packed::<T, 1, 8, 4>::of(rows(k), s)),
                 8 => self.by_rows(&Packed::<T, 1, 8, 8>::of(rows(k), s)),
                 16 => self.by_rows(&Packed::<T, 2, 8, 16>::of(rows(k), s)),
+                24 => self.by_rows(&Packed::<T, 3, 8, 24>::of(rows(k), s)),
                 _ => self.lanes::<8>(),
             }
         }
