@@ -179,3 +179,54 @@ fn sums_of_products_beyond_the_largest_number() {
     assert_eq!(z[1], DoubleDouble::INFINITY);
     assert_eq!(z[0], big + DoubleDouble::int(3));
 }
+
+struct Total<'a, T, const N: usize>(&'a [[T; N]]);
+
+impl<T: Float, const N: usize> Kernel for Total<'_, T, N> {
+    type Output = (T, T);
+    #[inline(always)]
+    fn run(&mut self) -> (T, T) {
+        T::Pack::total(self.0)
+    }
+}
+
+/// The exact sum by integers, in units of 2^−`places`.
+fn totals<T: Float, const N: usize>(places: i32, number: impl Fn(i64) -> T) {
+    let exact = |x: T| -> i128 {
+        let words = x
+            .expansion()
+            .map(|word| (word * 2_f64.powi(places)) as i128);
+        words.iter().sum()
+    };
+    let mut has_lost = false;
+    for seed in 0..40 {
+        // Odd, and of 53 bits, of either sign.
+        let odd =
+            |i: i64| ((i * i + seed * i + 11).wrapping_mul(1_442_695_040_888_963_407) >> 10) | 1;
+        let packs: [[T; N]; 3] =
+            std::array::from_fn(|g| std::array::from_fn(|i| number(odd((N * g + i) as i64))));
+        let whole: i128 = packs.as_flattened().iter().map(|&x| exact(x)).sum();
+        for set in InstructionSet::available() {
+            let (found, lost) = set.run(&mut Total(&packs));
+            assert_eq!(exact(found) + exact(lost), whole, "{set:?}: {found:e}");
+            has_lost |= lost != T::int(0);
+            let mut infinite = packs;
+            infinite[1][N - 1] = T::INFINITY;
+            assert_eq!(set.run(&mut Total(&infinite)).0, T::INFINITY);
+        }
+    }
+    assert!(has_lost);
+}
+
+#[test]
+fn totals_are_exact_with_what_they_have_lost() {
+    totals::<f64, 4>(0, |odd| odd as f64);
+    totals::<f64, 8>(0, |odd| odd as f64);
+    // Sums of the upper words lose bits, and so do those of the lower words with these.
+    let unit = DoubleDouble::from(2_f64.powi(-55));
+    let wide = |odd: i64| {
+        DoubleDouble::int(odd) + DoubleDouble::int(odd.wrapping_mul(odd + 2) >> 11 | 1) * unit
+    };
+    totals::<DoubleDouble, 4>(55, wide);
+    totals::<DoubleDouble, 8>(55, wide);
+}

@@ -161,7 +161,7 @@ impl<T: Float> Contraction<T> {
         }
         // Without branches: no processor foretells which sweep contracts worst.
         let zero = 0.0;
-        let now = if last <= (1.0 / FAR) {
+        let now = if last <= 1.0 / FAR {
             change / last
         } else {
             zero
@@ -204,7 +204,7 @@ impl<T: Float> Contraction<T> {
         self.allowed = Some(ALLOWANCE * change);
         (self.change, self.left, self.is_apart) = (change, change, false);
         (self.still, self.is_settled) = (0, false);
-        self.is_far = change > (1.0 / FAR);
+        self.is_far = change > 1.0 / FAR;
         true
     }
 
@@ -274,7 +274,7 @@ impl<T: Float> Contraction<T> {
             change
         };
         self.change = change;
-        self.is_far |= change > (1.0 / FAR);
+        self.is_far |= change > 1.0 / FAR;
         // Rounding, and sweeps contract well enough for it not to be blown up.
         let stagnates = is_rounding && (compares || is_first) && change > last / 2.0;
         // What is relative to sizes that were not known yet says nothing.

@@ -319,7 +319,8 @@ impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
             (1..N).fold(sum.lane(0), |all, k| all.plus(sum.lane(k)))
         };
         let ((hi, lo), rest) = sum.total();
-        if (hi - hi) + (lo + rest) - (lo + rest) == 0.0 {
+        // A NaN is there if an infinity or an overflow took part.
+        if !(lo + rest).is_nan() {
             (dd(hi, lo), dd(rest, 0.0))
         } else {
             special_total(packs)

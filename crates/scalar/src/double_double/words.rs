@@ -1,6 +1,6 @@
 //! The algorithms of arithmetic on pairs of words (hi, lo), a word being an `f64` or one in each of several lanes.
 //!
-//! Nothing is asked of a word but arithmetic and one selection, so the lanes have the bits of the numbers one by one. u = 2⁻⁵³.
+//! Nothing is asked of a word but arithmetic, what a product is rounded by, and one selection, so the lanes have the bits of the numbers one by one. u = 2⁻⁵³.
 
 use super::arithmetic::SAFE_MIN;
 use super::transforms::{fast_two_sum, rest_by_splitting, two_prod, two_sum};
@@ -23,7 +23,7 @@ impl Word for f64 {
         x
     }
 
-    /// Plain builds have to call for it, and so do what gives the same for most numbers.
+    /// Plain builds would have to call for it: by splitting it is the same for all but very small and very large numbers.
     #[inline(always)]
     fn product_rest(a: f64, b: f64, p: f64) -> f64 {
         let rest = rest_by_splitting(a, b, p);
