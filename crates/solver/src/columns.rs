@@ -109,15 +109,13 @@ impl<T: Float> Kernel for Fill<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
+        // Strides are multiples of it.
         if const { T::WIDTH == 1 } {
             self.packs::<1>();
+        } else if T::IS_DOUBLE {
+            self.packs::<4>();
         } else {
-            // Strides are multiples of it; those of wide numbers of 8.
-            if T::IS_DOUBLE {
-                self.packs::<4>();
-            } else {
-                self.packs::<8>();
-            }
+            self.packs::<8>();
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! All vectors of stages are in units of `Stages::scale`, which makes M independent of the units of q and p. Of wide numbers it is factorised in doubles, and
 //! solutions are refined ([`crate::refined`]).
-//! Cost: 2/3 (s n)³ operations to factorise, 2 (s n)² for each solve, (s n)² numbers to hold.
+//! Cost: 2/3 (s n)³ operations to factorise, 2 (s n)² for each solve, (s n)² numbers to hold, of wide ones three times as many.
 
 use crate::hessians::{StageHessians, turned};
 use crate::linear::{DenseLu, Singular};

@@ -1,8 +1,8 @@
 //! Dense systems in wide numbers: factorised in doubles, solved to the last digit by refinement.
 //!
 //! x ← x + (L U)⁻¹ (b − M x), with the residual in the wide numbers: each pass adds the digits that a double has, less those that the condition of M
-//! takes [Higham, *Accuracy and Stability of Numerical Algorithms*, ch. 12]. Systems of stages are in units of the state, so their numbers are of all but
-//! ordinary sizes.
+//! takes [Higham, *Accuracy and Stability of Numerical Algorithms*, ch. 12]. Systems of stages are in units of the state, so their numbers are of ordinary
+//! sizes.
 //!
 //! Cost: 2/3 N³ operations in doubles to factorise; a solve takes some three passes of 2 N² in doubles and as many in wide numbers, side by side in vectors.
 
@@ -19,8 +19,9 @@ const MAX_PASSES: usize = 12;
 #[derive(Debug)]
 pub(crate) struct Refined<T: Float> {
     set: InstructionSet,
-    /// M and Mᵀ column by column, and the same as products read them: of each group of rows column after column.
-    matrices: [Vec<T>; 2],
+    /// Column by column.
+    matrix: Vec<T>,
+    /// M and Mᵀ as products read them: of each group of rows column after column.
     packed: [Vec<[T::Pack<LANES>; 1]>; 2],
     lu: DenseLu<f64>,
     correction: DVector<f64>,
@@ -35,7 +36,7 @@ impl<T: Float> Refined<T> {
         let packs = vec![[T::Pack::splat(T::int(0))]; groups * dimension];
         Refined {
             set: InstructionSet::best(),
-            matrices: [zeros(dimension * dimension), zeros(dimension * dimension)],
+            matrix: zeros(dimension * dimension),
             packed: [packs.clone(), packs],
             lu: DenseLu::new(dimension),
             correction: DVector::zeros(dimension),
@@ -47,32 +48,29 @@ impl<T: Float> Refined<T> {
     /// Sets M to the identity.
     pub(crate) fn reset(&mut self) {
         let n = self.x.len();
-        for matrix in &mut self.matrices {
-            matrix.fill(T::int(0));
-            matrix
-                .iter_mut()
-                .step_by(n + 1)
-                .for_each(|x| *x = T::int(1));
-        }
+        self.matrix.fill(T::int(0));
+        let diagonal = self.matrix.iter_mut().step_by(n + 1);
+        diagonal.for_each(|x| *x = T::int(1));
     }
 
     pub(crate) fn subtract(&mut self, (row, column): (usize, usize), x: T) {
-        let n = self.x.len();
-        self.matrices[0][column * n + row] -= x;
-        self.matrices[1][row * n + column] -= x;
+        self.matrix[column * self.x.len() + row] -= x;
     }
 
     pub(crate) fn factor(&mut self) -> Result<(), Singular> {
         let n = self.x.len();
-        for (to, x) in self.lu.matrix_mut().iter_mut().zip(&self.matrices[0]) {
+        for (to, x) in self.lu.matrix_mut().iter_mut().zip(&self.matrix) {
             *to = x.to_f64();
         }
-        for (packed, matrix) in self.packed.iter_mut().zip(&self.matrices) {
+        // From one row and from one column to the next.
+        for (packed, [by_row, by_column]) in self.packed.iter_mut().zip([[1, n], [n, 1]]) {
             for (group, packed) in packed.chunks_exact_mut(n).enumerate() {
                 let rows = group * LANES..n.min((group + 1) * LANES);
-                for (packed, column) in packed.iter_mut().zip(matrix.chunks_exact(n)) {
+                for (column, packed) in packed.iter_mut().enumerate() {
                     let mut numbers = [T::int(0); LANES];
-                    numbers[..rows.len()].copy_from_slice(&column[rows.clone()]);
+                    for (x, row) in numbers.iter_mut().zip(rows.clone()) {
+                        *x = self.matrix[row * by_row + column * by_column];
+                    }
                     *packed = [T::Pack::of(&numbers)];
                 }
             }

@@ -101,14 +101,13 @@ impl<T: Float> Gauss<T> {
         let (s, half, one) = (self.stages, T::ratio(1, 2), T::int(1));
         assert_eq!(alphas.len(), s - 1, "one alpha for each k = 1..s-1");
         assert!(s <= stride && k.len() >= s * stride, "room for s columns");
+        self.each_above(alphas, |i, j, u| {
+            let (upper, lower) = halves(u, half, one);
+            k[j * stride + i] = upper;
+            k[i * stride + j] = lower;
+        });
         for i in 0..s {
             k[i * stride + i] = half;
-            for j in i + 1..s {
-                let u = self.entry(alphas, i * s + j);
-                let (upper, lower) = halves(u, half, one);
-                k[j * stride + i] = upper;
-                k[i * stride + j] = lower;
-            }
         }
     }
 
@@ -128,34 +127,33 @@ impl<T: Float> Gauss<T> {
         let s = self.stages;
         assert_eq!(alphas.len(), s - 1, "one alpha for each k = 1..s-1");
         assert_eq!(u.len(), s * s, "room for s x s entries");
-        for i in 0..s {
-            for j in i..s {
-                u[i * s + j] = self.entry(alphas, i * s + j);
-            }
-        }
+        u.fill(T::int(0));
+        self.each_above(alphas, |i, j, x| u[i * s + j] = x);
         mirror(s, u);
     }
 
-    /// An entry of U(α): as one dot product ([`Pack::dot`]).
-    fn entry(&self, alphas: &[T], place: usize) -> T {
-        let (mut terms, mut factors) = (
-            [[T::Pack::splat(T::int(0))]; MAX_STAGES],
-            [T::int(1); MAX_STAGES],
-        );
-        terms[0] = [T::Pack::of(&[self.unperturbed[place]])];
+    /// Calls `take` with i, j and U(α)_ij for all j > i, each of them one dot product ([`Pack::dot`]).
+    fn each_above(&self, alphas: &[T], mut take: impl FnMut(usize, usize, T)) {
+        let s = self.stages;
+        let mut matrices = [&*self.unperturbed; MAX_STAGES];
+        let mut factors = [T::int(1); MAX_STAGES];
         let mut count = 1;
-        for (t_k, &alpha) in self
-            .basis
-            .chunks_exact(self.stages * self.stages)
-            .zip(alphas)
-        {
+        for (t_k, &alpha) in self.basis.chunks_exact(s * s).zip(alphas) {
             if alpha != T::int(0) {
-                (terms[count], factors[count]) = ([T::Pack::of(&[t_k[place]])], alpha);
+                (matrices[count], factors[count]) = (t_k, alpha);
                 count += 1;
             }
         }
-        let [u] = T::Pack::<1>::dot(&terms[..count], 0, &factors[..count]).numbers();
-        u
+        let mut terms = [[T::Pack::splat(T::int(0))]; MAX_STAGES];
+        for i in 0..s {
+            for j in i + 1..s {
+                for (term, matrix) in terms.iter_mut().zip(&matrices[..count]) {
+                    *term = [T::Pack::of(&[matrix[i * s + j]])];
+                }
+                let [u] = T::Pack::<1>::dot(&terms[..count], 0, &factors).numbers();
+                take(i, j, u);
+            }
+        }
     }
 }
 
