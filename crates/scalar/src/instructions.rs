@@ -2,7 +2,8 @@
 //!
 //! A [`Kernel`] is compiled once for each set, because its `run` is inlined into a function that may use the
 //! set's instructions. Which of them is called depends on what the processor has. Every set computes the same bits:
-//! lanes are independent, sums keep their order, and Rust never contracts a product and a sum into one rounding.
+//! lanes are independent, sums keep their order, and Rust never contracts a product and a sum into one rounding. Where the two are to be rounded once,
+//! [`f64::mul_add`] says so: an instruction for AVX2 and AVX-512, a call in plain builds of x86-64.
 //!
 //! The environment variable `EQUIP_SIMD` (`none`, `avx2` or `avx512`), read once in a program, limits the choice.
 

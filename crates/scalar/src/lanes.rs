@@ -12,14 +12,6 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 #[repr(align(64))]
 pub struct Lanes<const N: usize>(pub [f64; N]);
 
-impl<const N: usize> Lanes<N> {
-    /// The same number in every lane.
-    #[inline(always)]
-    pub fn splat(x: f64) -> Self {
-        Lanes([x; N])
-    }
-}
-
 // Macros: closures are not always inlined.
 macro_rules! each_lane {
     (|$x:ident| $result:expr) => {{
@@ -38,6 +30,21 @@ macro_rules! each_lane {
         }
         Lanes(lanes)
     }};
+}
+
+impl<const N: usize> Lanes<N> {
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(x: f64) -> Self {
+        Lanes([x; N])
+    }
+
+    /// self·x + sum, rounded once.
+    #[inline(always)]
+    pub(crate) fn fused(self, x: f64, sum: Self) -> Self {
+        let a = self;
+        each_lane!(|a, sum| a.mul_add(x, sum))
+    }
 }
 
 macro_rules! operators {

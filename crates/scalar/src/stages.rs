@@ -7,7 +7,7 @@ use std::hint::black_box;
 ///
 /// Layout: component c of stage i stands at `c·stride + i` in `l` and `z`; K stands **column by column**, `k[j·stride + i]` =
 /// K_ij, with `stages` ≤ `stride`. The places between `stages` and `stride` of K are read and become finite places of `z` if they
-/// are finite; those of `l` are not used. The sum runs over j = 0, 1, …, of double-doubles as one dot product ([`Pack::dot`]): the same bits on every instruction set.
+/// are finite; those of `l` are not used. The sum runs over j = 0, 1, …, with fused products of doubles, of double-doubles as one dot product ([`Pack::dot`]): the same bits on every instruction set.
 /// Cost: s² products for each component; 8 stages fill vectors of 8 doubles.
 ///
 /// # Panics
@@ -174,7 +174,7 @@ impl Mix<'_> {
             let l = black_box(l);
             let mut sum = k[0] * Lanes::splat(l[0]);
             for j in 1..S {
-                sum = sum + k[j] * Lanes::splat(l[j]);
+                sum = k[j].fused(l[j], sum);
             }
             *z = sum.0;
         }
@@ -205,7 +205,7 @@ impl Mix<'_> {
                 let mut sum = Lanes::<8>::load(&k[at..stride]) * Lanes::splat(l[0]);
                 for j in 1..stages {
                     let column = &k[j * stride + at..(j + 1) * stride];
-                    sum = sum + Lanes::load(column) * Lanes::splat(l[j]);
+                    sum = Lanes::<8>::load(column).fused(l[j], sum);
                 }
                 sum.store(&mut z[at..]);
             }
@@ -226,7 +226,7 @@ fn mixed<const C: usize, const S: usize>(
     for j in 1..S {
         for (sums, l) in sums.iter_mut().zip(l) {
             for g in 0..2 {
-                sums[g] = sums[g] + Lanes(columns[j][g]) * Lanes::splat(l[j]);
+                sums[g] = Lanes(columns[j][g]).fused(l[j], sums[g]);
             }
         }
     }

@@ -136,7 +136,9 @@ fn mixed<T: Float>(rounds: bool) {
                 for c in 0..3 {
                     for i in 0..stages {
                         let term = |j: usize| k[j * stride + i] * l[c * stride + j];
-                        let expected = (1..stages).fold(term(0), |sum, j| sum + term(j));
+                        let fused =
+                            |sum: T, j: usize| k[j * stride + i].mul_add(l[c * stride + j], sum);
+                        let expected = (1..stages).fold(term(0), fused);
                         let size = (0..stages).fold(T::int(0), |sum, j| sum + term(j).abs());
                         let found = z[c * stride + i];
                         let most = if rounds {

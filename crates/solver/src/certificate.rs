@@ -172,7 +172,7 @@ impl<T: Float> Certificate<T> {
             line("sweeps", format!("{}{left}", counts.sweeps));
         }
         if let Some(angle) = self.unresolved_spring
-            && counts.newton_iterations > counts.sweeps
+            && counts.taken_over > 0
         {
             let most = most_resolved::<T>(self.method.stages);
             // Rounded to the digits printed it is still within the limit.

@@ -18,7 +18,7 @@ mod positions;
 
 use crate::columns::both_ways;
 use crate::hessians::turned;
-use crate::row::{add, by_groups, scaled, times};
+use crate::row::{by_groups, fused_each, scaled};
 use crate::springs::Springs;
 use crate::sweep::Iterate;
 use at_stages::Column;
@@ -271,7 +271,7 @@ impl<T: Float> Times<'_, T> {
                     // One side after the other: of four at a time the compiler would gather the numbers.
                     let x = black_box(x);
                     for g in 0..groups {
-                        add(&mut dl[g], &scaled(&times(&entry[g], &x[g]), sign));
+                        dl[g] = fused_each(&scaled(&entry[g], sign), &x[g], &dl[g]);
                     }
                 }
             }

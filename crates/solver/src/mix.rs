@@ -65,8 +65,8 @@ pub(crate) trait Mix<'a, T: Float> {
                 _ if has_pairs::<T>(s) => self.by_rows(&Self::sixteen(k)),
                 4 => self.square::<4>(k),
                 8 => self.square::<8>(k),
-                16 => self.by_rows(&Columns::<T, 2, 8>::of(rows(k), s)),
-                24 => self.by_rows(&Columns::<T, 3, 8>::of(rows(k), s)),
+                16 => self.by_rows(&Columns::<T, 2, 8>(&rows(k)[..s])),
+                24 => self.by_rows(&Columns::<T, 3, 8>(&rows(k)[..s])),
                 _ => self.lanes::<8>(),
             }
         } else if const { T::WIDTH == 1 } {

@@ -13,7 +13,7 @@
 //! Cost: s²/2 products for each component.
 
 use crate::product::Mixes;
-use crate::row::{self, add, literal, scaled, sum_of};
+use crate::row::{self, add, dot, literal, sum_of};
 use equip_scalar::Float;
 use std::array::from_fn;
 use std::borrow::Borrow;
@@ -63,8 +63,8 @@ fn folded<T: Float>(l: &Row<T>) -> Row<T> {
 #[inline(always)]
 fn product<T: Float>(k: &Parts<T>, [s, d]: &Row<T>) -> Row<T> {
     let half = T::ratio(1, 2);
-    let odd = sum_of(from_fn(|j| scaled(&k[0][j], s[j])));
-    let even = sum_of(from_fn(|j| scaled(&k[1][j], d[j])));
+    let odd = dot(HALF, |j| &k[0][j], s);
+    let even = dot(HALF, |j| &k[1][j], d);
     let mut whole = sum_of(from_fn(|j| [s[j]; HALF])).map(|x| x * half);
     add(&mut whole, &even);
     let first = from_fn(|i| whole[i] + odd[i]);

@@ -1,12 +1,12 @@
-//! K L for one component, K standing column by column. Sums have one order, so the bits are the same on every instruction set.
+//! K L for one component, K standing column by column. Products are fused and sums have one order ([`crate::row::dot`]), so the bits are the same on every
+//! instruction set.
 //!
 //! Cost: s² products; by pairs of stages ([`crate::pairs`]) half of them.
 
 use crate::MAX_STAGES;
 use crate::pairs::{HALF, has_pairs};
-use crate::row::{OnLines, Row, add, in_memory, literal, rows, scaled, sum_of};
+use crate::row::{OnLines, Row, add, dot, in_memory, literal, rows};
 use equip_scalar::{Float, Pack};
-use std::array::from_fn;
 use std::hint::black_box;
 
 /// K in one of the forms it is kept in. The product has two parts: what is read number by number is best read from memory, where
@@ -106,39 +106,20 @@ impl<T: Float, const N: usize> Mixes<T, 2, N> for Sixteen<'_, T, N> {
 /// What N columns give to group g.
 #[inline(always)]
 fn group<T: Float, const N: usize>(columns: &[Row<T, 2, N>; N], g: usize, l: &[T; N]) -> [T; N] {
-    sum_of(from_fn(|j| scaled(&columns[j][g], l[j])))
+    dot(N, |j| &columns[j][g], l)
 }
 
 /// The first columns, in several groups.
-pub(crate) struct Columns<'a, T, const G: usize, const N: usize> {
-    first: Row<T, G, N>,
-    further: &'a [Row<T, G, N>],
-}
-
-impl<'a, T: Float, const G: usize, const N: usize> Columns<'a, T, G, N> {
-    #[inline(always)]
-    pub(crate) fn of(columns: &'a [Row<T, G, N>], s: usize) -> Self {
-        Columns {
-            first: columns[0],
-            further: &columns[1..s],
-        }
-    }
-}
+pub(crate) struct Columns<'a, T, const G: usize, const N: usize>(pub(crate) &'a [Row<T, G, N>]);
 
 impl<T: Float, const G: usize, const N: usize> Mixes<T, G, N> for Columns<'_, T, G, N> {
     #[inline(always)]
     fn product(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
-        let l = l.as_flattened();
-        let mut sum = self.first;
-        for part in &mut sum {
-            *part = scaled(part, l[0]);
+        let mut sums = [[T::int(0); N]; G];
+        for (g, sum) in sums.iter_mut().enumerate() {
+            *sum = dot(self.0.len(), |j| &self.0[j][g], l.as_flattened());
         }
-        for (column, &l) in self.further.iter().zip(&l[1..]) {
-            for g in 0..G {
-                add(&mut sum[g], &scaled(&column[g], l));
-            }
-        }
-        sum
+        sums
     }
 }
 
@@ -225,16 +206,11 @@ pub(crate) fn product_any<T: Float, const N: usize>(
         // The padding of K is zero.
         return product(columns, l);
     }
-    let l = &l.as_flattened()[..s];
-    let mut sum = scaled(&k[g], l[0]);
-    for j in 1..s {
-        add(&mut sum, &scaled(&k[j * groups + g], l[j]));
-    }
-    sum
+    dot(s, |j| &k[j * groups + g], l.as_flattened())
 }
 
 /// Σ_j K_ij L_j for one group of stages, by literal lengths.
 #[inline(always)]
 fn product<T: Float, const N: usize>(columns: &[[T; N]; N], l: &[T; N]) -> [T; N] {
-    sum_of(from_fn(|j| scaled(&columns[j], l[j])))
+    dot(N, |j| &columns[j], l)
 }

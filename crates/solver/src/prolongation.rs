@@ -9,7 +9,7 @@
 
 use crate::MAX_STAGES;
 use crate::product::{applied, product_any};
-use crate::row::{Row, add, groups_of, in_memory, lanes_of, literal, rows, scaled, stride_for};
+use crate::row::{Row, fused, groups_of, in_memory, lanes_of, literal, rows, stride_for};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 
@@ -261,7 +261,7 @@ impl<T: Float> Make<'_, T> {
                         continue;
                     };
                     for b in 0..B {
-                        add(&mut sums[b], &scaled(p, row[b]));
+                        sums[b] = fused(p, row[b], &sums[b]);
                     }
                 }
                 for (b, sum) in sums.into_iter().enumerate() {

@@ -156,3 +156,102 @@ pub(crate) fn sum_of<T: Float, const N: usize>(mut terms: [[T; N]; N]) -> [T; N]
     }
     terms[0]
 }
+
+/// a x + b, of doubles rounded once. A loop: what is done in a closure is not always inlined, and calls for the operation where it is not.
+#[inline(always)]
+pub(crate) fn fused<T: Float, const N: usize>(a: &[T; N], x: T, b: &[T; N]) -> [T; N] {
+    fused_each(a, &[x; N], b)
+}
+
+/// The same with an x for each lane.
+#[inline(always)]
+pub(crate) fn fused_each<T: Float, const N: usize>(a: &[T; N], x: &[T; N], b: &[T; N]) -> [T; N] {
+    if !T::IS_DOUBLE {
+        return (T::Pack::of(a) * T::Pack::of(x) + T::Pack::of(b)).numbers();
+    }
+    let mut sums = *b;
+    for i in 0..N {
+        sums[i] = a[i].mul_add(x[i], sums[i]);
+    }
+    sums
+}
+
+/// Σ_j a_j x_j of `s` columns. Even and odd j are summed apart, so that fewer operations wait for each other.
+#[inline(always)]
+pub(crate) fn dot<'a, T: Float, const N: usize>(
+    s: usize,
+    column: impl Fn(usize) -> &'a [T; N],
+    x: &[T],
+) -> [T; N] {
+    let mut even = scaled(column(0), x[0]);
+    if s == 1 {
+        return even;
+    }
+    let mut odd = scaled(column(1), x[1]);
+    let mut j = 2;
+    while j + 1 < s {
+        even = fused(column(j), x[j], &even);
+        odd = fused(column(j + 1), x[j + 1], &odd);
+        j += 2;
+    }
+    if j < s {
+        even = fused(column(j), x[j], &even);
+    }
+    add(&mut even, &odd);
+    even
+}
+
+#[cfg(test)]
+mod tests {
+    use super::dot;
+    use equip_scalar::{InstructionSet, Kernel};
+
+    struct Dot<'a> {
+        columns: &'a [[f64; 8]],
+        x: &'a [f64],
+    }
+
+    impl Kernel for Dot<'_> {
+        type Output = [f64; 8];
+
+        #[inline(always)]
+        fn run(&mut self) -> [f64; 8] {
+            dot(self.columns.len(), |j| &self.columns[j], self.x)
+        }
+    }
+
+    /// Products of which separate rounding would leave nothing, and uneven ones in the order that is promised.
+    #[test]
+    fn products_are_fused_on_every_instruction_set() {
+        let e = 2.0_f64.powi(-30);
+        let columns = [[1.0; 8], [0.0; 8], [1.0 + e; 8]];
+        for set in InstructionSet::available() {
+            let (columns, x) = (&columns, &[-1.0, 0.0, 1.0 - e]);
+            assert_eq!(set.run(&mut Dot { columns, x }), [-e * e; 8], "{set:?}");
+        }
+        for s in 1..=17 {
+            let number = |k: usize| ((k * k + 5 * k) as f64 * 0.731).sin();
+            let columns: Vec<[f64; 8]> = (0..s)
+                .map(|j| std::array::from_fn(|i| number(8 * j + i)))
+                .collect();
+            let x: Vec<f64> = (0..s).map(|j| number(3 * j + 1)).collect();
+            let chain = |i: usize, first: usize| {
+                let mut sum = columns[first][i] * x[first];
+                for j in (first + 2..s).step_by(2) {
+                    sum = columns[j][i].mul_add(x[j], sum);
+                }
+                sum
+            };
+            for set in InstructionSet::available() {
+                let found = set.run(&mut Dot {
+                    columns: &columns,
+                    x: &x,
+                });
+                for (i, found) in found.into_iter().enumerate() {
+                    let odd = if s > 1 { chain(i, 1) } else { 0.0 };
+                    assert_eq!(found, chain(i, 0) + odd, "s = {s}, {set:?}");
+                }
+            }
+        }
+    }
+}

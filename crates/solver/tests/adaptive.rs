@@ -131,8 +131,9 @@ fn successive_steps_are_alike() {
     let mut sum = last;
     while stepper.time() < 60.0 {
         let h = stepper.advance().unwrap().step;
-        // Measured 0.32 (past the apocentre, where α's are short as well) to 2.0; the motion itself demands up to 1.8.
-        assert!(h < 3.0 * last && h > last / 5.0, "{last} {h}");
+        // Measured 0.24 (past the apocentre, where α's are short as well) to 3.9 (past the pericentre) with 40 tolerances, mostly up to 2.3; the
+        // motion itself demands up to 1.8.
+        assert!(h < 5.0 * last && h > last / 5.0, "{last} {h}");
         sum += h;
         last = h;
     }

@@ -13,6 +13,8 @@ use std::time::Instant;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Measured {
     pub(crate) steps: u64,
+    /// Steps made, those that were split counted in parts.
+    pub(crate) parts: u64,
     /// Steps by outcome, words and count; those that did not occur are left out.
     pub(crate) outcomes: Vec<(&'static str, u64)>,
     pub(crate) carried: u64,
@@ -134,6 +136,7 @@ fn measure<T: Float>(case: &Case, cache: &Cache) -> Result<Measured, BuildFault>
     });
     Ok(Measured {
         steps: equip.counts.steps,
+        parts: equip.counts.steps + equip.counts.halvings,
         carried: equip.counts.outcome(equip_solver::Outcome::Carried),
         outcomes: outcomes(&equip.counts)
             .map(|(o, n)| (o.label(), n))

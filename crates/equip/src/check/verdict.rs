@@ -5,7 +5,7 @@
 //! - |H − H_ref| ≤ 8 floors on every step whose outcome says that the energy is kept, by the solver's own evaluation of
 //!   H and, for runs in `f64`, by one in double-double; H_ref is the number the run started with. (After a start at a
 //!   pericentre, where large terms cancel, that number itself is off by many floors of the quiet part of the orbit.)
-//! - linear and quadratic invariants stay within (8 + 2√n) ε Σ|∂_iI y_i| over n steps: the random walk of rounding;
+//! - linear and quadratic invariants stay within (8 + 2√n) ε Σ|∂_iI y_i| over n steps, halves counted: the random walk of rounding;
 //! - no step carried, unless the row says how many and why, which makes it an explained one;
 //! - the largest trajectory error over the grid is at most 1.5 times that of Gauss (resolved oscillations) or twice (slow
 //!   variables of unresolved ones), plus eight times what a change of the start by one unit in the last place does.
@@ -147,7 +147,7 @@ fn energy(measured: &Measured, faults: &mut Vec<String>) {
 }
 
 fn invariants(measured: &Measured, faults: &mut Vec<String>) {
-    let most = 8.0 + 2.0 * (measured.steps as f64).sqrt();
+    let most = 8.0 + 2.0 * (measured.parts as f64).sqrt();
     for kept in &measured.invariants {
         if !(kept.in_roundoff <= most) {
             faults.push(format!(

@@ -7,7 +7,7 @@
 //! Cost: a sweep of one side nnz(∇²U)·s + m s² products.
 
 use super::{Held, LinearSweeps, Plus};
-use crate::row::{add, by_groups, scaled, stride_for, times};
+use crate::row::{add, by_groups, fused, fused_each, scaled, stride_for, times};
 use crate::sweep::Iterate;
 use crate::twice;
 use equip_autodiff::Kinetic;
@@ -196,12 +196,11 @@ impl<T: Float> Place<'_, T> {
             let by = self.h * w;
             let (mut moved, mut pushed) = (times(&kappa[0], &dl[0]), dl[0]);
             for g in 1..groups {
-                add(&mut moved, &times(&kappa[g], &dl[g]));
+                moved = fused_each(&kappa[g], &dl[g], &moved);
                 add(&mut pushed, &dl[g]);
             }
             for g in 0..groups {
-                x[g] = rest[g];
-                add(&mut x[g], &scaled(&mixed[g], by));
+                x[g] = fused(&mixed[g], by, &rest[g]);
             }
             *by_q = drift + by * folded(&moved);
             *by_p = folded(&pushed);
