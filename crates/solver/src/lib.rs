@@ -37,6 +37,7 @@ mod escape;
 mod event;
 mod event_roots;
 mod event_watch;
+mod finer;
 mod foresee;
 mod grid;
 mod guess;

@@ -56,6 +56,9 @@ pub(crate) struct LinearSweeps<T: Float> {
     hessian: Vec<T>,
     /// K(0) and K(0) − 1 1ᵀ, column by column: for each end that may be held.
     k: [Vec<T>; 2],
+    /// The same of the α's that the step has come to, if it has.
+    k_there: [Vec<T>; 2],
+    is_there: bool,
     points: Vec<T>,
     gradients: Vec<T>,
     beside: Vec<T>,
@@ -99,6 +102,8 @@ impl<T: Float> LinearSweeps<T> {
             entries: zeros(pattern.len() * stride),
             state: zeros(n),
             hessian: zeros(pattern.len()),
+            k_there: k.clone(),
+            is_there: false,
             k,
             positions,
             points: zeros(n * stride),
@@ -121,6 +126,27 @@ impl<T: Float> LinearSweeps<T> {
         self.made.resize(rows * self.stride, T::int(0));
     }
 
+    /// From now on with this K(α), or with K(0). By K(α) all unknowns are swept.
+    pub(crate) fn set_k(&mut self, there: Option<&[T]>) {
+        self.is_there = there.is_some();
+        let Some(k) = there else {
+            return;
+        };
+        let (stride, s) = (self.stride, self.s);
+        let [forward, back] = &mut self.k_there;
+        forward.copy_from_slice(k);
+        for j in 0..s {
+            for i in 0..s {
+                back[j * stride + i] = -k[i * stride + j];
+            }
+        }
+    }
+
+    /// Whether the positions alone are unknown.
+    fn knows_momenta(&self) -> bool {
+        self.positions.is_some() && !self.is_there
+    }
+
     /// Solves for all sides, until the sums δL of every side, weighed with `weights`, change by less than `tolerance`: X = K δL + r,
     /// or, with the other end held, X = r − (1 1ᵀ − K) δL. Returns whether they do. Where the positions alone are unknown the momenta in `x` are not made.
     pub(crate) fn solve(
@@ -133,14 +159,14 @@ impl<T: Float> LinearSweeps<T> {
     ) -> bool {
         let sides = x.len() / (2 * self.m * self.stride);
         self.made.fill(T::int(0));
-        if self.positions.is_some() {
+        if self.knows_momenta() {
             self.begin_positions(held, r, x, iterate);
         } else {
             x.copy_from_slice(r);
         }
         for made in 0..MAX_SWEEPS {
             std::mem::swap(&mut self.sums, &mut self.before);
-            if self.positions.is_some() {
+            if self.knows_momenta() {
                 self.sweep_positions(held, x, iterate);
             } else {
                 self.sweep(held, (r, x), iterate);
@@ -164,7 +190,12 @@ impl<T: Float> LinearSweeps<T> {
         for (rows, at) in [(0, half), (m, 0)] {
             self.times((rows, m), 2 * m, (x, at), (held, iterate));
             let mixed = &mut self.mixed[at..at + half];
-            let k = &self.k[held as usize];
+            let k = if self.is_there {
+                &self.k_there
+            } else {
+                &self.k
+            };
+            let k = &k[held as usize];
             mix_stages(self.set, k, &self.dl[at..at + half], mixed, s, stride);
             self.set.run(&mut Plus {
                 x: &mut x[at..at + half],

@@ -52,12 +52,12 @@ pub enum StageSolver {
     /// whose end point slopes move by more than 4 estimated local errors (64 where these are next to round-off), is halved as often as
     /// [`FixedStep::max_halvings`] allows before it is Newton's.
     ///
-    /// In numbers wider than `f64` the α's are for Newton, who finds them again to round-off in the step made backwards, at some hundred times the price of
-    /// [`Responses`](Self::Responses).
+    /// In numbers wider than `f64` the directions of the α's are taken again at the solution until they stay: a run with reversed momenta comes back to
+    /// round-off, for two to four times the price of [`Responses`](Self::Responses).
     #[default]
     Automatic,
-    /// As `Automatic`, with α's by responses in wide numbers too. Trajectories are as good; a run with reversed momenta comes back to the square of
-    /// the local error, not to round-off.
+    /// As `Automatic`, with directions taken once a step in wide numbers too, and responses for systems of any size. Trajectories are as good; a run with
+    /// reversed momenta comes back to the square of the local error, not to round-off.
     Responses,
     /// Sweeps for everything: gradients at the stages only, no Hessian, no linear system: 1.1 to 1.6 times the gradients of a Gauss step. The
     /// α's move by slopes from Legendre coefficients, not aimed at the exact flow: energy and quadratic

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | u_k = ∂y1/∂α_k and the X_k by which the stages follow | [`crate::linear_sweeps`] with r = T_k L |
 //! | u'_k = −Ψ⁻¹u_k, e' = −Ψ⁻¹e | the same with the end moved by −u_k, −e |
-//! | e, the local error of the step with α = 0 | sweeps with one stage more, from the polynomial of these stages |
+//! | e, the local error of the step with α = 0 | sweeps with one stage more, from the polynomial of these stages: [`crate::finer`] |
 //!
 //! and from these α⁰ and D of [`crate::displacement`]: α = α⁰ + D t.
 //!
@@ -13,9 +13,9 @@
 //! Cost: about s/2 + 2 sweeps of s + 1 stages, as many gradients as ∇²H has groups of columns, and some 6 linear sweeps of
 //! each of 2·[`LEADING`] + 1 right-hand sides. Nothing is allocated.
 
-use crate::ahead::Once;
 use crate::constraint::Constraint;
 use crate::displacement::{Displacements, dot};
+use crate::finer::Finer;
 use crate::hessians;
 use crate::linear_sweeps::{Held, LinearSweeps};
 use crate::one_more::OneMore;
@@ -36,8 +36,6 @@ pub(crate) const LEADING: usize = 3;
 const AIMED_AT: [i64; 2] = [16, 256];
 /// The same in wide numbers, whose defects of some hundred floors are no rounding: with the numbers above order 8 ends at 1e-26.
 const WIDE_AIMED_AT: [i64; 2] = [0, 1];
-/// Sweeps allowed to the local error.
-const MAX_FINER: usize = 40;
 
 #[derive(Debug)]
 pub(crate) struct Response<T: Float> {
@@ -67,6 +65,10 @@ pub(crate) struct Response<T: Float> {
     starts: Vec<Vec<T>>,
     error: Vec<T>,
     error_start: Vec<T>,
+    /// How much of the error is aimed at, if there is one.
+    share: T,
+    /// By how much the free α's have moved.
+    moved: Vec<T>,
     /// α⁰ and D.
     pub(crate) base: Vec<T>,
     pub(crate) d: Vec<T>,
@@ -106,7 +108,7 @@ impl<T: Float> Response<T> {
             back: zeros(n * (free + 1) * stride),
             t_l: zeros(n * stride),
             made: Vec::new(),
-            finer: finer.map(|finer| Finer::new(finer.clone(), iterate)),
+            finer: finer.map(|finer| Finer::new(finer.clone(), iterate, pattern)),
             displacements: Displacements::new(free + 1, n, 1),
             mean: zeros(pattern.len()),
             resolution: zeros(n),
@@ -116,6 +118,8 @@ impl<T: Float> Response<T> {
             starts: vec![zeros(n); free],
             error: zeros(n),
             error_start: zeros(n),
+            share: T::int(0),
+            moved: zeros(free),
             base: zeros(s - 1),
             d: zeros(s - 1),
             slope: T::int(0),
@@ -140,43 +144,54 @@ impl<T: Float> Response<T> {
         &mut self,
         iterate: &Iterate<T>,
         energy: &mut E,
-        (y, h): (&State<T>, T),
+        step: (&State<T>, T),
+        constraint: &Constraint<T>,
+        counts: &mut Counts,
+    ) -> bool {
+        self.linear.set_k(None);
+        self.moved.fill(T::int(0));
+        self.measure(iterate);
+        self.share = self.share_of_error(constraint);
+        self.take_at(iterate, energy, step, constraint, counts)
+    }
+
+    /// The same at the stages that the α's have led to: what they are to move by yet. For steps that are to return: those of the step made backwards are the same
+    /// where the directions are those at the solution.
+    pub(crate) fn take_again<E: Evaluate<T>>(
+        &mut self,
+        (iterate, alphas, start): (&Iterate<T>, &[T], &[T]),
+        energy: &mut E,
+        step: (&State<T>, T),
+        constraint: &Constraint<T>,
+        counts: &mut Counts,
+    ) -> bool {
+        self.linear.set_k(Some(&iterate.k));
+        self.measure(iterate);
+        for (moved, (&alpha, &start)) in self.moved.iter_mut().zip(alphas.iter().zip(start)) {
+            *moved = alpha - start;
+        }
+        self.take_at(iterate, energy, step, constraint, counts)
+    }
+
+    /// At the stages of a step from y by h with α = 0, or of one whose α's have moved, whose components are measured.
+    fn take_at<E: Evaluate<T>>(
+        &mut self,
+        iterate: &Iterate<T>,
+        energy: &mut E,
+        step: (&State<T>, T),
         constraint: &Constraint<T>,
         counts: &mut Counts,
     ) -> bool {
         if !self.linear.take(iterate, energy, false, counts) {
             return false;
         }
-        self.measure(iterate);
+        self.resolve();
         self.displacements
             .begin(&self.sizes, &self.resolution, false);
         if self.displacements.is_unresolved(0) {
             return false;
         }
-        let aimed_at = if T::IS_DOUBLE {
-            AIMED_AT
-        } else {
-            WIDE_AIMED_AT
-        };
-        let [least, full] = aimed_at.map(T::int);
-        let floors = constraint.in_floors_of_both_ends(&self.sizes);
-        let share = ((floors - least) / (full - least)).min(T::int(1));
-        let aims = share > T::int(0)
-            && match &mut self.finer {
-                Some(finer) => {
-                    counts.local_errors += 1;
-                    let found =
-                        finer.estimate(iterate, energy, (y, h), &self.weights, &mut self.error);
-                    counts.gradients += finer.evaluations;
-                    found
-                }
-                None => false,
-            };
-        if aims {
-            self.error.iter_mut().for_each(|e| *e *= share);
-        } else {
-            self.error.fill(T::int(0));
-        }
+        let aims = self.find_error(iterate, energy, step, counts);
         // The error of the directions times how far they are to move the end point is to be round-off: a step backwards takes the same.
         // The u_k are nearly parallel, which makes their errors some 1000 times as large in the α's.
         let pairs = self.error.iter().zip(&self.weights);
@@ -207,8 +222,12 @@ impl<T: Float> Response<T> {
         self.base.fill(T::int(0));
         self.d.fill(T::int(0));
         if aims {
-            self.displacements.aim(&self.error, &self.error_start, &[]);
+            self.displacements
+                .aim(&self.error, &self.error_start, &self.moved);
             self.displacements.base(&mut self.base[..self.free]);
+        }
+        for (base, &moved) in self.base.iter_mut().zip(&self.moved) {
+            *base -= moved;
         }
         self.displacements.direction(0, &mut self.d[..self.free]);
         // Only the ratios matter.
@@ -224,6 +243,65 @@ impl<T: Float> Response<T> {
             self.by_base += v * base;
         }
         true
+    }
+
+    /// How much of the local error is aimed at.
+    fn share_of_error(&self, constraint: &Constraint<T>) -> T {
+        let aimed_at = if T::IS_DOUBLE {
+            AIMED_AT
+        } else {
+            WIDE_AIMED_AT
+        };
+        let [least, full] = aimed_at.map(T::int);
+        let floors = constraint.in_floors_of_both_ends(&self.sizes);
+        ((floors - least) / (full - least)).min(T::int(1))
+    }
+
+    /// The local error of the step, as much of it as is aimed at, and in wide numbers what it is at the start. Returns whether there is one.
+    fn find_error<E: Evaluate<T>>(
+        &mut self,
+        iterate: &Iterate<T>,
+        energy: &mut E,
+        step: (&State<T>, T),
+        counts: &mut Counts,
+    ) -> bool {
+        let share = self.share;
+        let errors = [&mut self.error, &mut self.error_start];
+        let aims = share > T::int(0)
+            && match &mut self.finer {
+                Some(finer) => {
+                    counts.local_errors += 1;
+                    if T::IS_DOUBLE {
+                        let [error, _] = errors;
+                        let found = finer.estimate(iterate, energy, step, &self.weights, error);
+                        counts.gradients += finer.evaluations;
+                        found
+                    } else {
+                        finer.estimate_both(iterate, energy, step, &self.weights, errors, counts)
+                    }
+                }
+                None => false,
+            };
+        for e in [&mut self.error, &mut self.error_start] {
+            if aims {
+                e.iter_mut().for_each(|e| *e *= share);
+            } else {
+                e.fill(T::int(0));
+            }
+        }
+        aims
+    }
+
+    /// How far the α's are to move the end point yet, relative to the sizes of the components, where g is what it is.
+    pub(crate) fn still_moves(&self, g: T) -> T {
+        let t = -(g + self.by_base) / self.slope;
+        (0..self.n).fold(T::int(0), |most, c| {
+            let alphas = self.base.iter().zip(&self.d);
+            let moved = (self.ends.iter().zip(alphas)).fold(T::int(0), |sum, (u, (&base, &d))| {
+                sum + (base + t * d) * u[c]
+            });
+            most.max((moved * self.weights[c]).abs())
+        })
     }
 
     /// How far the end point moves along D where g is removed, relative to the positions or to the momenta, whichever is more.
@@ -255,7 +333,7 @@ impl<T: Float> Response<T> {
         iterate.follow_with(&delta[..free], &self.made);
     }
 
-    /// Sizes of the components that are the same for the step made backwards, and how far each is resolved.
+    /// Sizes of the components that are the same for the step made backwards.
     fn measure(&mut self, iterate: &Iterate<T>) {
         let (s, stride) = (self.s, self.stride);
         for (size, points) in self
@@ -273,6 +351,10 @@ impl<T: Float> Response<T> {
                 size
             };
         }
+    }
+
+    /// How far each component is resolved.
+    fn resolve(&mut self) {
         self.linear.mean_into(&mut self.mean);
         hessians::resolution(&self.linear.pattern, &self.mean, &mut self.resolution);
     }
@@ -317,87 +399,16 @@ impl<T: Float> Response<T> {
             return false;
         }
         let starts = self.starts.iter_mut().zip(&self.ends);
-        let pairs = starts.chain(std::iter::once((&mut self.error_start, &self.error)));
+        let error = std::iter::once((&mut self.error_start, &self.error));
+        // In wide numbers it is known.
+        let pairs = starts
+            .chain(error)
+            .take(if T::IS_DOUBLE { count } else { count - 1 });
         for (k, (start, end)) in pairs.enumerate() {
             for (c, (start, &u)) in start.iter_mut().zip(end).enumerate() {
                 *start = self.linear.sums[c * count + k] - u;
             }
         }
         true
-    }
-}
-
-/// The step with one stage more, for the local error.
-#[derive(Debug)]
-struct Finer<T: Float> {
-    method: OneMore<T>,
-    iterate: Iterate<T>,
-    before: Vec<T>,
-    /// Evaluations of ∇H at one point, of the estimate made last.
-    evaluations: u64,
-}
-
-impl<T: Float> Finer<T> {
-    fn new(method: OneMore<T>, coarse: &Iterate<T>) -> Self {
-        let (n, kinetic) = (coarse.n, coarse.kinetic.clone());
-        Finer {
-            iterate: Iterate::unperturbed(&method.gauss, n, kinetic),
-            method,
-            before: vec![T::int(0); n],
-            evaluations: 0,
-        }
-    }
-
-    /// e into `error`, to round-off of the state. Returns whether it was found.
-    fn estimate<E: Evaluate<T>>(
-        &mut self,
-        coarse: &Iterate<T>,
-        energy: &mut E,
-        (y, h): (&State<T>, T),
-        weights: &[T],
-        error: &mut [T],
-    ) -> bool {
-        let (s, stride) = (coarse.s, coarse.stride);
-        self.evaluations = 0;
-        let (own, rows) = (self.iterate.stride, &self.method.prolongation);
-        if let Some(own) = &mut self.iterate.springs {
-            own.is_active = false;
-        }
-        (ready::<T>().begin_from_nothing)(&mut self.iterate, &self.method.gauss, (y, h));
-        self.iterate.displace(y, |c, z| {
-            let l = &coarse.l[c * stride..][..s];
-            for (z, row) in z[..own].iter_mut().zip(rows.chunks_exact(s)) {
-                *z = row
-                    .iter()
-                    .zip(l)
-                    .fold(T::int(0), |sum, (&e, &l)| sum + e * l);
-            }
-        });
-        for made in 0..MAX_FINER {
-            // The first sweep makes an L that Z was made with.
-            if let (Some(own), Some(springs)) = (&mut self.iterate.springs, coarse.active_springs())
-                && made > 0
-            {
-                own.activate_as(&self.method.gauss, springs);
-            }
-            let change = self.iterate.sweep(energy, y, false, &mut Once);
-            self.evaluations += (s + 1) as u64;
-            if !change.is_finite() {
-                return false;
-            }
-            self.before.copy_from_slice(error);
-            let (mut moved, mut size) = (T::int(0), T::int(0));
-            for (c, e) in error.iter_mut().enumerate() {
-                let sum = |l: &[T]| l.iter().fold(T::int(0), |sum, &l| sum + l);
-                *e = sum(&self.iterate.l[c * own..][..s + 1]) - sum(&coarse.l[c * stride..][..s]);
-                moved += ((*e - self.before[c]) * weights[c]).abs();
-                size += (*e * weights[c]).abs();
-            }
-            let noise = T::int(4) * T::EPSILON;
-            if made > 0 && moved <= noise.max(T::int(1 << 14) * T::EPSILON * size) {
-                return true;
-            }
-        }
-        false
     }
 }

@@ -1,5 +1,6 @@
 //! One step, as the paper reads: initial guess → stages and α → accept, or halve and try again → update.
 
+use crate::MAX_STAGES;
 use crate::alpha::Norm;
 use crate::constraint::{Constraint, worst};
 use crate::dense::Parts;
@@ -10,6 +11,7 @@ use crate::one_more::OneMore;
 use crate::options::{OnNoAlpha, Settings, StageSolver};
 use crate::outcome::{Counts, Outcome};
 use crate::ready::ready;
+use crate::response::LEADING;
 use crate::stages::Stages;
 use crate::state::State;
 use crate::step_swept::{KnownGradient, Pause, Then, can_sweep, rule};
@@ -342,9 +344,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 
     fn free_alphas(&self) -> usize {
+        let most = if self.is_to_return() {
+            LEADING
+        } else {
+            MAX_STAGES
+        };
         self.settings
             .first_alpha
-            .map_or(0, |first| self.stages.count() - first)
+            .map_or(0, |first| (self.stages.count() - first).min(most))
     }
 
     /// Initial guess and solution of system (7); from the state alone if the prolonged guess leads nowhere.
@@ -361,7 +368,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             h,
             constrained,
             first: self.settings.first_alpha.unwrap_or(1),
-            end: self.stages.count() - left_out,
+            end: self.settings.first_alpha.unwrap_or(1) + self.free_alphas() - left_out,
             norm,
             alpha_bound: self.settings.alpha_bound,
             max_iterations: self.settings.max_iterations,

@@ -82,6 +82,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
+    /// Whether steps made backwards are to take the same α's by responses, to round-off. What sweeps leave to Newton he moves with no others then.
+    pub(crate) fn is_to_return(&self) -> bool {
+        let is_default = self.settings.stage_solver == StageSolver::Automatic;
+        !T::IS_DOUBLE && is_default && self.rule == Rule::Response
+    }
+
     /// What comes if sweeps do not solve a step of this level.
     pub(crate) fn then(&self, level: u32) -> Then {
         let is_alone = self.settings.stage_solver == StageSolver::Sweeps;
@@ -155,6 +161,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         constrained: bool,
         next: &mut State<T>,
     ) -> Result<(), Trouble> {
+        let is_to_return = self.is_to_return();
         let Some(sweeps) = &mut self.sweeps else {
             return Err(Trouble::Slow);
         };
@@ -186,6 +193,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 // As small as it gets.
                 _ => None,
             },
+            is_to_return,
         };
         let constraint = self.constraints.first_mut().filter(|_| constrained);
         if !self.guess.is_swept() {
@@ -292,9 +300,7 @@ pub(crate) fn rule<T: Float>(
         StageSolver::Automatic if wanted && T::IS_DOUBLE && s > 3 && n >= MANY_FOR_RESPONSES => {
             Rule::Slopes
         }
-        // In wide numbers directions are repeated to a fixed point, which is Newton's.
-        StageSolver::Automatic if wanted && T::IS_DOUBLE => Rule::Response,
-        StageSolver::Responses if wanted => Rule::Response,
+        StageSolver::Automatic | StageSolver::Responses if wanted => Rule::Response,
         _ => Rule::Newton,
     }
 }

@@ -112,7 +112,7 @@ pub(crate) struct Iterate<T: Float> {
     /// How K is made.
     columns: Columns<T>,
     /// K(α) and K of the α's a step starts from, column by column.
-    k: Aligned<T>,
+    pub(crate) k: Aligned<T>,
     k_start: Aligned<T>,
     /// K is not the one a step starts from.
     k_has_moved: bool,

@@ -28,6 +28,8 @@ pub(crate) struct SweepTask<'a, T> {
     pub(crate) rule: Rule,
     /// Local errors that slopes may move the end point by, if that is limited.
     pub(crate) most_errors: Option<f64>,
+    /// Whether α's by responses are to be the same in the step made backwards, to round-off.
+    pub(crate) is_to_return: bool,
 }
 
 /// Who moves the α's of a step whose stages sweeps have found.

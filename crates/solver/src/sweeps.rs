@@ -42,7 +42,7 @@ use equip_autodiff::{Evaluate, Kinetic, Pattern};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
 
-/// Sweeps allowed in a step.
+/// Sweeps allowed in a step, and as many after each time that directions are taken again.
 const MAX_SWEEPS: u32 = 80;
 /// Stages that no longer come nearer with changes above this many ε are for Newton, if he may be asked: quadratic invariants would leak as much.
 const BLOWN_UP: i64 = 16;
@@ -66,6 +66,8 @@ pub(crate) struct Sweeps<T: Float> {
     pub(crate) response: Option<Response<T>>,
     /// α of the step solved last.
     pub(crate) alphas: Vec<T>,
+    /// Those that the directions begin from.
+    pub(crate) origin: Vec<T>,
     /// Their last move.
     pub(crate) delta: Vec<T>,
     /// Sweeps of that step.
@@ -101,6 +103,7 @@ impl<T: Float> Sweeps<T> {
             response: responds.then(|| Response::new(gauss, finer, &iterate, pattern)),
             delta: vec![zero; gauss.stages() - 1],
             alphas: vec![zero; gauss.stages() - 1],
+            origin: vec![zero; gauss.stages() - 1],
             made: 0,
             contraction: Contraction::new(iterate.kinetic.is_some()),
             defect: zero,
@@ -174,7 +177,7 @@ impl<T: Float> Sweeps<T> {
         let mut alphas = Moves::new(task.rule);
         let drafted = T::int(if self.iterate.n < MANY { DRAFTED } else { 1 });
         let is_short = self.iterate.s > SHORT_STAGES && !self.is_uneven();
-        while self.made < MAX_SWEEPS {
+        while self.made < MAX_SWEEPS * (1 + alphas.repeats) {
             let spread = self.spread;
             let looks_early = constraint.is_some() && task.rule == Rule::Slopes;
             let look = looks_early.then_some((spread, drafted * threshold));
@@ -264,6 +267,13 @@ impl<T: Float> Sweeps<T> {
                     } else {
                         Trouble::Slow
                     });
+                }
+                if task.is_to_return
+                    && alphas.moves > 0
+                    && self.repeat_directions(energy, constraint, &mut alphas, task, counts)?
+                {
+                    last_out = T::INFINITY;
+                    continue;
                 }
                 return Ok(());
             }
@@ -389,6 +399,7 @@ impl<T: Float> Sweeps<T> {
 
     pub(crate) fn begin(&mut self, gauss: &Gauss<T>, task: &SweepTask<'_, T>) {
         self.alphas.copy_from_slice(task.alphas);
+        self.origin.copy_from_slice(task.alphas);
         self.made = 0;
         self.contraction.begin(self.iterate.has_springs());
         let step = (task.y, task.h);
