@@ -10,7 +10,9 @@
 //!
 //! Only α_1 … α_[`LEADING`] move: further ones disturb the stages the more for the same displacement of y1.
 //!
-//! Cost: about s/2 + 2 sweeps of s + 1 stages, as many gradients as ∇²H has groups of columns, and some 6 linear sweeps of
+//! Steps that are to return take all of it again at the solution, relative to the α's that are there: what is left to move is then the same from both ends.
+//!
+//! Cost: [`crate::finer`], as many gradients as ∇²H has groups of columns (in wide numbers ∇²H at all stages), and some 6 linear sweeps of
 //! each of 2·[`LEADING`] + 1 right-hand sides. Nothing is allocated.
 
 use crate::constraint::Constraint;
