@@ -53,7 +53,7 @@ pub enum StageSolver {
     /// [`FixedStep::max_halvings`] allows before it is Newton's.
     ///
     /// In numbers wider than `f64` the directions of the α's are taken again at the solution until they stay: a run with reversed momenta comes back to
-    /// round-off, for two to four times the price of [`Responses`](Self::Responses).
+    /// round-off, for two to six times the price of [`Responses`](Self::Responses).
     #[default]
     Automatic,
     /// As `Automatic`, with directions taken once a step in wide numbers too, and responses for systems of any size. Trajectories are as good; a run with
