@@ -132,10 +132,13 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
         fs::write(&path, text).map_err(|source| fault(&path, source))?;
     }
     let page = args.out.join("report.html");
+    let scenes = match results.len() {
+        1 => "1 scene".into(),
+        several => format!("{several} scenes"),
+    };
     writeln!(
         stdout(),
-        "{} scenes in {:.0} s: {}",
-        results.len(),
+        "{scenes} in {:.0} s: {}",
         begun.elapsed().as_secs_f64(),
         page.display()
     )?;
