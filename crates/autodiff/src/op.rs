@@ -97,6 +97,24 @@ impl Op {
         }
     }
 
+    /// Roundings to ε of the result that it is worth: 1, but a power is rounded for each of its
+    /// multiplications, to ε/2.
+    pub(crate) fn roundings(self) -> u32 {
+        match self {
+            Op::Powi(n) => n.unsigned_abs().div_ceil(2).max(1),
+            _ => 1,
+        }
+    }
+
+    /// Whether no result is less than 0, whatever the operands.
+    pub(crate) fn is_never_negative(self) -> bool {
+        match self {
+            Op::Powi(n) => n % 2 == 0,
+            Op::Square | Op::Sqrt | Op::Abs | Op::Exp | Op::Cosh | Op::Hypot | Op::Acos => true,
+            _ => false,
+        }
+    }
+
     /// Whether exchanging the operands leaves every bit of the result.
     pub(crate) fn is_commutative(self) -> bool {
         matches!(self, Op::Add | Op::Mul)

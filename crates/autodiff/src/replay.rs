@@ -1,15 +1,16 @@
 //! Replays a tape: the values of all slots from those of the inputs.
 //!
-//! Each operation is the very function of [`Scalar`](equip_scalar::Scalar) the energy called, in its order: the result has
-//! every bit of the energy evaluated directly. Cost: one evaluation of what was recorded.
+//! Each operation is the very function of [`Scalar`](equip_scalar::Scalar) the energy called, in its order:
+//! the result has every bit of the energy evaluated directly. Cost: one evaluation of what was recorded.
 
 use crate::op::Op;
 use crate::stretches::Access;
 use crate::tape::{Run, Tape};
 use equip_scalar::{Constant, Float, Kernel, Piecewise};
 
-/// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of a closure:
-/// closures are not always inlined, and what is not inlined into a kernel has no vector instructions.
+/// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of
+/// a closure: closures are not always inlined, and what is not inlined into a kernel has no vector
+/// instructions.
 macro_rules! each {
     ($step:ident, |$x:ident, $y:ident| $f:expr) => {
         match $step.run.access {
@@ -122,8 +123,8 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
     }
 }
 
-/// A sum by compensated summation: the errors of all additions are known [Knuth, vol. 2, 4.2.2], and added at the end. Four sums side by
-/// side, so that none waits for the other.
+/// A sum by compensated summation: the errors of all additions are known [Knuth, vol. 2, 4.2.2], and added at
+/// the end. Four sums side by side, so that none waits for the other.
 pub(crate) struct CompensatedSum<'a, T> {
     pub(crate) tape: &'a Tape,
     pub(crate) sum: usize,

@@ -1,7 +1,7 @@
 //! A recording as straight-line code.
 //!
-//! From the results downwards, depth first: what a result needs is computed just before it, if no earlier one needed it, so few
-//! numbers are alive at a time. The operations are those of the replay, one by one.
+//! From the results downwards, depth first: what a result needs is computed just before it, if no earlier one
+//! needed it, so few numbers are alive at a time. The operations are those of the replay, one by one.
 
 use crate::graph::{Graph, Term};
 use crate::op::{Node, Op};
@@ -10,7 +10,8 @@ use crate::tape::Tape;
 use crate::values::Replay;
 use equip_machine::{Program, Value};
 
-/// Nodes and terms of the largest graph that becomes a program: code and what it takes to make it are some hundred bytes for each.
+/// Nodes and terms of the largest graph that becomes a program: code and what it takes to make it are some
+/// hundred bytes for each.
 const LARGEST: usize = 1 << 22;
 
 /// The program of a graph whose operations are arithmetic, √ and |x| only, if it is not too large.

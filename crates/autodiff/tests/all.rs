@@ -3,6 +3,7 @@
 mod allocations;
 mod closures;
 mod common;
+mod floor;
 mod growth;
 mod lanes;
 mod long_sums;
