@@ -110,6 +110,18 @@ impl Reverse<'_> {
                 let power = self.apply(Op::Powi(n.saturating_sub(1)), x, x);
                 self.give_times(x, w, power);
             }
+            Op::HalfPower(n) => {
+                let c = self.number(0.5 * f64::from(n));
+                if n > 0 {
+                    let w = self.times(w, c);
+                    let power = self.recorder.half_power(x, n - 2);
+                    self.give_times(x, w, power);
+                } else {
+                    let multiple = self.product(c, f);
+                    let slope = self.apply(Op::Div, multiple, x);
+                    self.give_times(x, w, slope);
+                }
+            }
             Op::Powf(k) => {
                 if self.recorder.constants[k as usize].to::<f64>() != 0.0 {
                     let slope = self.apply(Op::PowfSlope(k), x, f);

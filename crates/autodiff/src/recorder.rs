@@ -114,14 +114,30 @@ impl Recorder {
         })
     }
 
-    /// xᶜ.
+    /// xᶜ. Half-integer powers are roots.
     pub(crate) fn powf(&mut self, x: u32, c: Constant) -> u32 {
+        if let Some(n) = c.exact_halves() {
+            return self.half_power(x, n);
+        }
         let k = self.constant_entry(c);
         self.node(Node {
             op: Op::Powf(k),
             a: x,
             b: x,
         })
+    }
+
+    /// x^(n/2) for an odd n.
+    pub(crate) fn half_power(&mut self, x: u32, n: i32) -> u32 {
+        match n {
+            1 => self.apply(Op::Sqrt, x, x),
+            -1 => {
+                let root = self.apply(Op::Sqrt, x, x);
+                let one = self.constant(Constant::double(1.0));
+                self.apply(Op::Div, one, root)
+            }
+            n => self.apply(Op::HalfPower(n), x, x),
+        }
     }
 
     /// An operation with at most two operands; a unary one has its operand twice.

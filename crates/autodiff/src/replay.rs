@@ -69,6 +69,10 @@ macro_rules! listed {
 
 const ONE: Constant = Constant::double(1.0);
 
+const fn half(n: i32) -> Constant {
+    Constant::double(0.5 * n as f64)
+}
+
 /// Computes the given runs, their operands being known. `exponents` are those of the tape, in a form
 /// that is cheap to read.
 #[rustfmt::skip]
@@ -95,6 +99,9 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::Powi(5) => each!(step, |x| S::powi(x, 5)),
             Op::Powi(6) => each!(step, |x| S::powi(x, 6)),
             Op::Powi(n) => each!(step, |x| S::powi(x, n)),
+            Op::HalfPower(3) => each!(step, |x| S::powf(x, half(3))),
+            Op::HalfPower(-3) => each!(step, |x| S::powf(x, half(-3))),
+            Op::HalfPower(n) => { let c = half(n); each!(step, |x| S::powf(x, c)) }
             Op::Powf(k) => { let c = exponents[k as usize]; listed!(step, |x| S::powf(x, c)) }
             Op::PowfSlope(k) => { let c = exponents[k as usize]; listed!(step, |x, f| S::powf_slope(x, f, c)) }
             Op::Pow => listed!(step, |x, y| S::pow(x, y)),

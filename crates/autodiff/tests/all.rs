@@ -5,6 +5,7 @@ mod closures;
 mod common;
 mod floor;
 mod growth;
+mod half_powers;
 mod lanes;
 mod long_sums;
 mod macros;
