@@ -7,7 +7,8 @@ use crate::{Float, ParseFloatError};
 /// An `f64` literal in a 31-digit run silently limits it to 16 digits unless it is exactly representable
 /// (`0.5`, `2.0`, `-0.75` are; `0.1` is not). [`ratio`] and [`decimal`] have no such limit.
 ///
-/// The double it is in `f64` is kept beside it: there an energy that holds it costs what one that holds an `f64` costs.
+/// The double it is in `f64` is kept beside it: there an energy that holds it costs what one that holds an
+/// `f64` costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constant {
     double: f64,
@@ -58,6 +59,12 @@ impl Constant {
             Written::Decimal(text) => T::decimal(text).unwrap_or(T::NAN),
             Written::Extended(parts) => T::from_expansion(parts),
         }
+    }
+
+    /// The constant in `f64`.
+    #[inline(always)]
+    pub(crate) const fn to_double(self) -> f64 {
+        self.double
     }
 
     /// How it was written.

@@ -1,5 +1,6 @@
 //! `f64` as [`Scalar`] and [`Float`].
 
+use crate::half_power::half_power;
 use crate::{Constant, Float, Forward, Forward2, Lanes, ParseFloatError, Scalar};
 
 macro_rules! functions {
@@ -22,7 +23,10 @@ impl Scalar for f64 {
     }
     #[inline(always)]
     fn powf(x: f64, c: Constant) -> f64 {
-        f64::powf(x, c.to())
+        match c.halves::<f64>() {
+            Some(n) => half_power(x, n),
+            None => f64::powf(x, c.to()),
+        }
     }
     #[inline(always)]
     fn pow(x: f64, y: f64) -> f64 {

@@ -4,6 +4,7 @@
 //! `f64` alone. Arithmetic, √, |x|, min, max and the selections of [`Piecewise`] become vector instructions inside a
 //! [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin` over 8 lanes: 68 ns).
 
+use crate::half_power::{half_power, half_power_slope};
 use crate::{Constant, Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -127,8 +128,10 @@ impl<const N: usize> Scalar for Lanes<N> {
 
     #[inline(always)]
     fn powf(x: Self, c: Constant) -> Self {
-        let c: f64 = c.to();
-        each_lane!(|x| f64::powf(x, c))
+        match c.halves::<f64>() {
+            Some(n) => half_power(x, n),
+            None => each_lane!(|x| <f64 as Scalar>::powf(x, c)),
+        }
     }
 
     unary!(
@@ -143,7 +146,10 @@ impl<const N: usize> Piecewise for Lanes<N> {
 
     #[inline(always)]
     fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
-        each_lane!(|x, power| f64::powf_slope(x, power, c))
+        match c.halves::<f64>() {
+            Some(n) => half_power_slope(x, power, n),
+            None => each_lane!(|x, power| f64::powf_slope(x, power, c)),
+        }
     }
 
     #[inline(always)]

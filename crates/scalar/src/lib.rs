@@ -25,6 +25,7 @@ mod double_double;
 mod float;
 mod forward;
 mod glue;
+mod half_power;
 mod instructions;
 mod lanes;
 mod num;

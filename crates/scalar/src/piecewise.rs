@@ -1,5 +1,6 @@
 //! [`Piecewise`]: what the derivatives of |x|, min, max, hypot and xʸ need beyond arithmetic.
 
+use crate::half_power::half_power_slope;
 use crate::{Constant, Float, Scalar};
 
 /// A [`Scalar`] with the selections that derivatives of piecewise functions are made of.
@@ -20,10 +21,12 @@ pub trait Piecewise: Scalar {
     fn at_most(x: Self, y: Self) -> Self;
     /// x where `test` is not zero, 0 where it is, whatever x is there.
     fn where_nonzero(x: Self, test: Self) -> Self;
-    /// rate·slope, but a rate of 0 remains 0 where the slope is infinite or NaN: √(x² + y²) at a fixed origin.
+    /// rate·slope, but a rate of 0 remains 0 where the slope is infinite or NaN: √(x² + y²) at a fixed
+    /// origin.
     fn times_slope(rate: Self, slope: Self) -> Self;
-    /// The derivative c·xᶜ⁻¹ of `power` = xᶜ for a constant exponent: from the power where that is neither 0 nor infinite.
-    /// A factor 0 is 0 also before an infinite power.
+    /// The derivative c·xᶜ⁻¹ of `power` = xᶜ for a constant exponent: from the power where that is neither 0
+    /// nor infinite. Half-integer exponents up to 15/2 are those of a root. A factor 0 is 0 also before an
+    /// infinite power.
     fn powf_slope(x: Self, power: Self, c: Constant) -> Self;
     /// Whether every number in it is finite. It may decide how something is computed, never what.
     fn is_regular(x: Self) -> bool;
@@ -62,6 +65,9 @@ impl<T: Float> Piecewise for T {
 
     #[inline(always)]
     fn powf_slope(x: T, power: T, c: Constant) -> T {
+        if let Some(n) = c.halves::<T>() {
+            return half_power_slope(x, power, n);
+        }
         let c: T = c.to();
         if power != T::int(0) && Self::is_regular(power) {
             c * power / x

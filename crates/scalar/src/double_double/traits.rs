@@ -1,6 +1,7 @@
 //! [`DoubleDouble`] as [`Scalar`] and [`Float`].
 
 use super::{DoubleDouble, DoubleDoubles, dd, words};
+use crate::half_power::half_power;
 use crate::{Constant, Float, Forward, Forward2, ParseFloatError, Scalar};
 
 macro_rules! functions {
@@ -23,7 +24,10 @@ impl Scalar for DoubleDouble {
     }
     #[inline(always)]
     fn powf(x: Self, c: Constant) -> Self {
-        DoubleDouble::powf(x, c.to())
+        match c.halves::<DoubleDouble>() {
+            Some(n) => half_power(x, n),
+            None => DoubleDouble::powf(x, c.to()),
+        }
     }
     #[inline(always)]
     fn pow(x: Self, y: Self) -> Self {
