@@ -1,6 +1,10 @@
 //! `f64` as [`Scalar`] and [`Float`].
 
-use crate::{Constant, Float, Forward, Forward2, Lanes, ParseFloatError, Scalar};
+use crate::constant::Constant;
+use crate::error::ParseFloatError;
+use crate::forward::{Forward, Forward2};
+use crate::kernels::Lanes;
+use crate::traits::{Float, Scalar};
 
 macro_rules! functions {
     ($($f:ident),*) => {$(

@@ -120,6 +120,6 @@ pub use tangent_chaos::{Chaos, ChaosIndicators};
 pub use time_dependent::Extended;
 
 /// Most stages a method may have.
-pub const MAX_STAGES: usize = 32;
+pub use equip_tableau::MAX_STAGES;
 /// Fewest stages with an α.
 const MIN_EQUIP_STAGES: usize = 2;
