@@ -16,6 +16,7 @@
 //! | `reproducibility.rs` | is a run the same to the last bit, whatever is watched, and does it run backwards? |
 //! | `work.rs` | is the work of standard runs what it was? |
 //! | `allocations.rs` | does a step allocate? |
+//! | `house.rs` | do imports point downward, without circles, in few floors and small rooms? |
 //!
 //! Every tolerance is a measured figure times a stated headroom; the figure stands beside it. Where both float types
 //! run the same function, double-double asserts digits that `f64` cannot reach.

@@ -5,6 +5,7 @@ mod allocations;
 mod extremes;
 mod failures;
 mod growth;
+mod house;
 mod instruction_sets;
 mod invariants;
 mod kept;

@@ -3,7 +3,7 @@
 use crate::batch::Batch;
 use crate::graph::Graph;
 use crate::straight::straight;
-use equip_machine::{Code, Program};
+use equip_jit::{Code, Program};
 use equip_scalar::{Float, InstructionSet, Lanes};
 use std::sync::{Arc, Mutex, PoisonError};
 

@@ -8,7 +8,7 @@
 
 use crate::Energy;
 use crate::batch::{force, gradient};
-use equip_machine::Code;
+use equip_jit::Code;
 use equip_scalar::{Kernel, Lanes};
 use std::array::from_fn;
 

@@ -8,7 +8,7 @@ use crate::op::{Node, Op};
 use crate::order::Blocks;
 use crate::tape::Tape;
 use crate::values::Replay;
-use equip_machine::{Program, Value};
+use equip_jit::{Program, Value};
 use std::collections::HashMap;
 
 /// Nodes and terms of the largest graph that becomes a program: code and what it takes to make it are some

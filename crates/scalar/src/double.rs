@@ -1,7 +1,11 @@
 //! `f64` as [`Scalar`] and [`Float`].
 
+use crate::constant::Constant;
+use crate::error::ParseFloatError;
+use crate::forward::{Forward, Forward2};
 use crate::half_power::half_power;
-use crate::{Constant, Float, Forward, Forward2, Lanes, ParseFloatError, Scalar};
+use crate::kernels::Lanes;
+use crate::traits::{Float, Scalar};
 
 macro_rules! functions {
     ($($f:ident),*) => {$(

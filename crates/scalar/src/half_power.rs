@@ -6,7 +6,8 @@
 //!
 //! As √, it is NaN at −∞, and keeps the sign of −0 where n = ±1.
 
-use crate::{Constant, Float, Scalar, Written};
+use crate::constant::{Constant, Written};
+use crate::traits::{Float, Scalar};
 
 /// Largest |n| of x^(n/2): beyond, rounding adds up, and exp(c ln x) is as good.
 const LARGEST: i32 = 15;

@@ -1,6 +1,8 @@
 //! [`Num`]: the number a user's energy is written with.
 
-use crate::{Constant, DoubleDouble, Scalar};
+use crate::constant::Constant;
+use crate::double_double::DoubleDouble;
+use crate::traits::Scalar;
 use std::iter::{Product, Sum};
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 

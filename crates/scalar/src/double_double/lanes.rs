@@ -5,12 +5,13 @@
 //! means (infinities, NaN, numbers near the limits of the exponent), and then every lane is done as a `DoubleDouble`. So each lane has every bit of a
 //! computation with that number alone. The other elementary functions are N calls.
 
-use super::arithmetic::SAFE_MIN;
-use super::roots::SAFE_MAX;
-use super::words::{self, Dot, Pair, Sum, Word};
-use super::{DoubleDouble, dd};
+use super::number::{DoubleDouble, dd};
+use super::transforms::{SAFE_MAX, SAFE_MIN, Word};
+use super::words::{self, Dot, Pair, Sum};
+use crate::constant::Constant;
 use crate::half_power::{half_power, half_power_slope};
-use crate::{Constant, Lanes, Pack, Piecewise, Scalar};
+use crate::kernels::Lanes;
+use crate::traits::{Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// N double-doubles, usually one for each stage of a step.
