@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_scalar::{DoubleDouble, Float, ratio};
-use equip_solver::{
+use equip_integrate::{
     Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, MAX_STAGES, Method, OnNoAlpha,
     Record, RunFailure,
 };
+use equip_scalar::{DoubleDouble, Float, ratio};
 use equip_tests::{Start, harmonic, henon_heiles, kepler};
 
 /// The failure of a Kepler run over 0..=1, with its text.
@@ -371,7 +371,7 @@ fn leaves_the_domain<T: Float>() {
             break error;
         }
     };
-    let state = |view: equip_solver::StepView<'_, T>| {
+    let state = |view: equip_integrate::StepView<'_, T>| {
         (
             view.index,
             view.time,

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Energy, Hamiltonian};
+use equip_integrate::{Counts, Equip, Gauss, Method, Outcome, StageSolver};
 use equip_scalar::Constant;
 use equip_scenes::{Instance, energies::FputBeta};
-use equip_solver::{Counts, Equip, Gauss, Method, Outcome, StageSolver};
 use equip_tests::{Start, henon_heiles, kepler};
 
 fn counts(

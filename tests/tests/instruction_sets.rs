@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Hamiltonian, System};
+use equip_integrate::{Equip, Gauss, Record, StageSolver};
 use equip_scalar::{DoubleDouble, Float, decimal, ratio};
 use equip_scenes::energies::{HenonHeiles, Kepler};
 use equip_scenes::{Instance, find};
-use equip_solver::{Equip, Gauss, Record, StageSolver};
 use std::process::Command;
 
 /// Steps of a run: enough for steps that begin from the last one, and for α's.

@@ -1,8 +1,8 @@
 //! Energy and quadratic invariants at every step, and what keeping them does to the trajectory.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_integrate::{Alphas, Equip, Gauss, Method, Outcome, StepView};
 use equip_scalar::{DoubleDouble, Float, ratio};
-use equip_solver::{Alphas, Equip, Gauss, Method, Outcome, StepView};
 use equip_tests::{Start, Trend, distance, henon_heiles, kepler, trend};
 
 /// What 160 steps per period of Kepler e = 0.6 over some periods show.

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Energy, Hamiltonian, Var};
+use equip_integrate::{Counts, Equip, Gauss, Method, Outcome, Record, Run, StageSolver};
 use equip_scalar::Constant;
 use equip_scenes::energies::FputBeta;
-use equip_solver::{Counts, Equip, Gauss, Method, Outcome, Record, Run, StageSolver};
 use equip_tests::{Seeded, distance};
 
 const MASSES: usize = 64;

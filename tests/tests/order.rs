@@ -1,8 +1,8 @@
 //! Order: the printed error tables of the method, and observed orders down to errors only double-double can see.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_integrate::{Alphas, Equip, Gauss, Method, StageSolver};
 use equip_scalar::{DoubleDouble, Float, ratio};
-use equip_solver::{Alphas, Equip, Gauss, Method, StageSolver};
 use equip_tests::{Start, distance, henon_heiles, kepler, observed_order};
 
 /// What a run of the tables shows.

@@ -5,11 +5,11 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Evaluate, System};
-use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{
+use equip_integrate::{
     Alphas, Counts, Equip, FixedStep, Gauss, IntegrateError, Method, OnNoAlpha, Outcome,
     RunFailure, StepView,
 };
+use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{RandomSystem, Seeded, rate};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;

@@ -1,8 +1,8 @@
 //! Stiff springs: few sweeps where the plain ones hardly contract, the same trajectory and energy, and nothing of it elsewhere.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_integrate::{Equip, FixedStep, Gauss, Method, Record, Run, StageSolver};
 use equip_scenes::Instance;
-use equip_solver::{Equip, FixedStep, Gauss, Method, Record, Run, StageSolver};
 use equip_tests::{decimal_digits, relative_distance};
 
 /// Three springs of ω = 50 in a soft chain, up to `end`.

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
+use equip_integrate::{Alphas, Equip, Gauss, Method, StageSolver};
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Alphas, Equip, Gauss, Method, StageSolver};
 use equip_tests::{Start, double_pendulum, henon_heiles, kepler};
 
 /// [steps, sweeps, Newton iterations, factorisations, ∇H, ∇²H, solves for α, halvings].

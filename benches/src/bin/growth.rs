@@ -7,10 +7,10 @@
 //! counted.
 
 use equip_autodiff::{BuildError, Energy, Hamiltonian, System};
+use equip_integrate::{Equip, Gauss, IntegrateError, Method, StageSolver};
 use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar};
 use equip_scenes::energies::{FputBeta, HenonHeiles, Kepler, Ring};
 use equip_scenes::find;
-use equip_solver::{Equip, Gauss, IntegrateError, Method, StageSolver};
 use std::collections::BTreeSet;
 use std::error::Error;
 use std::time::Instant;

@@ -1,10 +1,10 @@
 //! [`Integrator`]: fixed or variable steps, as the user asked, behind one set of verbs.
 
-use equip_scalar::Float;
-use equip_scenes::Instance;
-use equip_solver::{
+use equip_integrate::{
     Adaptive, Checkpoint, FixedStep, Invariant, Observer, OnNoAlpha, Run, RunFailure,
 };
+use equip_scalar::Float;
+use equip_scenes::Instance;
 
 #[derive(Debug)]
 pub(crate) enum Integrator<T: Float> {

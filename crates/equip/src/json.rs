@@ -2,8 +2,8 @@
 
 use crate::csv::digits;
 use crate::run::{EndError, Finished};
+use equip_integrate::{Defect, Outcome};
 use equip_scalar::Float;
-use equip_solver::{Defect, Outcome};
 use serde::Serialize;
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;

@@ -27,7 +27,8 @@
 //! | `equip-scalar` | [`scalar`] | number types: `f64`, `DoubleDouble`, constants in H |
 //! | `equip-tableau` | [`tableau`] | Gauss nodes, weights, K(α) |
 //! | `equip-autodiff` | [`autodiff`] | H → gradient, Hessian, structure |
-//! | `equip-solver` | [`solver`] | methods, steps, certificate |
+//! | `equip-solver` | [`solver`] | one step: stages, α, outcome |
+//! | `equip-integrate` | [`solver`] | methods, runs, events, checkpoints, certificate |
 //! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
 //!
 //! The program `equip` is built by the default feature `cli`; `default-features = false` leaves it and its
@@ -35,9 +36,9 @@
 #![forbid(unsafe_code)]
 
 pub use equip_autodiff as autodiff;
+pub use equip_integrate as solver;
 pub use equip_scalar as scalar;
 pub use equip_scenes as scenes;
-pub use equip_solver as solver;
 pub use equip_tableau as tableau;
 
 pub mod prelude;

@@ -10,12 +10,12 @@ use crate::samples::Path;
 use crate::saver::{self, Saver};
 use crate::watch::Watch;
 use crate::{json, plot};
-use equip_scalar::{Constant, DoubleDouble, Float};
-use equip_scenes::Instance;
-use equip_solver::{
+use equip_integrate::{
     Alphas, Equip, Gauss, IntegrateError, Invariant, Method, OnNoAlpha, Record, Run, StageSolver,
     Target,
 };
+use equip_scalar::{Constant, DoubleDouble, Float};
+use equip_scenes::Instance;
 use std::io::{Write, stdout};
 use std::time::Duration;
 

@@ -18,7 +18,7 @@ pub(crate) const MANY: usize = 64;
 ///
 /// I_ref is taken at the start of the *run*: an error left by one step is repaired by the next.
 #[derive(Debug)]
-pub(crate) struct Constraint<T: Float> {
+pub struct Constraint<T: Float> {
     /// `None` for the energy, which has the run's evaluator.
     evaluator: Option<<Hamiltonian as System>::Evaluator<T>>,
     pub(crate) reference: T,
@@ -48,8 +48,8 @@ pub(crate) struct Constraint<T: Float> {
 }
 
 impl<T: Float> Constraint<T> {
-    /// The energy, H_ref at the start of the run.
-    pub(crate) fn energy(h_ref: T, n: usize) -> Self {
+    /// The energy, `h_ref` at the start of the run, of states with `n` components.
+    pub fn energy(h_ref: T, n: usize) -> Self {
         let zero = T::int(0);
         Constraint {
             evaluator: None,
@@ -67,8 +67,8 @@ impl<T: Float> Constraint<T> {
         }
     }
 
-    /// A further invariant, which starts at `y0`.
-    pub(crate) fn invariant(invariant: &Invariant, y0: &[T]) -> Self {
+    /// A further invariant, which starts at `y0`, length n.
+    pub fn invariant(invariant: &Invariant, y0: &[T]) -> Self {
         let mut evaluator = invariant.function().evaluator::<T>();
         let mut constraint = Self::energy(T::int(0), y0.len());
         constraint.reference =
@@ -146,7 +146,7 @@ impl<T: Float> Constraint<T> {
     }
 
     /// |g| in units of its own floor.
-    pub(crate) fn in_floors(&self) -> T {
+    pub fn in_floors(&self) -> T {
         in_floors(self.defect, self.floor)
     }
 
@@ -159,7 +159,7 @@ impl<T: Float> Constraint<T> {
     }
 
     /// The floor by which g is judged at the end of a step: its own if g is there, else the inherited one if that is larger.
-    pub(crate) fn judging_floor(&self) -> T {
+    pub fn judging_floor(&self) -> T {
         if self.defect.abs() <= self.floor {
             self.floor
         } else {
@@ -168,7 +168,7 @@ impl<T: Float> Constraint<T> {
     }
 
     /// |g| in units of the floor by which it is judged.
-    pub(crate) fn in_judging_floors(&self) -> T {
+    pub fn in_judging_floors(&self) -> T {
         in_floors(self.defect, self.judging_floor())
     }
 

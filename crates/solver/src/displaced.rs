@@ -2,7 +2,7 @@
 //!
 //! Slopes know what α's do to the energy and not what they do to the end point. Of many components that are resolved alike that makes no
 //! difference; where a few are much faster than the rest, energy at its floor can cost thousands of local errors. So the move is held against what
-//! the step is off anyway, as the decay of its Legendre coefficients tells ([`crate::control_estimate`]), and against rounding:
+//! the step is off anyway, as the decay of its Legendre coefficients tells ([`crate::decay`]), and against rounding:
 //!
 //! $$ \lVert \Delta y_1 \rVert_g \le m\, \varrho^{2s} \max_j \lVert \varphi_j \rVert_g + 16\, \varepsilon f\, \lVert y_1 \rVert_g, \qquad g \in \{q, p\}, $$
 //!
@@ -11,7 +11,7 @@
 //!
 //! Cost: some passes over the end point, in steps whose α's move.
 
-use crate::control_estimate::decay;
+use crate::decay::decay;
 use crate::slopes::Slopes;
 use crate::state::State;
 use equip_scalar::Float;

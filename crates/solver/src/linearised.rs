@@ -6,11 +6,11 @@
 //! for as many steps as θ stays near what it was when fresh; above 1/2 it is made anew, and if that does not help
 //! full Newton takes over for [`FULL_STEPS`] steps where it may.
 
-use crate::checkpoint::{Exact, SolverMemory};
-use crate::error::IntegrateError;
+use crate::failure::Damaged;
 use crate::hessians::StageHessians;
 use crate::linear::Singular;
 use crate::linearisation::Linearisation;
+use crate::memory::SolverMemory;
 use crate::options::StageSolver;
 use crate::outcome::Counts;
 use crate::simplified::Simplified;
@@ -136,29 +136,29 @@ impl<T: Float> Linearised<T> {
     }
 
     /// What is kept from earlier steps.
-    pub(crate) fn memory(&self) -> SolverMemory {
-        let mut memory = SolverMemory {
-            full_steps: self.full_steps,
-            made_for: self.made_for.map(Exact::of),
-            theta: [self.theta, self.theta_when_made].map(Exact::of),
-            untried: self.untried,
-            ..SolverMemory::default()
-        };
-        if let (Some(simplified), Some(_)) = (&self.simplified, self.made_for) {
-            simplified.save(&mut memory);
+    pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
+        let counts = [u64::from(self.full_steps), u64::from(self.untried)];
+        memory.put_counts("full Newton", counts);
+        let (now, then) = (self.theta, self.theta_when_made);
+        memory.put("Newton's contraction", [now, then]);
+        if let (Some(simplified), Some(h)) = (&self.simplified, self.made_for) {
+            memory.put("simplified Newton's step", [h]);
+            simplified.save(memory);
         }
-        memory
     }
 
-    pub(crate) fn restore(&mut self, memory: &SolverMemory) -> Result<(), IntegrateError<T>> {
-        self.full_steps = memory.full_steps;
-        self.theta = memory.theta[0].read()?;
-        self.theta_when_made = memory.theta[1].read()?;
-        self.untried = memory.untried;
-        self.made_for = match (&mut self.simplified, &memory.made_for) {
-            (Some(simplified), Some(h)) => {
+    pub(crate) fn restore(&mut self, memory: &SolverMemory<T>) -> Result<(), Damaged> {
+        let what = "full Newton";
+        let [full_steps, untried] = memory.counts(what)?;
+        self.full_steps = u32::try_from(full_steps).map_err(|_| Damaged { what })?;
+        self.untried = untried != 0;
+        [self.theta, self.theta_when_made] = memory.numbers("Newton's contraction")?;
+        let what = "simplified Newton's step";
+        self.made_for = match (&mut self.simplified, memory.find(what)) {
+            (Some(simplified), Some(_)) => {
                 simplified.restore(memory)?;
-                Some(h.read()?)
+                let [h] = memory.numbers(what)?;
+                Some(h)
             }
             _ => None,
         };

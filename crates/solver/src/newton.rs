@@ -20,12 +20,12 @@
 //! Cost per iteration: that of [`crate::linearised`], s gradients, and one more per constraint once the stages are near.
 
 use crate::alpha::{Directions, Moved, Norm};
-use crate::checkpoint::SolverMemory;
 use crate::constraint::{Constraint, worst};
 use crate::displacement::dot;
-use crate::error::IntegrateError;
+use crate::failure::{Damaged, Failure};
 use crate::linearised::{Linearised, Verdict};
 use crate::local_error::LocalError;
+use crate::memory::SolverMemory;
 use crate::newton_alphas::{EACH_PASS, MAX_PASSES, Passes};
 use crate::one_more::OneMore;
 use crate::options::StageSolver;
@@ -49,25 +49,6 @@ pub(crate) const ENERGY_STAGNATED: i64 = 7;
 const MAX_DAMPINGS: u32 = 6;
 /// α's shortened by their bound this often in one step: no admissible α.
 const MAX_SHORTENED: u32 = 3;
-
-/// Why the stages of a step were not found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Failure<T> {
-    NotFinite,
-    Singular,
-    NoConvergence {
-        iterations: u32,
-        correction: T,
-    },
-    NoAlpha,
-    /// The α's would keep the energy at the cost of slow motion: what is wrong with it is motion that the step does not resolve.
-    Unresolved,
-    /// The stage equations have a solution that has nothing to do with the motion.
-    Astray {
-        defect: T,
-        scale: T,
-    },
-}
 
 /// What is fixed while a step is solved.
 #[derive(Debug)]
@@ -146,11 +127,11 @@ impl<T: Float> Newton<T> {
     }
 
     /// What is kept of earlier steps.
-    pub(crate) fn memory(&self) -> SolverMemory {
-        self.linearised.memory()
+    pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
+        self.linearised.save(memory);
     }
 
-    pub(crate) fn restore(&mut self, memory: &SolverMemory) -> Result<(), IntegrateError<T>> {
+    pub(crate) fn restore(&mut self, memory: &SolverMemory<T>) -> Result<(), Damaged> {
         self.linearised.restore(memory)
     }
 

@@ -12,7 +12,8 @@
 
 use crate::alpha::{Moved, Norm};
 use crate::constraint::{Constraint, worst};
-use crate::newton::{Failure, Newton, Solution, StepTask};
+use crate::failure::Failure;
+use crate::newton::{Newton, Solution, StepTask};
 use crate::stages::Stages;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;

@@ -87,7 +87,8 @@ impl Counts {
         self.outcomes[outcome as usize]
     }
 
-    pub(crate) fn record(&mut self, outcome: Outcome) {
+    /// Counts a step that ended so.
+    pub fn record(&mut self, outcome: Outcome) {
         self.steps += 1;
         self.outcomes[outcome as usize] += 1;
     }

@@ -1,7 +1,7 @@
 //! What is compiled once, with this crate, by [`equip_scalar::ready!`]: what depends on the float type alone, and of recorded energies the step as a
 //! whole. What is woven into an energy that is a type is compiled with that.
 
-use crate::error::IntegrateError;
+use crate::failure::Failure;
 use crate::moves::Moves;
 use crate::newton::Newton;
 use crate::one_more::OneMore;
@@ -24,8 +24,8 @@ use std::ops::Range;
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
-    pub(crate) step: fn(&mut Recorded<T>, (&State<T>, T, T), &mut State<T>) -> Result<Outcome, IntegrateError<T>>,
-    pub(crate) find_springs: fn(&mut Recorded<T>, &Structure, (&[T], T)),
+    pub(crate) step: fn(&mut Recorded<T>, (&State<T>, T, T), &mut State<T>) -> Result<Outcome, Failure<T>>,
+    pub(crate) find_springs: fn(&mut Recorded<T>, (&[T], T)),
     pub(crate) sweeps: fn((&Gauss<T>, Option<&OneMore<T>>), usize, Option<Kinetic<T>>, &[T], (Rule, &Pattern, bool)) -> Sweeps<T>,
     pub(crate) newton: fn(usize, Option<&OneMore<T>>, &Structure, StageSolver, (usize, usize), u32) -> Newton<T>,
     pub(crate) begin: fn(&mut Sweeps<T>, &Gauss<T>, &SweepTask<'_, T>),
@@ -77,13 +77,16 @@ impl<'a, T: Float> Holds<'a> for InCore<T> {
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// One step of size `h` from `y` at time `t` into `next`. `y` is not changed, whatever happens.
-    pub(crate) fn step(
+    ///
+    /// # Errors
+    /// When the step cannot be made; [`failed_part`](Self::failed_part) says where.
+    pub fn step(
         &mut self,
         y: &State<T>,
         t: T,
         h: T,
         next: &mut State<T>,
-    ) -> Result<Outcome, IntegrateError<T>> {
+    ) -> Result<Outcome, Failure<T>> {
         // Constant, so that nothing is compiled for recordings but the call.
         if const { E::IS_RECORDED } {
             (ready::<T>().step)(E::recorded::<InCore<T>>(self), (y, t, h), next)
@@ -92,12 +95,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// The run is made of steps of size `h` and begins at `y`.
-    pub(crate) fn find_springs(&mut self, structure: &Structure, start: (&[T], T)) {
+    /// The run is made of steps of one size `h` and begins at `y`, length n = 2m: what holds for all of them is found
+    /// here. Costs at most one Hessian; without it steps are of any size.
+    pub fn begin_fixed(&mut self, start: (&[T], T)) {
         if const { E::IS_RECORDED } {
-            (ready::<T>().find_springs)(E::recorded::<InCore<T>>(self), structure, start);
+            (ready::<T>().find_springs)(E::recorded::<InCore<T>>(self), start);
         } else {
-            self.look_for_springs(structure, start);
+            self.look_for_springs(start);
         }
     }
 }

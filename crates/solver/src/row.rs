@@ -9,7 +9,7 @@ use std::array::from_fn;
 pub(crate) type Row<T, const G: usize, const N: usize> = [[T; N]; G];
 
 /// Lanes that `s` stages of this float are padded to.
-pub(crate) fn stride_for<T: Float>(s: usize) -> usize {
+pub fn stride_for<T: Float>(s: usize) -> usize {
     s.next_multiple_of(lanes_of::<T>(s))
 }
 

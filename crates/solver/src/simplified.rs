@@ -9,10 +9,10 @@
 //!
 //! Cost: one Hessian and ⌈s/2⌉ factorisations to refresh; each solve ⌈s/2⌉ solves and 4 s² n operations.
 
-use crate::checkpoint::{Exact, SolverMemory};
-use crate::error::IntegrateError;
+use crate::failure::Damaged;
 use crate::hessians::turned;
 use crate::linear::Singular;
+use crate::memory::SolverMemory;
 use crate::outcome::Counts;
 use crate::shifted::ShiftedSystems;
 use crate::splitting::Splitting;
@@ -23,6 +23,11 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 /// A component that has grown or shrunk by this makes for badly scaled factors.
 const MOST_RESCALED: f64 = 1e6;
+
+/// Names of what is remembered.
+const HESSIAN: &str = "the Hessian of simplified Newton";
+const UNITS: &str = "the units of simplified Newton";
+const GENERATOR: &str = "the generator of simplified Newton";
 
 #[derive(Debug)]
 pub(crate) struct Simplified<T: Float> {
@@ -89,24 +94,30 @@ impl<T: Float> Simplified<T> {
         self.systems.factor(&self.splitting.blocks)
     }
 
-    /// What M̃ is made of, for a checkpoint.
-    pub(crate) fn save(&self, memory: &mut SolverMemory) {
-        memory.hessian = Exact::all(&self.hessian);
-        memory.unit = Exact::all(&self.unit);
-        memory.generator = Exact::all(self.systems.generator());
+    /// What M̃ is made of.
+    pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
+        memory.put(HESSIAN, self.hessian.iter().copied());
+        memory.put(UNITS, self.unit.iter().copied());
+        let generator = self.systems.generator().iter();
+        memory.put(GENERATOR, generator.map(|&x| T::exact(x)));
     }
 
     /// M̃ as it was when it was saved.
-    pub(crate) fn restore(&mut self, memory: &SolverMemory) -> Result<(), IntegrateError<T>> {
-        let what = "the Hessian of simplified Newton";
-        let damaged = || IntegrateError::CheckpointDamaged { what };
-        Exact::read_all(&memory.hessian, &mut self.hessian, what)?;
-        Exact::read_all(&memory.unit, &mut self.unit, what)?;
+    pub(crate) fn restore(&mut self, memory: &SolverMemory<T>) -> Result<(), Damaged> {
+        memory.read(HESSIAN, &mut self.hessian)?;
+        memory.read(UNITS, &mut self.unit)?;
+        let damaged = Damaged { what: GENERATOR };
+        let stored = memory.find(GENERATOR).ok_or(damaged)?;
         let (_, generator) = self.systems.generator_mut();
-        Exact::read_all(&memory.generator, generator, what).map_err(|_| damaged())?;
+        if stored.len() != generator.len() {
+            return Err(damaged);
+        }
+        for (x, &stored) in generator.iter_mut().zip(stored) {
+            *x = stored.to_f64();
+        }
         self.systems
             .factor(&self.splitting.blocks)
-            .map_err(|_| damaged())
+            .map_err(|_| damaged)
     }
 
     /// To be called when `Stages::scale` may have changed. Returns whether M̃ in its old units still serves.

@@ -13,12 +13,12 @@
 
 mod which;
 
-pub(crate) use which::most_resolved;
+pub use which::most_resolved;
 
-use crate::checkpoint::{Exact, SpringsMemory};
 use crate::columns::both_ways;
-use crate::error::IntegrateError;
+use crate::failure::Damaged;
 use crate::foresee::{Foresee, ForeseeSides, From, Matrix};
+use crate::memory::{SolverMemory, as_count};
 use crate::outcome::Counts;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet};
@@ -49,7 +49,6 @@ pub(crate) struct Spring<T> {
 
 /// How far it is known that they pay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum Trial {
     /// No step has been made.
     Before,
@@ -275,45 +274,60 @@ impl<T: Float> Springs<T> {
         }
     }
 
-    pub(crate) fn memory(&self) -> SpringsMemory {
-        SpringsMemory {
-            components: self.found.iter().map(|&(c, _)| c).collect(),
-            kappa: self
-                .found
-                .iter()
-                .map(|&(_, kappa)| Exact::of(kappa))
-                .collect(),
-            kept: self.springs.iter().map(|spring| spring.c).collect(),
-            trial: self.trial,
-            without: Exact::of(self.without),
-            counts: [self.steps, self.poor, self.misled],
-        }
+    pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
+        memory.put("step of the springs", [self.h, self.without]);
+        memory.put_counts(COMPONENTS, self.found.iter().map(|&(c, _)| c as u64));
+        memory.put(STIFFNESSES, self.found.iter().map(|&(_, kappa)| kappa));
+        memory.put_counts(KEPT, self.springs.iter().map(|spring| spring.c as u64));
+        let trial = self.trial as u64;
+        memory.put_counts(
+            "trial of the springs",
+            [trial, self.steps, self.poor, self.misled],
+        );
     }
 
-    /// Those of a run that is resumed with steps of size `h`.
+    /// Those that were saved, if there were any.
     pub(crate) fn from_memory(
-        (pattern, w, h): (&Pattern, &[T], T),
-        memory: &SpringsMemory,
-    ) -> Result<Option<Self>, IntegrateError<T>> {
-        let SpringsMemory {
-            components, kappa, ..
-        } = memory;
-        let what = "the springs";
-        if components.len() != kappa.len() || components.iter().any(|&c| c >= w.len()) {
-            return Err(IntegrateError::CheckpointDamaged { what });
+        (pattern, w): (&Pattern, &[T]),
+        memory: &SolverMemory<T>,
+    ) -> Result<Option<Self>, Damaged> {
+        let Some(kappa) = memory.find(STIFFNESSES) else {
+            return Ok(None);
+        };
+        let components = |what| {
+            let stored = memory.find(what).unwrap_or_default().iter();
+            let component = |&c| as_count(c).map(|c| c as usize).filter(|&c| c < w.len());
+            let all: Option<Vec<usize>> = stored.map(component).collect();
+            all.ok_or(Damaged { what })
+        };
+        let (found, kept) = (components(COMPONENTS)?, components(KEPT)?);
+        if found.len() != kappa.len() {
+            return Err(Damaged { what: COMPONENTS });
         }
-        let mut values = vec![T::int(0); kappa.len()];
-        Exact::read_all(kappa, &mut values, what)?;
-        let found = components.iter().copied().zip(values).collect();
+        let [h, without] = memory.numbers("step of the springs")?;
+        let what = "trial of the springs";
+        let [trial, steps, poor, misled] = memory.counts(what)?;
+        let found = found.into_iter().zip(kappa.iter().copied()).collect();
         let mut springs = Self::new((pattern, w, h), found);
         if let Some(springs) = &mut springs {
-            springs.springs.retain(|s| memory.kept.contains(&s.c));
-            springs.trial = memory.trial;
-            springs.without = memory.without.read()?;
-            [springs.steps, springs.poor, springs.misled] = memory.counts;
+            springs.springs.retain(|s| kept.contains(&s.c));
+            let trials = Trial::ALL.into_iter();
+            let mut known = trials.filter(|&known| known as u64 == trial);
+            springs.trial = known.next().ok_or(Damaged { what })?;
+            springs.without = without;
+            (springs.steps, springs.poor, springs.misled) = (steps, poor, misled);
         }
         Ok(springs)
     }
+}
+
+/// Names of what is remembered.
+const COMPONENTS: &str = "the springs";
+const STIFFNESSES: &str = "stiffnesses of the springs";
+const KEPT: &str = "the springs that are left";
+
+impl Trial {
+    const ALL: [Trial; 4] = [Trial::Before, Trial::Pending, Trial::On, Trial::Off];
 }
 
 #[cfg(test)]

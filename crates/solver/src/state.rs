@@ -6,19 +6,23 @@ use std::array::from_fn;
 
 /// A state carried to about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct State<T> {
-    pub(crate) hi: Vec<T>,
-    pub(crate) lo: Vec<T>,
+pub struct State<T> {
+    /// The state rounded to T: q, then p.
+    pub hi: Vec<T>,
+    /// What that rounding lost.
+    pub lo: Vec<T>,
 }
 
 impl<T: Float> State<T> {
-    pub(crate) fn new(q: &[T], p: &[T]) -> Self {
+    /// The state (`q`, `p`), exact: `lo` is zero.
+    pub fn new(q: &[T], p: &[T]) -> Self {
         let hi: Vec<T> = q.iter().chain(p).copied().collect();
         let lo = vec![T::int(0); hi.len()];
         State { hi, lo }
     }
 
-    pub(crate) fn copy_from(&mut self, other: &Self) {
+    /// Takes over the numbers of a state of the same length.
+    pub fn copy_from(&mut self, other: &Self) {
         self.hi.copy_from_slice(&other.hi);
         self.lo.copy_from_slice(&other.lo);
     }

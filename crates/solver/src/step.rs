@@ -3,13 +3,13 @@
 use crate::MAX_STAGES;
 use crate::alpha::Norm;
 use crate::constraint::{Constraint, worst};
-use crate::dense::Parts;
-use crate::error::IntegrateError;
+use crate::failure::Failure;
 use crate::guess::Guess;
-use crate::newton::{ENERGY_STAGNATED, Failure, Newton, StepTask, nearly_met};
+use crate::newton::{ENERGY_STAGNATED, Newton, StepTask, nearly_met};
 use crate::one_more::OneMore;
-use crate::options::{OnNoAlpha, Settings, StageSolver};
+use crate::options::{OnNoAlpha, StageSolver, StepOptions};
 use crate::outcome::{Counts, Outcome};
+use crate::parts::Parts;
 use crate::ready::ready;
 use crate::response::LEADING;
 use crate::stages::Stages;
@@ -29,14 +29,14 @@ const REPEATED_UP_TO: usize = 128;
 
 /// Everything a step works with; no allocation after it is made.
 #[derive(Debug)]
-pub(crate) struct Core<T: Float, E> {
+pub struct Core<T: Float, E> {
     pub(crate) energy: E,
     pub(crate) stages: Stages<T>,
     pub(crate) newton: Newton<T>,
     /// What the α's are solved for: the energy first, then further invariants; empty if there is nothing.
     pub(crate) constraints: Vec<Constraint<T>>,
     pub(crate) counts: Counts,
-    pub(crate) settings: Settings<T>,
+    pub(crate) options: StepOptions<T>,
     pub(crate) sweeps: Option<Sweeps<T>>,
     pub(crate) rule: Rule,
     /// Newton's turn.
@@ -56,34 +56,36 @@ pub(crate) struct Core<T: Float, E> {
     pub(crate) last_resort: bool,
     /// The parts of the step, if dense output is wanted.
     pub(crate) parts: Parts<T>,
+    /// Where the step that failed last began, with its time and size.
+    pub(crate) failed: (Vec<T>, T, T),
     /// hω of the stiffest spring that sweeps do not solve for, as α's are not found with it.
     pub(crate) unresolved_spring: Option<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// `constraints` holds what the α's are to be solved for.
-    pub(crate) fn new<H: System<Evaluator<T> = E>>(
+    pub fn new<H: System<Evaluator<T> = E>>(
         system: &H,
         mut energy: E,
-        settings: Settings<T>,
+        options: StepOptions<T>,
         gauss: Gauss<T>,
         constraints: Vec<Constraint<T>>,
     ) -> Self {
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let structure = system.structure();
         let mut start_alphas = vec![T::int(0); s - 1];
-        if let (Some(alpha), Some(last)) = (settings.fixed_alpha, start_alphas.last_mut()) {
+        if let (Some(alpha), Some(last)) = (options.fixed_alpha, start_alphas.last_mut()) {
             *last = alpha;
         }
-        let asked = settings.first_alpha.is_some();
+        let asked = options.first_alpha.is_some();
         let zero = State::new(&vec![T::int(0); n], &[]);
-        let rule = rule(&settings, (s, n), constraints.len());
-        let is_alone = settings.stage_solver == StageSolver::Sweeps;
-        let free = settings.first_alpha.map_or(0, |first| s - first);
+        let rule = rule(&options, (s, n), constraints.len());
+        let is_alone = options.stage_solver == StageSolver::Sweeps;
+        let free = options.first_alpha.map_or(0, |first| s - first);
         let wants_errors = !constraints.is_empty() && free > 1;
         let finer = wants_errors.then(|| OneMore::new(&gauss)).flatten();
         let alphas = (rule, &structure.hessian, is_alone);
-        let sweeps = can_sweep(&settings, s, constraints.len()).then(|| {
+        let sweeps = can_sweep(&options, s, constraints.len()).then(|| {
             let methods = (&gauss, finer.as_ref());
             (ready::<T>().sweeps)(methods, n, energy.kinetic(), &start_alphas, alphas)
         });
@@ -91,15 +93,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             sweeps,
             rule,
             pause: Pause::NONE,
-            halved: vec![Pause::NONE; settings.max_halvings as usize],
+            halved: vec![Pause::NONE; options.max_halvings as usize],
             energy,
             newton: (ready::<T>().newton)(
                 s,
                 finer.as_ref(),
                 structure,
-                settings.stage_solver,
+                options.stage_solver,
                 (constraints.len(), free),
-                settings.max_iterations,
+                options.max_iterations,
             ),
             constraints,
             counts: Counts::default(),
@@ -110,21 +112,22 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             } else {
                 Outcome::NotAsked
             },
-            middles: vec![zero; settings.max_halvings as usize],
+            middles: vec![zero; options.max_halvings as usize],
             start: KnownGradient {
                 y: vec![T::NAN; n],
                 gradient: vec![T::int(0); n],
             },
             last_resort: true,
             parts: Parts::new(),
+            failed: (vec![T::int(0); n], T::int(0), T::int(0)),
             unresolved_spring: None,
             stages: Stages::new(gauss, n),
-            settings,
+            options,
         }
     }
 
     /// Forgets the last step, so that the next depends on the state alone.
-    pub(crate) fn forget(&mut self) {
+    pub fn forget(&mut self) {
         self.guess.forget();
         self.newton.forget();
         self.pause = Pause::NONE;
@@ -139,7 +142,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         &mut self,
         (y, t, h): (&State<T>, T, T),
         next: &mut State<T>,
-    ) -> Result<Outcome, IntegrateError<T>> {
+    ) -> Result<Outcome, Failure<T>> {
         self.parts.clear();
         self.step_at_level(0, y, t, h, next)
     }
@@ -151,7 +154,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         t: T,
         h: T,
         next: &mut State<T>,
-    ) -> Result<Outcome, IntegrateError<T>> {
+    ) -> Result<Outcome, Failure<T>> {
         let failure = match self.attempt(level, (y, h), next) {
             Ok(outcome) => {
                 self.accept(next);
@@ -163,21 +166,21 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         // A defect of a few floors that no α removes is round-off, …
         let round_off = failure == Failure::NoAlpha && nearly_met(&self.constraints);
         // … but one that only an earlier step may call so is worth another try here.
-        let last_try = round_off || (self.last_resort && level == self.settings.max_halvings);
+        let last_try = round_off || (self.last_resort && level == self.options.max_halvings);
         let wanted = failure == Failure::NoAlpha && last_try && self.has_inherited();
         if wanted && self.with_fewer_alphas(y, h, next) {
             self.accept(next);
             self.add_part(y, t, h);
             return Ok(Outcome::Solved);
         }
-        let left = self.settings.max_halvings - level;
+        let left = self.options.max_halvings - level;
         let halves = left > 0;
         // Halving is of no use that does not resolve the motion either.
         let as_it_is =
             round_off || (failure == Failure::Unresolved && self.newton.stays_unresolved(left));
         if as_it_is {
             let made = self.without_alpha(y, t, h, next);
-            if !(halves && matches!(made, Err(IntegrateError::Astray { .. }))) {
+            if !(halves && matches!(made, Err(Failure::Astray { .. }))) {
                 return made;
             }
         }
@@ -186,8 +189,16 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
         match failure {
             Failure::NoAlpha | Failure::Unresolved => self.without_alpha(y, t, h, next),
-            other => Err(self.error(other, y, t, h)),
+            other => Err(self.fails(other, y, t, h)),
         }
+    }
+
+    /// Notes where a part of the step failed.
+    fn fails(&mut self, failure: Failure<T>, y: &State<T>, t: T, h: T) -> Failure<T> {
+        let (start, time, step) = &mut self.failed;
+        start.copy_from_slice(&y.hi);
+        (*time, *step) = (t, h);
+        failure
     }
 
     /// The constraints have been evaluated at the end point `next`, which is accepted.
@@ -206,7 +217,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         t: T,
         h: T,
         next: &mut State<T>,
-    ) -> Result<Outcome, IntegrateError<T>> {
+    ) -> Result<Outcome, Failure<T>> {
         self.counts.halvings += 1;
         let h = h / T::int(2);
         let mut middle = std::mem::replace(&mut self.middles[level as usize], State::empty());
@@ -228,12 +239,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         t: T,
         h: T,
         next: &mut State<T>,
-    ) -> Result<Outcome, IntegrateError<T>> {
-        let then = self.then(self.settings.max_halvings);
+    ) -> Result<Outcome, Failure<T>> {
+        let then = self.then(self.options.max_halvings);
         let swept = self.sweep(then, (y, h), false, next).is_ok();
         if !swept {
             self.solve(y, h, false, (Norm::Plain, 0), next)
-                .map_err(|failure| self.error(failure, y, t, h))?;
+                .map_err(|failure| self.fails(failure, y, t, h))?;
         }
         let sizes = match &self.sweeps {
             Some(sweeps) if swept => &sweeps.iterate.scale,
@@ -256,14 +267,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             let (defect, scale) = (energy.defect, energy.start_scale(y));
             if !(defect.abs() <= scale) {
                 let failure = Failure::Astray { defect, scale };
-                return Err(self.error(failure, y, t, h));
+                return Err(self.fails(failure, y, t, h));
             }
         }
         self.accept(next);
         self.add_part(y, t, h);
-        match self.settings.on_no_alpha {
+        match self.options.on_no_alpha {
             OnNoAlpha::Carry => Ok(Outcome::Carried),
-            OnNoAlpha::Refuse => Err(self.error(Failure::NoAlpha, y, t, h)),
+            OnNoAlpha::Refuse => Err(self.fails(Failure::NoAlpha, y, t, h)),
         }
     }
 
@@ -283,7 +294,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// it is cheap.
     pub(crate) fn can_repair(&self) -> bool {
         let unknowns = self.stages.count() * self.stages.n;
-        self.settings.stage_solver != StageSolver::Sweeps || unknowns <= MOST_UNKNOWNS
+        self.options.stage_solver != StageSolver::Sweeps || unknowns <= MOST_UNKNOWNS
     }
 
     /// Whether a defect with α = 0 is far beyond the step's own floor, and so round-off of an earlier step only. What is a few of its own floors may be H's
@@ -349,7 +360,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         } else {
             MAX_STAGES
         };
-        self.settings
+        self.options
             .first_alpha
             .map_or(0, |first| (self.stages.count() - first).min(most))
     }
@@ -367,14 +378,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             y,
             h,
             constrained,
-            first: self.settings.first_alpha.unwrap_or(1),
-            end: self.settings.first_alpha.unwrap_or(1) + self.free_alphas() - left_out,
+            first: self.options.first_alpha.unwrap_or(1),
+            end: self.options.first_alpha.unwrap_or(1) + self.free_alphas() - left_out,
             norm,
-            alpha_bound: self.settings.alpha_bound,
-            max_iterations: self.settings.max_iterations,
-            pure: self.settings.pure_newton,
+            alpha_bound: self.options.alpha_bound,
+            max_iterations: self.options.max_iterations,
+            pure: self.options.pure_newton,
             repeat: T::EPSILON < T::ratio(1, 1 << 60)
-                && !self.settings.pure_newton
+                && !self.options.pure_newton
                 && self.stages.z.len() <= REPEATED_UP_TO,
         };
         loop {

@@ -4,8 +4,8 @@ use super::case::{BuildFault, Case, Numbers, Reference, State, Trajectory};
 use super::leg::{Ended, Kept, Leg, outcomes, run};
 use super::reference::{Cache, Truth, distance, truth};
 use super::verdict::{Verdict, judge};
+use equip_integrate::{Equip, Gauss};
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Equip, Gauss};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
@@ -137,7 +137,7 @@ fn measure<T: Float>(case: &Case, cache: &Cache) -> Result<Measured, BuildFault>
     Ok(Measured {
         steps: equip.counts.steps,
         parts: equip.counts.steps + equip.counts.halvings,
-        carried: equip.counts.outcome(equip_solver::Outcome::Carried),
+        carried: equip.counts.outcome(equip_integrate::Outcome::Carried),
         outcomes: outcomes(&equip.counts)
             .map(|(o, n)| (o.label(), n))
             .collect(),

@@ -6,8 +6,8 @@ use super::flow::Flow;
 use super::subject::Subject;
 use cpu_time::ThreadTime;
 use equip_autodiff::Evaluate;
+use equip_integrate::{Certificate, Equip, Gauss, Invariant, Method, Record, StageSolver};
 use equip_scalar::Float;
-use equip_solver::{Certificate, Equip, Gauss, Invariant, Method, Record, StageSolver};
 use equip_tableau::composition::{Composition as Scheme, KAHAN_LI, SOFRONIOU_SPALETTA, VERLET};
 
 /// A method of the report.
@@ -259,7 +259,7 @@ fn fixed<T: Float>(
     for invariant in invariants(subject, watched) {
         integrator = integrator.invariant(invariant);
     }
-    let fault = |e: equip_solver::IntegrateError<T>| e.to_string();
+    let fault = |e: equip_integrate::IntegrateError<T>| e.to_string();
     let begun = ThreadTime::now();
     let mut stepper = integrator
         .start(subject.instance.hamiltonian(), q, p, T::int(0))

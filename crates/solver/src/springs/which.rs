@@ -18,7 +18,7 @@ const RESOLVED: [i64; 2] = [2, 5];
 const FAST: i64 = 2;
 
 /// Largest hω with which α's are found by sweeps.
-pub(crate) fn most_resolved<T: Float>(stages: usize) -> T {
+pub fn most_resolved<T: Float>(stages: usize) -> T {
     T::ratio(stages as i64 * RESOLVED[0], RESOLVED[1])
 }
 

@@ -1,7 +1,8 @@
 //! What sweeps remember from step to step, and what they say of the one made last.
 
 use super::Sweeps;
-use crate::newton::Failure;
+use crate::failure::{Damaged, Failure};
+use crate::memory::SolverMemory;
 use crate::sweep_task::Trouble;
 use equip_scalar::Float;
 
@@ -34,22 +35,25 @@ impl<T: Float> Sweeps<T> {
     }
 
     /// What is remembered from step to step.
-    pub(crate) fn memory(&self) -> [T; 6] {
+    pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
         let (rate, reach) = (self.contraction.rate, self.slight.reach);
-        [
+        let numbers = [
             T::exact(rate),
             self.defect,
             self.scale,
             self.spread,
             reach,
             self.dear.far,
-        ]
+        ];
+        memory.put("sweeps", numbers);
     }
 
-    pub(crate) fn restore(&mut self, [rate, defect, scale, spread, reach, far]: [T; 6]) {
+    pub(crate) fn restore(&mut self, memory: &SolverMemory<T>) -> Result<(), Damaged> {
+        let [rate, defect, scale, spread, reach, far] = memory.numbers("sweeps")?;
         self.contraction.set_rate(rate.to_f64());
         (self.defect, self.scale, self.spread) = (defect, scale, spread);
         self.slight.reach = reach;
         self.dear.far = far;
+        Ok(())
     }
 }
