@@ -27,16 +27,17 @@
 //! | `equip-scalar` | [`scalar`] | number types: `f64`, `DoubleDouble`, constants in H |
 //! | `equip-tableau` | [`tableau`] | Gauss nodes, weights, K(α) |
 //! | `equip-autodiff` | [`autodiff`] | H → gradient, Hessian, structure |
-//! | `equip-solver` | [`solver`] | methods, steps, certificate |
+//! | `equip-solver` | [`solver`] | one step: stages, α, outcome |
+//! | `equip-integrate` | [`solver`] | methods, runs, events, checkpoints, certificate |
 //! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
 //!
 //! With the feature `serde` checkpoints can be written by it. The program `equip` is a package of its own, `equip-cli`.
 #![forbid(unsafe_code)]
 
 pub use equip_autodiff as autodiff;
+pub use equip_integrate as solver;
 pub use equip_scalar as scalar;
 pub use equip_scenes as scenes;
-pub use equip_solver as solver;
 pub use equip_tableau as tableau;
 
 pub mod prelude;

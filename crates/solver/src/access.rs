@@ -10,6 +10,7 @@ use crate::parts::Part;
 use crate::step::step::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
+use equip_sweeps::State;
 use equip_tableau::Gauss;
 
 /// Where the step that failed last began, or the part of it that failed.
@@ -21,6 +22,8 @@ pub struct FailedPart<'a, T> {
     pub time: T,
     /// Size of the part.
     pub step: T,
+    /// How often the step might have been halved.
+    pub max_halvings: u32,
 }
 
 /// What is fixed, and what has been counted.
@@ -78,9 +81,28 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.stages.iterate.increments()
     }
 
-    /// The same stage by stage, blocks of length n, into `l`.
-    pub fn derivatives_by_stage(&self, l: &mut [T]) {
-        self.stages.iterate.increments_by_stage(l);
+    /// The stages Y_i of a step from `y` one after the other, blocks of length n, into `points`.
+    pub fn stages_by_stage(&mut self, y: &State<T>, points: &mut [T]) {
+        let iterate = &mut self.stages.iterate;
+        iterate.keep_momenta(y);
+        let (n, stride) = (iterate.components(), iterate.stride());
+        for (i, point) in points.chunks_exact_mut(n).enumerate() {
+            for (c, x) in point.iter_mut().enumerate() {
+                *x = iterate.points()[c * stride + i];
+            }
+        }
+    }
+
+    /// h γ_k = Σ_i P_k(c_i) L_i for k < s into `out`, blocks of length n: u'(τ) = Σ_k γ_k P_k(τ) within the step.
+    pub fn legendre_coefficients(&self, out: &mut [T]) {
+        let (gauss, iterate) = (&self.stages.gauss, &self.stages.iterate);
+        for (k, out) in out.chunks_exact_mut(iterate.components()).enumerate() {
+            let rows = iterate.increments().chunks_exact(iterate.stride());
+            for (out, row) in out.iter_mut().zip(rows) {
+                let terms = gauss.legendre(k).iter().zip(row);
+                *out = terms.fold(T::int(0), |sum, (&p, &l)| sum + p * l);
+            }
+        }
     }
 
     /// The parts of the step in the order of time, one if it was not halved; empty unless
@@ -104,8 +126,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
     /// Where the step that failed last began.
     pub fn failed_part(&self) -> FailedPart<'_, T> {
-        let (start, time, step) = (&self.failed.0, self.failed.1, self.failed.2);
-        FailedPart { start, time, step }
+        FailedPart {
+            start: &self.failed.0,
+            time: self.failed.1,
+            step: self.failed.2,
+            max_halvings: self.options.max_halvings,
+        }
     }
 }
 
@@ -159,6 +185,16 @@ impl<T: Float> Constraint<T> {
     /// Below this g is round-off: the largest floor of late.
     pub fn floor(&self) -> T {
         self.floor.max(self.late)
+    }
+
+    /// |g| in floors of the end of the step.
+    pub fn in_floors(&self) -> T {
+        self.defect.abs() / self.floor
+    }
+
+    /// |g| in the largest floors of late.
+    pub fn in_late_floors(&self) -> T {
+        self.defect.abs() / self.floor()
     }
 }
 

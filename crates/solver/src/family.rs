@@ -1,6 +1,7 @@
 //! The members of the Gauss family that a step can be made with.
 
 use equip_scalar::Constant;
+use std::fmt;
 
 /// Which α's are solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,6 +31,19 @@ impl Family {
         match self {
             Family::Gauss => 1,
             Family::FixedAlpha(_) | Family::Equip(_) => 2,
+        }
+    }
+}
+
+impl fmt::Display for Family {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Family::Gauss => f.write_str("Gauss"),
+            Family::FixedAlpha(alpha) => {
+                write!(f, "Gauss family, fixed α = {}", alpha.to::<f64>())
+            }
+            Family::Equip(Alphas::All) => f.write_str("EQUIP"),
+            Family::Equip(Alphas::Last) => f.write_str("EQUIP with the last α only"),
         }
     }
 }

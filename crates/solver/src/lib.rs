@@ -9,6 +9,7 @@
 
 mod access;
 mod alpha;
+mod decay;
 mod equations;
 mod failure;
 mod family;
@@ -20,10 +21,12 @@ mod parts;
 mod policy;
 mod precondition;
 mod step;
+mod step_tangent;
 
 pub use access::FailedPart;
 pub use equations::constraint::Constraint;
 pub use equip_sweeps::{MAX_STAGES, State, stride_for};
+pub use decay::decay;
 pub use failure::{Damaged, Failure};
 pub use family::{Alphas, Family};
 pub use invariant::Invariant;
@@ -32,3 +35,4 @@ pub use options::{Preconditioner, Reach, StepOptions};
 pub use outcome::{Counts, Outcome};
 pub use parts::Part;
 pub use step::step::Core;
+pub use step_tangent::StepTangent;

@@ -26,5 +26,4 @@ pub use layout::state::State;
 pub use linear::linear_sweeps::LinearSweeps;
 pub use linear::stage_hessians::Work;
 
-/// Most stages a method may have.
-pub const MAX_STAGES: usize = 32;
+pub use equip_tableau::MAX_STAGES;

@@ -23,5 +23,5 @@ pub(crate) const LIKELY: i64 = 8;
 /// From so many components on K B K is made of moved α's too, and rows are compared side by side. // components
 pub(crate) const MANY: usize = 64;
 /// Linearised sweeps at most, and at least: what a change is worth at the end shows after a few only. // sweeps
-pub(crate) const MOST_LINEAR: usize = 40;
+pub(crate) const MOST_LINEAR: usize = 100;
 pub(crate) const LEAST_LINEAR: usize = 3;

@@ -40,12 +40,6 @@ pub(super) fn look(contender: &Contender) -> Look {
             width: 2.4,
             mark: Mark::Disc,
         },
-        Contender::Swept(s) => Look {
-            colour: shade(GREENS, *s),
-            dashes: "2 3",
-            width: 2.4,
-            mark: Mark::Diamond,
-        },
         Contender::Variable(_) => Look {
             colour: "#c2185b".into(),
             dashes: "none",

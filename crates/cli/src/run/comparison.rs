@@ -2,9 +2,9 @@
 
 use crate::draw::samples::Envelope;
 use crate::run::progress::Progress;
+use equip_integrate::{Gauss, Record, StepView};
 use equip_scalar::Float;
 use equip_scenes::Instance;
-use equip_solver::{Gauss, Record, StepView};
 use std::ops::ControlFlow;
 
 /// The energy defect of the Gauss method.

@@ -2,7 +2,7 @@
 
 use equip_scalar::Float;
 use equip_scenes::Instance;
-use equip_solver::{IntegrateError, Run};
+use equip_integrate::{IntegrateError, Run};
 
 /// A run with what was found out about it afterwards.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! [`Integrator`]: fixed or variable steps, as the user asked, behind one set of verbs.
 
+use equip_integrate::{
+    Adaptive, Checkpoint, FixedStep, Invariant, Observer, Reach, Run, RunFailure,
+};
 use equip_scalar::Float;
 use equip_scenes::Instance;
-use equip_solver::{
-    Adaptive, Checkpoint, FixedStep, Invariant, Observer, OnNoAlpha, Run, RunFailure,
-};
 
 #[derive(Debug)]
 pub(crate) enum Integrator<T: Float> {
@@ -13,10 +13,10 @@ pub(crate) enum Integrator<T: Float> {
 }
 
 impl<T: Float> Integrator<T> {
-    pub(crate) fn on_no_alpha(self, choice: OnNoAlpha) -> Self {
+    pub(crate) fn reach(self, choice: Reach) -> Self {
         match self {
-            Integrator::Fixed(x) => Integrator::Fixed(x.on_no_alpha(choice)),
-            Integrator::Variable(x) => Integrator::Variable(x.on_no_alpha(choice)),
+            Integrator::Fixed(x) => Integrator::Fixed(x.reach(choice)),
+            Integrator::Variable(x) => Integrator::Variable(x.reach(choice)),
         }
     }
 

@@ -4,8 +4,8 @@
 //! as read back to the same number; all are in the units of the scene. The energy defect is H − H_ref. Where a deviation is followed there are two more
 //! columns, `lyapunov,megno`, empty in the first row.
 
+use equip_integrate::ChaosIndicators;
 use equip_scalar::Float;
-use equip_solver::ChaosIndicators;
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;

@@ -4,7 +4,7 @@
 //! whole checkpoint, the last or the one before it.
 
 use crate::fault::Fault;
-use equip_solver::Checkpoint;
+use equip_integrate::Checkpoint;
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};

@@ -104,11 +104,6 @@ impl<T: Float> Constraint<T> {
         self.defect.abs() <= self.floor.max(self.late)
     }
 
-    /// |g| in floors of the end of the step.
-    pub(crate) fn in_floors(&self) -> T {
-        self.defect.abs() / self.floor
-    }
-
     /// g that the step with α = 0 made itself, over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement that is smaller, in units of σ, makes
     /// or removes it.
     pub(crate) fn least_displacement(&self, of: T, sizes: &[T]) -> T {

@@ -48,7 +48,7 @@ impl<T: Float> Iterate<T> {
         self.measure(y, 0..self.n);
     }
 
-    fn set_step(&mut self, gauss: &Gauss<T>, h: T) {
+    pub(crate) fn set_step(&mut self, gauss: &Gauss<T>, h: T) {
         if self.h != h {
             self.h = h;
             for (hb, &b) in self.hb.iter_mut().zip(gauss.weights()) {

@@ -3,6 +3,7 @@
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
 use equip_scalar::Float;
+use equip_tableau::Gauss;
 
 /// Stages put aside.
 #[derive(Debug)]
@@ -74,6 +75,24 @@ impl<T: Float> Iterate<T> {
                 self.l[c * self.stride + i] = l;
             }
         }
+    }
+
+    /// Takes over a step of size `h` from `y` that has these L, stage by stage in blocks of length n, and this K(α), row by row: Z = K L and
+    /// the stages.
+    pub fn set_stages(&mut self, gauss: &Gauss<T>, (y, h): (&State<T>, T), (l, k): (&[T], &[T])) {
+        self.set_step(gauss, h);
+        self.set_increments(l);
+        let (s, stride) = (self.s, self.stride);
+        for c in 0..self.n {
+            for (i, row) in k.chunks_exact(s).enumerate() {
+                let terms = row.iter().zip(&self.l[c * stride..]);
+                let z = terms.fold(T::int(0), |sum, (&k, &l)| sum + k * l);
+                self.z[c * stride + i] = z;
+                self.points[c * stride + i] = y.hi[c] + (z + y.lo[c]);
+            }
+        }
+        self.has_momenta = true;
+        self.measure(y, 0..self.n);
     }
 
     /// L stage by stage, in blocks of length n.

@@ -70,6 +70,23 @@ impl<T: Float> LinearSweeps<T> {
         self.hessians.take(iterate, energy)
     }
 
+    /// The same to rounding, whatever the float type.
+    pub fn linearise_exactly<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> Option<Work> {
+        self.hessians.take_exactly(iterate, energy)
+    }
+
+    /// From now on with this K, row by row, and all components unknown.
+    pub fn set_k(&mut self, k: &[T], (s, stride): (usize, usize)) {
+        let [forward, back] = &mut self.k;
+        for j in 0..s {
+            for i in 0..s {
+                forward[j * stride + i] = k[i * s + j];
+                back[j * stride + i] = -k[j * s + i];
+            }
+        }
+        self.positions = None;
+    }
+
     /// Whether the positions alone are unknown: the momenta of X are not made then.
     pub fn knows_momenta(&self) -> bool {
         self.positions.is_some()

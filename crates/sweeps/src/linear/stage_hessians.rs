@@ -92,11 +92,15 @@ impl<T: Float> StageHessians<T> {
         iterate: &Iterate<T>,
         energy: &mut E,
     ) -> Option<Work> {
-        let work = if T::IS_DOUBLE {
-            self.take_quotients(iterate, energy)
-        } else {
-            self.take_exactly(iterate, energy)
-        };
+        if !T::IS_DOUBLE {
+            return self.take_exactly(iterate, energy);
+        }
+        let work = self.take_quotients(iterate, energy);
+        self.weigh(iterate).then_some(work)
+    }
+
+    /// Multiplies by h b_i. Returns whether all is finite.
+    fn weigh(&mut self, iterate: &Iterate<T>) -> bool {
         let mut sum = T::int(0);
         for entry in self.entries.chunks_exact_mut(self.stride) {
             for (x, &hb) in entry.iter_mut().zip(&*iterate.hb) {
@@ -104,10 +108,11 @@ impl<T: Float> StageHessians<T> {
                 sum += *x;
             }
         }
-        sum.is_finite().then_some(work)
+        sum.is_finite()
     }
 
-    fn take_exactly<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> Work {
+    /// The same to rounding.
+    pub(crate) fn take_exactly<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> Option<Work> {
         for i in 0..self.s {
             for (c, x) in self.state.iter_mut().enumerate() {
                 *x = iterate.points[c * self.stride + i];
@@ -118,10 +123,8 @@ impl<T: Float> StageHessians<T> {
                 entry[i] = x;
             }
         }
-        Work {
-            gradients: 0,
-            hessians: self.s as u64,
-        }
+        let hessians = self.s as u64;
+        self.weigh(iterate).then_some(Work { gradients: 0, hessians })
     }
 
     fn take_quotients<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> Work {

@@ -1,0 +1,25 @@
+//! What step control and a deviation remember in a checkpoint.
+
+use crate::checkpoints::exact::Exact;
+
+/// What step control remembers.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct ControlMemory {
+    pub(crate) next: Exact,
+    pub(crate) held: Exact,
+    pub(crate) tries: u32,
+    pub(crate) smallest: Exact,
+    pub(crate) largest: Exact,
+    pub(crate) rejected: u64,
+    pub(crate) failed: u64,
+}
+
+/// A deviation and what has been summed of it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct ChaosMemory {
+    pub(crate) start: Exact,
+    pub(crate) sums: [Exact; 3],
+    pub(crate) deviation: Vec<Exact>,
+}

@@ -1,0 +1,7 @@
+//! What a user asks for: steps, options, events.
+
+pub(crate) mod adaptive;
+pub(crate) mod event;
+pub(crate) mod fixed_step;
+pub(crate) mod record;
+pub(crate) mod reversible;
