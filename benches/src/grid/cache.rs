@@ -1,10 +1,14 @@
 //! References on disk: they take longer than the grid, and do not depend on what is measured.
 
-use crate::reference::{self, Reference};
 use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_scalar::DoubleDouble;
 use equip_tableau::TableauError;
+use equip_tests::Reference;
 use std::fs;
 use std::path::Path;
+
+/// Agreement of two solutions that is asked for.
+const AGREEMENT: f64 = 1e-17;
 
 /// The reference from the directory, or computed and put there. A directory that cannot be written is no error.
 pub(crate) fn reference(
@@ -22,7 +26,8 @@ pub(crate) fn reference(
     if let Some(found) = read(&path, start.len(), times.len()) {
         return Ok(found);
     }
-    let reference = reference::solve(hamiltonian, start, times, rate)?;
+    let wanted = (rate, AGREEMENT);
+    let reference = Reference::solve::<DoubleDouble>(hamiltonian, start, times, wanted)?;
     let states = reference.states.iter().flatten();
     let text: String = reference
         .errors

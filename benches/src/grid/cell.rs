@@ -1,7 +1,7 @@
 //! One cell of the grid: a scene, a start, stages and a step, and what both methods showed there.
 
 use crate::contestant::{Contestant, Ending, Leg, Task, run};
-use crate::reference::apart;
+use equip_tests::apart;
 use std::time::Duration;
 
 /// What kind of a step it is, judged by Gauss's own error and by h·ω, ω the fastest frequency along the motion.

@@ -10,7 +10,8 @@ mod cache;
 mod cell;
 mod contestant;
 mod csv;
-mod reference;
+mod motion;
+mod random;
 mod scenes;
 mod summary;
 mod svg;
@@ -18,8 +19,7 @@ mod svg;
 use cell::{Cell, Patience, Truth};
 use clap::Parser;
 use contestant::Task;
-use equip_autodiff::{Evaluate, Hamiltonian, System};
-use reference::{Reference, sizes};
+use motion::Motion;
 use scenes::Scene;
 use std::error::Error;
 use std::path::PathBuf;
@@ -49,6 +49,9 @@ struct Args {
     /// Random starts at each of the three settings of a scene.
     #[arg(long)]
     starts: Option<u64>,
+    /// In place of the scenes so many random systems, each with a start, stages and a step of its own.
+    #[arg(long, value_name = "N")]
+    random: Option<u64>,
     /// Where references are kept.
     #[arg(long, default_value = "target/grid-references")]
     cache: PathBuf,
@@ -68,7 +71,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let args = Args::parse();
     let begun = Instant::now();
     let mut cells = Vec::new();
-    for scene in scenes::all()? {
+    if let Some(count) = args.random {
+        cells = random::cells(count, args.seed, patience(&args))?;
+    }
+    let scenes = match args.random {
+        Some(_) => Vec::new(),
+        None => scenes::all()?,
+    };
+    for scene in scenes {
         let wanted = |filter: &String| scene.name.contains(filter.as_str());
         if args.filter.as_ref().is_none_or(wanted) {
             of_scene(&args, &scene, &mut cells)?;
@@ -121,16 +131,6 @@ fn of_start(
     grid: &[(usize, usize)],
     cells: &mut Vec<Cell>,
 ) -> Result<(), Box<dyn Error>> {
-    let patience = match args.quick {
-        true => Patience {
-            repeats: 8,
-            seconds: 2e-3,
-        },
-        false => Patience {
-            repeats: 15,
-            seconds: 6e-3,
-        },
-    };
     let (q, p) = scene.start(start, args.seed);
     let y = [q.as_slice(), &p].concat();
     let times: Vec<f64> = steps.iter().map(|h| STEPS as f64 * h).collect();
@@ -155,35 +155,25 @@ fn of_start(
             round_off: known.round_off,
             is_stiff: scene.is_stiff,
         };
-        cells.push(Cell::measure((scene.name, start), &task, truth, patience));
+        cells.push(Cell::measure(
+            (scene.name, start),
+            &task,
+            truth,
+            patience(args),
+        ));
     }
     Ok(())
 }
 
-/// Extremes over the start and the states of the reference.
-struct Motion {
-    sizes: [f64; 2],
-    rate: f64,
-    round_off: f64,
-}
-
-impl Motion {
-    fn along(hamiltonian: &Hamiltonian, start: &[f64], reference: &Reference) -> Self {
-        let mut evaluator = hamiltonian.evaluator::<f64>();
-        let mut gradient = vec![0.0; start.len()];
-        let mut motion = Motion {
-            sizes: sizes(start, &reference.states),
-            rate: 0.0,
-            round_off: 0.0,
-        };
-        let finite = |y: &&[f64]| y.iter().all(|x| x.is_finite());
-        let states = reference.states.iter().map(Vec::as_slice);
-        for y in states.chain([start]).filter(finite) {
-            let h = evaluator.gradient(y, &mut gradient).abs();
-            let terms: f64 = y.iter().zip(&gradient).map(|(y, g)| (y * g).abs()).sum();
-            motion.rate = motion.rate.max(equip_tests::rate(hamiltonian, y));
-            motion.round_off = motion.round_off.max(f64::EPSILON * (h + terms));
-        }
-        motion
+fn patience(args: &Args) -> Patience {
+    match args.quick {
+        true => Patience {
+            repeats: 8,
+            seconds: 2e-3,
+        },
+        false => Patience {
+            repeats: 15,
+            seconds: 6e-3,
+        },
     }
 }

@@ -1,55 +1,70 @@
-//! The reference: Gauss's method with 16 stages and small steps in double-double, stages by plain iteration.
+//! The reference: Gauss's method with 16 stages and small steps in any float, stages by plain iteration.
 //!
-//! Z = h A f(y + Z) is iterated until it stands still, y1 = y + h Σ b_i f(Y_i); none of the solver's code runs here. The whole is done
-//! with twice as many steps until two solutions agree; the last difference bounds the error of the coarser one, and the finer one is
-//! the reference.
+//! Z = h A f(y + Z) is iterated until it stands still, y1 = y + h Σ b_i f(Y_i); none of the solver's code runs
+//! here. The whole is done with twice as many steps until two solutions agree; the last difference bounds the
+//! error of the coarser one, and the finer one is the reference.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System};
-use equip_scalar::{DoubleDouble, Float};
+use equip_scalar::Float;
 use equip_tableau::{Gauss, TableauError};
-
-type Dd = DoubleDouble;
 
 /// Stages of the reference.
 const STAGES: usize = 16;
 /// Largest h·ω of the first trial.
 const ANGLE: f64 = 1.0;
-/// Agreement asked for, relative to the size of the motion.
-const AGREEMENT: f64 = 1e-17;
 /// Halvings of the steps.
 const TRIALS: u32 = 5;
 /// Iterations of the stages.
 const ITERATIONS: usize = 200;
 
-/// States at given times.
+/// States at given times, rounded to doubles.
 #[derive(Debug, Clone)]
-pub(crate) struct Reference {
+pub struct Reference {
     /// (q, p) at each time; not finite where none was found.
-    pub(crate) states: Vec<Vec<f64>>,
+    pub states: Vec<Vec<f64>>,
     /// Bound of its error at each time, as [`apart`] measures it.
-    pub(crate) errors: Vec<f64>,
+    pub errors: Vec<f64>,
 }
 
-/// The states of the motion from `start` at the ascending `times`; `rate` is its fastest frequency.
-pub(crate) fn solve(
+impl Reference {
+    /// The states of the motion from `start` at the ascending `times`, computed in `T`; `rate` is its fastest
+    /// frequency, `agreement` what two solutions may differ by, relative to the size of the motion.
+    ///
+    /// # Errors
+    /// Those of the tableau.
+    pub fn solve<T: Float>(
+        hamiltonian: &Hamiltonian,
+        start: &[f64],
+        times: &[f64],
+        (rate, agreement): (f64, f64),
+    ) -> Result<Self, TableauError> {
+        solve::<T>(hamiltonian, start, times, (rate, agreement))
+    }
+}
+
+fn solve<T: Float>(
     hamiltonian: &Hamiltonian,
     start: &[f64],
     times: &[f64],
-    rate: f64,
+    (rate, agreement): (f64, f64),
 ) -> Result<Reference, TableauError> {
-    let mut stages = Stages::new(hamiltonian)?;
+    let mut stages = Stages::<T>::new(hamiltonian)?;
     let mut h = ANGLE / rate;
     let mut coarse = stages.states(start, times, h);
     for _ in 0..TRIALS {
         h /= 2.0;
         let fine = stages.states(start, times, h);
+        if !fine.iter().flatten().all(|x| x.is_finite()) {
+            coarse = fine;
+            break;
+        }
         let sizes = sizes(start, &fine);
         let errors: Vec<f64> = coarse
             .iter()
             .zip(&fine)
             .map(|(a, b)| apart(a, b, sizes))
             .collect();
-        let enough = errors.iter().all(|&error| error < AGREEMENT);
+        let enough = errors.iter().all(|&error| error < agreement);
         coarse = fine;
         if enough || h * rate < ANGLE / 20.0 {
             return Ok(Reference {
@@ -66,7 +81,7 @@ pub(crate) fn solve(
 }
 
 /// Largest |q| and largest |p| over the start and the states.
-pub(crate) fn sizes(start: &[f64], states: &[Vec<f64>]) -> [f64; 2] {
+pub fn sizes(start: &[f64], states: &[Vec<f64>]) -> [f64; 2] {
     let m = start.len() / 2;
     let largest = |x: &[f64]| x.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
     let all = || states.iter().map(Vec::as_slice).chain([start]);
@@ -77,7 +92,7 @@ pub(crate) fn sizes(start: &[f64], states: &[Vec<f64>]) -> [f64; 2] {
 }
 
 /// The distance of two states: max |Δq| and max |Δp|, each in units of the sizes, the larger of both.
-pub(crate) fn apart(a: &[f64], b: &[f64], [q, p]: [f64; 2]) -> f64 {
+pub fn apart(a: &[f64], b: &[f64], [q, p]: [f64; 2]) -> f64 {
     let m = a.len() / 2;
     let unit = |c: usize| if c < m { q } else { p };
     a.iter()
@@ -88,21 +103,21 @@ pub(crate) fn apart(a: &[f64], b: &[f64], [q, p]: [f64; 2]) -> f64 {
 }
 
 /// Coefficients, and the workspace of a step. Component c of stage i stands at `c·STAGES + i`.
-struct Stages<'a> {
-    evaluator: <Hamiltonian as System>::Evaluator<Dd>,
+struct Stages<'a, T: Float> {
+    evaluator: <Hamiltonian as System>::Evaluator<T>,
     hamiltonian: &'a Hamiltonian,
-    a: Vec<Dd>,
-    b: Vec<Dd>,
-    z: Vec<Dd>,
-    y: Vec<Dd>,
-    gradients: Vec<Dd>,
+    a: Vec<T>,
+    b: Vec<T>,
+    z: Vec<T>,
+    y: Vec<T>,
+    gradients: Vec<T>,
 }
 
-impl<'a> Stages<'a> {
+impl<'a, T: Float> Stages<'a, T> {
     fn new(hamiltonian: &'a Hamiltonian) -> Result<Self, TableauError> {
-        let tableau = Gauss::<Dd>::new(STAGES)?.tableau(&[Dd::int(0); STAGES - 1]);
+        let tableau = Gauss::<T>::new(STAGES)?.tableau(&[T::int(0); STAGES - 1]);
         let length = 2 * hamiltonian.degrees_of_freedom() * STAGES;
-        let zeros = vec![Dd::int(0); length];
+        let zeros = vec![T::int(0); length];
         Ok(Stages {
             evaluator: hamiltonian.evaluator(),
             hamiltonian,
@@ -116,14 +131,17 @@ impl<'a> Stages<'a> {
 
     /// The states at `times`, every interval between two of them divided into steps of at most `h`.
     fn states(&mut self, start: &[f64], times: &[f64], h: f64) -> Vec<Vec<f64>> {
-        let mut y: Vec<Dd> = start.iter().map(|&x| Dd::exact(x)).collect();
+        let mut y: Vec<T> = start.iter().map(|&x| T::exact(x)).collect();
         let mut before = 0.0;
         let mut states = Vec::with_capacity(times.len());
         for &time in times {
             let steps = ((time - before) / h).ceil().max(1.0);
-            let step = (Dd::exact(time) - Dd::exact(before)) / Dd::exact(steps);
+            let step = (T::exact(time) - T::exact(before)) / T::exact(steps);
             for _ in 0..steps as u64 {
                 self.step(&mut y, step);
+                if !y.iter().all(|x| x.is_finite()) {
+                    break;
+                }
             }
             before = time;
             states.push(y.iter().map(|x| x.to_f64()).collect());
@@ -131,14 +149,16 @@ impl<'a> Stages<'a> {
         states
     }
 
-    fn step(&mut self, y0: &mut [Dd], h: Dd) {
-        self.z.fill(Dd::int(0));
+    fn step(&mut self, y0: &mut [T], h: T) {
+        self.z.fill(T::int(0));
         let mut last = f64::INFINITY;
+        // Below this the iteration may stop where it no longer contracts.
+        let near = (1e3 * T::EPSILON.to_f64()).max(1e-18);
         for _ in 0..ITERATIONS {
             self.evaluate(y0);
             let moved = self.sweep(h);
             // What is left after this sweep is less by one contraction more.
-            if !moved.is_finite() || moved < 1e-24 || (moved < 1e-18 && moved >= last) {
+            if !moved.is_finite() || moved < 1e-24 || (moved < near && moved >= last) {
                 break;
             }
             last = moved;
@@ -150,12 +170,12 @@ impl<'a> Stages<'a> {
             let sum = slopes
                 .iter()
                 .zip(&self.b)
-                .fold(Dd::int(0), |sum, (&g, &b)| sum + g * b);
+                .fold(T::int(0), |sum, (&g, &b)| sum + g * b);
             *y = if c < m { *y + h * sum } else { *y - h * sum };
         }
     }
 
-    fn evaluate(&mut self, y0: &[Dd]) {
+    fn evaluate(&mut self, y0: &[T]) {
         for (c, &y) in y0.iter().enumerate() {
             for i in c * STAGES..(c + 1) * STAGES {
                 self.y[i] = y + self.z[i];
@@ -166,7 +186,7 @@ impl<'a> Stages<'a> {
     }
 
     /// Z = h A f, and by how much that moved the largest component relative to the state.
-    fn sweep(&mut self, h: Dd) -> f64 {
+    fn sweep(&mut self, h: T) -> f64 {
         let m = self.hamiltonian.degrees_of_freedom();
         let (mut moved, mut size) = ([0.0_f64; 2], [0.0_f64; 2]);
         for c in 0..2 * m {
@@ -176,7 +196,7 @@ impl<'a> Stages<'a> {
                 let sum = row
                     .iter()
                     .zip(slopes)
-                    .fold(Dd::int(0), |sum, (&a, &g)| sum + a * g);
+                    .fold(T::int(0), |sum, (&a, &g)| sum + a * g);
                 let z = if c < m { h * sum } else { -(h * sum) };
                 let at = c * STAGES + i;
                 let (far, large) = ((z - self.z[at]).to_f64().abs(), self.y[at].to_f64().abs());
