@@ -1,7 +1,7 @@
 //! The reference: Gauss's method with 16 stages and small steps in any float, stages by plain iteration.
 //!
-//! Z = h A f(y + Z) is iterated until it stands still, y1 = y + h Σ b_i f(Y_i); none of the solver's code runs
-//! here. The whole is done with twice as many steps until two solutions agree; the last difference bounds the
+//! Z = h A f(y + Z) is iterated until it stands still, in doubles first; y1 = y + h Σ b_i f(Y_i). None of the
+//! solver's code runs here. The whole is done with twice as many steps until two solutions agree; the last difference bounds the
 //! error of the coarser one, and the finer one is the reference.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System};
@@ -16,6 +16,8 @@ const ANGLE: f64 = 1.0;
 const TRIALS: u32 = 5;
 /// Iterations of the stages.
 const ITERATIONS: usize = 200;
+/// Movement of the stages, relative to the state, at which they are solved: what is left is a contraction less.
+const LEFT: f64 = 1e-20;
 
 /// States at given times, rounded to doubles.
 #[derive(Debug, Clone)]
@@ -38,46 +40,25 @@ impl Reference {
         times: &[f64],
         (rate, agreement): (f64, f64),
     ) -> Result<Self, TableauError> {
-        solve::<T>(hamiltonian, start, times, (rate, agreement))
-    }
-}
-
-fn solve<T: Float>(
-    hamiltonian: &Hamiltonian,
-    start: &[f64],
-    times: &[f64],
-    (rate, agreement): (f64, f64),
-) -> Result<Reference, TableauError> {
-    let mut stages = Stages::<T>::new(hamiltonian)?;
-    let mut h = ANGLE / rate;
-    let mut coarse = stages.states(start, times, h);
-    for _ in 0..TRIALS {
-        h /= 2.0;
-        let fine = stages.states(start, times, h);
-        if !fine.iter().flatten().all(|x| x.is_finite()) {
-            coarse = fine;
-            break;
+        let mut steps = Steps::<T>::new(hamiltonian)?;
+        let mut h = ANGLE / rate;
+        let mut states = steps.states(start, times, h);
+        for _ in 0..TRIALS {
+            h /= 2.0;
+            let coarse = std::mem::replace(&mut states, steps.states(start, times, h));
+            if !states.iter().flatten().all(|x| x.is_finite()) {
+                break;
+            }
+            let sizes = sizes(start, &states);
+            let pairs = coarse.iter().zip(&states);
+            let errors: Vec<f64> = pairs.map(|(a, b)| apart(a, b, sizes)).collect();
+            if errors.iter().all(|&error| error < agreement) {
+                return Ok(Reference { states, errors });
+            }
         }
-        let sizes = sizes(start, &fine);
-        let errors: Vec<f64> = coarse
-            .iter()
-            .zip(&fine)
-            .map(|(a, b)| apart(a, b, sizes))
-            .collect();
-        let enough = errors.iter().all(|&error| error < agreement);
-        coarse = fine;
-        if enough || h * rate < ANGLE / 20.0 {
-            return Ok(Reference {
-                states: coarse,
-                errors,
-            });
-        }
+        let errors = vec![f64::NAN; times.len()];
+        Ok(Reference { states, errors })
     }
-    let errors = vec![f64::NAN; times.len()];
-    Ok(Reference {
-        states: coarse,
-        errors,
-    })
 }
 
 /// Largest |q| and largest |p| over the start and the states.
@@ -102,30 +83,17 @@ pub fn apart(a: &[f64], b: &[f64], [q, p]: [f64; 2]) -> f64 {
         .fold(0.0, |far, d| if d.is_nan() || d > far { d } else { far })
 }
 
-/// Coefficients, and the workspace of a step. Component c of stage i stands at `c·STAGES + i`.
-struct Stages<'a, T: Float> {
-    evaluator: <Hamiltonian as System>::Evaluator<T>,
-    hamiltonian: &'a Hamiltonian,
-    a: Vec<T>,
-    b: Vec<T>,
-    z: Vec<T>,
-    y: Vec<T>,
-    gradients: Vec<T>,
+/// Steps in `T`, whose stages are first solved in doubles.
+struct Steps<T: Float> {
+    rough: Stages<f64>,
+    fine: Stages<T>,
 }
 
-impl<'a, T: Float> Stages<'a, T> {
-    fn new(hamiltonian: &'a Hamiltonian) -> Result<Self, TableauError> {
-        let tableau = Gauss::<T>::new(STAGES)?.tableau(&[T::int(0); STAGES - 1]);
-        let length = 2 * hamiltonian.degrees_of_freedom() * STAGES;
-        let zeros = vec![T::int(0); length];
-        Ok(Stages {
-            evaluator: hamiltonian.evaluator(),
-            hamiltonian,
-            a: tableau.a,
-            b: tableau.b,
-            z: zeros.clone(),
-            y: zeros.clone(),
-            gradients: zeros,
+impl<T: Float> Steps<T> {
+    fn new(hamiltonian: &Hamiltonian) -> Result<Self, TableauError> {
+        Ok(Steps {
+            rough: Stages::new(hamiltonian)?,
+            fine: Stages::new(hamiltonian)?,
         })
     }
 
@@ -149,29 +117,71 @@ impl<'a, T: Float> Stages<'a, T> {
         states
     }
 
-    fn step(&mut self, y0: &mut [T], h: T) {
-        self.z.fill(T::int(0));
+    fn step(&mut self, y: &mut [T], h: T) {
+        let rounded: Vec<f64> = y.iter().map(|y| y.to_f64()).collect();
+        self.rough.z.fill(0.0);
+        self.rough.iterate(&rounded, h.to_f64());
+        for (fine, &rough) in self.fine.z.iter_mut().zip(&self.rough.z) {
+            *fine = T::exact(rough);
+        }
+        self.fine.iterate(y, h);
+        self.fine.update(y, h);
+    }
+}
+
+/// Coefficients, and the workspace of a step. Component c of stage i stands at `c·STAGES + i`.
+struct Stages<T: Float> {
+    evaluator: <Hamiltonian as System>::Evaluator<T>,
+    a: Vec<T>,
+    b: Vec<T>,
+    z: Vec<T>,
+    y: Vec<T>,
+    gradients: Vec<T>,
+}
+
+impl<T: Float> Stages<T> {
+    fn new(hamiltonian: &Hamiltonian) -> Result<Self, TableauError> {
+        let tableau = Gauss::<T>::new(STAGES)?.tableau(&[T::int(0); STAGES - 1]);
+        let length = 2 * hamiltonian.degrees_of_freedom() * STAGES;
+        let zeros = vec![T::int(0); length];
+        Ok(Stages {
+            evaluator: hamiltonian.evaluator(),
+            a: tableau.a,
+            b: tableau.b,
+            z: zeros.clone(),
+            y: zeros.clone(),
+            gradients: zeros,
+        })
+    }
+
+    /// Solves for Z, from the Z that is there.
+    fn iterate(&mut self, y0: &[T], h: T) {
         let mut last = f64::INFINITY;
         // Below this the iteration may stop where it no longer contracts.
-        let near = (1e3 * T::EPSILON.to_f64()).max(1e-18);
+        let near = (1e3 * T::EPSILON.to_f64()).max(LEFT);
         for _ in 0..ITERATIONS {
             self.evaluate(y0);
             let moved = self.sweep(h);
-            // What is left after this sweep is less by one contraction more.
-            if !moved.is_finite() || moved < 1e-24 || (moved < near && moved >= last) {
+            if !moved.is_finite() || moved < LEFT || (moved < near && moved >= last) {
                 break;
             }
             last = moved;
         }
+    }
+
+    /// y0 ← y1.
+    fn update(&mut self, y0: &mut [T], h: T) {
         self.evaluate(y0);
-        let m = y0.len() / 2;
+        let n = y0.len();
         for (c, y) in y0.iter_mut().enumerate() {
-            let slopes = &self.gradients[((c + m) % (2 * m)) * STAGES..][..STAGES];
-            let sum = slopes
-                .iter()
-                .zip(&self.b)
-                .fold(T::int(0), |sum, (&g, &b)| sum + g * b);
-            *y = if c < m { *y + h * sum } else { *y - h * sum };
+            let slopes = &self.gradients[((c + n / 2) % n) * STAGES..][..STAGES];
+            let products = slopes.iter().zip(&self.b).map(|(&g, &b)| g * b);
+            let sum = products.fold(T::int(0), |sum, x| sum + x);
+            *y = if c < n / 2 {
+                *y + h * sum
+            } else {
+                *y - h * sum
+            };
         }
     }
 
@@ -187,29 +197,26 @@ impl<'a, T: Float> Stages<'a, T> {
 
     /// Z = h A f, and by how much that moved the largest component relative to the state.
     fn sweep(&mut self, h: T) -> f64 {
-        let m = self.hamiltonian.degrees_of_freedom();
+        let n = self.z.len() / STAGES;
         let (mut moved, mut size) = ([0.0_f64; 2], [0.0_f64; 2]);
-        for c in 0..2 * m {
-            let slopes = &self.gradients[((c + m) % (2 * m)) * STAGES..][..STAGES];
-            for i in 0..STAGES {
-                let row = &self.a[i * STAGES..][..STAGES];
-                let sum = row
-                    .iter()
-                    .zip(slopes)
-                    .fold(T::int(0), |sum, (&a, &g)| sum + a * g);
-                let z = if c < m { h * sum } else { -(h * sum) };
-                let at = c * STAGES + i;
-                let (far, large) = ((z - self.z[at]).to_f64().abs(), self.y[at].to_f64().abs());
-                self.z[at] = z;
-                let half = usize::from(c >= m);
-                if far.is_nan() || far > moved[half] {
-                    moved[half] = far;
-                }
-                size[half] = size[half].max(large).max(z.to_f64().abs());
+        for at in 0..n * STAGES {
+            let (c, i) = (at / STAGES, at % STAGES);
+            let slopes = &self.gradients[((c + n / 2) % n) * STAGES..][..STAGES];
+            let row = &self.a[i * STAGES..][..STAGES];
+            let products = row.iter().zip(slopes).map(|(&a, &g)| a * g);
+            let sum = h * products.fold(T::int(0), |sum, x| sum + x);
+            let z = if c < n / 2 { sum } else { -sum };
+            let far = (z - self.z[at]).to_f64().abs();
+            let large = self.y[at].to_f64().abs().max(z.to_f64().abs());
+            self.z[at] = z;
+            let half = usize::from(c >= n / 2);
+            if far.is_nan() || far > moved[half] {
+                moved[half] = far;
             }
+            size[half] = size[half].max(large);
         }
-        (0..2)
-            .map(|half| moved[half] / size[half].max(f64::MIN_POSITIVE))
-            .fold(0.0, |a, b| if b.is_nan() || b > a { b } else { a })
+        let relative = |half: usize| moved[half] / size[half].max(f64::MIN_POSITIVE);
+        let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
+        larger(relative(0), relative(1))
     }
 }

@@ -65,7 +65,7 @@ pub(crate) struct Leg {
     pub(crate) floor: f64,
 }
 
-/// Steps between two looks at the clock.
+/// Steps between two readings of the clock, as long as they are quick.
 const CLOCK: u64 = 4;
 
 /// Makes the steps, as long as they take less than `limit` of CPU time.
@@ -83,6 +83,7 @@ pub(crate) fn run(contestant: Contestant, task: &Task<'_>, limit: Duration) -> L
     };
     let (mut energy, mut floor) = (0.0_f64, 0.0_f64);
     let mut ending = Ending::Done;
+    let mut is_slow = false;
     let begun = ThreadTime::now();
     for index in 0..task.steps {
         match stepper.advance() {
@@ -95,10 +96,13 @@ pub(crate) fn run(contestant: Contestant, task: &Task<'_>, limit: Duration) -> L
                 break;
             }
         }
-        let is_last = index + 1 == task.steps;
-        if index % CLOCK == CLOCK - 1 && !is_last && begun.elapsed() > limit {
-            ending = Ending::Cut;
-            break;
+        if (index % CLOCK == 0 || is_slow) && index + 1 < task.steps {
+            let elapsed = begun.elapsed();
+            is_slow = elapsed > limit / 16;
+            if elapsed > limit {
+                ending = Ending::Cut;
+                break;
+            }
         }
     }
     let seconds = begun.elapsed().as_secs_f64();
