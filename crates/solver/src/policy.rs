@@ -5,11 +5,13 @@ pub(crate) const FADING: i64 = 64;
 /// α's that move, at most. // α's; further ones disturb the stages the more for the same displacement of the end point.
 pub(crate) const LEADING: usize = 3;
 /// The end point may move so many times as far as the defect of the step itself is worth. // ratio; grid.
-pub(crate) const FARTHEST: i64 = 64;
+pub(crate) const FARTHEST: i64 = 8;
+/// … or so many times as far as its estimated error. // ratio; grid.
+pub(crate) const BEYOND_ERROR: i64 = 4;
 /// Displacements of the end point of so many ε of the state are rounding. // ε
-pub(crate) const ROUNDING: i64 = 16;
+pub(crate) const ROUNDING: i64 = 64;
 /// Moves of the α's in a step, at most. // moves; each shrinks what is left by the share that the stages move.
-pub(crate) const MOST_MOVES: u32 = 12;
+pub(crate) const MOST_MOVES: u32 = 8;
 /// A defect of so many floors that moves of the α's do not bring down is rounding. // floors
 pub(crate) const STALLED: i64 = 8;
 /// Ridge of the least-squares problem for the direction, of the diagonal. // ratio; 1e-4 to 1e-2 alike on the grid.

@@ -22,6 +22,9 @@ pub(crate) const INCREMENTAL: f64 = 64.0;
 pub(crate) const LIKELY: i64 = 8;
 /// From so many components on K B K is made of moved α's too, and rows are compared side by side. // components
 pub(crate) const MANY: usize = 64;
+/// ∇²H is taken by simple differences where displacements are wanted to 1 over the first, by central ones to 1 over the second. // √ε and ε^(2/3), of
+/// which displacements lose three digits: their leading terms cancel.
+pub(crate) const QUOTIENTS: [i64; 2] = [100_000, 100_000_000_000];
 /// Linearised sweeps at most, and at least: what a change is worth at the end shows after a few only. // sweeps
 pub(crate) const MOST_LINEAR: usize = 100;
 pub(crate) const LEAST_LINEAR: usize = 3;

@@ -38,8 +38,8 @@ pub(crate) struct Direction<T: Float> {
     x: Vec<T>,
     back: Vec<T>,
     t_l: Vec<T>,
-    /// Motion of each component in the step, and 1 over it.
-    pub(crate) motion: Vec<T>,
+    /// Motion of each component in the step, that of the component of its group (positions, momenta) that moves most, and 1 over the first.
+    pub(crate) motion: [Vec<T>; 2],
     weights: Vec<T>,
     /// 1 over the size of each component.
     state_weights: Vec<T>,
@@ -91,7 +91,7 @@ impl<T: Float> Direction<T> {
             x: zeros(n * free * stride),
             back: zeros(n * free * stride),
             t_l: zeros(n * stride),
-            motion: zeros(n),
+            motion: [zeros(n), zeros(n)],
             weights: zeros(n),
             state_weights: zeros(n),
             ends: vec![zeros(n); free],
@@ -116,7 +116,8 @@ impl<T: Float> Direction<T> {
             let x = T::int(1) / x;
             if x.is_finite() { x } else { T::int(0) }
         };
-        for (c, ((row, (&from, &to)), motion)) in rows.zip(ends).zip(&mut self.motion).enumerate() {
+        let [own, group] = &mut self.motion;
+        for (c, ((row, (&from, &to)), motion)) in rows.zip(ends).zip(&mut *own).enumerate() {
             let (mut least, mut most) = (from.min(to), from.max(to));
             for &x in &row[..self.s] {
                 (least, most) = (least.min(x), most.max(x));
@@ -124,6 +125,10 @@ impl<T: Float> Direction<T> {
             let size = least.abs().max(most.abs());
             *motion = (most - least) + root * size;
             (self.weights[c], self.state_weights[c]) = (inverse(*motion), inverse(size));
+        }
+        let m = self.n / 2;
+        for (group, own) in group.chunks_exact_mut(m).zip(own.chunks_exact(m)) {
+            group.fill(own.iter().fold(T::int(0), |most, &x| most.max(x)));
         }
     }
 
@@ -142,7 +147,7 @@ impl<T: Float> Direction<T> {
         tolerance: T,
         mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> Option<Work> {
-        let work = self.linear.linearise(iterate, energy)?;
+        let work = self.linear.linearise(iterate, energy, tolerance)?;
         let solved = self.solve_forward(iterate, tolerance, m.as_deref_mut())
             && self.solve_back(iterate, tolerance, m);
         if !solved {

@@ -43,16 +43,16 @@ impl<T: Float> LocalError<T> {
         })
     }
 
-    /// The largest component of e in units of `motion`, of a step of size `h` from `y` whose stages have these L, component by component with this
+    /// The largest component of e in each of these units, of a step of size `h` from `y` whose stages have these L, component by component with this
     /// `stride`. `None` if it was not found.
     pub(crate) fn estimate<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
         (y, h): (&State<T>, T),
         (l, stride): (&[T], usize),
-        motion: &[T],
+        units: &[Vec<T>; 2],
         counts: &mut Counts,
-    ) -> Option<T> {
+    ) -> Option<[T; 2]> {
         let stages = &mut self.stages;
         let s = stages.gauss.stages() - 1;
         stages.choice.begin_step();
@@ -74,10 +74,13 @@ impl<T: Float> LocalError<T> {
         stages.choice.end_step(stages.contraction.rate());
         let sum = |l: &[T]| l.iter().fold(T::int(0), |sum, &l| sum + l);
         let finer = stages.iterate.increments().chunks_exact(stages.iterate.stride());
-        let pairs = finer.zip(l.chunks_exact(stride)).zip(motion);
-        let largest = pairs.fold(T::int(0), |most, ((finer, l), &motion)| {
-            most.max((sum(&finer[..s + 1]) - sum(&l[..s])).abs() / motion)
-        });
-        largest.is_finite().then_some(largest)
+        let mut largest = [T::int(0); 2];
+        for (c, (finer, l)) in finer.zip(l.chunks_exact(stride)).enumerate() {
+            let e = (sum(&finer[..s + 1]) - sum(&l[..s])).abs();
+            for (largest, units) in largest.iter_mut().zip(units) {
+                *largest = largest.max(e / units[c]);
+            }
+        }
+        largest.iter().all(|x| x.is_finite()).then_some(largest)
     }
 }

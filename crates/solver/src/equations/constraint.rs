@@ -94,9 +94,9 @@ impl<T: Float> Constraint<T> {
         self.start_gradient.copy_from_slice(&self.gradient);
     }
 
-    /// |I_ref| + Σ_i |∂_iI y_i| at the start `y0` of the step.
-    pub(crate) fn start_scale(&self, y0: &[T]) -> T {
-        self.reference.abs() + worth(&self.start_gradient, y0)
+    /// |I_ref| + Σ_i |∂_iI σ_i| at the start of the step, with these sizes of the components.
+    pub(crate) fn start_scale(&self, sizes: &[T]) -> T {
+        self.reference.abs() + worth(&self.start_gradient, sizes)
     }
 
     /// Whether g is round-off.

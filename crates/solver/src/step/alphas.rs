@@ -11,7 +11,7 @@ use crate::equations::constraint::Constraint;
 use crate::failure::Failure;
 use crate::options::Reach;
 use crate::outcome::Outcome;
-use crate::policy::{FARTHEST, MOST_MOVES, ROUNDING, STALLED};
+use crate::policy::{BEYOND_ERROR, FARTHEST, MOST_MOVES, ROUNDING, STALLED};
 use crate::step::step::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -38,6 +38,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.stages.iterate.put_back(&self.kept);
         next.copy_from(&self.unperturbed);
         self.evaluate_constraints(next)?;
+        // A defect beyond the energy itself is that of a solution which does not follow the motion.
+        let energy = &self.constraints[0];
+        let (defect, scale) = (energy.defect, energy.start_scale(self.stages.iterate.scale()));
+        if defect.abs() > scale {
+            return Err(Failure::Astray { defect, scale });
+        }
         Ok(reason)
     }
 
@@ -48,11 +54,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     fn move_alphas(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<(), Outcome> {
         let mut reach = self.reach((y, h), next)?;
         let rounding = T::int(ROUNDING) * T::EPSILON;
-        let digits = rounding / (T::int(FARTHEST) * reach.needed);
-        let (mut farthest, mut since) = (T::int(0), T::INFINITY);
-        for moves in 0..MOST_MOVES {
+        let (mut farthest, mut since, mut last) = (T::int(0), T::INFINITY, T::INFINITY);
+        for moves in 0..=MOST_MOVES {
             if !(farthest * since <= rounding) {
                 self.stages.iterate.keep_momenta(y);
+                let digits = rounding / farthest.max(T::int(4) * reach.needed);
                 self.take_direction(if moves == 0 { digits.max(reach.needed) } else { digits })?;
                 since = T::int(0);
             }
@@ -61,13 +67,19 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 return Err(Outcome::NoSlope);
             }
             let [of_motion, of_state] = direction.displacement();
-            // What no longer shrinks near the floor is rounding.
-            let most = T::int(if of_state <= rounding || moves > MOST_MOVES / 2 { STALLED } else { 1 });
-            if (of_state <= rounding || moves > 0 && farthest * since <= rounding)
-                && self.constraints.iter().all(|c| c.in_floors() <= most)
-            {
+            let worst = |c: T, constraint: &Constraint<T>| c.max(constraint.in_late_floors());
+            let floors = self.constraints.iter().fold(T::int(0), worst);
+            let shrinks = T::int(2) * floors <= last;
+            let is_near = floors <= T::int(STALLED);
+            let is_settled = of_state <= rounding || moves > 0 && farthest * since <= rounding;
+            if is_settled && floors <= T::int(1) {
                 return Ok(());
             }
+            // What no longer shrinks is rounding near the floor, and hopeless elsewhere.
+            if moves > 1 && !shrinks || moves == MOST_MOVES {
+                return if is_near { Ok(()) } else { Err(Outcome::NoSlope) };
+            }
+            last = floors;
             farthest = farthest.max(of_state);
             since += of_motion;
             self.move_once((y, h), next)?;
@@ -80,28 +92,30 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     fn reach(&mut self, (y, h): (&State<T>, T), next: &State<T>) -> Result<Bounds<T>, Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
         direction.measure(&self.stages.iterate, y, next);
-        let least = |of: fn(&Constraint<T>) -> T| {
-            let worth = |c: &Constraint<T>| c.least_displacement(of(c), &direction.motion);
+        let least = |units: &[T], of: fn(&Constraint<T>) -> T| {
+            let worth = |c: &Constraint<T>| c.least_displacement(of(c), units);
             self.constraints.iter().fold(T::int(0), |most, c| most.max(worth(c)))
         };
-        let needed = least(|c| c.defect);
+        let units = direction.motion.each_ref();
+        let needed = units.map(|units| least(units, |c| c.defect));
+        let own = units.map(|units| least(units, |c| c.defect - c.start_defect));
+        let is_free = self.options.reach == Reach::Always;
         let mut reach = Bounds {
-            needed,
-            most: T::int(FARTHEST) * least(|c| c.defect - c.start_defect),
-            has_error: self.options.reach == Reach::Always,
+            needed: needed[0],
+            most: own.map(|own| if is_free { T::INFINITY } else { T::int(FARTHEST) * own }),
+            has_error: is_free,
         };
-        if reach.has_error {
-            reach.most = T::INFINITY;
-        }
         let rounding = T::int(ROUNDING) * T::EPSILON * direction.largest_size(next);
-        if needed > reach.most.max(rounding) && !self.extend((y, h), &mut reach, needed) {
-            return Err(Outcome::TooFar);
+        let is_rounding = needed[0] <= rounding;
+        if is_rounding || reach.holds(needed) || self.extend((y, h), &mut reach, needed) {
+            Ok(reach)
+        } else {
+            Err(Outcome::TooFar)
         }
-        Ok(reach)
     }
 
     /// Estimates the local error, once in a step. Returns whether the end point may be moved so `far` by it.
-    fn extend(&mut self, step: (&State<T>, T), reach: &mut Bounds<T>, far: T) -> bool {
+    fn extend(&mut self, step: (&State<T>, T), reach: &mut Bounds<T>, far: [T; 2]) -> bool {
         if std::mem::replace(&mut reach.has_error, true) {
             return false;
         }
@@ -110,15 +124,16 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             let counts = &mut self.counts;
             counts.local_errors += 1;
             let error = local_error.estimate(&mut self.energy, step, l, &direction.motion, counts);
-            reach.most = reach.most.max(T::int(FARTHEST) * error.unwrap_or(T::int(0)));
+            for (most, error) in reach.most.iter_mut().zip(error.unwrap_or([T::int(0); 2])) {
+                *most = most.max(T::int(BEYOND_ERROR) * error);
+            }
         }
-        far <= reach.most
+        reach.holds(far)
     }
 
     fn take_direction(&mut self, tolerance: T) -> Result<(), Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
-        let eps = T::EPSILON;
-        let best = if T::IS_DOUBLE { eps.sqrt() / T::int(ROUNDING) } else { T::int(ROUNDING) * eps };
+        let best = T::int(ROUNDING) * T::EPSILON;
         let tolerance = tolerance.max(best).min(T::ratio(1, 1000));
         let m = self.stages.choice.operator();
         let of = (&self.stages.iterate, self.constraints.as_slice());
@@ -159,12 +174,16 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ) -> Result<(), Outcome> {
         let direction = self.direction.as_ref().ok_or(Outcome::NoSlope)?;
         let rounding = T::int(FARTHEST * ROUNDING) * T::EPSILON;
-        let ends = next.hi.iter().zip(&self.unperturbed.hi).zip(&direction.motion);
-        let far = ends.fold(T::int(0), |most, ((&end, &before), &motion)| {
+        let mut far = [T::int(0); 2];
+        for (c, (&end, &before)) in next.hi.iter().zip(&self.unperturbed.hi).enumerate() {
             let moved = (end - before).abs();
-            if moved <= rounding * end.abs() { most } else { most.max(moved / motion) }
-        });
-        if far <= reach.most || self.extend(step, reach, far) {
+            if moved > rounding * end.abs() {
+                for (far, units) in far.iter_mut().zip(&direction.motion) {
+                    *far = far.max(moved / units[c]);
+                }
+            }
+        }
+        if reach.holds(far) || self.extend(step, reach, far) {
             Ok(())
         } else {
             Err(Outcome::TooFar)
@@ -172,10 +191,17 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 }
 
-/// How far the end point has to be moved at least to keep the constraints, and how far it may be, in units of the motion.
+/// How far the end point has to be moved at least to keep the constraints, and how far it may be, in units of the motion: of each component, and of
+/// the one of its group that moves most.
 struct Bounds<T> {
     needed: T,
-    most: T,
+    most: [T; 2],
     /// The local error has been asked for.
     has_error: bool,
+}
+
+impl<T: Float> Bounds<T> {
+    fn holds(&self, far: [T; 2]) -> bool {
+        far.iter().zip(&self.most).all(|(far, most)| far <= most)
+    }
 }

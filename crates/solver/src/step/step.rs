@@ -193,7 +193,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         halves
     }
 
-    /// Evaluates the constraints at the end point. An energy defect beyond the energy itself is that of a solution which does not follow the motion.
+    /// Evaluates the constraints at the end point.
     pub(crate) fn evaluate_constraints(&mut self, next: &State<T>) -> Result<(), Failure<T>> {
         let noise = T::exact(self.stages.contraction.noise());
         let sizes = self.stages.iterate.scale();
@@ -202,11 +202,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             if !constraint.evaluate(&mut self.energy, next, (noise, sizes)) {
                 return Err(Failure::NotFinite);
             }
-        }
-        let energy = &self.constraints[0];
-        let (defect, scale) = (energy.defect, energy.start_scale(&self.start));
-        if defect.abs() > scale {
-            return Err(Failure::Astray { defect, scale });
         }
         Ok(())
     }

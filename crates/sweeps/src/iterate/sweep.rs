@@ -78,8 +78,13 @@ impl<T: Float> Iterate<T> {
         };
         self.is_of_l = true;
         let made = row.made;
+        // What an incremental sweep leaves has no L: it is never the last.
+        let goes_on = |progress| match progress {
+            Progress::Settled => Progress::Contracts,
+            progress => progress,
+        };
         if let Some(progress) = row.progress {
-            return (progress, made);
+            return (goes_on(progress), made);
         }
         let remeasured = measures && !self.is_measured;
         if measures {
@@ -87,11 +92,7 @@ impl<T: Float> Iterate<T> {
             self.is_measured = true;
         }
         let progress = contraction.observe(change.to_f64(), remeasured);
-        // What an incremental sweep leaves has no L.
-        let progress = match progress {
-            Progress::Settled if self.is_incremental => Progress::Contracts,
-            progress => progress,
-        };
+        let progress = if self.is_incremental { goes_on(progress) } else { progress };
         (progress, made)
     }
 

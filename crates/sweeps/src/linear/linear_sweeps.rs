@@ -61,13 +61,15 @@ impl<T: Float> LinearSweeps<T> {
         }
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged, all of which are there. `None` if it is not finite.
+    /// Takes ∇²H at the stages of an iterate that has converged, all of which are there, for displacements to a relative `tolerance`. `None` if it
+    /// is not finite.
     pub fn linearise<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
         energy: &mut E,
+        tolerance: T,
     ) -> Option<Work> {
-        self.hessians.take(iterate, energy)
+        self.hessians.take(iterate, energy, tolerance)
     }
 
     /// The same to rounding, whatever the float type.

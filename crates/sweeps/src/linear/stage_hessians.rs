@@ -1,13 +1,14 @@
 //! ∇²H at the stages, and δL_i = h b_i J∇²H(Y_i) X_i.
 //!
-//! In `f64` by differences of ∇H at all stages at once, one for each group of columns that do not meet (Curtis, Powell, Reid 1974): right
-//! to √ε. In wider numbers itself, stage by stage: differences would lose half of the digits.
+//! Where few digits are asked for, in `f64`, by differences of ∇H at all stages at once, one for each group of columns that do not meet (Curtis,
+//! Powell, Reid 1974): right to √ε, or central ones, to ε^(2/3). Else itself, stage by stage.
 //!
-//! Cost: a gradient at all stages, and one more for each group of columns; or s Hessians.
+//! Cost: a gradient at all stages and one more for each group of columns, or two for each group; or s Hessians.
 
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
 use crate::layout::row::{by_groups, fused_each, scaled};
+use crate::policy::QUOTIENTS;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use std::hint::black_box;
@@ -86,16 +87,19 @@ impl<T: Float> StageHessians<T> {
         }
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged. `None` if it is not finite.
+    /// Takes ∇²H at the stages of an iterate that has converged, as good as what is solved for to this `tolerance` needs it. `None` if it is not
+    /// finite.
     pub(crate) fn take<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
         energy: &mut E,
+        tolerance: T,
     ) -> Option<Work> {
-        if !T::IS_DOUBLE {
+        let [simple, central] = QUOTIENTS.map(|x| T::ratio(1, x));
+        if !T::IS_DOUBLE || tolerance < central {
             return self.take_exactly(iterate, energy);
         }
-        let work = self.take_quotients(iterate, energy);
+        let work = self.take_quotients(iterate, energy, tolerance < simple);
         self.weigh(iterate).then_some(work)
     }
 
@@ -127,7 +131,12 @@ impl<T: Float> StageHessians<T> {
         self.weigh(iterate).then_some(Work { gradients: 0, hessians })
     }
 
-    fn take_quotients<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> Work {
+    fn take_quotients<E: Evaluate<T>>(
+        &mut self,
+        iterate: &Iterate<T>,
+        energy: &mut E,
+        is_central: bool,
+    ) -> Work {
         let (s, stride) = (self.s, self.stride);
         self.entries.fill(T::int(0));
         let rows = self.known_rows(iterate);
@@ -141,12 +150,24 @@ impl<T: Float> StageHessians<T> {
             }
         };
         self.points[..len].copy_from_slice(&iterate.points[..len]);
-        evaluate(&self.points[..len], &mut self.beside[..len]);
-        let step = T::EPSILON.sqrt();
+        // The gradients that others are compared with: at the stages themselves, or to the other side of them.
+        if !is_central {
+            evaluate(&self.points[..len], &mut self.beside[..len]);
+        }
+        let eps = T::EPSILON;
+        let step = if is_central { eps.cbrt() } else { eps.sqrt() };
         for group in &self.groups {
             let columns = || group.iter().filter(|column| column.c < rows);
             if columns().next().is_none() {
                 continue;
+            }
+            if is_central {
+                for &Column { c, .. } in columns() {
+                    for at in c * stride..(c + 1) * stride {
+                        self.points[at] = iterate.points[at] - step * iterate.scale[c];
+                    }
+                }
+                evaluate(&self.points[..len], &mut self.beside[..len]);
             }
             for &Column { c, .. } in columns() {
                 for at in c * stride..(c + 1) * stride {
