@@ -115,7 +115,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     pub fn contraction(&self) -> Option<f64> {
         let rate = self.stages.contraction.worst();
         // With the positions alone as unknowns a sweep is two.
-        let contraction = if self.stages.iterate.is_twofold() { rate.sqrt() } else { rate };
+        let contraction = if self.stages.iterate.is_twofold() {
+            rate.sqrt()
+        } else {
+            rate
+        };
         (self.stages.choice.is_identity() && contraction > 0.0).then_some(contraction)
     }
 
@@ -204,7 +208,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     pub fn memory(&mut self) -> SolverMemory<T> {
         let mut memory = SolverMemory::from_parts(Vec::new());
         let (start, h) = self.stages.last.unwrap_or((T::int(0), T::int(0)));
-        let mut l = vec![T::int(0); self.stages.iterate.stages() * self.stages.iterate.components()];
+        let mut l =
+            vec![T::int(0); self.stages.iterate.stages() * self.stages.iterate.components()];
         self.stages.iterate.increments_by_stage(&mut l);
         memory.put("guess", [start, h].into_iter().chain(l));
         memory.put("alphas", self.alphas.iter().copied());
@@ -235,7 +240,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         memory.read("alphas", &mut self.alphas)?;
         let mut numbers = vec![T::int(0); self.constraints.len()];
         for (name, number) in [
-            ("references", (|c| &mut c.reference) as fn(&mut Constraint<T>) -> &mut T),
+            (
+                "references",
+                (|c| &mut c.reference) as fn(&mut Constraint<T>) -> &mut T,
+            ),
             ("floors", |c| &mut c.late),
             ("defects", |c| &mut c.start_defect),
         ] {
@@ -253,6 +261,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
         let [rate] = memory.numbers("contraction")?;
         self.stages.contraction.set_rate(rate.to_f64());
-        self.stages.choice.restore(&self.stages.gauss, &self.stages.iterate, memory)
+        self.stages
+            .choice
+            .restore(&self.stages.gauss, &self.stages.iterate, memory)
     }
 }

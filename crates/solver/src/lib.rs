@@ -24,9 +24,9 @@ mod step;
 mod step_tangent;
 
 pub use access::FailedPart;
+pub use decay::decay;
 pub use equations::constraint::Constraint;
 pub use equip_sweeps::{MAX_STAGES, State, stride_for};
-pub use decay::decay;
 pub use failure::{Damaged, Failure};
 pub use family::{Alphas, Family};
 pub use invariant::Invariant;

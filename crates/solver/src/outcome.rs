@@ -48,12 +48,18 @@ impl Outcome {
 
     /// Whether H is at its reference at the end of the step, within the round-off floor.
     pub fn energy_kept(self) -> bool {
-        matches!(self, Outcome::Solved | Outcome::AtFloor | Outcome::Quadratic)
+        matches!(
+            self,
+            Outcome::Solved | Outcome::AtFloor | Outcome::Quadratic
+        )
     }
 
     /// Whether the defect of the step is left to a later one.
     pub fn is_carried(self) -> bool {
-        matches!(self, Outcome::NoSlope | Outcome::BeyondBound | Outcome::TooFar)
+        matches!(
+            self,
+            Outcome::NoSlope | Outcome::BeyondBound | Outcome::TooFar
+        )
     }
 }
 

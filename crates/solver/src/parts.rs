@@ -40,7 +40,12 @@ impl<T: Float> Parts<T> {
     }
 
     /// Adds the part whose stages have just been solved, if parts are wanted.
-    pub(crate) fn add(&mut self, (start, time, h): (&State<T>, T, T), iterate: &Iterate<T>, alphas: &[T]) {
+    pub(crate) fn add(
+        &mut self,
+        (start, time, h): (&State<T>, T, T),
+        iterate: &Iterate<T>,
+        alphas: &[T],
+    ) {
         if !self.wanted {
             return;
         }

@@ -10,8 +10,10 @@ pub(crate) const FARTHEST: i64 = 8;
 pub(crate) const BEYOND_ERROR: i64 = 4;
 /// Displacements of the end point of so many ε of the state are rounding. // ε
 pub(crate) const ROUNDING: i64 = 64;
-/// Moves of the α's in a step, at most. // moves; each shrinks what is left by the share that the stages move.
-pub(crate) const MOST_MOVES: u32 = 8;
+/// Moves of the α's in a step, at most. // moves; 2 to 4 in f64, 20 in double-double where slopes nearly vanish (1/50 a move).
+pub(crate) const MOST_MOVES: u32 = 30;
+/// A direction turns by so many times the share that the stages move, as its leading terms cancel. // ratio; 300 at a pericentre, s = 4.
+pub(crate) const TURNS: i64 = 256;
 /// A defect of so many floors that moves of the α's do not bring down is rounding. // floors
 pub(crate) const STALLED: i64 = 8;
 /// Ridge of the least-squares problem for the direction, of the diagonal. // ratio; 1e-4 to 1e-2 alike on the grid.

@@ -78,8 +78,11 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         self.h = part.h;
         let of = (part.l.as_slice(), self.k.as_slice());
         (self.iterate).set_stages(&self.gauss, (&part.start, part.h), of);
-        self.linear.set_k(&self.k, (self.gauss.stages(), self.iterate.stride()));
-        let taken = self.linear.linearise_exactly(&self.iterate, &mut self.energy);
+        self.linear
+            .set_k(&self.k, (self.gauss.stages(), self.iterate.stride()));
+        let taken = self
+            .linear
+            .linearise_exactly(&self.iterate, &mut self.energy);
         self.is_finite = taken.is_some();
         self.is_preconditioned = false;
     }
@@ -97,9 +100,9 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
             row[..s].fill(x);
         }
         if !self.is_preconditioned && !self.solve() {
-            let full = self.full.get_or_insert_with(|| {
-                Full::new(&self.gauss, &self.iterate, self.pattern.clone())
-            });
+            let full = self
+                .full
+                .get_or_insert_with(|| Full::new(&self.gauss, &self.iterate, self.pattern.clone()));
             let room = (self.state.as_mut_slice(), self.hessian.as_mut_slice());
             full.linearise(&self.iterate, &mut self.energy, (&self.start, self.h), room);
             self.is_preconditioned = true;
@@ -118,6 +121,7 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         let m = full.map(|full| full as &mut dyn Preconditioner<T>);
         let sides = (self.r.as_slice(), self.x.as_mut_slice());
         let to_rest = (self.iterate.inverse_scale(), T::int(4) * T::EPSILON);
-        self.linear.solve(Held::Start, sides, to_rest, &self.iterate, m)
+        self.linear
+            .solve(Held::Start, sides, to_rest, &self.iterate, m)
     }
 }

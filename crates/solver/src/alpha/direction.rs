@@ -52,8 +52,13 @@ pub(crate) struct Direction<T: Float> {
     v_end: DMatrix<T>,
     d: DMatrix<T>,
     least: LeastDisplacement<T>,
+    /// What the constraints were before the last move and what it was to change them by; what slopes have been found to be off since.
+    before: Vec<T>,
+    predicted: Vec<T>,
+    correction: DMatrix<T>,
     /// V_endᵀ D, and t.
     slopes: DenseLu<T>,
+    has_slopes: bool,
     t: DVector<T>,
     /// By how much the α's are to move.
     pub(crate) delta: Vec<T>,
@@ -101,7 +106,11 @@ impl<T: Float> Direction<T> {
             v_end: DMatrix::zeros(free, constraints),
             d: DMatrix::zeros(free, constraints),
             least: LeastDisplacement::new(free),
+            before: zeros(constraints),
+            predicted: zeros(constraints),
+            correction: DMatrix::zeros(free, constraints),
             slopes: DenseLu::new(constraints),
+            has_slopes: false,
             t: DVector::zeros(constraints),
             delta: zeros(s - 1),
         }
@@ -109,6 +118,7 @@ impl<T: Float> Direction<T> {
 
     /// Measures how far each component moves in the step from `y` to `next`, no less than √ε of its size.
     pub(crate) fn measure(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
+        self.correction.fill(T::int(0));
         let rows = iterate.points().chunks_exact(self.stride);
         let ends = y.hi.iter().zip(&next.hi);
         let root = T::EPSILON.sqrt();
@@ -135,7 +145,9 @@ impl<T: Float> Direction<T> {
     /// The largest |y_c| in units of the motion.
     pub(crate) fn largest_size(&self, y: &State<T>) -> T {
         let sizes = y.hi.iter().zip(&self.weights);
-        sizes.fold(T::int(0), |most, (&y, &weight)| most.max((y * weight).abs()))
+        sizes.fold(T::int(0), |most, (&y, &weight)| {
+            most.max((y * weight).abs())
+        })
     }
 
     /// Takes the directions at the solution in `iterate`, with all its stages, to a relative `tolerance` of their displacements. `None` if there are
@@ -161,15 +173,18 @@ impl<T: Float> Direction<T> {
             }
             for (a, constraint) in constraints.iter().enumerate() {
                 let at_end = dot(&constraint.gradient, end);
-                self.v_end[(k, a)] = at_end;
+                self.v_end[(k, a)] = at_end + self.correction[(k, a)];
                 self.v[(k, a)] = at_end - dot(&constraint.start_gradient, start);
             }
         }
         if !self.least.solve(&self.rows, &self.v, &mut self.d) {
             return None;
         }
-        self.slopes.matrix_mut().copy_from(&(self.v_end.transpose() * &self.d));
-        self.slopes.factor().ok().map(|()| work)
+        self.slopes
+            .matrix_mut()
+            .copy_from(&(self.v_end.transpose() * &self.d));
+        self.has_slopes = self.slopes.factor().is_ok();
+        self.has_slopes.then_some(work)
     }
 
     /// From `alphas` to α = D t with the constraints, to first order, at zero, into `delta`. Returns whether that is finite.
@@ -177,10 +192,12 @@ impl<T: Float> Direction<T> {
         let moving = &alphas[self.first..][..self.free];
         for (a, (t, constraint)) in self.t.iter_mut().zip(constraints).enumerate() {
             let terms = moving.iter().enumerate();
-            *t = terms.fold(-constraint.defect, |sum, (k, &alpha)| sum + self.v_end[(k, a)] * alpha);
+            *t = terms.fold(-constraint.defect, |sum, (k, &alpha)| {
+                sum + self.v_end[(k, a)] * alpha
+            });
         }
         self.slopes.solve(&mut self.t);
-        let mut is_finite = true;
+        let mut is_finite = self.has_slopes;
         for (k, &alpha) in moving.iter().enumerate() {
             let terms = self.t.iter().enumerate();
             let aim = terms.fold(T::int(0), |sum, (a, &t)| sum + self.d[(k, a)] * t);
@@ -188,7 +205,43 @@ impl<T: Float> Direction<T> {
             is_finite &= delta.is_finite();
             self.delta[self.first + k] = delta;
         }
+        for (a, constraint) in constraints.iter().enumerate() {
+            let moves = self.delta[self.first..][..self.free].iter().enumerate();
+            self.predicted[a] = moves.fold(T::int(0), |sum, (k, &delta)| {
+                sum + self.v_end[(k, a)] * delta
+            });
+            self.before[a] = constraint.defect;
+        }
         is_finite
+    }
+
+    /// A move was made: slopes are those of K(0), and are corrected by what they have promised too much (Broyden 1965), each α in units of its
+    /// displacement.
+    pub(crate) fn learn(&mut self, constraints: &[Constraint<T>]) {
+        let weighed = |k: usize| {
+            let weight = dot(&self.rows[k], &self.rows[k]);
+            weight * self.delta[self.first + k]
+        };
+        let square = (0..self.free).fold(T::int(0), |sum, k| {
+            sum + weighed(k) * self.delta[self.first + k]
+        });
+        for (a, constraint) in constraints.iter().enumerate() {
+            let off = (constraint.defect - self.before[a]) - self.predicted[a];
+            if !(off.abs() > T::int(4) * constraint.floor) {
+                continue;
+            }
+            for k in 0..self.free {
+                let by = off * weighed(k) / square;
+                if by.is_finite() {
+                    self.correction[(k, a)] += by;
+                    self.v_end[(k, a)] += by;
+                }
+            }
+        }
+        self.slopes
+            .matrix_mut()
+            .copy_from(&(self.v_end.transpose() * &self.d));
+        self.has_slopes = self.slopes.factor().is_ok();
     }
 
     /// How far `delta` moves the end point, in units of the motion and of the state.
@@ -197,7 +250,9 @@ impl<T: Float> Direction<T> {
         let mut most = [T::int(0); 2];
         for c in 0..self.n {
             let terms = self.ends.iter().zip(delta);
-            let moved = terms.fold(T::int(0), |sum, (u, &delta)| sum + delta * u[c]).abs();
+            let moved = terms
+                .fold(T::int(0), |sum, (u, &delta)| sum + delta * u[c])
+                .abs();
             most[0] = most[0].max(moved * self.weights[c]);
             most[1] = most[1].max(moved * self.state_weights[c]);
         }
@@ -217,16 +272,31 @@ impl<T: Float> Direction<T> {
     }
 
     /// X_k and u_k.
-    fn solve_forward(&mut self, iterate: &Iterate<T>, tolerance: T, m: Option<&mut (dyn Preconditioner<T> + '_)>) -> bool {
+    fn solve_forward(
+        &mut self,
+        iterate: &Iterate<T>,
+        tolerance: T,
+        m: Option<&mut (dyn Preconditioner<T> + '_)>,
+    ) -> bool {
         let (free, stride) = (self.free, self.stride);
         for (k, t) in self.t_columns.iter().enumerate() {
-            mix_stages(iterate.instruction_set(), t, iterate.increments(), &mut self.t_l, self.s, stride);
+            mix_stages(
+                iterate.instruction_set(),
+                t,
+                iterate.increments(),
+                &mut self.t_l,
+                self.s,
+                stride,
+            );
             for (c, t_l) in self.t_l.chunks_exact(stride).enumerate() {
                 self.rhs[(c * free + k) * stride..][..stride].copy_from_slice(t_l);
             }
         }
         let sides = (self.rhs.as_slice(), self.x.as_mut_slice());
-        if !self.linear.solve(Held::Start, sides, (&self.weights, tolerance), iterate, m) {
+        if !self
+            .linear
+            .solve(Held::Start, sides, (&self.weights, tolerance), iterate, m)
+        {
             return false;
         }
         for (k, end) in self.ends.iter_mut().enumerate() {
@@ -238,7 +308,12 @@ impl<T: Float> Direction<T> {
     }
 
     /// u'_k.
-    fn solve_back(&mut self, iterate: &Iterate<T>, tolerance: T, m: Option<&mut (dyn Preconditioner<T> + '_)>) -> bool {
+    fn solve_back(
+        &mut self,
+        iterate: &Iterate<T>,
+        tolerance: T,
+        m: Option<&mut (dyn Preconditioner<T> + '_)>,
+    ) -> bool {
         let (free, stride) = (self.free, self.stride);
         for (k, end) in self.ends.iter().enumerate() {
             for (c, &u) in end.iter().enumerate() {
@@ -248,7 +323,10 @@ impl<T: Float> Direction<T> {
             }
         }
         let sides = (self.rhs.as_slice(), self.back.as_mut_slice());
-        if !self.linear.solve(Held::End, sides, (&self.weights, tolerance), iterate, m) {
+        if !self
+            .linear
+            .solve(Held::End, sides, (&self.weights, tolerance), iterate, m)
+        {
             return false;
         }
         for (k, (start, end)) in self.starts.iter_mut().zip(&self.ends).enumerate() {

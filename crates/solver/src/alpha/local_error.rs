@@ -22,7 +22,12 @@ pub(crate) struct LocalError<T: Float> {
 
 impl<T: Float> LocalError<T> {
     /// `None` if no method has one stage more than `gauss`.
-    pub(crate) fn new(gauss: &Gauss<T>, structure: &Structure, kinetic: Option<Kinetic<T>>, preconditioner: Preconditioner) -> Option<Self> {
+    pub(crate) fn new(
+        gauss: &Gauss<T>,
+        structure: &Structure,
+        kinetic: Option<Kinetic<T>>,
+        preconditioner: Preconditioner,
+    ) -> Option<Self> {
         let s = gauss.stages();
         if s == equip_sweeps::MAX_STAGES {
             return None;
@@ -38,7 +43,13 @@ impl<T: Float> LocalError<T> {
             }
         }
         Some(LocalError {
-            stages: Stages::new(finer, structure, kinetic, &vec![T::int(0); s], preconditioner),
+            stages: Stages::new(
+                finer,
+                structure,
+                kinetic,
+                &vec![T::int(0); s],
+                preconditioner,
+            ),
             prolongation,
         })
     }
@@ -61,7 +72,10 @@ impl<T: Float> LocalError<T> {
         stages.iterate.displace(y, |c, z| {
             let l = &l[c * stride..][..s];
             for (z, row) in z.iter_mut().zip(rows.chunks_exact(s)) {
-                *z = row.iter().zip(l).fold(T::int(0), |sum, (&e, &l)| sum + e * l);
+                *z = row
+                    .iter()
+                    .zip(l)
+                    .fold(T::int(0), |sum, (&e, &l)| sum + e * l);
             }
         });
         stages.contraction.begin(!stages.choice.is_identity());
@@ -73,7 +87,10 @@ impl<T: Float> LocalError<T> {
         }
         stages.choice.end_step(stages.contraction.rate());
         let sum = |l: &[T]| l.iter().fold(T::int(0), |sum, &l| sum + l);
-        let finer = stages.iterate.increments().chunks_exact(stages.iterate.stride());
+        let finer = stages
+            .iterate
+            .increments()
+            .chunks_exact(stages.iterate.stride());
         let mut largest = [T::int(0); 2];
         for (c, (finer, l)) in finer.zip(l.chunks_exact(stride)).enumerate() {
             let e = (sum(&finer[..s + 1]) - sum(&l[..s])).abs();

@@ -3,8 +3,8 @@
 //! A step begins with the one that the last was made with. Where its iteration does not contract it is made anew at the present state, then the next
 //! dearer one is tried: 1 → springs → one ∇²H → ∇²H at all stages. A cheaper one that has failed is tried again after 1, 2, 4, … steps.
 
-use crate::memory::SolverMemory;
 use crate::failure::Damaged;
+use crate::memory::SolverMemory;
 use crate::options::Preconditioner as Wanted;
 use crate::outcome::Counts;
 use crate::policy::{LONGEST_WAIT, MOST_DENSE, OUTDATED};
@@ -115,8 +115,15 @@ impl<T: Float> Choice<T> {
                 counts.hessians += iterate.stages() as u64;
                 counts.factorisations += 1;
                 let pattern = &self.structure.hessian;
-                let full = self.full.get_or_insert_with(|| Full::new(gauss, iterate, pattern.clone()));
-                full.linearise(iterate, energy, (y, h), (&mut self.state, &mut self.hessian));
+                let full = self
+                    .full
+                    .get_or_insert_with(|| Full::new(gauss, iterate, pattern.clone()));
+                full.linearise(
+                    iterate,
+                    energy,
+                    (y, h),
+                    (&mut self.state, &mut self.hessian),
+                );
                 self.is_fresh = true;
                 true
             }
@@ -132,6 +139,10 @@ impl<T: Float> Choice<T> {
                 };
                 self.made_for = if is_made { h } else { T::int(0) };
                 self.is_fresh = true;
+                if !is_made && self.wanted == Wanted::Diagonal {
+                    self.active = Kind::Identity;
+                    return true;
+                }
                 is_made
             }
         }
@@ -141,7 +152,9 @@ impl<T: Float> Choice<T> {
         let Some(w) = iterate.inverse_masses() else {
             return false;
         };
-        let diagonal = self.diagonal.get_or_insert_with(|| Diagonal::new(gauss, iterate));
+        let diagonal = self
+            .diagonal
+            .get_or_insert_with(|| Diagonal::new(gauss, iterate));
         diagonal.find((&self.structure.hessian, &self.hessian), w, h)
     }
 
@@ -175,8 +188,14 @@ impl<T: Float> Choice<T> {
     pub(crate) fn operator(&mut self) -> Option<&mut (dyn Preconditioner<T> + '_)> {
         match self.active {
             Kind::Identity => None,
-            Kind::Diagonal => self.diagonal.as_mut().map(|m| m as &mut dyn Preconditioner<T>),
-            Kind::Frozen => self.frozen.as_mut().map(|m| m as &mut dyn Preconditioner<T>),
+            Kind::Diagonal => self
+                .diagonal
+                .as_mut()
+                .map(|m| m as &mut dyn Preconditioner<T>),
+            Kind::Frozen => self
+                .frozen
+                .as_mut()
+                .map(|m| m as &mut dyn Preconditioner<T>),
             Kind::Full => self.full.as_mut().map(|m| m as &mut dyn Preconditioner<T>),
         }
     }
@@ -195,7 +214,10 @@ impl<T: Float> Choice<T> {
         if self.wanted != Wanted::Automatic {
             return false;
         }
-        let Some(&next) = KINDS.iter().find(|&&kind| kind > self.active && self.is_possible(kind)) else {
+        let Some(&next) = KINDS
+            .iter()
+            .find(|&&kind| kind > self.active && self.is_possible(kind))
+        else {
             return false;
         };
         if self.active == Kind::Identity {
@@ -255,7 +277,9 @@ impl<T: Float> Choice<T> {
         }
         match self.active {
             Kind::Diagonal if made_of.len() % 3 == 0 => {
-                let diagonal = self.diagonal.get_or_insert_with(|| Diagonal::new(gauss, iterate));
+                let diagonal = self
+                    .diagonal
+                    .get_or_insert_with(|| Diagonal::new(gauss, iterate));
                 diagonal.restore(&made_of);
                 Ok(())
             }

@@ -53,27 +53,41 @@ impl Diagonal {
 
     /// Finds the springs of this ∇²H, whose entries are in the order of the pattern, and makes M for a step of size `h`. Returns whether there
     /// are any.
-    pub(crate) fn find<T: Float>(&mut self, (pattern, hessian): (&Pattern, &[T]), w: &[T], h: T) -> bool {
-        let springs = (0..w.len()).filter_map(|c| Some((c, spring_constant(pattern, hessian, w, c)?)));
+    pub(crate) fn find<T: Float>(
+        &mut self,
+        (pattern, hessian): (&Pattern, &[T]),
+        w: &[T],
+        h: T,
+    ) -> bool {
+        let springs =
+            (0..w.len()).filter_map(|c| Some((c, spring_constant(pattern, hessian, w, c)?)));
         let made = springs.map(|(c, kappa)| (c, (h * w[c]).to_f64(), (h * kappa).to_f64()));
         self.make(made.collect())
     }
 
     /// Component, h w and h κ of each spring, one after the other.
     pub(crate) fn memory(&self) -> impl Iterator<Item = f64> {
-        self.springs.iter().flat_map(|spring| [spring.c as f64, spring.drift, spring.push])
+        self.springs
+            .iter()
+            .flat_map(|spring| [spring.c as f64, spring.drift, spring.push])
     }
 
     /// M as it was when its memory was taken.
     pub(crate) fn restore(&mut self, memory: &[f64]) {
         let springs = memory.as_chunks::<3>().0.iter();
-        self.make(springs.map(|&[c, drift, push]| (c as usize, drift, push)).collect());
+        self.make(
+            springs
+                .map(|&[c, drift, push]| (c as usize, drift, push))
+                .collect(),
+        );
     }
 
     fn make(&mut self, springs: Vec<(usize, f64, f64)>) -> bool {
         let (s, a) = (self.s, &self.a);
         let squared = a * a;
-        let made = springs.into_iter().filter(|&(_, drift, push)| drift * push >= SOFTEST);
+        let made = springs
+            .into_iter()
+            .filter(|&(_, drift, push)| drift * push >= SOFTEST);
         self.springs = made
             .filter_map(|(c, drift, push)| {
                 let mut lu = DenseLu::new(s);
@@ -86,7 +100,12 @@ impl Diagonal {
                     lu.solve(&mut x);
                     column.copy_from(&x);
                 }
-                Some(Spring { c, push, drift, inverse })
+                Some(Spring {
+                    c,
+                    push,
+                    drift,
+                    inverse,
+                })
             })
             .collect();
         !self.springs.is_empty()
@@ -114,7 +133,9 @@ impl<T: Float> Preconditioner<T> for Diagonal {
         // The step made backwards has −h in place of h.
         let sign = if held == Held::Start { 1.0 } else { -1.0 };
         let product = |matrix: &DMatrix<f64>, x: &[T], factor: f64, i: usize| {
-            (0..s).fold(T::int(0), |sum, j| sum + T::exact(factor * matrix[(i, j)]) * x[place(j)])
+            (0..s).fold(T::int(0), |sum, j| {
+                sum + T::exact(factor * matrix[(i, j)]) * x[place(j)]
+            })
         };
         let mut x = [T::int(0); equip_sweeps::MAX_STAGES];
         for spring in &self.springs {

@@ -59,7 +59,12 @@ impl Frozen {
 
     /// Factorises M of this ∇²H, entries in the order of its pattern, for a step of size `h` with components of these sizes. Returns how many
     /// systems that were.
-    pub(crate) fn factor<T: Float>(&mut self, hessian: &[T], h: T, scale: &[T]) -> Result<u64, Singular> {
+    pub(crate) fn factor<T: Float>(
+        &mut self,
+        hessian: &[T],
+        h: T,
+        scale: &[T],
+    ) -> Result<u64, Singular> {
         for (unit, &scale) in self.rows.units.iter_mut().zip(scale) {
             *unit = scale.to_f64();
         }
@@ -81,7 +86,11 @@ impl Frozen {
 
     /// The entries of h J H̄ and the units they are in: all of what [`factor`](Self::factor) was given.
     pub(crate) fn memory(&self) -> impl Iterator<Item = f64> {
-        self.systems[0].generator().iter().chain(&self.rows.units).copied()
+        self.systems[0]
+            .generator()
+            .iter()
+            .chain(&self.rows.units)
+            .copied()
     }
 
     /// M as it was when its memory was taken.
@@ -91,7 +100,9 @@ impl Frozen {
         self.rows.units.copy_from_slice(units);
         for (systems, sign) in self.systems.iter_mut().zip([1.0, -1.0]) {
             let (_, g) = systems.generator_mut();
-            g.iter_mut().zip(generator).for_each(|(g, &x)| *g = sign * x);
+            g.iter_mut()
+                .zip(generator)
+                .for_each(|(g, &x)| *g = sign * x);
         }
         self.has_backward = false;
         self.systems[0].factor(&self.schur.blocks)
@@ -117,7 +128,9 @@ impl Frozen {
             for k in end..s {
                 let c = self.schur.schur[(row, k)];
                 let turned = &self.turned[k * n..][..n];
-                rhs.iter_mut().zip(turned).for_each(|(sum, &x)| *sum += c * x);
+                rhs.iter_mut()
+                    .zip(turned)
+                    .for_each(|(sum, &x)| *sum += c * x);
             }
         }
         let eta = block.eta;
@@ -138,7 +151,10 @@ impl Frozen {
             }
         }
         for row in start..end {
-            let (x, out) = (&self.solution[row * n..][..n], &mut self.turned[row * n..][..n]);
+            let (x, out) = (
+                &self.solution[row * n..][..n],
+                &mut self.turned[row * n..][..n],
+            );
             self.systems[which].apply(x, out);
         }
     }
@@ -147,7 +163,8 @@ impl Frozen {
 impl<T: Float> Preconditioner<T> for Frozen {
     fn apply(&mut self, held: Held, rows: &mut [T], sides: usize) {
         let which = held as usize;
-        if held == Held::End && !std::mem::replace(&mut self.has_backward, true)
+        if held == Held::End
+            && !std::mem::replace(&mut self.has_backward, true)
             && self.systems[1].factor(&self.schur.blocks).is_err()
         {
             // The iteration goes on with M = 1, and tells by its contraction.
@@ -155,11 +172,15 @@ impl<T: Float> Preconditioner<T> for Frozen {
             return;
         }
         for side in 0..sides {
-            let Some(size) = self.rows.gather(held, rows, (side, sides), &mut self.solution) else {
+            let Some(size) = self
+                .rows
+                .gather(held, rows, (side, sides), &mut self.solution)
+            else {
                 continue;
             };
             self.solve(which);
-            self.rows.scatter(held, &self.solution, size, rows, (side, sides));
+            self.rows
+                .scatter(held, &self.solution, size, rows, (side, sides));
         }
     }
 }

@@ -86,7 +86,9 @@ impl Full {
                 };
             }
             energy.hessian(state, entries);
-            to.iter_mut().zip(&*entries).for_each(|(to, x)| *to = x.to_f64());
+            to.iter_mut()
+                .zip(&*entries)
+                .for_each(|(to, x)| *to = x.to_f64());
         }
     }
 
@@ -101,11 +103,14 @@ impl Full {
         matrix.fill_with_identity();
         if let (true, Some(w)) = (alone, &self.inverse_masses) {
             let m = n / 2;
-            let twofold = &self.k * DMatrix::from_diagonal(&DVector::from_column_slice(&self.b)) * &self.k;
+            let twofold =
+                &self.k * DMatrix::from_diagonal(&DVector::from_column_slice(&self.b)) * &self.k;
             for j in 0..s {
                 let entries = &self.hessians[stage(j) * nnz..][..nnz];
                 for row in 0..m {
-                    for (position, column) in self.pattern.row(row).take_while(|&(_, column)| column < m) {
+                    for (position, column) in
+                        self.pattern.row(row).take_while(|&(_, column)| column < m)
+                    {
                         let x = self.h * self.h * self.b[j] * w[row] * entries[position];
                         let x = x * (units[column] / units[row]);
                         for i in 0..s {
@@ -158,7 +163,8 @@ impl<T: Float> Preconditioner<T> for Full {
                 let to = &mut self.work[i * n..][..unknown];
                 to.copy_from_slice(&x.as_slice()[i * unknown..][..unknown]);
             }
-            self.rows.scatter(held, &self.work, size, rows, (side, sides));
+            self.rows
+                .scatter(held, &self.work, size, rows, (side, sides));
         }
     }
 }

@@ -9,11 +9,11 @@
 //! Sparse where d ≥ 64 and the entries are at most d²/8, dense otherwise. Cost for each eigenvalue: 8/3 d³ real operations to
 //! factorise and 8 d² to solve if dense; for chains proportional to d if sparse. f64 throughout: it is a preconditioner.
 
-use equip_sweeps::turned;
-use equip_linear::{DenseLu, Singular};
-use equip_linear::{SparseLu, Symbolic};
 use crate::precondition::schur::Block;
 use equip_autodiff::Pattern;
+use equip_linear::{DenseLu, Singular};
+use equip_linear::{SparseLu, Symbolic};
+use equip_sweeps::turned;
 use nalgebra::{Complex, DVector};
 use std::ops::{AddAssign, Mul};
 
@@ -141,12 +141,7 @@ impl ShiftedSystems {
     }
 
     /// v ← (I − λ_j G)⁻¹ v.
-    pub(crate) fn solve(
-        &mut self,
-        j: usize,
-        block: &Block,
-        v: &mut [Complex<f64>],
-    ) {
+    pub(crate) fn solve(&mut self, j: usize, block: &Block, v: &mut [Complex<f64>]) {
         let m = v.len() / 2;
         if !self.reduced {
             self.solve_factored(j, v);

@@ -11,7 +11,7 @@ use crate::equations::constraint::Constraint;
 use crate::failure::Failure;
 use crate::options::Reach;
 use crate::outcome::Outcome;
-use crate::policy::{BEYOND_ERROR, FARTHEST, MOST_MOVES, ROUNDING, STALLED};
+use crate::policy::{BEYOND_ERROR, FARTHEST, MOST_MOVES, ROUNDING, STALLED, TURNS};
 use crate::step::step::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -40,7 +40,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.evaluate_constraints(next)?;
         // A defect beyond the energy itself is that of a solution which does not follow the motion.
         let energy = &self.constraints[0];
-        let (defect, scale) = (energy.defect, energy.start_scale(self.stages.iterate.scale()));
+        let (defect, scale) = (
+            energy.defect,
+            energy.start_scale(self.stages.iterate.scale()),
+        );
         if defect.abs() > scale {
             return Err(Failure::Astray { defect, scale });
         }
@@ -56,10 +59,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let rounding = T::int(ROUNDING) * T::EPSILON;
         let (mut farthest, mut since, mut last) = (T::int(0), T::INFINITY, T::INFINITY);
         for moves in 0..=MOST_MOVES {
-            if !(farthest * since <= rounding) {
+            let turns = T::int(TURNS) * farthest * since;
+            if !(turns <= rounding) {
                 self.stages.iterate.keep_momenta(y);
                 let digits = rounding / farthest.max(T::int(4) * reach.needed);
-                self.take_direction(if moves == 0 { digits.max(reach.needed) } else { digits })?;
+                self.take_direction(if moves == 0 {
+                    digits.max(reach.needed)
+                } else {
+                    digits
+                })?;
                 since = T::int(0);
             }
             let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
@@ -71,18 +79,25 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             let floors = self.constraints.iter().fold(T::int(0), worst);
             let shrinks = T::int(2) * floors <= last;
             let is_near = floors <= T::int(STALLED);
-            let is_settled = of_state <= rounding || moves > 0 && farthest * since <= rounding;
+            let is_settled = of_state <= rounding || moves > 0 && turns <= rounding;
             if is_settled && floors <= T::int(1) {
                 return Ok(());
             }
             // What no longer shrinks is rounding near the floor, and hopeless elsewhere.
             if moves > 1 && !shrinks || moves == MOST_MOVES {
-                return if is_near { Ok(()) } else { Err(Outcome::NoSlope) };
+                return if is_near {
+                    Ok(())
+                } else {
+                    Err(Outcome::NoSlope)
+                };
             }
             last = floors;
             farthest = farthest.max(of_state);
             since += of_motion;
             self.move_once((y, h), next)?;
+            if let Some(direction) = &mut self.direction {
+                direction.learn(&self.constraints);
+            }
             self.check_displacement((y, h), next, &mut reach)?;
         }
         Err(Outcome::NoSlope)
@@ -94,7 +109,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         direction.measure(&self.stages.iterate, y, next);
         let least = |units: &[T], of: fn(&Constraint<T>) -> T| {
             let worth = |c: &Constraint<T>| c.least_displacement(of(c), units);
-            self.constraints.iter().fold(T::int(0), |most, c| most.max(worth(c)))
+            self.constraints
+                .iter()
+                .fold(T::int(0), |most, c| most.max(worth(c)))
         };
         let units = direction.motion.each_ref();
         let needed = units.map(|units| least(units, |c| c.defect));
@@ -102,7 +119,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let is_free = self.options.reach == Reach::Always;
         let mut reach = Bounds {
             needed: needed[0],
-            most: own.map(|own| if is_free { T::INFINITY } else { T::int(FARTHEST) * own }),
+            most: own.map(|own| {
+                if is_free {
+                    T::INFINITY
+                } else {
+                    T::int(FARTHEST) * own
+                }
+            }),
             has_error: is_free,
         };
         let rounding = T::int(ROUNDING) * T::EPSILON * direction.largest_size(next);
@@ -149,7 +172,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     fn move_once(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<(), Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
         let delta = direction.delta.iter();
-        self.alphas.iter_mut().zip(delta).for_each(|(alpha, &delta)| *alpha += delta);
+        self.alphas
+            .iter_mut()
+            .zip(delta)
+            .for_each(|(alpha, &delta)| *alpha += delta);
         let bound = self.options.alpha_bound;
         if !self.alphas.iter().all(|alpha| alpha.abs() <= bound) {
             return Err(Outcome::BeyondBound);
@@ -162,7 +188,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let solved = stages.iterate_to_rest(&mut self.energy, (y, h), &mut self.counts);
         solved.map_err(|_| Outcome::BeyondBound)?;
         stages.iterate.end_point(y, next);
-        self.evaluate_constraints(next).map_err(|_| Outcome::BeyondBound)
+        self.evaluate_constraints(next)
+            .map_err(|_| Outcome::BeyondBound)
     }
 
     /// Whether the end point is within reach of the one with α = 0, but for rounding.

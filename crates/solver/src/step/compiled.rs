@@ -37,7 +37,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ///
     /// # Errors
     /// [`Failure`] when the stages do not converge, however often the step is halved, and when a defect would be left that is refused.
-    pub fn step(&mut self, y: &State<T>, t: T, h: T, next: &mut State<T>) -> Result<Outcome, Failure<T>> {
+    pub fn step(
+        &mut self,
+        y: &State<T>,
+        t: T,
+        h: T,
+        next: &mut State<T>,
+    ) -> Result<Outcome, Failure<T>> {
         // Constant, so that nothing is compiled for recordings but the call.
         if const { E::IS_RECORDED } {
             (ready::<T>().step)(E::recorded::<InCore<T>>(self), (y, t, h), next)

@@ -101,7 +101,11 @@ impl<T: Float> Stages<T> {
             };
             iterations += made;
             counts.gradients += u64::from(made) * s;
-            let of = if is_identity { &mut counts.sweeps } else { &mut counts.newton_iterations };
+            let of = if is_identity {
+                &mut counts.sweeps
+            } else {
+                &mut counts.newton_iterations
+            };
             *of += u64::from(made);
             match progress {
                 Progress::Settled => return Ok(()),
@@ -111,7 +115,10 @@ impl<T: Float> Stages<T> {
         }
         let correction = T::exact(self.contraction.change());
         Err(if correction.is_finite() {
-            Failure::NoConvergence { iterations, correction }
+            Failure::NoConvergence {
+                iterations,
+                correction,
+            }
         } else {
             Failure::NotFinite
         })

@@ -129,7 +129,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         match self.attempt((y, h), next) {
             Ok(outcome) => {
                 self.accept(next, h);
-                self.parts.add((y, t, h), &self.stages.iterate, &self.alphas);
+                self.parts
+                    .add((y, t, h), &self.stages.iterate, &self.alphas);
                 Ok(outcome)
             }
             Err(failure) if level == self.middles.len() || failure == Failure::NoAlpha => {
@@ -142,7 +143,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 
     /// Initial guess, stages, α.
-    fn attempt(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<Outcome, Failure<T>> {
+    fn attempt(
+        &mut self,
+        (y, h): (&State<T>, T),
+        next: &mut State<T>,
+    ) -> Result<Outcome, Failure<T>> {
         if !self.constraints.is_empty() && self.start != y.hi {
             for constraint in &mut self.constraints {
                 constraint.evaluate_start(&mut self.energy, y);
@@ -151,8 +156,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.start.copy_from_slice(&y.hi);
         }
         self.alphas.copy_from_slice(&self.start_alphas);
-        let known = self.constraints.first().map(|c| c.start_gradient.as_slice());
-        self.stages.solve(&mut self.energy, (y, h), known, &mut self.counts)?;
+        let known = self
+            .constraints
+            .first()
+            .map(|c| c.start_gradient.as_slice());
+        self.stages
+            .solve(&mut self.energy, (y, h), known, &mut self.counts)?;
         self.stages.iterate.end_point(y, next);
         if self.constraints.is_empty() {
             return Ok(self.unconstrained);

@@ -15,7 +15,13 @@ impl<T: Float> Iterate<T> {
         let len = self.unknowns() * self.stride;
         self.z[..len].fill(T::int(0));
         self.place(y);
-        self.measure(y, 0..self.unknowns());
+        // Momenta that are no unknowns are not there yet: they count as at the start.
+        let (unknowns, stride) = (self.unknowns(), self.stride);
+        let momenta = self.points[len..].chunks_exact_mut(stride);
+        momenta
+            .zip(&y.hi[unknowns..])
+            .for_each(|(row, &p)| row.fill(p));
+        self.measure(y, 0..self.n);
         (self.is_measured, self.is_incremental, self.is_of_l) = (false, false, true);
     }
 

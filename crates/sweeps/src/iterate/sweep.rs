@@ -92,7 +92,11 @@ impl<T: Float> Iterate<T> {
             self.is_measured = true;
         }
         let progress = contraction.observe(change.to_f64(), remeasured);
-        let progress = if self.is_incremental { goes_on(progress) } else { progress };
+        let progress = if self.is_incremental {
+            goes_on(progress)
+        } else {
+            progress
+        };
         (progress, made)
     }
 

@@ -73,7 +73,11 @@ impl<T: Float> LinearSweeps<T> {
     }
 
     /// The same to rounding, whatever the float type.
-    pub fn linearise_exactly<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> Option<Work> {
+    pub fn linearise_exactly<E: Evaluate<T>>(
+        &mut self,
+        iterate: &Iterate<T>,
+        energy: &mut E,
+    ) -> Option<Work> {
         self.hessians.take_exactly(iterate, energy)
     }
 

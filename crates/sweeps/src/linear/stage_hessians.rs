@@ -8,7 +8,7 @@
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
 use crate::layout::row::{by_groups, fused_each, scaled};
-use crate::policy::QUOTIENTS;
+use crate::policy::{FEW_GROUPS, QUOTIENTS};
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use std::hint::black_box;
@@ -96,7 +96,8 @@ impl<T: Float> StageHessians<T> {
         tolerance: T,
     ) -> Option<Work> {
         let [simple, central] = QUOTIENTS.map(|x| T::ratio(1, x));
-        if !T::IS_DOUBLE || tolerance < central {
+        let is_cheap = self.groups.len() <= FEW_GROUPS;
+        if !T::IS_DOUBLE || is_cheap && tolerance < central {
             return self.take_exactly(iterate, energy);
         }
         let work = self.take_quotients(iterate, energy, tolerance < simple);
@@ -116,7 +117,11 @@ impl<T: Float> StageHessians<T> {
     }
 
     /// The same to rounding.
-    pub(crate) fn take_exactly<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> Option<Work> {
+    pub(crate) fn take_exactly<E: Evaluate<T>>(
+        &mut self,
+        iterate: &Iterate<T>,
+        energy: &mut E,
+    ) -> Option<Work> {
         for i in 0..self.s {
             for (c, x) in self.state.iter_mut().enumerate() {
                 *x = iterate.points[c * self.stride + i];
@@ -128,7 +133,10 @@ impl<T: Float> StageHessians<T> {
             }
         }
         let hessians = self.s as u64;
-        self.weigh(iterate).then_some(Work { gradients: 0, hessians })
+        self.weigh(iterate).then_some(Work {
+            gradients: 0,
+            hessians,
+        })
     }
 
     fn take_quotients<E: Evaluate<T>>(

@@ -255,8 +255,8 @@ fn round(from: &[DoubleDouble], to: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matrix::coefficients::{Columns, length_of};
     use crate::layout::row::HALF;
+    use crate::matrix::coefficients::{Columns, length_of};
     use crate::matrix::parity::Blocks;
     use crate::matrix::product::Mixes;
 

@@ -1,0 +1,368 @@
+//! System (7) and the step of which every path of this crate finds the solution: plain loops, full Newton, no shortcut.
+//!
+//! With the stage increments Z_i = Y_i − y0 and L_i = h b_i J∇H(Y_i) the unknowns are Z and α:
+//!
+//! $$ Z_i = \sum_j K_{ij}(\alpha) L_j, \qquad \alpha = D(Z)\, t, \qquad H\Big(y_0 + \sum_i L_i\Big) = H_{ref} . \tag{7} $$
+//!
+//! | part | in the paper | here |
+//! |---|---|---|
+//! | K(α) = ½ 1 1ᵀ + Σ (ξ_k + α_k) T_k | (3)–(6), A = K B | [`equip_tableau::Gauss::skew_into`] |
+//! | residual Z − K L | (7), first line | [`stages`] |
+//! | g = H(y1) − H_ref and its floor | (7), second line | [`Oracle::step`] |
+//! | D, the α's of least displacement | project note, section 8 | [`direction`] |
+//! | admissible α's | project note, section 8 | [`Oracle::step`] |
+//!
+//! Cost: dense matrices of size s·2m, made and allocated anew in every iteration. Tests compare the solver with it; nothing else calls it.
+
+use crate::outcome::Outcome;
+use crate::policy::{BEYOND_ERROR, FARTHEST, LEADING, RIDGE};
+use equip_autodiff::{Evaluate, System};
+use equip_linear::DenseLu;
+use equip_scalar::Float;
+use equip_sweeps::turned;
+use equip_tableau::Gauss;
+use nalgebra::{DMatrix, DVector};
+
+/// A step by the book.
+pub(crate) struct Oracle<T: Float, E> {
+    energy: E,
+    /// Rows and columns of the entries of ∇²H.
+    places: Vec<(usize, usize)>,
+    h_ref: T,
+    alpha_bound: T,
+}
+
+/// What a step leads to.
+pub(crate) struct Solution<T> {
+    pub(crate) end: Vec<T>,
+    pub(crate) alphas: Vec<T>,
+    pub(crate) outcome: Outcome,
+}
+
+/// The stages of one step.
+struct Stages<T> {
+    z: Vec<Vec<T>>,
+    l: Vec<Vec<T>>,
+    end: Vec<T>,
+}
+
+impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
+    pub(crate) fn new<H: System<Evaluator<T> = E>>(system: &H, h_ref: T, alpha_bound: T) -> Self {
+        let pattern = &system.structure().hessian;
+        let rows = 0..pattern.dimension();
+        let places = rows.flat_map(|i| pattern.row(i).map(move |(_, j)| (i, j)));
+        Oracle {
+            energy: system.evaluator::<T>(),
+            places: places.collect(),
+            h_ref,
+            alpha_bound,
+        }
+    }
+
+    /// The step of size `h` from `y` whose defect at the start is `start_defect`. `None` if Newton does not converge.
+    pub(crate) fn step(
+        &mut self,
+        gauss: &Gauss<T>,
+        y: &[T],
+        h: T,
+        start_defect: T,
+    ) -> Option<Solution<T>> {
+        let s = gauss.stages();
+        let mut alphas = vec![T::int(0); s - 1];
+        let unperturbed = self.stages(gauss, (y, h), &alphas, None)?;
+        let (mut g, gradient, floor) = self.defect(&unperturbed.end);
+        let carried = |outcome| {
+            Some(Solution {
+                end: unperturbed.end.clone(),
+                alphas: vec![T::int(0); s - 1],
+                outcome,
+            })
+        };
+        if g.abs() <= floor {
+            return carried(Outcome::AtFloor);
+        }
+        let mut start_gradient = y.to_vec();
+        self.energy.gradient(y, &mut start_gradient);
+        let units = motion(y, &unperturbed);
+        let worth = |units: &[T]| dot_abs(&gradient, units) + dot_abs(&start_gradient, units);
+        let error = self.local_error(gauss, (y, h), &unperturbed)?;
+        let most = units.each_ref().map(|units| {
+            let own = T::int(2) * (g - start_defect).abs() / worth(units);
+            let error = error
+                .iter()
+                .zip(units)
+                .fold(T::int(0), |a, (&e, &x)| a.max((e / x).abs()));
+            (T::int(FARTHEST) * own).max(T::int(BEYOND_ERROR) * error)
+        });
+        let mut at = self.stages(gauss, (y, h), &alphas, None)?;
+        for _ in 0..30 {
+            let (_, end_gradient, _) = self.defect(&at.end);
+            let gradients = [&start_gradient, &end_gradient];
+            let Some((d, slope)) = self.direction(gauss, (y, h), &at, gradients, &units[0]) else {
+                return carried(Outcome::NoSlope);
+            };
+            let along = slope
+                .iter()
+                .zip(&alphas)
+                .fold(T::int(0), |sum, (&v, &alpha)| sum + v * alpha);
+            let t = (along - g)
+                / slope
+                    .iter()
+                    .zip(&d)
+                    .fold(T::int(0), |sum, (&v, &d)| sum + v * d);
+            let change = alphas
+                .iter()
+                .zip(&d)
+                .fold(T::int(0), |a, (&alpha, &d)| a.max((d * t - alpha).abs()));
+            alphas
+                .iter_mut()
+                .zip(&d)
+                .for_each(|(alpha, &d)| *alpha = d * t);
+            if !alphas.iter().all(|alpha| alpha.abs() <= self.alpha_bound) {
+                return carried(Outcome::BeyondBound);
+            }
+            at = self.stages(gauss, (y, h), &alphas, Some(at.z))?;
+            g = self.defect(&at.end).0;
+            if change
+                <= T::int(64) * T::EPSILON * alphas.iter().fold(T::int(0), |a, x| a.max(x.abs()))
+            {
+                break;
+            }
+        }
+        let moved = |c: usize| (at.end[c] - unperturbed.end[c]).abs();
+        let is_within = units
+            .iter()
+            .zip(most)
+            .all(|(units, most)| (0..y.len()).all(|c| moved(c) <= most * units[c]));
+        if is_within {
+            Some(Solution {
+                end: at.end,
+                alphas,
+                outcome: Outcome::Solved,
+            })
+        } else {
+            carried(Outcome::TooFar)
+        }
+    }
+
+    /// Z − K(α) L(Z) = 0 by Newton's method, from Z = 0 or from a guess.
+    fn stages(
+        &mut self,
+        gauss: &Gauss<T>,
+        (y, h): (&[T], T),
+        alphas: &[T],
+        guess: Option<Vec<Vec<T>>>,
+    ) -> Option<Stages<T>> {
+        let (s, n) = (gauss.stages(), y.len());
+        let k = matrix(gauss, alphas);
+        let mut z = guess.unwrap_or_else(|| vec![vec![T::int(0); n]; s]);
+        let mut last = T::INFINITY;
+        for _ in 0..60 {
+            let l = self.increments(gauss, (y, h), &z);
+            let mut residual = DVector::zeros(s * n);
+            for i in 0..s {
+                for c in 0..n {
+                    let kl = (0..s).fold(T::int(0), |sum, j| sum + k[(i, j)] * l[j][c]);
+                    residual[i * n + c] = kl - z[i][c];
+                }
+            }
+            let size = residual.amax();
+            if size == T::int(0) || size >= last && size <= T::EPSILON.sqrt() {
+                let end = (0..n).map(|c| y[c] + (0..s).fold(T::int(0), |sum, i| sum + l[i][c]));
+                return Some(Stages {
+                    end: end.collect(),
+                    z,
+                    l,
+                });
+            }
+            last = size;
+            let b = self.linearise(gauss, (y, h), &z);
+            let lu = factor(&k, &b, n)?;
+            lu.solve(&mut residual);
+            for (i, z) in z.iter_mut().enumerate() {
+                (0..n).for_each(|c| z[c] += residual[i * n + c]);
+            }
+        }
+        None
+    }
+
+    /// L_i = h b_i J∇H(y0 + Z_i).
+    fn increments(&mut self, gauss: &Gauss<T>, (y, h): (&[T], T), z: &[Vec<T>]) -> Vec<Vec<T>> {
+        let n = y.len();
+        let each = z.iter().zip(gauss.weights()).map(|(z, &b)| {
+            let point: Vec<T> = y.iter().zip(z).map(|(&y, &z)| y + z).collect();
+            let (mut gradient, mut l) = (vec![T::int(0); n], vec![T::int(0); n]);
+            self.energy.gradient(&point, &mut gradient);
+            for (c, &g) in gradient.iter().enumerate() {
+                let (row, sign) = turned::<T>(c, n);
+                l[row] = sign * (h * b) * g;
+            }
+            l
+        });
+        each.collect()
+    }
+
+    /// B_i = h b_i J∇²H(y0 + Z_i).
+    fn linearise(&mut self, gauss: &Gauss<T>, (y, h): (&[T], T), z: &[Vec<T>]) -> Vec<DMatrix<T>> {
+        let n = y.len();
+        let each = z.iter().zip(gauss.weights()).map(|(z, &weight)| {
+            let point: Vec<T> = y.iter().zip(z).map(|(&y, &z)| y + z).collect();
+            let mut entries = vec![T::int(0); self.places.len()];
+            self.energy.hessian(&point, &mut entries);
+            let mut b = DMatrix::zeros(n, n);
+            for (&(i, j), &x) in self.places.iter().zip(&entries) {
+                let (row, sign) = turned::<T>(i, n);
+                b[(row, j)] = sign * (h * weight) * x;
+            }
+            b
+        });
+        each.collect()
+    }
+
+    /// D for the energy alone, with 1 as its largest number, and ∂g/∂α; as long as α, zero for the α's that do not move.
+    fn direction(
+        &mut self,
+        gauss: &Gauss<T>,
+        (y, h): (&[T], T),
+        at: &Stages<T>,
+        [start_gradient, gradient]: [&Vec<T>; 2],
+        units: &[T],
+    ) -> Option<(Vec<T>, Vec<T>)> {
+        let (s, n) = (gauss.stages(), y.len());
+        let free = (s - 1).min(LEADING);
+        let b = self.linearise(gauss, (y, h), &at.z);
+        let lu = factor(&matrix(gauss, &vec![T::int(0); s - 1]), &b, n)?;
+        let solve = |mut x: DVector<T>| {
+            lu.solve(&mut x);
+            let sum = (0..s).fold(DVector::zeros(n), |sum, i| sum + &b[i] * x.rows(i * n, n));
+            sum
+        };
+        // Ψ, column by column: how the end moves with the start.
+        let mut psi = DenseLu::new(n);
+        for c in 0..n {
+            let unit = DVector::from_fn(s * n, |row, _| T::int(i64::from(row % n == c)));
+            let end = solve(unit);
+            for row in 0..n {
+                psi.matrix_mut()[(row, c)] = end[row] + T::int(i64::from(row == c));
+            }
+        }
+        psi.factor().ok()?;
+        let (mut rows, mut v, mut slope) = (Vec::new(), Vec::new(), vec![T::int(0); s - 1]);
+        for k in 1..=free {
+            let t = gauss.skew_basis(k);
+            let end = solve(DVector::from_fn(s * n, |row, _| {
+                let (i, c) = (row / n, row % n);
+                (0..s).fold(T::int(0), |sum, j| sum + t[i * s + j] * at.l[j][c])
+            }));
+            let mut start = -&end;
+            psi.solve(&mut start);
+            let weighted = |x: &DVector<T>| {
+                x.iter()
+                    .zip(units)
+                    .map(|(&x, &unit)| x / unit)
+                    .collect::<Vec<_>>()
+            };
+            rows.push([weighted(&end), weighted(&start)].concat());
+            slope[k - 1] = dot(gradient, end.as_slice());
+            v.push(slope[k - 1] - dot(start_gradient, start.as_slice()));
+        }
+        let ridge = T::int(1) + T::ratio(RIDGE[0], RIDGE[1]);
+        let mut gram = DenseLu::new(free);
+        for i in 0..free {
+            for j in 0..free {
+                let x = dot(&rows[i], &rows[j]);
+                gram.matrix_mut()[(i, j)] = if i == j { ridge * x } else { x };
+            }
+        }
+        gram.factor().ok()?;
+        let mut d = DVector::from_vec(v);
+        gram.solve(&mut d);
+        let largest = d.amax();
+        let mut direction = vec![T::int(0); s - 1];
+        direction
+            .iter_mut()
+            .zip(d.iter())
+            .for_each(|(to, &d)| *to = d / largest);
+        (largest > T::int(0)).then_some((direction, slope))
+    }
+
+    /// How far the method with one stage more comes from the same start.
+    fn local_error(&mut self, gauss: &Gauss<T>, step: (&[T], T), at: &Stages<T>) -> Option<Vec<T>> {
+        let finer = Gauss::new(gauss.stages() + 1).ok()?;
+        let finer = self.stages(&finer, step, &vec![T::int(0); gauss.stages()], None)?;
+        Some(
+            finer
+                .end
+                .iter()
+                .zip(&at.end)
+                .map(|(&a, &b)| a - b)
+                .collect(),
+        )
+    }
+
+    /// g = H(y1) − H_ref, ∇H(y1) and the floor below which g is round-off.
+    fn defect(&mut self, end: &[T]) -> (T, Vec<T>, T) {
+        let mut gradient = vec![T::int(0); end.len()];
+        let (value, bound) = self.energy.gradient_with_bound(end, &mut gradient);
+        (
+            value - self.h_ref,
+            gradient,
+            T::EPSILON * (bound + T::MIN_POSITIVE),
+        )
+    }
+}
+
+/// How far each component moves in the step, and the one of its group (positions, momenta) that moves most.
+fn motion<T: Float>(y: &[T], at: &Stages<T>) -> [Vec<T>; 2] {
+    let root = T::EPSILON.sqrt();
+    let own: Vec<T> = (0..y.len())
+        .map(|c| {
+            let points = at.z.iter().map(|z| y[c] + z[c]).chain([at.end[c]]);
+            let (low, high) = points.fold((y[c], y[c]), |(low, high), x| (low.min(x), high.max(x)));
+            (high - low) + root * low.abs().max(high.abs())
+        })
+        .collect();
+    let groups = own.chunks(y.len() / 2).flat_map(|group| {
+        let most = group.iter().fold(T::int(0), |a, &x| a.max(x));
+        vec![most; group.len()]
+    });
+    let groups = groups.collect();
+    [own, groups]
+}
+
+/// K(α).
+fn matrix<T: Float>(gauss: &Gauss<T>, alphas: &[T]) -> DMatrix<T> {
+    let s = gauss.stages();
+    let mut k = vec![T::int(0); s * s];
+    gauss.skew_into(alphas, &mut k);
+    DMatrix::from_row_slice(s, s, &k)
+}
+
+/// I − K∘(B_1 … B_s), factorised.
+fn factor<T: Float>(k: &DMatrix<T>, b: &[DMatrix<T>], n: usize) -> Option<DenseLu<T>> {
+    let s = b.len();
+    let mut lu = DenseLu::new(s * n);
+    let matrix = lu.matrix_mut();
+    matrix.fill_with_identity();
+    for i in 0..s {
+        for (j, b) in b.iter().enumerate() {
+            for row in 0..n {
+                for column in 0..n {
+                    matrix[(i * n + row, j * n + column)] -= k[(i, j)] * b[(row, column)];
+                }
+            }
+        }
+    }
+    lu.factor().ok()?;
+    Some(lu)
+}
+
+fn dot<T: Float>(a: &[T], b: &[T]) -> T {
+    a.iter().zip(b).fold(T::int(0), |sum, (&x, &y)| sum + x * y)
+}
+
+fn dot_abs<T: Float>(a: &[T], b: &[T]) -> T {
+    a.iter()
+        .zip(b)
+        .fold(T::int(0), |sum, (&x, &y)| sum + (x * y).abs())
+}
