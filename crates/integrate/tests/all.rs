@@ -9,6 +9,7 @@ mod dense;
 mod events;
 mod extended;
 mod memory;
+mod restart;
 mod reversible;
 mod stage_solvers;
 mod suggest;

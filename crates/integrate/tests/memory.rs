@@ -41,6 +41,11 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// Allocations of this thread so far.
+pub(crate) fn allocations() -> u64 {
+    ALLOCATIONS.get()
+}
+
 /// Bytes asked for by the start and `first` steps of a dnls ring, and allocations of the 20 steps after them.
 fn ring(sites: &str, method: Method, first: usize) -> (usize, u64) {
     let scene = equip_scenes::find("dnls").unwrap();

@@ -1,6 +1,7 @@
 //! What a run needs of a step, all in one place: everything public of [`Core`] and [`Constraint`] but
-//! [`Core::new`], [`Core::step`], [`Core::begin_fixed`] and [`Core::forget`].
+//! [`Core::new`], [`Core::step`] and [`Core::forget`].
 
+use crate::MAX_STAGES;
 use crate::constraint::Constraint;
 use crate::failure::Damaged;
 use crate::memory::SolverMemory;
@@ -63,7 +64,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         (&mut self.energy, &mut self.counts)
     }
 
-    /// hω of the stiffest spring that sweeps do not solve for, if [`begin_fixed`](Self::begin_fixed) has found one.
+    /// hω of the stiffest spring that sweeps do not solve for, if steps are of one size.
     pub fn unresolved_spring(&self) -> Option<T> {
         self.unresolved_spring
     }
@@ -158,16 +159,32 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 }
 
-/// What the next step is to do.
+/// The start of a run.
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
-    /// The steps are of any size: what [`begin_fixed`](Self::begin_fixed) has found is forgotten.
-    pub fn begin_variable(&mut self) {
+    /// A run begins at `y`, length n, where the energy is `h_ref`, with steps of one size `h` or of any: the steps from
+    /// here on are those of a new solver. Counts stay. Costs at most one Hessian; only stiff springs, when they are
+    /// first found, take room that was not there.
+    pub fn begin(&mut self, h_ref: T, y: &[T], h: Option<T>) {
+        self.forget();
+        self.parts.clear();
+        self.newton.history.clear();
+        let zeros = [T::int(0); MAX_STAGES];
+        self.stages.set_alphas(&zeros[..self.start_alphas.len()]);
+        self.start.y.fill(T::NAN);
+        for constraint in &mut self.constraints {
+            constraint.begin(h_ref, y);
+        }
         self.unresolved_spring = None;
-        if let Some(sweeps) = &mut self.sweeps {
-            sweeps.set_springs(None);
+        match (h, &mut self.sweeps) {
+            (Some(h), _) => self.find_springs((y, h)),
+            (None, Some(sweeps)) => sweeps.set_springs(None),
+            (None, None) => {}
         }
     }
+}
 
+/// What the next step is to do.
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// Keep the parts of every step from the next on.
     pub fn keep_parts(&mut self) {
         self.parts.wanted = true;

@@ -356,7 +356,13 @@ mod tests {
                 iterate.sweep(&mut evaluator, &y, false, &mut crate::ahead::Once);
             }
             let stiff = (pattern, w.as_slice(), false);
-            let springs = Springs::find(&gauss, &mut evaluator, stiff, (&y.hi, h));
+            let springs = Springs::find(
+                &gauss,
+                &mut evaluator,
+                stiff,
+                (&y.hi, h),
+                (&mut Vec::new(), None),
+            );
             let mut springs = springs.0.unwrap();
             assert_eq!(springs.springs.len(), 1);
             assert!(springs.has_failed(&gauss) && springs.is_active);

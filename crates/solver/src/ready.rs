@@ -95,9 +95,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// The run is made of steps of one size `h` and begins at `y`, length n = 2m: what holds for all of them is found
-    /// here. Costs at most one Hessian; without it steps are of any size.
-    pub fn begin_fixed(&mut self, start: (&[T], T)) {
+    /// Looks for stiff springs at the start of a run of steps of size `h` from `y`.
+    pub(crate) fn find_springs(&mut self, start: (&[T], T)) {
         if const { E::IS_RECORDED } {
             (ready::<T>().find_springs)(E::recorded::<InCore<T>>(self), start);
         } else {

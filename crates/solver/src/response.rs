@@ -132,11 +132,12 @@ impl<T: Float> Response<T> {
     /// The steps are made with these springs, or without.
     pub(crate) fn set_springs(&mut self, springs: Option<&Springs<T>>) {
         if let Some(finer) = &mut self.finer {
-            finer.iterate.springs = springs.and_then(Springs::for_other_stages);
+            let earlier = finer.iterate.springs.take();
+            finer.iterate.springs = springs.and_then(|springs| springs.for_other_stages(earlier));
         }
         if let Some(springs) = springs {
             self.linear.make_room(springs);
-            self.made = self.linear.made.clone();
+            self.made.clone_from(&self.linear.made);
         }
     }
 

@@ -87,9 +87,23 @@ pub(crate) struct Springs<T: Float> {
 }
 
 impl<T: Float> Springs<T> {
-    /// With these κ, the rest empty.
-    fn new((pattern, w, h): (&Pattern, &[T], T), found: Vec<(usize, T)>) -> Option<Self> {
-        let (mut springs, mut stiffnesses) = (Vec::new(), Vec::<T>::new());
+    /// With these κ, the rest empty, in the room that those of earlier steps of the same system leave.
+    fn new(
+        (pattern, w, h): (&Pattern, &[T], T),
+        found: Vec<(usize, T)>,
+        earlier: Option<Self>,
+    ) -> Option<Self> {
+        if found.is_empty() {
+            return None;
+        }
+        let earlier = earlier.unwrap_or_else(|| Self::empty(pattern, w));
+        let Springs {
+            mut springs,
+            mut stiffnesses,
+            ..
+        } = earlier;
+        springs.clear();
+        stiffnesses.clear();
         for &(c, kappa) in &found {
             let stiffness = h * h * w[c] * kappa;
             let alike = |of: &T| T::int(ALIKE) * (*of - stiffness).abs() <= *of;
@@ -109,7 +123,7 @@ impl<T: Float> Springs<T> {
                 matrix,
             });
         }
-        (!springs.is_empty()).then(|| Springs {
+        Some(Springs {
             h,
             springs,
             stiffnesses,
@@ -121,11 +135,29 @@ impl<T: Float> Springs<T> {
             poor: 0,
             misled: 0,
             found,
+            is_active: false,
+            ..earlier
+        })
+    }
+
+    fn empty(pattern: &Pattern, w: &[T]) -> Self {
+        Springs {
+            h: T::int(0),
+            springs: Vec::new(),
+            stiffnesses: Vec::new(),
+            matrices: Vec::new(),
+            back: Vec::new(),
+            trial: Trial::Before,
+            without: T::int(0),
+            steps: 0,
+            poor: 0,
+            misled: 0,
+            found: Vec::new(),
             entries: vec![T::int(0); pattern.len()],
             pattern: pattern.clone(),
             w: w.to_vec(),
             is_active: false,
-        })
+        }
     }
 
     /// Makes the matrices, once, if this step is made with the springs; without them it is if that cannot be.
@@ -258,9 +290,19 @@ impl<T: Float> Springs<T> {
         });
     }
 
-    /// The same springs for another number of stages.
-    pub(crate) fn for_other_stages(&self) -> Option<Self> {
-        Self::new((&self.pattern, &self.w, self.h), self.found.clone())
+    /// The same springs for another number of stages, in the room of earlier ones.
+    pub(crate) fn for_other_stages(&self, mut earlier: Option<Self>) -> Option<Self> {
+        let mut found = Self::room(&mut earlier);
+        found.extend_from_slice(&self.found);
+        Self::new((&self.pattern, &self.w, self.h), found, earlier)
+    }
+
+    /// An empty list with the room of an earlier one.
+    fn room(earlier: &mut Option<Self>) -> Vec<(usize, T)> {
+        let found = earlier.as_mut().map(|earlier| &mut earlier.found);
+        let mut found = found.map(std::mem::take).unwrap_or_default();
+        found.clear();
+        found
     }
 
     /// Made use of in this step, those of `others` that are left.
@@ -308,7 +350,7 @@ impl<T: Float> Springs<T> {
         let what = "trial of the springs";
         let [trial, steps, poor, misled] = memory.counts(what)?;
         let found = found.into_iter().zip(kappa.iter().copied()).collect();
-        let mut springs = Self::new((pattern, w, h), found);
+        let mut springs = Self::new((pattern, w, h), found, None);
         if let Some(springs) = &mut springs {
             springs.springs.retain(|s| kept.contains(&s.c));
             let trials = Trial::ALL.into_iter();
@@ -339,7 +381,14 @@ mod tests {
         let gauss = Gauss::new(8).unwrap();
         let w = vec![1.0; y.len() / 2];
         let pattern = (&h.structure().hessian, &*w, wants_alphas);
-        Springs::find(&gauss, &mut h.evaluator::<f64>(), pattern, (y, step)).0
+        Springs::find(
+            &gauss,
+            &mut h.evaluator::<f64>(),
+            pattern,
+            (y, step),
+            (&mut Vec::new(), None),
+        )
+        .0
     }
 
     #[test]

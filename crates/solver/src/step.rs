@@ -58,6 +58,8 @@ pub struct Core<T: Float, E> {
     pub(crate) parts: Parts<T>,
     /// Where the step that failed last began, with its time and size.
     pub(crate) failed: (Vec<T>, T, T),
+    /// Room for ∇²H where stiff springs are looked for.
+    pub(crate) hessian_room: Vec<T>,
     /// hω of the stiffest spring that sweeps do not solve for, as α's are not found with it.
     pub(crate) unresolved_spring: Option<T>,
 }
@@ -120,6 +122,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             last_resort: true,
             parts: Parts::new(),
             failed: (vec![T::int(0); n], T::int(0), T::int(0)),
+            hessian_room: Vec::new(),
             unresolved_spring: None,
             stages: Stages::new(gauss, n),
             options,

@@ -93,7 +93,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// As [`begin_fixed`](Self::begin_fixed) has it done.
+    /// As [`find_springs`](Self::find_springs) has it done.
     pub(crate) fn look_for_springs(&mut self, (y, h): (&[T], T)) {
         let gauss = &self.stages.gauss;
         if let Some(sweeps) = &mut self.sweeps
@@ -103,7 +103,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         {
             let pattern = &self.newton.linearised.hessians.pattern;
             let pattern = (pattern, w, !self.constraints.is_empty());
-            let (springs, unresolved) = Springs::find(gauss, &mut self.energy, pattern, (y, h));
+            let (springs, unresolved) = {
+                let room = (&mut self.hessian_room, sweeps.iterate.springs.take());
+                Springs::find(gauss, &mut self.energy, pattern, (y, h), room)
+            };
             sweeps.set_springs(springs);
             self.unresolved_spring = unresolved;
         }

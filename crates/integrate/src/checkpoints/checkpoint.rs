@@ -78,4 +78,36 @@ impl Checkpoint {
     pub fn time<T: Float>(&self) -> Result<T, IntegrateError<T>> {
         self.time.read()
     }
+
+    /// Whether it is of a run in this float type with these options.
+    pub(crate) fn check<T: Float>(&self, options: &str) -> Result<(), IntegrateError<T>> {
+        let same = |what, stored: &str, now: &str| {
+            if stored == now {
+                return Ok(());
+            }
+            Err(IntegrateError::CheckpointMismatch {
+                what,
+                stored: stored.to_owned(),
+                now: now.to_owned(),
+            })
+        };
+        same("format", &self.format.to_string(), &FORMAT.to_string())?;
+        same("float type", &self.precision, T::NAME)?;
+        same("method or options", &self.options, options)
+    }
+
+    /// Positions and momenta, rounded.
+    pub(crate) fn state<T: Float>(&self) -> Result<(Vec<T>, Vec<T>), IntegrateError<T>> {
+        let mut y = vec![T::int(0); self.high.len()];
+        Exact::read_all(&self.high, &mut y, "the state")?;
+        let p = y.split_off(y.len() / 2);
+        Ok((y, p))
+    }
+
+    /// What step control has remembered.
+    pub(crate) fn control<T: Float>(&self) -> Result<&ControlMemory, IntegrateError<T>> {
+        let what = "the memory of step control";
+        let damaged = IntegrateError::CheckpointDamaged { what };
+        self.control.as_ref().ok_or(damaged)
+    }
 }

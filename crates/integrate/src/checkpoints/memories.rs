@@ -1,6 +1,9 @@
 //! What step control and a deviation remember in a checkpoint.
 
 use crate::checkpoints::exact::Exact;
+use crate::error::IntegrateError;
+use crate::report::variable_steps::VariableSteps;
+use equip_scalar::Float;
 
 /// What step control remembers.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,4 +25,20 @@ pub(crate) struct ChaosMemory {
     pub(crate) start: Exact,
     pub(crate) sums: [Exact; 3],
     pub(crate) deviation: Vec<Exact>,
+}
+
+impl ControlMemory {
+    /// What the steps so far were.
+    pub(crate) fn variable_steps<T: Float>(
+        &self,
+        tolerance: T,
+    ) -> Result<VariableSteps<T>, IntegrateError<T>> {
+        Ok(VariableSteps {
+            tolerance,
+            smallest: self.smallest.read()?,
+            largest: self.largest.read()?,
+            rejected: self.rejected,
+            failed: self.failed,
+        })
+    }
 }

@@ -78,17 +78,25 @@ pub(crate) enum Judgement {
 }
 
 impl Control {
-    pub(crate) fn new(tolerance: f64, stages: usize, most: f64, first: f64) -> Self {
+    pub(crate) fn new(tolerance: f64, stages: usize, most: f64) -> Self {
         let root = |x: f64| x.powf(1.0 / (2 * stages) as f64);
         Control {
             wanted: root(tolerance),
             accepted: root(1.0 / ACCEPTED),
             most,
             memory: Memory {
-                next: first.min(most),
+                next: most,
                 held: 1.0,
             },
         }
+    }
+
+    /// A run begins, with a step of the size `first` if that is allowed.
+    pub(crate) fn begin(&mut self, first: f64) {
+        self.memory = Memory {
+            next: first.min(self.most),
+            held: 1.0,
+        };
     }
 
     /// Judges a step of size `h` by its estimate, and if it is accepted proposes the next. `contraction` is that of its sweeps, if there were any, as

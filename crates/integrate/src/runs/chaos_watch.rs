@@ -2,7 +2,7 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
-use crate::options::fixed_step::FixedStep;
+use crate::options::common::Options;
 use crate::steppers::stepper::Stepper;
 use crate::tangent::chaos::{Chaos, any_deviation};
 use equip_autodiff::{Evaluate, System};
@@ -15,7 +15,7 @@ use equip_scalar::Float;
 /// A checkpoint of a run that followed no deviation.
 pub(crate) fn chaos_of_run<T: Float, E: Evaluate<T>, H: System<Evaluator<T> = E>>(
     system: &H,
-    options: &FixedStep<T>,
+    options: &Options<T>,
     stepper: &mut Stepper<T, E>,
     from: Option<&Checkpoint>,
 ) -> Result<Option<Chaos<T, E>>, IntegrateError<T>> {

@@ -15,6 +15,7 @@
 use crate::error::IntegrateError;
 use crate::method::Gauss;
 use crate::method::Method;
+use crate::options::adaptive::Adaptive;
 use crate::options::record::Record;
 use crate::runs::run::{Run, RunFailure};
 use equip_autodiff::{Evaluate, System};
@@ -76,7 +77,7 @@ impl Method {
         let length = t1 - t0;
         // Checks options, interval and start.
         let options = self.step(length);
-        options.check_times(t0, t1)?;
+        options.options.check_times(t0, t1)?;
         options.start(system, q0, p0, t0)?;
         let (name, value) = match target {
             Target::Phase(x) => ("phase", x),
@@ -276,5 +277,27 @@ impl<T: Float, H: System> Trials<'_, T, H> {
             }) => Ok(None),
             Err(failure) => Err(failure.error),
         }
+    }
+}
+
+impl<T: Float> Adaptive<T> {
+    /// A fixed step that would have met the tolerance everywhere between `t0` and `t1`: the smallest of the steps that the tolerance asks for there.
+    ///
+    /// # Errors
+    /// Those of [`integrate`](Self::integrate).
+    pub fn suggest_step<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+    ) -> Result<T, IntegrateError<T>> {
+        let mut integrator = self.clone();
+        integrator.options.record = Record::Ends;
+        let run = integrator
+            .integrate(system, q0, p0, interval)
+            .map_err(|failure| failure.error)?;
+        let steps = run.certificate().variable_steps;
+        Ok(steps.map_or(T::int(0), |steps| steps.smallest))
     }
 }

@@ -5,20 +5,19 @@
 
 use crate::control::controller::{Control, Judgement, TRIES_FOR_ALPHA};
 use crate::control::estimate::Decay;
-use crate::control::first_step::first_size;
+use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
-use crate::options::adaptive::Adaptive;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
 use crate::tangent::steps::sealed::Followed;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Core, Counts, OnNoAlpha, Outcome};
 
 /// Tries of the first step.
-const TRIES_FOR_FIRST: u32 = 20;
+pub(super) const TRIES_FOR_FIRST: u32 = 20;
 /// What an encounter's floor still excuses fades by this from step to step: a defect that it leaves is repaired within a few steps. Left alone, the 1e-9 that
 /// stay after the closest encounter of the Pythagorean problem make its error at t = 60 a thousand times as large.
 const FADING: i64 = 2;
@@ -29,71 +28,20 @@ const STRETCH: i64 = 16;
 #[derive(Debug)]
 pub struct AdaptiveStepper<T: Float, E> {
     pub(crate) inner: Stepper<T, E>,
-    pub(crate) control: Control,
-    decay: Decay<T>,
+    pub(super) control: Control,
+    pub(super) decay: Decay<T>,
+    pub(super) first: FirstSize<T>,
+    pub(super) first_step: Option<T>,
+    pub(super) tolerance: T,
     /// What rounding lost of the time.
-    pub(crate) time_low: T,
-    min_step: T,
-    max_steps: u64,
-    on_no_alpha: OnNoAlpha,
+    pub(super) time_low: T,
+    /// Where the run ends, if that is known.
+    pub(super) end: Option<T>,
+    pub(super) min_step: T,
+    pub(super) max_steps: u64,
+    pub(super) on_no_alpha: OnNoAlpha,
     /// Tries of the first step made so far; all of them once it is made.
-    pub(crate) tries: u32,
-}
-
-impl<T: Float> Adaptive<T> {
-    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step.
-    ///
-    /// # Errors
-    /// Every fault of options and initial values, and an H that is not finite at the start.
-    pub fn start<H: System>(
-        &self,
-        system: &H,
-        q0: &[T],
-        p0: &[T],
-        t0: T,
-    ) -> Result<AdaptiveStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
-        let settings = self.validate()?;
-        let inner = self.base.start(system, q0, p0, t0)?;
-        Ok(self.around(inner, settings.stages))
-    }
-
-    /// Step control around a run that has just been started or is about to be resumed.
-    pub(crate) fn around<E: Evaluate<T>>(
-        &self,
-        mut inner: Stepper<T, E>,
-        stages: usize,
-    ) -> AdaptiveStepper<T, E> {
-        inner.fingerprint = self.fingerprint();
-        inner.core.set_on_no_alpha(OnNoAlpha::Refuse, false);
-        inner.core.begin_variable();
-        inner.variable = Some(VariableSteps {
-            tolerance: self.tolerance,
-            smallest: T::INFINITY,
-            largest: T::int(0),
-            rejected: 0,
-            failed: 0,
-        });
-        let most = self.max_step.to_f64();
-        let first = match self.first_step {
-            Some(h) => h.to_f64(),
-            None => first_size(inner.core.energy_mut(), &inner.y.hi),
-        };
-        let n = inner.y.hi.len();
-        AdaptiveStepper {
-            control: Control::new(self.tolerance.to_f64(), stages, most, first),
-            decay: Decay::new(inner.core.gauss(), n, self.tolerance, self.scales),
-            time_low: T::int(0),
-            min_step: self.min_step,
-            max_steps: self.max_steps,
-            on_no_alpha: self.base.on_no_alpha,
-            tries: if self.first_step.is_none() {
-                0
-            } else {
-                TRIES_FOR_FIRST
-            },
-            inner,
-        }
-    }
+    pub(super) tries: u32,
 }
 
 /// A size and where it leads.
@@ -256,6 +204,44 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         }
         self.inner.accept(place.time, place.h, outcome);
         self.inner.core.fade_inherited_floors(FADING);
+    }
+
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
+    ///
+    /// # Errors
+    /// Faults of the initial values, and an H that is not finite there.
+    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.inner.start_at(q0, p0, t0)?;
+        (self.time_low, self.end) = (T::int(0), None);
+        let first = match self.first_step {
+            Some(h) => h.to_f64(),
+            None => {
+                let Stepper { core, y, .. } = &mut self.inner;
+                self.first.size(core.energy_mut(), &y.hi)
+            }
+        };
+        self.control.begin(first);
+        self.tries = match self.first_step {
+            Some(_) => TRIES_FOR_FIRST,
+            None => 0,
+        };
+        self.inner.variable = Some(VariableSteps {
+            tolerance: self.tolerance,
+            smallest: T::INFINITY,
+            largest: T::int(0),
+            rejected: 0,
+            failed: 0,
+        });
+        Ok(())
+    }
+
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`]. The size
+    /// proposed for the next step stays, and is tried at shorter ones where it does not fit.
+    ///
+    /// # Errors
+    /// Faults of the values, and an H that is not finite there.
+    pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        self.inner.move_to(q, p)
     }
 
     /// The step made last, or the initial state.

@@ -23,19 +23,21 @@ pub fn most_resolved<T: Float>(stages: usize) -> T {
 }
 
 impl<T: Float> Springs<T> {
-    /// Those of steps of size `h` from `y`; if α's are wanted those that are resolved well enough to find them, and the largest hω of the others.
+    /// Those of steps of size `h` from `y`; if α's are wanted those that are resolved well enough to find them, and the largest hω of the others. `entries` is room for
+    /// ∇²H.
     pub(crate) fn find<E: Evaluate<T>>(
         gauss: &Gauss<T>,
         energy: &mut E,
         (pattern, w, wants_alphas): (&Pattern, &[T], bool),
         (y, h): (&[T], T),
+        (entries, mut earlier): (&mut Vec<T>, Option<Self>),
     ) -> (Option<Self>, Option<T>) {
         let most = most_resolved(gauss.stages());
-        let mut entries = vec![T::int(0); pattern.len()];
-        energy.hessian(y, &mut entries);
-        let (mut found, mut fastest) = (Vec::new(), T::int(0));
+        entries.resize(pattern.len(), T::int(0));
+        energy.hessian(y, entries);
+        let (mut found, mut fastest) = (Self::room(&mut earlier), T::int(0));
         for c in 0..w.len() {
-            let Some(kappa) = standing_out(pattern, w, &entries, c) else {
+            let Some(kappa) = standing_out(pattern, w, entries, c) else {
                 continue;
             };
             let angle = h * (w[c] * kappa).sqrt();
@@ -46,7 +48,7 @@ impl<T: Float> Springs<T> {
             }
         }
         let unresolved = (fastest > T::int(FAST)).then_some(fastest);
-        (Self::new((pattern, w, h), found), unresolved)
+        (Self::new((pattern, w, h), found, earlier), unresolved)
     }
 }
 

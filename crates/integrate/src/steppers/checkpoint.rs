@@ -1,106 +1,28 @@
-//! Checkpoints of [`Stepper`]s, the part that fixed and variable steps share.
+//! Checkpoints of a [`Stepper`], the part that all step sizes share.
 
 use crate::checkpoints::checkpoint::{Checkpoint, FORMAT};
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
-use crate::options::fixed_step::FixedStep;
 use crate::steppers::stepper::Stepper;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Damaged, Invariant, SolverMemory};
+use equip_solver::{Damaged, SolverMemory};
 use std::time::{Duration, Instant};
 
-impl<T: Float> FixedStep<T> {
-    /// The run that `checkpoint` was made of, at the step where it was made. Bit for bit the same as if it had not stopped.
-    ///
-    /// # Errors
-    /// When the checkpoint was made in another float type, with another method, other options or another H, or is damaged; every fault of [`start`](Self::start).
-    pub fn resume<H: System>(
-        &self,
-        system: &H,
-        checkpoint: &Checkpoint,
-    ) -> Result<Stepper<T, H::Evaluator<T>>, IntegrateError<T>> {
-        self.resume_as(system, checkpoint, self.fingerprint())
-    }
-
-    /// What has to be the same again.
-    pub(crate) fn fingerprint(&self) -> String {
-        format!("step {:?}; {}", self.h, self.common_fingerprint())
-    }
-
-    /// The same but for the steps.
-    pub(crate) fn common_fingerprint(&self) -> String {
-        let names = |x: &[Invariant]| {
-            let names: Vec<_> = x.iter().map(Invariant::name).collect();
-            names.join(", ")
-        };
-        format!(
-            "{}; {:?}, alpha_bound {:?}, {} iterations, {} halvings, pure {}, {:?}, measured {}; kept: {}; watched: {}",
-            self.method,
-            self.on_no_alpha,
-            self.alpha_bound,
-            self.max_iterations,
-            self.max_halvings,
-            self.pure_newton,
-            self.stage_solver,
-            self.measure_energy,
-            names(&self.kept),
-            names(&self.invariants),
-        )
-    }
-
-    pub(crate) fn resume_as<H: System>(
-        &self,
-        system: &H,
-        checkpoint: &Checkpoint,
-        fingerprint: String,
-    ) -> Result<Stepper<T, H::Evaluator<T>>, IntegrateError<T>> {
-        let same = |what, stored: &str, now: &str| {
-            if stored == now {
-                return Ok(());
-            }
-            Err(IntegrateError::CheckpointMismatch {
-                what,
-                stored: stored.to_owned(),
-                now: now.to_owned(),
-            })
-        };
-        same(
-            "format",
-            &checkpoint.format.to_string(),
-            &FORMAT.to_string(),
-        )?;
-        same("float type", &checkpoint.precision, T::NAME)?;
-        same("method or options", &checkpoint.options, &fingerprint)?;
-        let mut y = vec![T::int(0); checkpoint.high.len()];
-        Exact::read_all(&checkpoint.high, &mut y, "the state")?;
-        let (q, p) = y.split_at(y.len() / 2);
-        let mut stepper = self.start(system, q, p, checkpoint.start.read()?)?;
-        let energy = Exact::of(stepper.core.energy_mut().value(&y));
-        if energy != checkpoint.energy_now {
-            return Err(IntegrateError::CheckpointOtherEnergy {
-                time: checkpoint.time.read()?,
-            });
-        }
-        stepper.restore(checkpoint)?;
-        Ok(stepper)
-    }
-}
-
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+    /// H at the state, by which another H is found out.
+    pub(crate) fn energy_now(&mut self) -> Exact {
+        Exact::of(self.core.energy_mut().value(&self.y.hi))
+    }
+
     /// The run as it is now, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
-        let fingerprint = self.fingerprint.clone();
-        self.save(fingerprint)
-    }
-
-    pub(crate) fn save(&mut self, options: String) -> Checkpoint {
         let memory = self.core.memory();
         let parts = memory.parts().iter();
         let solver = parts
             .map(|(name, numbers)| (name.clone(), Exact::all(numbers)))
             .collect();
-        let energy_now = Exact::of(self.core.energy_mut().value(&self.y.hi));
+        let energy_now = self.energy_now();
         let defects = self
             .energy
             .iter()
@@ -109,7 +31,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Checkpoint {
             format: FORMAT,
             precision: T::NAME.to_owned(),
-            options,
+            options: self.fingerprint.clone(),
             start: Exact::of(self.t0),
             time: Exact::of(self.time),
             time_low: Exact::default(),
@@ -138,7 +60,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         }
     }
 
-    fn restore(&mut self, from: &Checkpoint) -> Result<(), IntegrateError<T>> {
+    pub(super) fn restore_from(&mut self, from: &Checkpoint) -> Result<(), IntegrateError<T>> {
         let damaged = |what| IntegrateError::CheckpointDamaged { what };
         Exact::read_all(&from.high, &mut self.y.hi, "the state")?;
         Exact::read_all(&from.low, &mut self.y.lo, "the state")?;

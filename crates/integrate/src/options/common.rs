@@ -1,0 +1,152 @@
+//! What the options of all step sizes have in common, and their checks.
+
+use crate::error::IntegrateError;
+use crate::method::Method;
+use crate::options::event::Event;
+use crate::options::record::Record;
+use equip_scalar::Float;
+use equip_solver::{Family, Invariant, MAX_STAGES, OnNoAlpha, StageSolver, StepOptions};
+
+/// The options that do not concern the size of the steps.
+#[derive(Debug, Clone)]
+pub(crate) struct Options<T: Float> {
+    pub(crate) on_no_alpha: OnNoAlpha,
+    pub(crate) alpha_bound: T,
+    pub(crate) max_iterations: u32,
+    pub(crate) max_halvings: u32,
+    pub(crate) pure_newton: bool,
+    pub(crate) stage_solver: StageSolver,
+    pub(crate) measure_energy: bool,
+    pub(crate) invariants: Vec<Invariant>,
+    pub(crate) kept: Vec<Invariant>,
+    pub(crate) record: Record,
+    pub(crate) output_times: Vec<T>,
+    pub(crate) dense: bool,
+    pub(crate) events: Vec<Event<T>>,
+    pub(crate) chaos: bool,
+}
+
+impl<T: Float> Default for Options<T> {
+    fn default() -> Self {
+        Options {
+            on_no_alpha: OnNoAlpha::default(),
+            alpha_bound: T::ratio(1, 20),
+            max_iterations: 30,
+            max_halvings: 3,
+            pure_newton: false,
+            stage_solver: StageSolver::default(),
+            measure_energy: true,
+            invariants: Vec::new(),
+            kept: Vec::new(),
+            record: Record::default(),
+            output_times: Vec::new(),
+            dense: false,
+            events: Vec::new(),
+            chaos: false,
+        }
+    }
+}
+
+impl<T: Float> Options<T> {
+    /// Checks everything that needs neither the Hamiltonian nor the sizes of the steps.
+    pub(crate) fn validate(&self, method: Method) -> Result<StepOptions<T>, IntegrateError<T>> {
+        let s = method.stages;
+        let min = method.family.fewest_stages();
+        if !(min..=MAX_STAGES).contains(&s) {
+            return Err(IntegrateError::StagesOutOfRange {
+                stages: s,
+                min,
+                max: MAX_STAGES,
+            });
+        }
+        let check = |ok: bool, option, value, expected| {
+            if ok {
+                Ok(())
+            } else {
+                Err(IntegrateError::Option {
+                    option,
+                    value,
+                    expected,
+                })
+            }
+        };
+        let bound = self.alpha_bound;
+        check(
+            bound > T::int(0) && bound.is_finite(),
+            "alpha_bound",
+            bound,
+            "positive and finite",
+        )?;
+        let int = |n: u64| T::int(i64::try_from(n).unwrap_or(i64::MAX));
+        let iterations = self.max_iterations;
+        check(
+            iterations >= 2,
+            "max_iterations",
+            int(iterations.into()),
+            "2 or more",
+        )?;
+        let halvings = self.max_halvings;
+        check(
+            halvings <= 20,
+            "max_halvings",
+            int(halvings.into()),
+            "at most 20",
+        )?;
+        if let Record::Every(k) = self.record {
+            check(k > 0, "record", int(k), "Every(k) with k of 1 or more")?;
+        }
+        if let Family::FixedAlpha(alpha) = method.family {
+            let alpha = alpha.to::<T>();
+            check(alpha.is_finite(), "fixed_alpha", alpha, "finite")?;
+        }
+        Ok(StepOptions {
+            on_no_alpha: self.on_no_alpha,
+            alpha_bound: bound,
+            max_iterations: iterations,
+            max_halvings: halvings,
+            pure_newton: self.pure_newton,
+            stage_solver: self.stage_solver,
+            ..StepOptions::new(s, method.family)
+        })
+    }
+
+    /// What has to be the same again for a checkpoint to fit.
+    pub(crate) fn words(&self, method: Method) -> String {
+        let names = |x: &[Invariant]| {
+            let names: Vec<_> = x.iter().map(Invariant::name).collect();
+            names.join(", ")
+        };
+        format!(
+            "{method}; {:?}, alpha_bound {:?}, {} iterations, {} halvings, pure {}, {:?}, measured {}; kept: {}; watched: {}",
+            self.on_no_alpha,
+            self.alpha_bound,
+            self.max_iterations,
+            self.max_halvings,
+            self.pure_newton,
+            self.stage_solver,
+            self.measure_energy,
+            names(&self.kept),
+            names(&self.invariants),
+        )
+    }
+
+    /// The interval, and the output times in it.
+    pub(crate) fn check_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
+        if !(end >= start) || !start.is_finite() || !end.is_finite() {
+            return Err(IntegrateError::Interval { start, end });
+        }
+        let mut previous = start;
+        for (index, &time) in self.output_times.iter().enumerate() {
+            if !(time >= previous && time <= end) {
+                return Err(IntegrateError::OutputTime {
+                    time,
+                    index,
+                    start,
+                    end,
+                });
+            }
+            previous = time;
+        }
+        Ok(())
+    }
+}
