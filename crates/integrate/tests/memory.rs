@@ -1,4 +1,5 @@
-//! Memory of a chain grows linearly, and steps allocate nothing. The allocator of this program counts, for every thread by itself.
+//! Memory of a chain grows linearly, and steps allocate nothing. The allocator of this program counts, for
+//! every thread by itself.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_integrate::{Equip, Gauss, Method, StageSolver};

@@ -1,4 +1,5 @@
-//! A run that is begun anew with what another one has made ready is a new run, bit for bit, and costs no allocation.
+//! A run that is begun anew with what another one has made ready is a new run, bit for bit, and costs no
+//! allocation.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use crate::memory::allocations;
@@ -63,7 +64,8 @@ fn elsewhere<T: Float>(q: &[T], p: &[T]) -> (Vec<T>, Vec<T>) {
     (nearly(q, 127), nearly(p, 129))
 }
 
-/// The first `steps` steps of a new run from the scene's start are those of one that was somewhere else before.
+/// The first `steps` steps of a new run from the scene's start are those of one that was somewhere else
+/// before.
 fn same_again<T: Float, S: StepSizes<T>>(scene: &Instance, options: &Integrator<T, S>, steps: usize)
 where
     S::Stepper<<Hamiltonian as System>::Evaluator<T>>: Steps<T>,

@@ -82,14 +82,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.stages.alphas_are_zero
     }
 
-    /// L_i = h b_i J∇H(Y_i) stage by stage, blocks of length n, and h. The L of a step that sweeps have made is copied
-    /// here when it is first asked for.
+    /// L_i = h b_i J∇H(Y_i) stage by stage, blocks of length n, and h. The L of a step that sweeps have made
+    /// is copied here when it is first asked for.
     pub fn stage_derivatives(&mut self) -> (&[T], T) {
         self.fetch_l();
         self.guess.last()
     }
 
-    /// h γ_k = Σ_i P_k(c_i) L_i for k < s into `out`, blocks of length n: u'(τ) = Σ_k γ_k P_k(τ) within the step.
+    /// h γ_k = Σ_i P_k(c_i) L_i for k < s into `out`, blocks of length n: u'(τ) = Σ_k γ_k P_k(τ) within the
+    /// step.
     pub fn legendre_coefficients(&mut self, out: &mut [T]) {
         self.fetch_l();
         let (stages, l) = (&self.stages, self.guess.last().0);
@@ -102,8 +103,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// L component by component as sweeps have it, component c of stage i at c·[`stride_for`](crate::stride_for)(s) + i;
-    /// `None` if sweeps have not made the step.
+    /// L component by component as sweeps have it, component c of stage i at
+    /// c·[`stride_for`](crate::stride_for)(s) + i; `None` if sweeps have not made the step.
     pub fn derivatives_by_component(&self) -> Option<&[T]> {
         let sweeps = self.sweeps.as_ref()?;
         self.guess.is_swept().then_some(&*sweeps.iterate.l)
@@ -123,7 +124,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.parts.all()
     }
 
-    /// How the sweeps of the step contracted, if they were tried and are most of its work, as a power that goes like h.
+    /// How the sweeps of the step contracted, if they were tried and are most of its work, as a power that
+    /// goes like h.
     pub fn contraction(&self) -> Option<f64> {
         if self.rule == Rule::Newton && !self.constraints.is_empty() {
             return None;
@@ -161,9 +163,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
 /// The start of a run.
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
-    /// A run begins at `y`, length n, where the energy is `h_ref`, with steps of one size `h` or of any: the steps from
-    /// here on are those of a new solver. Counts stay. Costs at most one Hessian; only stiff springs, when they are
-    /// first found, take room that was not there.
+    /// A run begins at `y`, length n, where the energy is `h_ref`, with steps of one size `h` or of any: the
+    /// steps from here on are those of a new solver. Counts stay. Costs at most one Hessian; only stiff
+    /// springs, when they are first found, take room that was not there.
     pub fn begin(&mut self, h_ref: T, y: &[T], h: Option<T>) {
         self.forget();
         self.parts.clear();
@@ -195,36 +197,37 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.guess.refuse();
     }
 
-    /// The next step is guessed from these L, stage by stage, of a step of size `h` from the same state, and from
-    /// nothing else.
+    /// The next step is guessed from these L, stage by stage, of a step of size `h` from the same state, and
+    /// from nothing else.
     pub fn guess_from(&mut self, l: &[T], h: T) {
         self.forget();
         self.guess.remember(l, h);
         self.guess.refuse();
     }
 
-    /// What becomes of a step without an admissible α; with `last_resort` it is tried with fewer of them before.
+    /// What becomes of a step without an admissible α; with `last_resort` it is tried with fewer of them
+    /// before.
     pub fn set_on_no_alpha(&mut self, choice: OnNoAlpha, last_resort: bool) {
         self.options.on_no_alpha = choice;
         self.last_resort = last_resort;
     }
 
-    /// Steps are to be made backwards as well: Newton's α's are the same then to the last few bits, those by sweeps to
-    /// 1e-16 … 1e-14.
+    /// Steps are to be made backwards as well: Newton's α's are the same then to the last few bits, those by
+    /// sweeps to 1e-16 … 1e-14.
     pub fn make_reversible(&mut self) {
         if self.options.stage_solver != StageSolver::Sweeps {
             self.rule = Rule::Newton;
         }
     }
 
-    /// Puts other constraints in the place of those there are, which are returned. Without any the α's stay where they
-    /// are.
+    /// Puts other constraints in the place of those there are, which are returned. Without any the α's stay
+    /// where they are.
     pub fn replace_constraints(&mut self, constraints: Vec<Constraint<T>>) -> Vec<Constraint<T>> {
         std::mem::replace(&mut self.constraints, constraints)
     }
 
-    /// Divides what floors the constraints have inherited from earlier steps, where a defect they excuse can be
-    /// repaired.
+    /// Divides what floors the constraints have inherited from earlier steps, where a defect they excuse can
+    /// be repaired.
     pub fn fade_inherited_floors(&mut self, divisor: i64) {
         if self.can_repair() {
             for constraint in &mut self.constraints {
@@ -332,7 +335,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 }
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
-    /// Sees to it that L of the step made last stands in the stages and in the guess: sweeps keep it in their own order.
+    /// Sees to it that L of the step made last stands in the stages and in the guess: sweeps keep it in their
+    /// own order.
     pub(crate) fn fetch_l(&mut self) {
         let Some(sweeps) = &self.sweeps else {
             return;

@@ -17,34 +17,41 @@ pub enum OnNoAlpha {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]
 pub enum StageSolver {
-    /// Sweeps Z ← K(α) L(Z) as long as they contract; the α's, where they have to move, by the linearised responses of the step to each of them, found
-    /// by sweeps as well. No factorisation. [`Newton`](Self::Newton) for steps where that fails, and for 1, 2, 4, … 64 steps after each one
-    /// where sweeps did not contract; for further invariants that are to be kept; for the α of the paper alone.
+    /// Sweeps Z ← K(α) L(Z) as long as they contract; the α's, where they have to move, by the linearised
+    /// responses of the step to each of them, found by sweeps as well. No factorisation.
+    /// [`Newton`](Self::Newton) for steps where that fails, and for 1, 2, 4, … 64 steps after each one where
+    /// sweeps did not contract; for further invariants that are to be kept; for the α of the paper alone.
     ///
-    /// From 2m = 24 components on, in `f64` and with s ≥ 4, the α's move by slopes, as with [`Sweeps`](Self::Sweeps). A step that sweeps do not solve, or
-    /// whose end point slopes move by more than 4 estimated local errors (64 where these are next to round-off), is halved as often as
+    /// From 2m = 24 components on, in `f64` and with s ≥ 4, the α's move by slopes, as with
+    /// [`Sweeps`](Self::Sweeps). A step that sweeps do not solve, or whose end point slopes move by more than
+    /// 4 estimated local errors (64 where these are next to round-off), is halved as often as
     /// [`StepOptions::max_halvings`] allows before it is Newton's.
     ///
-    /// In numbers wider than `f64` the directions of the α's are taken again at the solution until they stay: a run with reversed momenta comes back to
-    /// round-off, for two to six times the price of [`Responses`](Self::Responses).
+    /// In numbers wider than `f64` the directions of the α's are taken again at the solution until they stay:
+    /// a run with reversed momenta comes back to round-off, for two to six times the price of
+    /// [`Responses`](Self::Responses).
     #[default]
     Automatic,
-    /// As `Automatic`, with directions taken once a step in wide numbers too, and responses for systems of any size. Trajectories are as good; a run with
-    /// reversed momenta comes back to the square of the local error, not to round-off.
+    /// As `Automatic`, with directions taken once a step in wide numbers too, and responses for systems of
+    /// any size. Trajectories are as good; a run with reversed momenta comes back to the square of the local
+    /// error, not to round-off.
     Responses,
-    /// Sweeps for everything: gradients at the stages only, no Hessian, no linear system: 1.1 to 1.6 times the gradients of a Gauss step. The
-    /// α's move by slopes from Legendre coefficients, not aimed at the exact flow: energy and quadratic
-    /// invariants are kept as well, trajectories are 1 to 10 times, in stiff cases 100 times as far off as those of Gauss with the same
-    /// step. A step where sweeps do not contract is halved or fails. Needs s ≥ 4 and the energy as the only constraint;
-    /// else as `Newton`.
+    /// Sweeps for everything: gradients at the stages only, no Hessian, no linear system: 1.1 to 1.6 times
+    /// the gradients of a Gauss step. The α's move by slopes from Legendre coefficients, not aimed at the
+    /// exact flow: energy and quadratic invariants are kept as well, trajectories are 1 to 10 times, in stiff
+    /// cases 100 times as far off as those of Gauss with the same step. A step where sweeps do not contract
+    /// is halved or fails. Needs s ≥ 4 and the energy as the only constraint; else as `Newton`.
     Sweeps,
-    /// Newton as [`FullNewton`](Self::FullNewton) for up to 128 unknowns s·2m (32 where no α is solved for), as
-    /// [`SimplifiedNewton`](Self::SimplifiedNewton) beyond. Where that converges badly, full Newton for some steps, if there are at most 1024 unknowns.
+    /// Newton as [`FullNewton`](Self::FullNewton) for up to 128 unknowns s·2m (32 where no α is solved for),
+    /// as [`SimplifiedNewton`](Self::SimplifiedNewton) beyond. Where that converges badly, full Newton for
+    /// some steps, if there are at most 1024 unknowns.
     Newton,
-    /// Newton with the Hessians at all stages: factorises matrices of size s·2m, dense. Quadratic convergence.
+    /// Newton with the Hessians at all stages: factorises matrices of size s·2m, dense. Quadratic
+    /// convergence.
     FullNewton,
-    /// Newton with one Hessian for all stages, kept over steps while it serves: ⌈s/2⌉ complex systems of size 2m (m if H is
-    /// separable), sparse where ∇²H is. Linear convergence, so each iteration of `max_iterations` counts for four.
+    /// Newton with one Hessian for all stages, kept over steps while it serves: ⌈s/2⌉ complex systems of size
+    /// 2m (m if H is separable), sparse where ∇²H is. Linear convergence, so each iteration of
+    /// `max_iterations` counts for four.
     SimplifiedNewton,
 }
 

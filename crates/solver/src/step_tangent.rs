@@ -5,9 +5,9 @@
 //! $$ \delta Z_i = \sum_j K_{ij}(\alpha) B_j (\delta y_0 + \delta Z_j), \qquad
 //!    \delta y_1 = \delta y_0 + \sum_j B_j (\delta y_0 + \delta Z_j) . $$
 //!
-//! Cost: s Hessians per step; per deviation sweeps δZ ← K(α)∘B (δy0 + δZ) of 2 s nnz + s² n operations each, as many as
-//! the stages themselves take. Where these do not contract (about hω > 1), one dense factorisation of size s·2m per
-//! step, made only then.
+//! Cost: s Hessians per step; per deviation sweeps δZ ← K(α)∘B (δy0 + δZ) of 2 s nnz + s² n operations each,
+//! as many as the stages themselves take. Where these do not contract (about hω > 1), one dense factorisation
+//! of size s·2m per step, made only then.
 
 use crate::failure::Failure;
 use crate::hessians::StageHessians;

@@ -8,6 +8,7 @@ use equip_scalar::Float;
 /// What step control remembers.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub(crate) struct ControlMemory {
     pub(crate) next: Exact,
     pub(crate) held: Exact,
@@ -21,6 +22,7 @@ pub(crate) struct ControlMemory {
 /// A deviation and what has been summed of it.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub(crate) struct ChaosMemory {
     pub(crate) start: Exact,
     pub(crate) sums: [Exact; 3],

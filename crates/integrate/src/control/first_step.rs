@@ -1,8 +1,8 @@
 //! A size to begin with, before there is a step to judge by.
 //!
-//! With f = J∇H and f' = J∇²H f at the start: 1/10 of the shorter of the times in which the state would move by its own size, |y|/|f| and
-//! √(|y|/|f'|), for positions and momenta apart. The first step is then tried at longer or shorter sizes until its error fits,
-//! so that the factor does not matter.
+//! With f = J∇H and f' = J∇²H f at the start: 1/10 of the shorter of the times in which the state would move
+//! by its own size, |y|/|f| and √(|y|/|f'|), for positions and momenta apart. The first step is then tried at
+//! longer or shorter sizes until its error fits, so that the factor does not matter.
 
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;

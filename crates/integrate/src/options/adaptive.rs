@@ -6,11 +6,12 @@ use crate::options::integrator::Integrator;
 use equip_scalar::Float;
 use equip_solver::MAX_STAGES;
 
-/// A method with variable steps that follow a tolerance. Energy and quadratic invariants are kept for any sequence of
-/// steps, so variable steps cost neither; position errors then grow linearly in time where others grow quadratically.
+/// A method with variable steps that follow a tolerance. Energy and quadratic invariants are kept for any
+/// sequence of steps, so variable steps cost neither; position errors then grow linearly in time where others
+/// grow quadratically.
 ///
-/// A step that fails is shortened, not halved. [`Integrator::on_no_alpha`] is asked only when shorter steps do not help
-/// either; [`Integrator::output_at`] is served from dense output, with the accuracy of the steps.
+/// A step that fails is shortened, not halved. [`Integrator::on_no_alpha`] is asked only when shorter steps
+/// do not help either; [`Integrator::output_at`] is served from dense output, with the accuracy of the steps.
 pub type Adaptive<T> = Integrator<T, Tolerance<T>>;
 
 /// Sizes by a tolerance, within bounds.
@@ -28,11 +29,11 @@ pub struct Tolerance<T> {
 const MIN_STAGES: usize = 2;
 
 impl Method {
-    /// An integrator with variable steps whose error, relative to the motion within the step, is about `tolerance` in
-    /// each step.
+    /// An integrator with variable steps whose error, relative to the motion within the step, is about
+    /// `tolerance` in each step.
     ///
-    /// The estimate behind it is the square of an extrapolated Legendre coefficient; `docs/which-steps.md` shows
-    /// measured errors beside tolerances.
+    /// The estimate behind it is the square of an extrapolated Legendre coefficient; `docs/which-steps.md`
+    /// shows measured errors beside tolerances.
     pub fn tolerance<T: Float>(self, tolerance: T) -> Adaptive<T> {
         let sizes = Tolerance {
             tolerance,
@@ -49,8 +50,8 @@ impl Method {
 }
 
 impl<T: Float> Adaptive<T> {
-    /// Motion within a step below these sizes, in the units of positions and momenta, is not resolved relative to itself. By default
-    /// √tolerance times the largest position or momentum.
+    /// Motion within a step below these sizes, in the units of positions and momenta, is not resolved
+    /// relative to itself. By default √tolerance times the largest position or momentum.
     #[must_use]
     pub fn scales(mut self, positions: T, momenta: T) -> Self {
         self.sizes.scales = [Some(positions), Some(momenta)];
@@ -64,8 +65,8 @@ impl<T: Float> Adaptive<T> {
         self
     }
 
-    /// Smallest step; a run that needs a smaller one ends with [`IntegrateError::StepBelowMinimum`]. Zero by default: the resolution of time
-    /// is the limit. A step cut to reach the end of the run may be smaller.
+    /// Smallest step; a run that needs a smaller one ends with [`IntegrateError::StepBelowMinimum`]. Zero by
+    /// default: the resolution of time is the limit. A step cut to reach the end of the run may be smaller.
     #[must_use]
     pub fn min_step(mut self, h: T) -> Self {
         self.sizes.min_step = h;
@@ -79,7 +80,8 @@ impl<T: Float> Adaptive<T> {
         self
     }
 
-    /// Most steps of a run; a run that needs more ends with [`IntegrateError::StepLimit`]. No limit by default.
+    /// Most steps of a run; a run that needs more ends with [`IntegrateError::StepLimit`]. No limit by
+    /// default.
     #[must_use]
     pub fn max_steps(mut self, steps: u64) -> Self {
         self.sizes.max_steps = steps;

@@ -7,6 +7,9 @@ use crate::options::record::Record;
 use equip_scalar::Float;
 use equip_solver::{Family, Invariant, MAX_STAGES, OnNoAlpha, StageSolver, StepOptions};
 
+/// What has to be the same again for a checkpoint to fit: names and values.
+pub(crate) type Words = Vec<(&'static str, String)>;
+
 /// The options that do not concern the size of the steps.
 #[derive(Debug, Clone)]
 pub(crate) struct Options<T: Float> {
@@ -110,24 +113,33 @@ impl<T: Float> Options<T> {
         })
     }
 
-    /// What has to be the same again for a checkpoint to fit.
-    pub(crate) fn words(&self, method: Method) -> String {
+    /// Method and options in words.
+    pub(crate) fn words(&self, method: Method) -> Words {
         let names = |x: &[Invariant]| {
             let names: Vec<_> = x.iter().map(Invariant::name).collect();
-            names.join(", ")
+            match names.is_empty() {
+                true => "none".to_owned(),
+                false => names.join(", "),
+            }
         };
-        format!(
-            "{method}; {:?}, alpha_bound {:?}, {} iterations, {} halvings, pure {}, {:?}, measured {}; kept: {}; watched: {}",
-            self.on_no_alpha,
-            self.alpha_bound,
-            self.max_iterations,
-            self.max_halvings,
-            self.pure_newton,
-            self.stage_solver,
-            self.measure_energy,
-            names(&self.kept),
-            names(&self.invariants),
-        )
+        let alpha = match method.family {
+            Family::FixedAlpha(alpha) => format!("{:?}", alpha.to::<T>()),
+            _ => "none".to_owned(),
+        };
+        vec![
+            ("stages", method.stages.to_string()),
+            ("method", method.family.to_string()),
+            ("fixed α", alpha),
+            ("on_no_alpha", format!("{:?}", self.on_no_alpha)),
+            ("alpha_bound", format!("{:?}", self.alpha_bound)),
+            ("max_iterations", self.max_iterations.to_string()),
+            ("max_halvings", self.max_halvings.to_string()),
+            ("pure_newton", self.pure_newton.to_string()),
+            ("stage_solver", format!("{:?}", self.stage_solver)),
+            ("measure_energy", self.measure_energy.to_string()),
+            ("invariants kept", names(&self.kept)),
+            ("invariants watched", names(&self.invariants)),
+        ]
     }
 
     /// The interval, and the output times in it.

@@ -5,7 +5,8 @@ use crate::method::Method;
 use crate::options::integrator::Integrator;
 use equip_scalar::Float;
 
-/// A method with a fixed step: fixed for the whole run, the last step shorter if it does not divide the interval.
+/// A method with a fixed step: fixed for the whole run, the last step shorter if it does not divide the
+/// interval.
 pub type FixedStep<T> = Integrator<T, Fixed<T>>;
 
 /// Steps of one size.
@@ -22,15 +23,16 @@ impl Method {
 }
 
 impl<T: Float> FixedStep<T> {
-    /// How often a step that fails may be halved, 3 by default; 0 never halves. With [`StageSolver::Sweeps`], and from 24 components on by default, a step
-    /// that sweeps do not solve is one that fails.
+    /// How often a step that fails may be halved, 3 by default; 0 never halves. With [`StageSolver::Sweeps`],
+    /// and from 24 components on by default, a step that sweeps do not solve is one that fails.
     #[must_use]
     pub fn max_halvings(mut self, halvings: u32) -> Self {
         self.options.max_halvings = halvings;
         self
     }
 
-    /// Factor the Newton matrix in every iteration, also where the last factorisation would serve. For studies.
+    /// Factor the Newton matrix in every iteration, also where the last factorisation would serve. For
+    /// studies.
     #[must_use]
     pub fn pure_newton(mut self, pure: bool) -> Self {
         self.options.pure_newton = pure;

@@ -7,8 +7,8 @@ use crate::options::record::Record;
 use equip_scalar::Float;
 use equip_solver::{Invariant, OnNoAlpha, StageSolver};
 
-/// A method with the sizes of its steps and with options, which are the same whatever the sizes `S` are: fixed
-/// ([`FixedStep`](crate::FixedStep)), by a tolerance ([`Adaptive`](crate::Adaptive)) or reversible
+/// A method with the sizes of its steps and with options, which are the same whatever the sizes `S` are:
+/// fixed ([`FixedStep`](crate::FixedStep)), by a tolerance ([`Adaptive`](crate::Adaptive)) or reversible
 /// ([`Reversible`](crate::Reversible)). It is checked when a run starts.
 #[derive(Debug, Clone)]
 pub struct Integrator<T: Float, S> {
@@ -33,8 +33,8 @@ impl<T: Float, S> Integrator<T, S> {
         self
     }
 
-    /// Largest |α_k| accepted, 0.05 by default (dimensionless; it is added to ξ_k ≈ 1/(4k)). Where a step needs more, halving it
-    /// costs less accuracy than a large α does.
+    /// Largest |α_k| accepted, 0.05 by default (dimensionless; it is added to ξ_k ≈ 1/(4k)). Where a step
+    /// needs more, halving it costs less accuracy than a large α does.
     #[must_use]
     pub fn alpha_bound(mut self, bound: T) -> Self {
         self.options.alpha_bound = bound;
@@ -55,7 +55,8 @@ impl<T: Float, S> Integrator<T, S> {
         self
     }
 
-    /// Whether to evaluate H after steps that do not solve for it (Gauss, fixed α, quadratic H); on by default.
+    /// Whether to evaluate H after steps that do not solve for it (Gauss, fixed α, quadratic H); on by
+    /// default.
     #[must_use]
     pub fn measure_energy(mut self, measure: bool) -> Self {
         self.options.measure_energy = measure;
@@ -69,9 +70,9 @@ impl<T: Float, S> Integrator<T, S> {
         self
     }
 
-    /// A further invariant to be *kept* like the energy, by the same α's: one more equation for them. For invariants that
-    /// are not quadratic; the quadratic ones are kept anyway. Needs a method that solves for the α's, with at least as
-    /// many of them as equations: s − 1 ≥ 1 + the invariants kept.
+    /// A further invariant to be *kept* like the energy, by the same α's: one more equation for them. For
+    /// invariants that are not quadratic; the quadratic ones are kept anyway. Needs a method that solves for
+    /// the α's, with at least as many of them as equations: s − 1 ≥ 1 + the invariants kept.
     #[must_use]
     pub fn keep(mut self, invariant: Invariant) -> Self {
         self.options.kept.push(invariant);
@@ -85,24 +86,25 @@ impl<T: Float, S> Integrator<T, S> {
         self
     }
 
-    /// Times at which the state is wanted besides the grid, ascending and within the interval. Each costs one extra
-    /// step of the same method from the last grid point; the steps of the run do not change by a single bit.
+    /// Times at which the state is wanted besides the grid, ascending and within the interval. Each costs one
+    /// extra step of the same method from the last grid point; the steps of the run do not change by a single
+    /// bit.
     #[must_use]
     pub fn output_at(mut self, times: &[T]) -> Self {
         self.options.output_times = times.to_vec();
         self
     }
 
-    /// Keep dense output: [`Run::trajectory`](crate::Run::trajectory) gives the state at any time. The steps do not change by a single bit;
-    /// each costs one solve of twice as many stages more.
+    /// Keep dense output: [`Run::trajectory`](crate::Run::trajectory) gives the state at any time. The steps
+    /// do not change by a single bit; each costs one solve of twice as many stages more.
     #[must_use]
     pub fn dense(mut self) -> Self {
         self.options.dense = true;
         self
     }
 
-    /// An event whose roots along the run are wanted; see [`Run::events`](crate::Run::events). The steps do not change by a single bit; each
-    /// costs one solve of twice as many stages more.
+    /// An event whose roots along the run are wanted; see [`Run::events`](crate::Run::events). The steps do
+    /// not change by a single bit; each costs one solve of twice as many stages more.
     #[must_use]
     pub fn event(mut self, event: Event<T>) -> Self {
         self.options.events.push(event);
@@ -110,8 +112,8 @@ impl<T: Float, S> Integrator<T, S> {
     }
 
     /// Carry a small deviation along: the certificate then has the largest Lyapunov exponent and MEGNO
-    /// ([`ChaosIndicators`](crate::ChaosIndicators)), and observers see them grow. The steps do not change by a single bit; each costs s Hessians and a few
-    /// sweeps more.
+    /// ([`ChaosIndicators`](crate::ChaosIndicators)), and observers see them grow. The steps do not change by
+    /// a single bit; each costs s Hessians and a few sweeps more.
     #[must_use]
     pub fn chaos(mut self) -> Self {
         self.options.chaos = true;

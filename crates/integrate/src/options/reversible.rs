@@ -1,8 +1,8 @@
 //! [`Reversible`]: variable steps that are the same backwards.
 //!
-//! Step control by tolerance is not symmetric: the size comes from the step before. For long runs of reversible systems there is the explicit symmetric
-//! control of Hairer & Söderlind (SIAM J. Sci. Comput. 26, 2005; Hairer, Lubich & Wanner, VIII.3.2): the step density z ≈ 1/σ is integrated beside the
-//! state,
+//! Step control by tolerance is not symmetric: the size comes from the step before. For long runs of
+//! reversible systems there is the explicit symmetric control of Hairer & Söderlind (SIAM J. Sci. Comput. 26,
+//! 2005; Hairer, Lubich & Wanner, VIII.3.2): the step density z ≈ 1/σ is integrated beside the state,
 //!
 //! $$ z_{n+1/2} = z_{n-1/2} + \varepsilon G(y_n), \qquad G = -\frac{\nabla\sigma\cdot f}{\sigma}, \qquad h_{n+1/2} = \frac{\varepsilon}{z_{n+1/2}}, \qquad
 //!    z_{1/2} = \frac{1}{\sigma(y_0)} + \frac{\varepsilon}{2} G(y_0), $$
@@ -11,11 +11,11 @@
 //!
 //! $$ h \sum_i \frac{b_i}{\sigma(Y_i)} = \varepsilon , $$
 //!
-//! the quadrature of ∫ dt/σ = ε over the step's own stages, which are the same backwards. It is solved by a secant around the stages, from the size of
-//! the explicit rule.
+//! the quadrature of ∫ dt/σ = ε over the step's own stages, which are the same backwards. It is solved by a
+//! secant around the stages, from the size of the explicit rule.
 //!
-//! No step is refused for its error: ε is the accuracy, chosen once. σ is a function of the state or, by default, made from ∇²H
-//! ([`crate::step_density`]).
+//! No step is refused for its error: ε is the accuracy, chosen once. σ is a function of the state or, by
+//! default, made from ∇²H ([`crate::control::step_density`]).
 
 use crate::error::IntegrateError;
 use crate::method::Method;
@@ -29,12 +29,13 @@ pub enum StepRule {
     /// From the size before and the motion between: one evaluation of ∇σ per step.
     #[default]
     Explicit,
-    /// From the stages of the step itself, h Σ b_i/σ(Y_i) = ε: several solves of the stages per step, no memory.
+    /// From the stages of the step itself, h Σ b_i/σ(Y_i) = ε: several solves of the stages per step, no
+    /// memory.
     Integral,
 }
 
-/// A method with steps of about ε σ(q, p), chosen symmetrically in time. [`Integrator::output_at`] is served from dense
-/// output.
+/// A method with steps of about ε σ(q, p), chosen symmetrically in time. [`Integrator::output_at`] is served
+/// from dense output.
 pub type Reversible<T> = Integrator<T, Symmetric<T>>;
 
 /// Sizes of about ε σ(q, p).
@@ -47,15 +48,17 @@ pub struct Symmetric<T> {
 }
 
 impl Method {
-    /// An integrator with steps of about ε σ(q, p), chosen so that the run backwards takes the same ones. `sigma` is a positive function of the state, recorded
-    /// like an energy ([`Hamiltonian::new`]), even in p.
+    /// An integrator with steps of about ε σ(q, p), chosen so that the run backwards takes the same ones.
+    /// `sigma` is a positive function of the state, recorded like an energy ([`Hamiltonian::new`]), even in
+    /// p.
     pub fn reversible<T: Float>(self, epsilon: T, sigma: Hamiltonian) -> Reversible<T> {
         let sigma = Some(sigma);
         Integrator::new(self, Symmetric::new(epsilon, sigma))
     }
 
-    /// The same with σ from the second derivatives of H: 1/σ is the pace of the fastest linearised motion, and ε the phase it turns by in a step (6.3 / ε
-    /// steps a turn). For at most 256 degrees of freedom, and for motion that is nowhere free: 1/σ must not vanish.
+    /// The same with σ from the second derivatives of H: 1/σ is the pace of the fastest linearised motion,
+    /// and ε the phase it turns by in a step (6.3 / ε steps a turn). For at most 256 degrees of freedom, and
+    /// for motion that is nowhere free: 1/σ must not vanish.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -77,7 +80,8 @@ impl Method {
 }
 
 impl<T: Float> Reversible<T> {
-    /// How steps get their sizes; [`StepRule::Explicit`] by default. With the integral rule no step is halved.
+    /// How steps get their sizes; [`StepRule::Explicit`] by default. With the integral rule no step is
+    /// halved.
     #[must_use]
     pub fn rule(mut self, rule: StepRule) -> Self {
         self.sizes.rule = rule;

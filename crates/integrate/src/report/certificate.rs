@@ -27,15 +27,17 @@ pub struct Certificate<T> {
     pub energy_in_floors: Option<T>,
     /// Defects of the invariants watched.
     pub invariants: Vec<Defect<T>>,
-    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no line in the text.
+    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no
+    /// line in the text.
     pub alpha_range: Vec<(T, T)>,
     /// Lyapunov exponent and MEGNO, if a deviation was followed.
     pub chaos: Option<ChaosIndicators<T>>,
     /// Counts of work and of outcomes.
     pub counts: Counts,
-    /// hω of the stiffest spring at the start of the run, if that is above 2 and more than sweeps solve for with α's, 2s/5: Newton's method
-    /// makes most steps then, of 24 components and more their halves. `None` if there is none, and where springs are not looked for: in other
-    /// floats than `f64`, with variable steps, without sweeps or α's, and for T(p) that is no sum of squares.
+    /// hω of the stiffest spring at the start of the run, if that is above 2 and more than sweeps solve for
+    /// with α's, 2s/5: Newton's method makes most steps then, of 24 components and more their halves. `None`
+    /// if there is none, and where springs are not looked for: in other floats than `f64`, with variable
+    /// steps, without sweeps or α's, and for T(p) that is no sum of squares.
     pub unresolved_spring: Option<T>,
     /// Extra steps made for output times; their work is not in `counts`.
     pub output_steps: u64,

@@ -60,6 +60,11 @@ impl<T: Float> Watched<T> {
         self.defect.begin(self.evaluator.compensated_value(y));
     }
 
+    /// The function.
+    pub(crate) fn function_mut(&mut self) -> &mut <Hamiltonian as System>::Evaluator<T> {
+        &mut self.evaluator
+    }
+
     pub(crate) fn see(&mut self, y: &[T]) {
         let value = self.evaluator.compensated_value(y);
         self.defect.see(value - self.defect.start);

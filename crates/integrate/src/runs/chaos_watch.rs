@@ -8,8 +8,8 @@ use crate::tangent::chaos::{Chaos, any_deviation};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 
-/// What a whole run with `options` follows, if it follows anything, from its start or from the checkpoint it goes on
-/// from.
+/// What a whole run with `options` follows, if it follows anything, from its start or from the checkpoint it
+/// goes on from.
 ///
 /// # Errors
 /// A checkpoint of a run that followed no deviation.

@@ -49,7 +49,8 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
         }))
     }
 
-    /// Sees the step that `stepper` has just made from a time whose lost part was `time_low`. Breaks with time and state of a terminal event.
+    /// Sees the step that `stepper` has just made from a time whose lost part was `time_low`. Breaks with
+    /// time and state of a terminal event.
     pub(crate) fn see(
         &mut self,
         stepper: &Stepper<T, E>,

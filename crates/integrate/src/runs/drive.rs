@@ -1,4 +1,5 @@
-//! The loop of a whole run, the same for fixed and for variable steps: step → dense output and events → observer → keep.
+//! The loop of a whole run, the same for fixed and for variable steps: step → dense output and events →
+//! observer → keep.
 
 use crate::error::IntegrateError;
 use crate::options::record::Record;
@@ -78,6 +79,7 @@ fn watch<T: Float, E: Evaluate<T>>(
         if observer.wants_checkpoint() {
             let mut checkpoint = steps.save();
             checkpoint.chaos = watchers.chaos.as_ref().map(Chaos::memory);
+            checkpoint.seal();
             stop |= observer.checkpoint(checkpoint) == ControlFlow::Break(());
         }
         let view = steps.inner().view();

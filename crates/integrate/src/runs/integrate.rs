@@ -16,8 +16,9 @@ use std::ops::RangeInclusive;
 impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     /// Integrates from (`q0`, `p0`), each of length m, over `interval`.
     ///
-    /// Fixed steps are on the grid t0 + n h, and a last, shorter one reaches the end if h does not divide the interval;
-    /// variable ones meet the end, where a step of the proposed size would leave a sliver with two equal ones.
+    /// Fixed steps are on the grid t0 + n h, and a last, shorter one reaches the end if h does not divide the
+    /// interval; variable ones meet the end, where a step of the proposed size would leave a sliver with two
+    /// equal ones.
     ///
     /// # Errors
     /// [`RunFailure`], which carries the part that was made.
@@ -49,13 +50,14 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         self.run(system, &mut stepper, t1, None, observer)
     }
 
-    /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at the
-    /// checkpoint; its certificate is that of the whole. Steps are bit for bit those of the run that had not stopped;
-    /// of variable ones up to the two that meet the end, and a checkpoint made after these goes on from there with steps
-    /// of its own.
+    /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at
+    /// the checkpoint; its certificate is that of the whole. Steps are bit for bit those of the run that had
+    /// not stopped; of variable ones up to the two that meet the end, and a checkpoint made after these goes
+    /// on from there with steps of its own.
     ///
     /// # Errors
-    /// Those of [`resume`](Self::resume), a checkpoint that is not on the grid of fixed steps, and [`RunFailure`].
+    /// Those of [`resume`](Self::resume), a checkpoint that is not on the grid of fixed steps, and
+    /// [`RunFailure`].
     pub fn integrate_from<H: System>(
         &self,
         system: &H,

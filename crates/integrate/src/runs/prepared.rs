@@ -9,8 +9,8 @@ use equip_autodiff::System;
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
 
-/// A method with its options, ready for one Hamiltonian: tables, workspace and machine code are made, and runs can be
-/// started from any number of states.
+/// A method with its options, ready for one Hamiltonian: tables, workspace and machine code are made, and
+/// runs can be started from any number of states.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -50,7 +50,8 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
 
 impl<T: Float, S: StepSizes<T>, H: System> Prepared<T, S, H> {
     /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, and lends what makes its steps: those of
-    /// [`Integrator::start`] bit for bit. Costs less than two steps and allocates nothing unless stiff springs are found.
+    /// [`Integrator::start`] bit for bit. Costs less than two steps and allocates nothing unless stiff
+    /// springs are found.
     ///
     /// # Errors
     /// Faults of the initial values, and an H that is not finite there.

@@ -1,7 +1,7 @@
 //! [`AdaptiveStepper`]: a run with variable steps, one step at a time.
 //!
-//! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same state. The stages of a refused
-//! step are the guess of the next try. Time is summed with compensation.
+//! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same
+//! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
 
 use crate::control::controller::{Control, Judgement, TRIES_FOR_ALPHA};
 use crate::control::estimate::Decay;
@@ -18,13 +18,15 @@ use equip_solver::{Core, Counts, OnNoAlpha, Outcome};
 
 /// Tries of the first step.
 pub(super) const TRIES_FOR_FIRST: u32 = 20;
-/// What an encounter's floor still excuses fades by this from step to step: a defect that it leaves is repaired within a few steps. Left alone, the 1e-9 that
-/// stay after the closest encounter of the Pythagorean problem make its error at t = 60 a thousand times as large.
+/// What an encounter's floor still excuses fades by this from step to step: a defect that it leaves is
+/// repaired within a few steps. Left alone, the 1e-9 that stay after the closest encounter of the Pythagorean
+/// problem make its error at t = 60 a thousand times as large.
 const FADING: i64 = 2;
 /// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
 const STRETCH: i64 = 16;
 
-/// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
+/// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance)
+/// without copies.
 #[derive(Debug)]
 pub struct AdaptiveStepper<T: Float, E> {
     pub(crate) inner: Stepper<T, E>,
@@ -146,8 +148,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         }
     }
 
-    /// Whether at least half of a defect of the energy was there before the step. A shorter step does not mend it: the shorter it is, the less
-    /// an α moves.
+    /// Whether at least half of a defect of the energy was there before the step. A shorter step does not
+    /// mend it: the shorter it is, the less an α moves.
     fn is_inherited(&self, defect: T) -> bool {
         let before = self.inner.view().energy_defect;
         before.is_some_and(|before| T::int(2) * before.abs() >= defect.abs())
@@ -159,7 +161,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         }
     }
 
-    /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a sliver.
+    /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a
+    /// sliver.
     fn place(&self, size: f64, end: Option<T>) -> Place<T> {
         let h = T::exact(size);
         let (now, low) = (self.time(), self.time_low);
@@ -235,8 +238,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         Ok(())
     }
 
-    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`]. The size
-    /// proposed for the next step stays, and is tried at shorter ones where it does not fit.
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`].
+    /// The size proposed for the next step stays, and is tried at shorter ones where it does not fit.
     ///
     /// # Errors
     /// Faults of the values, and an H that is not finite there.

@@ -8,6 +8,7 @@ use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
 use crate::options::adaptive::Tolerance;
+use crate::options::common::Words;
 use crate::options::integrator::Integrator;
 use crate::steppers::adaptive_stepper::{AdaptiveStepper, TRIES_FOR_FIRST};
 use crate::steppers::sizes::{Advance, StepSizes};
@@ -45,11 +46,19 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         })
     }
 
-    fn words(&self) -> String {
-        format!(
-            "tolerance {:?}, scales {:?}, first step {:?}, steps {:?} to {:?}",
-            self.tolerance, self.scales, self.first_step, self.min_step, self.max_step,
-        )
+    fn words(&self) -> Words {
+        let or =
+            |x: Option<T>, automatic: &str| x.map_or(automatic.to_owned(), |x| format!("{x:?}"));
+        let [q, p] = self.scales;
+        vec![
+            ("steps", "by a tolerance".to_owned()),
+            ("tolerance", format!("{:?}", self.tolerance)),
+            ("scale of the positions", or(q, "automatic")),
+            ("scale of the momenta", or(p, "automatic")),
+            ("first_step", or(self.first_step, "automatic")),
+            ("min_step", format!("{:?}", self.min_step)),
+            ("max_step", format!("{:?}", self.max_step)),
+        ]
     }
 }
 
@@ -68,6 +77,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             rejected: steps.rejected,
             failed: steps.failed,
         });
+        checkpoint.seal();
         checkpoint
     }
 }
@@ -88,8 +98,9 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
         self.inner.restore_from(checkpoint)?;
         let memory = checkpoint.control()?;
-        self.time_low = checkpoint.time_low.read()?;
-        let float = |x: &Exact| x.read::<T>().map(Float::to_f64);
+        self.time_low = checkpoint.time_low.read_finite("the time")?;
+        let what = "the memory of step control";
+        let float = |x: &Exact| x.read_finite::<T>(what).map(Float::to_f64);
         self.control.memory = Memory {
             next: float(&memory.next)?,
             held: float(&memory.held)?,

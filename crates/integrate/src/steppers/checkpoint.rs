@@ -1,8 +1,10 @@
 //! Checkpoints of a [`Stepper`], the part that all step sizes share.
 
 use crate::checkpoints::checkpoint::{Checkpoint, FORMAT};
+use crate::checkpoints::checksum::of_function;
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
+use crate::report::defect::Watched;
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -10,9 +12,38 @@ use equip_solver::{Damaged, SolverMemory};
 use std::time::{Duration, Instant};
 
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
-    /// H at the state, by which another H is found out.
-    pub(crate) fn energy_now(&mut self) -> Exact {
-        Exact::of(self.core.energy_mut().value(&self.y.hi))
+    /// The names of the invariants, kept and watched, and their checksums.
+    fn invariants(&mut self) -> Vec<(String, String)> {
+        let y = &self.y.hi;
+        let all = self.watched.iter_mut();
+        let named = |watched: &mut Watched<T>| {
+            let sum = of_function(watched.function_mut(), y);
+            (watched.defect.name.clone(), sum)
+        };
+        all.map(named).collect()
+    }
+
+    /// Whether H and the invariants are those of the run that `checkpoint` was made of, at whose state this
+    /// one begins.
+    pub(super) fn check_functions(
+        &mut self,
+        checkpoint: &Checkpoint,
+    ) -> Result<(), IntegrateError<T>> {
+        if of_function(self.core.energy_mut(), &self.y.hi) != checkpoint.energy {
+            let time = checkpoint.time.read()?;
+            return Err(IntegrateError::CheckpointOtherEnergy { time });
+        }
+        let stored = checkpoint.invariants.iter();
+        for ((name, now), (_, stored)) in self.invariants().iter().zip(stored) {
+            if stored != now {
+                return Err(IntegrateError::CheckpointMismatch {
+                    what: "an invariant",
+                    stored: format!("{name} as it was then"),
+                    now: "another function of that name".to_owned(),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// The run as it is now, to be resumed by the same options.
@@ -22,16 +53,22 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         let solver = parts
             .map(|(name, numbers)| (name.clone(), Exact::all(numbers)))
             .collect();
-        let energy_now = self.energy_now();
+        let energy = of_function(self.core.energy_mut(), &self.y.hi);
+        let invariants = self.invariants();
+        let words = self.fingerprint.iter();
+        let options = words.map(|(name, value)| ((*name).to_owned(), value.clone()));
         let defects = self
             .energy
             .iter()
             .chain(self.watched.iter().map(|w| &w.defect));
         let seconds = self.begun.elapsed().as_secs_f64();
-        Checkpoint {
+        let mut checkpoint = Checkpoint {
             format: FORMAT,
             precision: T::NAME.to_owned(),
-            options: self.fingerprint.clone(),
+            options: options.collect(),
+            energy,
+            invariants,
+            start_state: Exact::all(&self.start),
             start: Exact::of(self.t0),
             time: Exact::of(self.time),
             time_low: Exact::default(),
@@ -52,21 +89,28 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             last_step: Exact::of(self.last.0),
             last_outcome: self.last.1,
             counts: *self.core.counts(),
-            seconds,
+            seconds: Exact::of(seconds),
             solver,
             control: None,
             chaos: None,
-            energy_now,
-        }
+            checksum: String::new(),
+        };
+        checkpoint.seal();
+        checkpoint
     }
 
     pub(super) fn restore_from(&mut self, from: &Checkpoint) -> Result<(), IntegrateError<T>> {
         let damaged = |what| IntegrateError::CheckpointDamaged { what };
         Exact::read_all(&from.high, &mut self.y.hi, "the state")?;
         Exact::read_all(&from.low, &mut self.y.lo, "the state")?;
-        self.time = from.time.read()?;
+        Exact::read_all(&from.start_state, &mut self.start, "the start")?;
+        let mut numbers = self.y.lo.iter().chain(&self.start);
+        if !numbers.all(|x| x.is_finite()) {
+            return Err(damaged("the state"));
+        }
+        self.time = from.time.read_finite("the time")?;
         self.index = from.index;
-        self.h_ref = from.energy_reference.read()?;
+        self.h_ref = from.energy_reference.read_finite("the energy")?;
         let watched = self.watched.iter_mut().map(|w| &mut w.defect);
         let defects: Vec<_> = self.energy.iter_mut().chain(watched).collect();
         if defects.len() != from.defects.len() || self.alpha_range.len() != from.alpha_range.len() {
@@ -91,7 +135,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         self.core
             .restore(&SolverMemory::from_parts(parts))
             .map_err(|Damaged { what }| damaged(what))?;
-        let before = Duration::try_from_secs_f64(from.seconds).unwrap_or_default();
+        let before =
+            Duration::try_from_secs_f64(from.seconds.read::<T>()?.to_f64()).unwrap_or_default();
         self.begun = Instant::now()
             .checked_sub(before)
             .unwrap_or_else(Instant::now);

@@ -2,6 +2,7 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
+use crate::options::common::Words;
 use crate::options::fixed_step::Fixed;
 use crate::options::integrator::Integrator;
 use crate::steppers::grid::Grid;
@@ -80,7 +81,10 @@ impl<T: Float> StepSizes<T> for Fixed<T> {
         )
     }
 
-    fn words(&self) -> String {
-        format!("step {:?}", self.h)
+    fn words(&self) -> Words {
+        vec![
+            ("steps", "of one size".to_owned()),
+            ("step", format!("{:?}", self.h)),
+        ]
     }
 }

@@ -43,7 +43,8 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// Makes the next step.
     ///
     /// # Errors
-    /// When the step cannot be made, or σ or the density is no longer positive; the state then is that before the step.
+    /// When the step cannot be made, or σ or the density is no longer positive; the state then is that before
+    /// the step.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
         let mut density = self.density + self.change()?;
         let (now, low) = (self.inner.time(), self.time_low);
@@ -87,8 +88,9 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         Ok(self.inner.view())
     }
 
-    /// The size for which h Σ b_i/σ(Y_i) = ε, by a secant from `h`, and the outcome of the step of this size, which is made. To round-off: what is left of the
-    /// rule's error a step backwards takes as a shift in time.
+    /// The size for which h Σ b_i/σ(Y_i) = ε, by a secant from `h`, and the outcome of the step of this size,
+    /// which is made. To round-off: what is left of the rule's error a step backwards takes as a shift in
+    /// time.
     fn meet_rule(&mut self, h: T) -> Result<(T, Outcome), IntegrateError<T>> {
         let mut secant = Secant {
             h,
@@ -108,7 +110,8 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         Ok((secant.h, outcome))
     }
 
-    /// Makes steps until one misses the rule by at most `close` of ε or as little as rounding lets it; its outcome and miss.
+    /// Makes steps until one misses the rule by at most `close` of ε or as little as rounding lets it; its
+    /// outcome and miss.
     fn search(
         &mut self,
         secant: &mut Secant<T>,
@@ -159,7 +162,8 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         Ok(sum)
     }
 
-    /// Turns the momenta round: the steps from here on are the steps so far, backwards, while time goes on. For an H that is even in p.
+    /// Turns the momenta round: the steps from here on are the steps so far, backwards, while time goes on.
+    /// For an H that is even in p.
     ///
     /// # Errors
     /// When σ is not positive.
@@ -192,8 +196,8 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         self.begin_density()
     }
 
-    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`]. The step
-    /// density begins anew there.
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`].
+    /// The step density begins anew there.
     ///
     /// # Errors
     /// Faults of the values, an H that is not finite there, and a σ that is not positive.

@@ -5,6 +5,7 @@ use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memories::ControlMemory;
 use crate::control::step_density::StepDensity;
 use crate::error::IntegrateError;
+use crate::options::common::Words;
 use crate::options::integrator::Integrator;
 use crate::options::reversible::Symmetric;
 use crate::steppers::reversible_stepper::ReversibleStepper;
@@ -37,14 +38,18 @@ impl<T: Float> StepSizes<T> for Symmetric<T> {
         })
     }
 
-    fn words(&self) -> String {
-        let (epsilon, rule) = (self.epsilon, self.rule);
+    fn words(&self) -> Words {
         let sigma = if self.sigma.is_some() {
             "given"
         } else {
             "automatic"
         };
-        format!("reversible, {rule:?}, epsilon {epsilon:?}, sigma {sigma}")
+        vec![
+            ("steps", "reversible".to_owned()),
+            ("rule", format!("{:?}", self.rule)),
+            ("epsilon", format!("{:?}", self.epsilon)),
+            ("sigma", sigma.to_owned()),
+        ]
     }
 }
 
@@ -64,8 +69,8 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
         self.inner.restore_from(checkpoint)?;
         let memory = checkpoint.control()?;
-        self.density = memory.next.read()?;
-        self.time_low = checkpoint.time_low.read()?;
+        self.density = memory.next.read_finite("the step density")?;
+        self.time_low = checkpoint.time_low.read_finite("the time")?;
         self.inner.variable = Some(memory.variable_steps(self.epsilon)?);
         Ok(())
     }
@@ -110,6 +115,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
             rejected: steps.rejected,
             failed: steps.failed,
         });
+        checkpoint.seal();
         checkpoint
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
+use crate::options::common::Words;
 use crate::options::integrator::Integrator;
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::{Evaluate, System};
@@ -23,7 +24,7 @@ pub trait StepSizes<T: Float>: Clone + fmt::Debug {
 
     /// The sizes in words: what has to be the same again for a checkpoint to fit.
     #[doc(hidden)]
-    fn words(&self) -> String;
+    fn words(&self) -> Vec<(&'static str, String)>;
 }
 
 impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
@@ -43,12 +44,12 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         Ok(stepper)
     }
 
-    /// The run that `checkpoint` was made of, at the step where it was made. Bit for bit the same as if it had not
-    /// stopped.
+    /// The run that `checkpoint` was made of, at the step where it was made. Bit for bit the same as if it
+    /// had not stopped.
     ///
     /// # Errors
-    /// When the checkpoint was made in another float type, with another method, other options or another H, or is
-    /// damaged; every fault of [`start`](Self::start).
+    /// When the checkpoint was made in another float type, with another method, other options or another H,
+    /// or is damaged; every fault of [`start`](Self::start).
     pub fn resume<H: System>(
         &self,
         system: &H,
@@ -57,19 +58,17 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         checkpoint.check::<T>(&self.words())?;
         let mut stepper = S::stepper(self, system)?;
         let (q, p) = checkpoint.state()?;
-        stepper.begin(&q, &p, checkpoint.start.read()?)?;
-        if stepper.inner_mut().energy_now() != checkpoint.energy_now {
-            let time = checkpoint.time.read()?;
-            return Err(IntegrateError::CheckpointOtherEnergy { time });
-        }
+        stepper.begin(&q, &p, checkpoint.start.read_finite("the start")?)?;
+        stepper.inner_mut().check_functions(checkpoint)?;
         stepper.restore(checkpoint)?;
         Ok(stepper)
     }
 
     /// Method, sizes and options in words.
-    pub(crate) fn words(&self) -> String {
-        let common = self.options.words(self.method);
-        format!("{}; {common}", self.sizes.words())
+    pub(crate) fn words(&self) -> Words {
+        let mut words = self.sizes.words();
+        words.extend(self.options.words(self.method));
+        words
     }
 }
 

@@ -1,6 +1,7 @@
 //! A [`Stepper`] is prepared once and begun as often as wanted.
 
 use crate::error::IntegrateError;
+use crate::options::common::Words;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
 use crate::steppers::stepper::Stepper;
@@ -16,7 +17,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         integrator: &Integrator<T, S>,
         system: &H,
         h: Option<T>,
-        words: String,
+        words: Words,
     ) -> Result<Self, IntegrateError<T>> {
         let (method, options) = (integrator.method, &integrator.options);
         let settings = options.validate(method)?;
@@ -87,6 +88,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             variable: None,
             begun: Instant::now(),
             fingerprint: words,
+            start: y.hi.clone(),
             y,
         })
     }
@@ -97,14 +99,14 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         integrator: &Integrator<T, S>,
         system: &H,
     ) -> Result<Self, IntegrateError<T>> {
-        let mut other = Self::prepare(integrator, system, self.h, String::new())?;
+        let mut other = Self::prepare(integrator, system, self.h, Words::new())?;
         let (q, p) = self.y.hi.split_at(self.y.hi.len() / 2);
         other.start_at(q, p, self.time)?;
         Ok(other)
     }
 
-    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated, unless stiff
-    /// springs are found. After an error the run is as it was.
+    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated,
+    /// unless stiff springs are found. After an error the run is as it was.
     pub(super) fn start_at(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
         if !t0.is_finite() || self.h.is_some_and(|h| t0 + h == t0) {
             return Err(IntegrateError::StepBelowTimeResolution {
@@ -116,6 +118,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         *self.core.counts_mut() = Counts::default();
         (self.t0, self.time, self.index) = (t0, t0, 0);
         self.grid = None;
+        self.start.copy_from_slice(&self.y.hi);
         self.last = (T::int(0), Outcome::NotAsked);
         self.alpha_range.fill((T::int(0), T::int(0)));
         self.in_floors = self.has_target.then_some(T::int(0));
@@ -127,8 +130,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Ok(())
     }
 
-    /// Puts the run at another state, at the time it has reached: the references of energy and invariants are those of
-    /// this state from now on, and nothing of the steps before is prolonged into the next one.
+    /// Puts the run at another state, at the time it has reached: the references of energy and invariants are
+    /// those of this state from now on, and nothing of the steps before is prolonged into the next one.
     pub(super) fn move_to(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
         let m = self.y.hi.len() / 2;
         check_initial(m, q, p)?;

@@ -2,6 +2,7 @@
 
 use crate::error::IntegrateError;
 use crate::method::Method;
+use crate::options::common::Words;
 use crate::report::certificate::Certificate;
 use crate::report::defect::{Defect, Watched};
 use crate::report::variable_steps::VariableSteps;
@@ -43,23 +44,26 @@ pub struct Stepper<T: Float, E> {
     pub(crate) variable: Option<VariableSteps<T>>,
     pub(crate) begun: Instant,
     /// Method and options, for checkpoints.
-    pub(crate) fingerprint: String,
+    pub(super) fingerprint: Words,
+    /// (q, p) at the start of the run.
+    pub(super) start: Vec<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// Makes the next step.
     ///
     /// # Errors
-    /// When the step cannot be made; the state then is that before the step, and may be read or stepped again.
+    /// When the step cannot be made; the state then is that before the step, and may be read or stepped
+    /// again.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
         let h = self.h.unwrap_or(T::int(0));
         let time = self.t0 + T::int((self.index + 1) as i64) * h;
         self.advance_to(time, h)
     }
 
-    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready: every bit is
-    /// that of a run which has just been [started](crate::Integrator::start), and nothing is allocated unless stiff
-    /// springs are found. After an error the run is as it was.
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready:
+    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is
+    /// allocated unless stiff springs are found. After an error the run is as it was.
     ///
     /// # Errors
     /// Faults of the initial values, and an H that is not finite there.
@@ -67,9 +71,10 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         self.start_at(q0, p0, t0)
     }
 
-    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached, as after a kick: H and the invariants
-    /// are kept at their values there from now on, and the next step is guessed from this state alone. Counts, grid and
-    /// largest defects go on. Nothing is allocated unless stiff springs are found; after an error the run is as it was.
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached, as after a kick: H and the
+    /// invariants are kept at their values there from now on, and the next step is guessed from this state
+    /// alone. Counts, grid and largest defects go on. Nothing is allocated unless stiff springs are found;
+    /// after an error the run is as it was.
     ///
     /// # Errors
     /// Faults of the values, and an H that is not finite there.
