@@ -2,9 +2,12 @@
 
 mod agreement;
 mod allocations;
+mod cases_step;
+mod cases_step_long;
 mod extremes;
 mod failures;
 mod growth;
+mod house;
 mod instruction_sets;
 mod invariants;
 mod kept;

@@ -3,8 +3,8 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, MAX_STAGES, Method, OnNoAlpha,
-    Record, RunFailure,
+    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, MAX_STAGES, Method, Reach, Record,
+    RunFailure,
 };
 use equip_scalar::{DoubleDouble, Float, ratio};
 use equip_tests::{Start, harmonic, henon_heiles, kepler};
@@ -476,7 +476,7 @@ fn refuses<T: Float>() {
         .alphas(Alphas::Last)
         .step(T::ratio(1, 2))
         .max_halvings(0)
-        .on_no_alpha(OnNoAlpha::Refuse);
+        .reach(Reach::Refuse);
     let interval = T::int(0)..=T::int(500);
     let failure = options.integrate(&h, &q, &p, interval).unwrap_err();
     let IntegrateError::NoAdmissibleAlpha {

@@ -160,7 +160,7 @@ fn chaotic<T: Float>(alphas: Alphas, q2: &str, steps: u64) -> (u64, f64) {
         worst = worst.max(view.energy_defect.unwrap().abs().to_f64());
     }
     let counts = run.counts();
-    let carried = counts.outcome(Outcome::Carried);
+    let carried = counts.carried();
     let solved = counts.outcome(Outcome::Solved) + counts.outcome(Outcome::AtFloor);
     assert_eq!(solved + carried, steps);
     println!(

@@ -3,13 +3,10 @@
 //! The rules are in docs/compare.md.
 
 mod clock;
-mod composition;
 mod contestant;
-mod ours;
+mod contestants;
 mod problem;
-mod python;
 mod race;
-mod rust_peers;
 mod scenes;
 mod table;
 mod task;
@@ -19,14 +16,14 @@ use clap::Parser;
 use contestant::Contestant;
 use equip::autodiff::Static;
 use equip::prelude::*;
-use ours::{Ours, Sizes, Solver, Variant};
+use contestants::ours::{Ours, Solver, Variant};
 use problem::{ByHand, Problem};
 use scenes::NAMES;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use task::{Task, WithTask};
+use task::{Sizes, Task, WithTask};
 
 /// equip beside other integrators: CPU time to reach an accuracy, interleaved on one core
 #[derive(Debug, Parser)]
@@ -88,7 +85,7 @@ fn ours<H: System + 'static, T: Float>(
 
 struct Run {
     args: Args,
-    worker: Option<Rc<RefCell<python::Worker>>>,
+    worker: Option<Rc<RefCell<contestants::python::Worker>>>,
     /// Programs and their versions.
     versions: Value,
     csv: String,
@@ -99,9 +96,9 @@ struct Run {
 impl WithTask for Run {
     fn with<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String> {
         let mut all = self.peers(&task);
-        all.extend(rust_peers::contestants(&problem, &task));
+        all.extend(contestants::rust_peers::contestants(&problem, &task));
         if task.sizes.contains(&Sizes::Equal) {
-            all.extend(composition::contestants(&problem, &task));
+            all.extend(contestants::composition::contestants(&problem, &task));
         }
         let (closure, compiled) = both_routes(&problem)?;
         let by_hand = Hamiltonian::from_energy(ByHand(problem)).map_err(|e| e.to_string())?;
@@ -152,7 +149,7 @@ impl Run {
     /// The Python peers, if there are any.
     fn peers(&self, task: &Task) -> Vec<Box<dyn Contestant>> {
         let worker = self.worker.as_ref();
-        worker.map_or_else(Vec::new, |worker| python::contestants(worker, task))
+        worker.map_or_else(Vec::new, |worker| contestants::python::contestants(worker, task))
     }
 
     fn race(&mut self, task: &Task, mut all: Vec<Box<dyn Contestant>>) -> Result<(), String> {
@@ -200,7 +197,7 @@ fn main() -> Result<(), String> {
     clock::pin(args.core)
         .map_err(|e| format!("core {}: {e}; choose another with --core", args.core))?;
     let home = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let worker = match python::Worker::start(home) {
+    let worker = match contestants::python::Worker::start(home) {
         Ok(worker) => Some(Rc::new(RefCell::new(worker))),
         Err(reason) => {
             eprintln!("without the Python peers: {reason}");

@@ -1,9 +1,8 @@
 //! The scenes of the comparison.
 
-use crate::composition::propagate;
-use crate::ours::Sizes;
+use crate::contestants::composition::propagate;
 use crate::problem::{Problem, outer_mass, pythagorean_mass};
-use crate::task::{DOUBLE, EXTENDED, Task, WithTask};
+use crate::task::{DOUBLE, EXTENDED, Sizes, Task, WithTask};
 use equip::prelude::*;
 use equip::scenes::Instance;
 use equip::scenes::energies::{

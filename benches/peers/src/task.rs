@@ -1,8 +1,17 @@
 //! What a scene of the comparison is: the same initial data, end time and error norm for all.
 
-use crate::ours::Sizes;
 use crate::problem::Problem;
+use clap::ValueEnum;
 use equip::prelude::*;
+
+/// How EQUIP's steps are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Sizes {
+    /// A number of equal steps.
+    Equal,
+    /// By a tolerance.
+    Variable,
+}
 
 /// A scene with start, end and what the end state is.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! Versions of the programs that are compared.
 
-use crate::python::Worker;
+use crate::contestants::python::Worker;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::rc::Rc;

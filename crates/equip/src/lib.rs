@@ -46,8 +46,7 @@
 //! | `equip-integrate` | [`solver`] | methods, runs, events, checkpoints, certificate |
 //! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
 //!
-//! The program `equip` is built by the default feature `cli`; `default-features = false` leaves it and its
-//! dependencies out.
+//! With the feature `serde` checkpoints can be written by it. The program `equip` is a package of its own, `equip-cli`.
 #![forbid(unsafe_code)]
 
 pub use equip_autodiff as autodiff;

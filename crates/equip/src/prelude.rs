@@ -4,8 +4,8 @@ pub use equip_autodiff::{BuildError, Energy, Hamiltonian, System, Var, hamiltoni
 pub use equip_integrate::{
     Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, ChaosIndicators, Checkpoint, Counts,
     Direction, Equip, Event, FixedStep, Gauss, IntegrateError, Integrator, Invariant, Method,
-    Observer, Occurrence, OnNoAlpha, Outcome, Prepared, Record, Reversible, ReversibleStepper, Run,
-    RunFailure, StageSolver, Step, StepRule, StepView, Stepper, TangentMap, Target, Trajectory,
-    VariableSteps,
+    Observer, Occurrence, Outcome, Preconditioner, Prepared, Reach, Record, Reversible,
+    ReversibleStepper, Run, RunFailure, Step, StepRule, StepView, Stepper, TangentMap, Target,
+    Trajectory, VariableSteps,
 };
 pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};

@@ -23,7 +23,7 @@ mod tangent;
 pub use checkpoints::checkpoint::Checkpoint;
 pub use dense::trajectory::Trajectory;
 pub use equip_solver::{
-    Alphas, Counts, Family, Invariant, MAX_STAGES, NewtonRecord, OnNoAlpha, Outcome, StageSolver,
+    Alphas, Counts, Family, Invariant, MAX_STAGES, Outcome, Preconditioner, Reach,
 };
 pub use error::IntegrateError;
 pub use extended::Extended;

@@ -254,7 +254,7 @@ fn what_a_pericentre_leaves_is_repaired() {
     let made = run(&scene, Equip::stages(8), 1e-14, after(30));
     let c = made.certificate();
     let energy = c.energy.as_ref().unwrap();
-    let carried = c.counts.outcome(Outcome::Carried);
+    let carried = c.counts.carried();
     println!(
         "max {:.1e}, end {:.1e}, {carried} of {} carried, {:.2} floors",
         energy.max,
@@ -311,7 +311,7 @@ fn pythagorean_through_its_close_encounters() {
                 energy.max,
                 c.energy_in_floors.unwrap_or(0.0),
                 energy.end,
-                c.counts.outcome(Outcome::Carried)
+                c.counts.carried()
             );
             // Measured 1.1e-5 at tolerance 1e-11, less below: rounding, grown by the encounters. 1e-3 where
             // what an encounter leaves of the energy is not repaired at once.
@@ -329,7 +329,7 @@ fn long_kepler() {
         let scene = kepler(e);
         let made = run(&scene, Equip::stages(8), 1e-12, after(periods));
         let (error, steps) = (error(&scene, &made), steps_per_period(&made));
-        let carried = made.certificate().counts.outcome(Outcome::Carried);
+        let carried = made.certificate().counts.carried();
         println!(
             "e = {e}, N = {periods}: {error:.1e}, {steps:.1} steps per period, {carried} carried"
         );

@@ -9,9 +9,9 @@ mod dense;
 mod events;
 mod extended;
 mod memory;
+mod preconditioners;
 mod restart;
 mod reversible;
-mod stage_solvers;
 mod suggest;
 mod tangent;
 

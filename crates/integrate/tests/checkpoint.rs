@@ -4,7 +4,7 @@
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
     Adaptive, Checkpoint, Equip, FixedStep, Gauss, IntegrateError, Invariant, NoObserver, Observer,
-    Run, StageSolver, StepView,
+    Preconditioner, Run, StepView,
 };
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -146,10 +146,10 @@ fn fixed_steps_with_invariants() {
 #[test]
 fn simplified_newton_remembers_its_hessian() {
     let ring = scene("dnls", &[("n", "20")]);
-    for solver in [StageSolver::SimplifiedNewton, StageSolver::Automatic] {
+    for solver in [Preconditioner::Frozen, Preconditioner::Automatic] {
         for method in [Equip::stages(3), Gauss::stages(3)] {
             for at in [1, 7, 12] {
-                fixed(&ring, &method.step(0.1).stage_solver(solver), at, 2.0);
+                fixed(&ring, &method.step(0.1).preconditioner(solver), at, 2.0);
             }
         }
     }
@@ -157,7 +157,7 @@ fn simplified_newton_remembers_its_hessian() {
         &ring,
         &Equip::stages(4)
             .tolerance(1e-8)
-            .stage_solver(StageSolver::SimplifiedNewton),
+            .preconditioner(Preconditioner::Frozen),
         5,
         6.0,
     );
@@ -198,8 +198,8 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(what(refused.unwrap_err()), "method");
     let refused = Equip::stages(4).tolerance(1e-8).resume(h, &checkpoint);
     assert_eq!(what(refused.unwrap_err()), "steps");
-    let refused = options.clone().max_iterations(9).resume(h, &checkpoint);
-    assert_eq!(what(refused.unwrap_err()), "max_iterations");
+    let refused = options.clone().max_halvings(9).resume(h, &checkpoint);
+    assert_eq!(what(refused.unwrap_err()), "max_halvings");
     let refused = Equip::stages(6).step(0.1).resume(h, &checkpoint);
     let text = refused.unwrap_err().to_string();
     assert!(

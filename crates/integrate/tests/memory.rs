@@ -2,7 +2,7 @@
 //! every thread by itself.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_integrate::{Equip, Gauss, Method, StageSolver};
+use equip_integrate::{Equip, Gauss, Method, Preconditioner};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -52,7 +52,7 @@ fn ring(sites: &str, method: Method, first: usize) -> (usize, u64) {
     let scene = equip_scenes::find("dnls").unwrap();
     let scene = scene.instance(&[("n", sites)]).unwrap();
     let (q, p) = scene.initial::<f64>();
-    let options = method.step(0.1).stage_solver(StageSolver::SimplifiedNewton);
+    let options = method.step(0.1).preconditioner(Preconditioner::Frozen);
     let before = BYTES.get();
     let mut run = options.start(scene.hamiltonian(), &q, &p, 0.0).unwrap();
     for _ in 0..first {

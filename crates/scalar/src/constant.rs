@@ -1,17 +1,18 @@
 //! [`Constant`]: a constant in H that no `f64` caps.
 
-use crate::{Float, ParseFloatError};
+use crate::error::ParseFloatError;
 
 /// A constant that is evaluated in whatever float type H is later computed in.
 ///
 /// An `f64` literal in a 31-digit run silently limits it to 16 digits unless it is exactly representable
 /// (`0.5`, `2.0`, `-0.75` are; `0.1` is not). [`ratio`] and [`decimal`] have no such limit.
 ///
-/// The double it is in `f64` is kept beside it: there an energy that holds it costs what one that holds an `f64` costs.
+/// The double it is in `f64` is kept beside it: there an energy that holds it costs what one that holds an
+/// `f64` costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constant {
-    double: f64,
-    written: Written,
+    pub(crate) double: f64,
+    pub(crate) written: Written,
 }
 
 /// How a [`Constant`] was written.
@@ -37,27 +38,19 @@ impl Constant {
         }
     }
 
-    /// The sum of an expansion made by [`Float::expansion`].
+    /// The sum of an expansion made by [`Float::expansion`](crate::Float::expansion).
     #[inline]
     pub fn from_expansion(parts: [f64; 4]) -> Self {
         Constant {
-            double: f64::from_expansion(parts),
+            double: parts.iter().rev().fold(0.0, |sum, part| sum + part),
             written: Written::Extended(parts),
         }
     }
 
-    /// The constant in the float type `T`.
+    /// The constant in `f64`.
     #[inline(always)]
-    pub fn to<T: Float>(self) -> T {
-        if T::IS_DOUBLE {
-            return T::exact(self.double);
-        }
-        match self.written {
-            Written::Double(x) => T::exact(x),
-            Written::Ratio(n, d) => T::ratio(n, d),
-            Written::Decimal(text) => T::decimal(text).unwrap_or(T::NAN),
-            Written::Extended(parts) => T::from_expansion(parts),
-        }
+    pub(crate) const fn to_double(self) -> f64 {
+        self.double
     }
 
     /// How it was written.
@@ -80,10 +73,13 @@ pub const fn ratio(n: i64, d: i64) -> Constant {
 /// # Errors
 /// [`ParseFloatError`] when the text is not a decimal number.
 pub fn decimal(text: &'static str) -> Result<Constant, ParseFloatError> {
-    f64::decimal(text).map(|double| Constant {
-        double,
-        written: Written::Decimal(text),
-    })
+    match text.trim().parse() {
+        Ok(double) => Ok(Constant {
+            double,
+            written: Written::Decimal(text),
+        }),
+        Err(_) => Err(ParseFloatError { text: text.into() }),
+    }
 }
 
 impl From<f64> for Constant {
@@ -97,11 +93,5 @@ impl From<i32> for Constant {
     #[inline(always)]
     fn from(n: i32) -> Self {
         Constant::double(f64::from(n))
-    }
-}
-
-impl From<crate::DoubleDouble> for Constant {
-    fn from(x: crate::DoubleDouble) -> Self {
-        Constant::from_expansion(x.expansion())
     }
 }

@@ -8,27 +8,12 @@
 //! x/y (computed as x·(1/y)), of xⁿ for n ≥ 3 (xⁿ⁻²·x·x), of hypot and of xʸ (exp(y ln x)) may differ in the last
 //! bits. hypot squares: it overflows above 1e154.
 
+use crate::constant::Constant;
 use crate::glue::DualFloat;
-use crate::{Constant, Float, Scalar};
+use crate::traits::{FirstOrder, Float, Scalar, SecondOrder};
 use nalgebra::{ComplexField, SMatrix};
 use num_dual::{Derivative, Dual2SVec, DualNum, DualSVec};
 use std::ops::{Add, Div, Mul, Neg, Sub};
-
-/// A number that carries N first derivatives.
-pub trait FirstOrder<T, const N: usize>: Scalar {
-    /// The independent variable number `index`, with value `x`.
-    fn variable(x: T, index: usize) -> Self;
-    /// The value.
-    fn value(&self) -> T;
-    /// The N first derivatives.
-    fn gradient(&self) -> [T; N];
-}
-
-/// A number that carries N first and N×N second derivatives.
-pub trait SecondOrder<T, const N: usize>: FirstOrder<T, N> {
-    /// The second derivatives, `[i][j]` = ∂²/∂x_i∂x_j.
-    fn hessian(&self) -> [[T; N]; N];
-}
 
 /// Dual number with N first derivatives.
 #[derive(Debug, Clone, Copy)]

@@ -177,5 +177,3 @@ macro_rules! approx_glue {
         }
     };
 }
-
-float_glue!(crate::DoubleDouble);

@@ -19,33 +19,26 @@
 // an unsafe operation), and `instructions` calls functions compiled for instructions that the processor was found to have.
 #![deny(unsafe_code)]
 
+#[macro_use]
+mod glue;
+
 mod constant;
 mod double;
 mod double_double;
-mod float;
+mod error;
 mod forward;
-mod glue;
-mod instructions;
-mod lanes;
+mod half_power;
+mod kernels;
 mod num;
-mod pack;
-mod piecewise;
 mod ready;
-mod recording;
-mod scalar;
-mod stages;
+mod traits;
 
 pub use constant::{Constant, Written, decimal, ratio};
 pub use double_double::{DoubleDouble, DoubleDoubles};
-pub use float::{Float, ParseFloatError};
-pub use forward::{FirstOrder, Forward, Forward2, SecondOrder};
-pub use instructions::{InstructionSet, Kernel};
-pub use lanes::Lanes;
+pub use error::ParseFloatError;
+pub use forward::{Forward, Forward2};
+pub use kernels::{InstructionSet, Kernel, Lanes, mix_stages};
 pub use num::Num;
-pub use pack::Pack;
-pub use piecewise::Piecewise;
 #[doc(hidden)]
 pub use ready::same;
-pub use recording::{Attempt, Recording};
-pub use scalar::Scalar;
-pub use stages::mix_stages;
+pub use traits::{Attempt, FirstOrder, Float, Pack, Piecewise, Recording, Scalar, SecondOrder};

@@ -1,6 +1,6 @@
 //! What can be wrong with a request for a scene.
 
-use crate::Range;
+use crate::parameter::Range;
 use equip_autodiff::BuildError;
 
 /// A request for a scene that cannot be met.

@@ -1,12 +1,22 @@
-//! What every scene's Hamiltonian says of itself, and the one type that holds any of them.
+//! What every scene's Hamiltonian says of itself.
 
-use crate::scenes::*;
-use crate::{Invariant, View};
-use equip_autodiff::{BuildError, Energy, Hamiltonian};
+use crate::invariant::Invariant;
+use equip_autodiff::{BuildError, Energy};
 use equip_scalar::Float;
 
 /// Positions q and momenta p.
 pub(crate) type State<T> = (Vec<T>, Vec<T>);
+
+/// What to draw of a solution.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum View {
+    /// One degree of freedom: p against q.
+    PhasePlane,
+    /// Paths in a plane: for each body the two components of q that are drawn.
+    Paths(Vec<(usize, usize)>),
+    /// Many degrees of freedom in a row: q_i against i, or against time.
+    Profile,
+}
 
 /// A Hamiltonian with its start, its time scale and what is known of its solutions.
 pub(crate) trait Model: Energy {
@@ -46,90 +56,7 @@ pub(crate) trait Model: Energy {
     }
 }
 
-macro_rules! models {
-    ($($name:ident),* $(,)?) => {
-        /// Any of the scenes' Hamiltonians.
-        #[derive(Debug, Clone)]
-        pub(crate) enum AnyModel {
-            $($name($name),)*
-        }
-
-        $(impl From<$name> for AnyModel {
-            fn from(model: $name) -> Self {
-                AnyModel::$name(model)
-            }
-        })*
-
-        /// One expression for whichever model it is.
-        macro_rules! with_model {
-            ($any:expr, $model:ident => $body:expr) => {
-                match $any {
-                    $(AnyModel::$name($model) => $body,)*
-                }
-            };
-        }
-    };
-}
-models!(
-    Arenstorf,
-    ChargedParticle,
-    Dnls,
-    DoublePendulum,
-    FaouHairerPham,
-    Fpu,
-    FputBeta,
-    Harmonic,
-    HenonHeiles,
-    Kepler,
-    LennardJones,
-    LotkaVolterra,
-    OuterSolarSystem,
-    Pendulum,
-    Pythagorean,
-    Quartic,
-    Ring,
-    SineGordon,
-    SpringPendulum,
-);
-
-impl AnyModel {
-    pub(crate) fn record(&self) -> Result<Hamiltonian, BuildError> {
-        with_model!(self, m => Hamiltonian::new(m.degrees_of_freedom(), |q, p| m.energy(q, p)))
-    }
-
-    pub(crate) fn initial<T: Float>(&self) -> State<T> {
-        with_model!(self, m => m.initial())
-    }
-
-    pub(crate) fn period<T: Float>(&self, start: &State<T>) -> T {
-        with_model!(self, m => m.period(start))
-    }
-
-    pub(crate) fn step(&self) -> f64 {
-        with_model!(self, m => m.step())
-    }
-
-    pub(crate) fn end(&self) -> f64 {
-        with_model!(self, m => m.end())
-    }
-
-    pub(crate) fn view(&self) -> View {
-        with_model!(self, m => m.view())
-    }
-
-    pub(crate) fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
-        with_model!(self, m => m.invariants())
-    }
-
-    pub(crate) fn flow<T: Float>(&self, start: &State<T>, t: T) -> Option<State<T>> {
-        with_model!(self, m => m.flow(start, t))
-    }
-
-    pub(crate) fn exact<T: Float>(&self, t: T) -> Option<State<T>> {
-        with_model!(self, m => m.exact(t))
-    }
-
-    pub(crate) fn mass<T: Float>(&self, component: usize) -> T {
-        with_model!(self, m => m.mass(component))
-    }
+/// A decimal that stands in the source; were it none, not a number.
+pub(crate) fn read<T: Float>(text: &str) -> T {
+    T::decimal(text).unwrap_or(T::NAN)
 }

@@ -1,10 +1,5 @@
-//! Parameters of a scene: what they mean, what they may be, and how their text is read.
-//!
-//! Values are decimal text (`0.1`, `1e-3`) or quotients (`1/12`) and are kept as exact constants: a run in
-//! double-double reads `0.1` as 1/10, not as the double nearest to it.
+//! Parameters of a scene: what they mean, and what they may be.
 
-use crate::SceneError;
-use crate::decimal_text::constant;
 use equip_scalar::Constant;
 use std::f64::consts::PI;
 use std::fmt;
@@ -119,38 +114,6 @@ impl Parameter {
             integer: true,
         }
     }
-
-    fn read(&self, scene: &'static str, text: &str) -> Result<Value, SceneError> {
-        let parameter = self.name;
-        let text = text.trim();
-        let exact = constant(text).ok_or_else(|| SceneError::NotANumber {
-            scene,
-            parameter,
-            text: text.into(),
-        })?;
-        let nearest = exact.to::<f64>();
-        if self.integer && nearest.fract() != 0.0 {
-            return Err(SceneError::NotAnInteger {
-                scene,
-                parameter,
-                text: text.into(),
-                range: self.range,
-            });
-        }
-        if !self.range.contains(nearest) {
-            return Err(SceneError::OutOfRange {
-                scene,
-                parameter,
-                text: text.into(),
-                range: self.range,
-            });
-        }
-        Ok(Value {
-            exact,
-            nearest,
-            text: text.into(),
-        })
-    }
 }
 
 /// A value of a parameter.
@@ -169,41 +132,6 @@ impl Value {
     pub(crate) fn count(&self) -> usize {
         self.nearest as usize
     }
-}
-
-/// Reads `given` over the defaults of `parameters`, in the order of `parameters`.
-pub(crate) fn read_all(
-    scene: &'static str,
-    parameters: &'static [Parameter],
-    given: &[(&str, &str)],
-) -> Result<Vec<Value>, SceneError> {
-    if let Some((name, _)) = given
-        .iter()
-        .find(|(n, _)| parameters.iter().all(|p| p.name != *n))
-    {
-        return Err(SceneError::UnknownParameter {
-            scene,
-            name: (*name).into(),
-            known: parameters.iter().map(|p| p.name).collect(),
-        });
-    }
-    parameters
-        .iter()
-        .map(|parameter| {
-            let mut texts = given
-                .iter()
-                .filter(|(n, _)| *n == parameter.name)
-                .map(|(_, t)| *t);
-            let text = texts.next().unwrap_or(parameter.default);
-            if texts.next().is_some() {
-                return Err(SceneError::GivenTwice {
-                    scene,
-                    parameter: parameter.name,
-                });
-            }
-            parameter.read(scene, text)
-        })
-        .collect()
 }
 
 #[cfg(test)]

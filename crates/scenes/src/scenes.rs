@@ -1,32 +1,42 @@
 //! The scenes, one file each.
 
-macro_rules! scenes {
-    ($($file:ident: $($name:ident),*;)*) => {
-        $(
-            pub(crate) mod $file;
-            pub use $file::{$($name),*};
-        )*
-    };
-}
-scenes!(
-    arenstorf: Arenstorf;
-    charged_particle: ChargedParticle;
-    dnls: Dnls;
-    double_pendulum: DoublePendulum;
-    faou_hairer_pham: FaouHairerPham;
-    fpu: Fpu;
-    fput_beta: FputBeta;
-    harmonic: Harmonic;
-    henon_heiles: HenonHeiles;
-    kepler: Kepler;
-    lennard_jones: LennardJones;
-    lotka_volterra: LotkaVolterra;
-    n_body: Ring;
-    outer_solar_system: OuterSolarSystem;
-    pendulum: Pendulum;
-    pythagorean: Pythagorean;
-    quartic: Quartic;
-    sine_gordon: SineGordon;
-    spring_pendulum: SpringPendulum;
-);
+pub(crate) mod arenstorf;
+pub(crate) mod charged_particle;
+pub(crate) mod dnls;
+pub(crate) mod double_pendulum;
+pub(crate) mod faou_hairer_pham;
+pub(crate) mod fpu;
+pub(crate) mod fput_beta;
 mod gravity;
+pub(crate) mod harmonic;
+pub(crate) mod henon_heiles;
+pub(crate) mod kepler;
+pub(crate) mod lennard_jones;
+pub(crate) mod lotka_volterra;
+pub(crate) mod n_body;
+pub(crate) mod outer_solar_system;
+pub(crate) mod pendulum;
+pub(crate) mod pythagorean;
+pub(crate) mod quartic;
+pub(crate) mod sine_gordon;
+pub(crate) mod spring_pendulum;
+
+pub use arenstorf::Arenstorf;
+pub use charged_particle::ChargedParticle;
+pub use dnls::Dnls;
+pub use double_pendulum::DoublePendulum;
+pub use faou_hairer_pham::FaouHairerPham;
+pub use fpu::Fpu;
+pub use fput_beta::FputBeta;
+pub use harmonic::Harmonic;
+pub use henon_heiles::HenonHeiles;
+pub use kepler::Kepler;
+pub use lennard_jones::LennardJones;
+pub use lotka_volterra::LotkaVolterra;
+pub use n_body::Ring;
+pub use outer_solar_system::OuterSolarSystem;
+pub use pendulum::Pendulum;
+pub use pythagorean::Pythagorean;
+pub use quartic::Quartic;
+pub use sine_gordon::SineGordon;
+pub use spring_pendulum::SpringPendulum;

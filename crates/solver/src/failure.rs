@@ -21,10 +21,6 @@ pub enum Failure<T> {
     /// No admissible α keeps what is to be kept.
     #[error("no admissible α was found; take a smaller step or more stages")]
     NoAlpha,
-    /// The α's would keep the energy at the cost of slow motion: what is wrong with it is motion that the
-    /// step does not resolve.
-    #[error("the step does not resolve the motion that changes the energy; take a smaller step")]
-    Unresolved,
     /// The stage equations have a solution that has nothing to do with the motion.
     #[error("the solution found does not follow the motion; take a smaller step")]
     Astray {

@@ -3,9 +3,8 @@
 use crate::failure::Damaged;
 use equip_scalar::Float;
 
-/// Everything the next step depends on besides state, time and size, so that a solver that is given it goes
-/// on bit for bit. What the names stand for is the solver's own affair; numbers are exact, counts among them
-/// up to 2⁵³.
+/// Everything the next step depends on besides state, time and size, so that a solver that is given it goes on bit for
+/// bit. What the names stand for is the solver's own affair; numbers are exact, counts among them up to 2⁵³.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverMemory<T> {
     parts: Vec<(String, Vec<T>)>,
@@ -72,6 +71,6 @@ impl<T: Float> SolverMemory<T> {
 /// A number that is a count.
 pub(crate) fn as_count<T: Float>(number: T) -> Option<u64> {
     let count = number.to_f64();
-    let whole = (0.0..9.1e15).contains(&count) && count.fract() == 0.0;
+    let whole = count >= 0.0 && count < 9.1e15 && count.fract() == 0.0;
     (whole && T::exact(count) == number).then_some(count as u64)
 }

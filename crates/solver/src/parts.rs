@@ -1,8 +1,7 @@
 //! [`Part`]: what a step, or each part of a halved one, has passed through.
 
-use crate::stages::Stages;
-use crate::state::State;
 use equip_scalar::Float;
+use equip_sweeps::{Iterate, State};
 
 /// What a step, or a part of a halved step, leaves for dense output.
 #[derive(Debug, Clone)]
@@ -40,27 +39,31 @@ impl<T: Float> Parts<T> {
         self.count = 0;
     }
 
-    pub(crate) fn add(&mut self, start: &State<T>, time: T, h: T, stages: &Stages<T>) {
+    /// Adds the part whose stages have just been solved, if parts are wanted.
+    pub(crate) fn add(
+        &mut self,
+        (start, time, h): (&State<T>, T, T),
+        iterate: &Iterate<T>,
+        alphas: &[T],
+    ) {
         if !self.wanted {
             return;
         }
         if self.count == self.parts.len() {
-            let (l, alphas) = (stages.l.clone(), stages.alphas.clone());
-            let start = start.clone();
+            let l = vec![T::int(0); iterate.stages() * iterate.components()];
             self.parts.push(Part {
-                start,
+                start: start.clone(),
                 time,
                 h,
                 l,
-                alphas,
+                alphas: alphas.to_vec(),
             });
-        } else {
-            let part = &mut self.parts[self.count];
-            part.start.copy_from(start);
-            part.l.copy_from_slice(&stages.l);
-            part.alphas.copy_from_slice(&stages.alphas);
-            (part.time, part.h) = (time, h);
         }
+        let part = &mut self.parts[self.count];
+        part.start.copy_from(start);
+        iterate.increments_by_stage(&mut part.l);
+        part.alphas.copy_from_slice(alphas);
+        (part.time, part.h) = (time, h);
         self.count += 1;
     }
 

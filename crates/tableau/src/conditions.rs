@@ -13,6 +13,7 @@
 //!
 //! A defect is NaN when the tableau contains one. Cost: O(s² n) for n conditions.
 
+use crate::gauss::xi;
 use crate::legendre::{legendre_at, legendre_integrals_at};
 use crate::tableau::{Tableau, dot};
 use equip_scalar::Float;
@@ -133,9 +134,9 @@ fn x_entry<T: Float>(a: usize, b: usize) -> T {
     if a == 0 && b == 0 {
         T::ratio(1, 2)
     } else if a == b + 1 {
-        crate::gauss::xi(a)
+        xi(a)
     } else if b == a + 1 {
-        -crate::gauss::xi::<T>(b)
+        -xi::<T>(b)
     } else {
         T::int(0)
     }

@@ -7,12 +7,9 @@
 //! | ξ_k = 1/(2√(4k² − 1)) | [`Gauss::xi`] |
 //! | A(α) = 𝒫 X_s(α) 𝒫⁻¹, eqs. (3)–(6) | [`Gauss::tableau`], from K(α) in `skew.rs` |
 
-use crate::TableauError;
-use crate::rule::Rule;
+use crate::error::TableauError;
+use crate::rule::{Rule, check_stages};
 use equip_scalar::Float;
-
-/// The largest number of stages, and of quadrature nodes, that is offered.
-pub const MAX_STAGES: usize = 64;
 
 /// Gauss–Legendre quadrature on [0, 1] with s nodes, the orthonormal shifted Legendre polynomials at them, and the
 /// matrix K(α) of the EQUIP methods.
@@ -38,7 +35,7 @@ pub struct Gauss<T> {
 }
 
 impl<T: Float> Gauss<T> {
-    /// The method with 1 ≤ `stages` ≤ [`MAX_STAGES`] stages, of order 2s at α = 0.
+    /// The method with 1 ≤ `stages` ≤ [`MAX_STAGES`](crate::MAX_STAGES) stages, of order 2s at α = 0.
     ///
     /// # Errors
     /// [`TableauError::StagesOutOfRange`] for any other number.
@@ -54,7 +51,7 @@ impl<T: Float> Gauss<T> {
         let mut basis = vec![T::int(0); (stages - 1) * stages * stages];
         for (k, t_k) in basis.chunks_exact_mut(stages * stages).enumerate() {
             let [before, this] = [k, k + 1].map(|k| &rule.legendre[k * stages..][..stages]);
-            crate::skew::commutator(this, before, t_k);
+            commutator(this, before, t_k);
         }
         let mut unperturbed = vec![T::int(0); stages * stages];
         // From the smallest ξ_k to the largest.
@@ -144,15 +141,22 @@ pub(crate) fn xi<T: Float>(k: usize) -> T {
     T::int(1) / (T::int(2) * T::int(4 * k * k - 1).sqrt())
 }
 
-/// `Ok` when a rule with so many nodes is offered.
-pub(crate) fn check_stages(stages: usize) -> Result<(), TableauError> {
-    if (1..=MAX_STAGES).contains(&stages) {
-        Ok(())
-    } else {
-        Err(TableauError::StagesOutOfRange {
-            stages,
-            min: 1,
-            max: MAX_STAGES,
-        })
+/// p qᵀ − q pᵀ: the upper triangle computed, the lower one its negative.
+fn commutator<T: Float>(p: &[T], q: &[T], t: &mut [T]) {
+    let s = p.len();
+    for i in 0..s {
+        for j in i + 1..s {
+            t[i * s + j] = p[i] * q[j] - q[i] * p[j];
+        }
+    }
+    mirror(s, t);
+}
+
+/// Makes the lower triangle the negative of the upper one.
+pub(crate) fn mirror<T: Float>(s: usize, u: &mut [T]) {
+    for i in 0..s {
+        for j in i + 1..s {
+            u[j * s + i] = -u[i * s + j];
+        }
     }
 }

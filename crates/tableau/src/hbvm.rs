@@ -13,10 +13,9 @@
 //!
 //! Cost: O(k² s) operations.
 
-use crate::TableauError;
-use crate::gauss::check_stages;
+use crate::error::TableauError;
 use crate::legendre::legendre_integrals_at;
-use crate::rule::Rule;
+use crate::rule::{Rule, check_stages};
 use crate::tableau::Tableau;
 use equip_scalar::Float;
 

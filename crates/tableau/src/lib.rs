@@ -39,8 +39,9 @@ mod tableau;
 pub mod trees;
 
 pub use error::TableauError;
-pub use gauss::{Gauss, MAX_STAGES};
+pub use gauss::Gauss;
 pub use hbvm::hbvm;
 pub use legendre::{legendre_at, legendre_derivatives_at, legendre_integrals_at};
 pub use order::order;
+pub use rule::MAX_STAGES;
 pub use tableau::Tableau;

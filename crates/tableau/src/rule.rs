@@ -7,8 +7,12 @@
 //!
 //! Only one half is computed, the other is its mirror image. Cost: O(s²) operations.
 
+use crate::error::TableauError;
 use crate::legendre::{Classical, alternate, next, norm};
 use equip_scalar::Float;
+
+/// The largest number of stages a method may have, and of quadrature nodes.
+pub const MAX_STAGES: usize = 32;
 
 /// Newton steps allowed; four from f64 to f64, one or two more for every doubling of the digits.
 const MAX_NEWTON: usize = 20;
@@ -111,4 +115,17 @@ fn last_two<T: Float>(s: usize, t: &[T], before: &mut [T], value: &mut [T]) {
 fn start(s: usize, i: usize) -> f64 {
     let theta = std::f64::consts::PI * (4 * i + 3) as f64 / (4 * s + 2) as f64;
     2.0 * (0.5 * theta).sin().powi(2)
+}
+
+/// `Ok` when a rule with so many nodes is offered.
+pub(crate) fn check_stages(stages: usize) -> Result<(), TableauError> {
+    if (1..=MAX_STAGES).contains(&stages) {
+        Ok(())
+    } else {
+        Err(TableauError::StagesOutOfRange {
+            stages,
+            min: 1,
+            max: MAX_STAGES,
+        })
+    }
 }

@@ -18,8 +18,8 @@
 //!
 //! Cost: s²/2 multiplications for each α_k ≠ 0, no allocation in the `_into` forms; α = 0 costs a copy.
 
-use crate::Gauss;
-use crate::gauss::MAX_STAGES;
+use crate::gauss::{Gauss, mirror};
+use crate::rule::MAX_STAGES;
 use equip_scalar::{Float, Pack};
 
 impl<T: Float> Gauss<T> {
@@ -166,25 +166,5 @@ fn halves<T: Float>(u: T, half: T, one: T) -> (T, T) {
         (small, large)
     } else {
         (large, small)
-    }
-}
-
-/// p qᵀ − q pᵀ: the upper triangle computed, the lower one its negative.
-pub(crate) fn commutator<T: Float>(p: &[T], q: &[T], t: &mut [T]) {
-    let s = p.len();
-    for i in 0..s {
-        for j in i + 1..s {
-            t[i * s + j] = p[i] * q[j] - q[i] * p[j];
-        }
-    }
-    mirror(s, t);
-}
-
-/// Makes the lower triangle the negative of the upper one.
-fn mirror<T: Float>(s: usize, u: &mut [T]) {
-    for i in 0..s {
-        for j in i + 1..s {
-            u[j * s + i] = -u[i * s + j];
-        }
     }
 }

@@ -1,6 +1,7 @@
 //! [`Tableau`]: the coefficients of any Runge–Kutta method.
 
-use crate::{Gauss, TableauError};
+use crate::error::TableauError;
+use crate::gauss::Gauss;
 use equip_scalar::Float;
 
 /// A Runge–Kutta method: Y_i = y_0 + h Σ_j a_ij f(Y_j), y_1 = y_0 + h Σ_i b_i f(Y_i).

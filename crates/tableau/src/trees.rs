@@ -10,7 +10,7 @@ use crate::conditions::largest;
 use crate::tableau::{Tableau, dot};
 use equip_scalar::Float;
 
-/// The largest number of vertices for which [`order`](crate::order) visits all trees: 7813 up to here.
+/// The largest number of vertices for which `order()` visits all trees: 7813 up to here.
 pub const MAX_TREE_ORDER: usize = 12;
 
 /// A rooted tree, its branches being earlier trees of the same [`Trees`].

@@ -185,16 +185,16 @@ impl Checkpoint {
         let counts = &self.counts;
         for count in [
             counts.steps,
-            counts.newton_iterations,
             counts.sweeps,
+            counts.newton_iterations,
             counts.taken_over,
             counts.factorisations,
             counts.simplified_factorisations,
-            counts.refreshes,
             counts.gradients,
             counts.energies,
             counts.hessians,
-            counts.alpha_solves,
+            counts.directions,
+            counts.alpha_moves,
             counts.local_errors,
             counts.halvings,
         ] {

@@ -47,8 +47,6 @@ pub(crate) struct Decay<T: Float> {
     share: T,
     /// P_k(c_i) at i·stride + k.
     legendre: Vec<T>,
-    /// L component by component, of a step whose stages stand one after the other.
-    increments: Vec<T>,
     /// h γ_k of component c at c·stride + k.
     coefficients: Vec<T>,
     /// h‖γ_k‖ of positions and momenta, each of length `stride`.
@@ -73,28 +71,13 @@ impl<T: Float> Decay<T> {
             scales,
             share: tolerance.sqrt(),
             legendre,
-            increments: zeros(n * stride),
             coefficients: zeros(n * stride),
             norms: [zeros(stride), zeros(stride)],
         }
     }
 
-    /// The estimate for the step from `y` whose L_i, blocks of length n, are `l`.
+    /// The estimate for the step from `y` with these L, component c of stage i at c·stride + i.
     pub(crate) fn estimate(&mut self, l: &[T], y: &State<T>) -> Estimate {
-        let n = y.hi.len();
-        for (i, l) in l.chunks_exact(n).enumerate() {
-            for (c, &l) in l.iter().enumerate() {
-                self.increments[c * self.stride + i] = l;
-            }
-        }
-        let increments = std::mem::take(&mut self.increments);
-        let estimate = self.estimate_by_component(&increments, y);
-        self.increments = increments;
-        estimate
-    }
-
-    /// The same from L as sweeps have it: component c of stage i at c·stride + i.
-    pub(crate) fn estimate_by_component(&mut self, l: &[T], y: &State<T>) -> Estimate {
         let (set, s, stride) = (self.set, self.s, self.stride);
         mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
         let half = self.coefficients.len() / 2;

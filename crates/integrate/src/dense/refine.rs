@@ -15,7 +15,7 @@ use crate::error::IntegrateError;
 use crate::step::make::make_step;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::{Core, Family, MAX_STAGES, Part, StageSolver, State, StepOptions};
+use equip_solver::{Core, Family, MAX_STAGES, Part, Preconditioner, State, StepOptions};
 use equip_tableau::{Gauss, legendre_at};
 
 /// Makes refined polynomials.
@@ -32,8 +32,7 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
     pub(crate) fn new<H: System<Evaluator<T> = E>>(
         system: &H,
         gauss: &Gauss<T>,
-        max_iterations: u32,
-        stage_solver: StageSolver,
+        preconditioner: Preconditioner,
     ) -> Result<Self, IntegrateError<T>> {
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let fine = (2 * s).min(MAX_STAGES);
@@ -52,9 +51,8 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
         }
         let options = StepOptions {
             alpha_bound: T::int(1),
-            max_iterations,
             max_halvings: 0,
-            stage_solver,
+            preconditioner,
             ..StepOptions::new(fine, Family::Gauss)
         };
         let zero = State::new(&vec![T::int(0); n], &[]);

@@ -5,7 +5,7 @@ use crate::method::Method;
 use crate::options::event::Event;
 use crate::options::record::Record;
 use equip_scalar::Float;
-use equip_solver::{Family, Invariant, MAX_STAGES, OnNoAlpha, StageSolver, StepOptions};
+use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOptions};
 
 /// What has to be the same again for a checkpoint to fit: names and values.
 pub(crate) type Words = Vec<(&'static str, String)>;
@@ -13,12 +13,10 @@ pub(crate) type Words = Vec<(&'static str, String)>;
 /// The options that do not concern the size of the steps.
 #[derive(Debug, Clone)]
 pub(crate) struct Options<T: Float> {
-    pub(crate) on_no_alpha: OnNoAlpha,
+    pub(crate) reach: Reach,
     pub(crate) alpha_bound: T,
-    pub(crate) max_iterations: u32,
     pub(crate) max_halvings: u32,
-    pub(crate) pure_newton: bool,
-    pub(crate) stage_solver: StageSolver,
+    pub(crate) preconditioner: Preconditioner,
     pub(crate) measure_energy: bool,
     pub(crate) invariants: Vec<Invariant>,
     pub(crate) kept: Vec<Invariant>,
@@ -32,12 +30,10 @@ pub(crate) struct Options<T: Float> {
 impl<T: Float> Default for Options<T> {
     fn default() -> Self {
         Options {
-            on_no_alpha: OnNoAlpha::default(),
+            reach: Reach::default(),
             alpha_bound: T::ratio(1, 20),
-            max_iterations: 30,
             max_halvings: 3,
-            pure_newton: false,
-            stage_solver: StageSolver::default(),
+            preconditioner: Preconditioner::default(),
             measure_energy: true,
             invariants: Vec::new(),
             kept: Vec::new(),
@@ -81,13 +77,6 @@ impl<T: Float> Options<T> {
             "positive and finite",
         )?;
         let int = |n: u64| T::int(i64::try_from(n).unwrap_or(i64::MAX));
-        let iterations = self.max_iterations;
-        check(
-            iterations >= 2,
-            "max_iterations",
-            int(iterations.into()),
-            "2 or more",
-        )?;
         let halvings = self.max_halvings;
         check(
             halvings <= 20,
@@ -103,12 +92,10 @@ impl<T: Float> Options<T> {
             check(alpha.is_finite(), "fixed_alpha", alpha, "finite")?;
         }
         Ok(StepOptions {
-            on_no_alpha: self.on_no_alpha,
+            reach: self.reach,
             alpha_bound: bound,
-            max_iterations: iterations,
             max_halvings: halvings,
-            pure_newton: self.pure_newton,
-            stage_solver: self.stage_solver,
+            preconditioner: self.preconditioner,
             ..StepOptions::new(s, method.family)
         })
     }
@@ -130,12 +117,10 @@ impl<T: Float> Options<T> {
             ("stages", method.stages.to_string()),
             ("method", method.family.to_string()),
             ("fixed α", alpha),
-            ("on_no_alpha", format!("{:?}", self.on_no_alpha)),
+            ("reach", format!("{:?}", self.reach)),
             ("alpha_bound", format!("{:?}", self.alpha_bound)),
-            ("max_iterations", self.max_iterations.to_string()),
             ("max_halvings", self.max_halvings.to_string()),
-            ("pure_newton", self.pure_newton.to_string()),
-            ("stage_solver", format!("{:?}", self.stage_solver)),
+            ("preconditioner", format!("{:?}", self.preconditioner)),
             ("measure_energy", self.measure_energy.to_string()),
             ("invariants kept", names(&self.kept)),
             ("invariants watched", names(&self.invariants)),

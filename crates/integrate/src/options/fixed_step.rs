@@ -23,19 +23,10 @@ impl Method {
 }
 
 impl<T: Float> FixedStep<T> {
-    /// How often a step that fails may be halved, 3 by default; 0 never halves. With [`StageSolver::Sweeps`],
-    /// and from 24 components on by default, a step that sweeps do not solve is one that fails.
+    /// How often a step whose stages do not converge may be halved, 3 by default; 0 never halves.
     #[must_use]
     pub fn max_halvings(mut self, halvings: u32) -> Self {
         self.options.max_halvings = halvings;
-        self
-    }
-
-    /// Factor the Newton matrix in every iteration, also where the last factorisation would serve. For
-    /// studies.
-    #[must_use]
-    pub fn pure_newton(mut self, pure: bool) -> Self {
-        self.options.pure_newton = pure;
         self
     }
 }

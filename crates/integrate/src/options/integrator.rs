@@ -5,7 +5,7 @@ use crate::options::common::Options;
 use crate::options::event::Event;
 use crate::options::record::Record;
 use equip_scalar::Float;
-use equip_solver::{Invariant, OnNoAlpha, StageSolver};
+use equip_solver::{Invariant, Preconditioner, Reach};
 
 /// A method with the sizes of its steps and with options, which are the same whatever the sizes `S` are:
 /// fixed ([`FixedStep`](crate::FixedStep)), by a tolerance ([`Adaptive`](crate::Adaptive)) or reversible
@@ -26,10 +26,11 @@ impl<T: Float, S> Integrator<T, S> {
         }
     }
 
-    /// What to do when no α keeps the energy; [`OnNoAlpha::Carry`] by default.
+    /// How far α's may move the end point of a step to keep the energy; [`Reach::WithinError`] by default. With a
+    /// tolerance it is asked only when shorter steps do not help either.
     #[must_use]
-    pub fn on_no_alpha(mut self, choice: OnNoAlpha) -> Self {
-        self.options.on_no_alpha = choice;
+    pub fn reach(mut self, reach: Reach) -> Self {
+        self.options.reach = reach;
         self
     }
 
@@ -41,17 +42,10 @@ impl<T: Float, S> Integrator<T, S> {
         self
     }
 
-    /// Newton iterations allowed per step, 30 by default.
+    /// How the stages are iterated; [`Preconditioner::Automatic`] by default. The solution is the same.
     #[must_use]
-    pub fn max_iterations(mut self, iterations: u32) -> Self {
-        self.options.max_iterations = iterations;
-        self
-    }
-
-    /// How the stage equations are solved; [`StageSolver::Automatic`] by default.
-    #[must_use]
-    pub fn stage_solver(mut self, solver: StageSolver) -> Self {
-        self.options.stage_solver = solver;
+    pub fn preconditioner(mut self, preconditioner: Preconditioner) -> Self {
+        self.options.preconditioner = preconditioner;
         self
     }
 

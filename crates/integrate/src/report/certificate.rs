@@ -5,7 +5,7 @@ use crate::report::chaos_indicators::ChaosIndicators;
 use crate::report::defect::Defect;
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
-use equip_solver::{Counts, Outcome, most_resolved};
+use equip_solver::{Counts, Outcome};
 use std::fmt;
 
 /// The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
@@ -27,18 +27,12 @@ pub struct Certificate<T> {
     pub energy_in_floors: Option<T>,
     /// Defects of the invariants watched.
     pub invariants: Vec<Defect<T>>,
-    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no
-    /// line in the text.
+    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no line in the text.
     pub alpha_range: Vec<(T, T)>,
     /// Lyapunov exponent and MEGNO, if a deviation was followed.
     pub chaos: Option<ChaosIndicators<T>>,
     /// Counts of work and of outcomes.
     pub counts: Counts,
-    /// hω of the stiffest spring at the start of the run, if that is above 2 and more than sweeps solve for
-    /// with α's, 2s/5: Newton's method makes most steps then, of 24 components and more their halves. `None`
-    /// if there is none, and where springs are not looked for: in other floats than `f64`, with variable
-    /// steps, without sweeps or α's, and for T(p) that is no sum of squares.
-    pub unresolved_spring: Option<T>,
     /// Extra steps made for output times; their work is not in `counts`.
     pub output_steps: u64,
     /// Wall-clock time in seconds.
@@ -48,7 +42,7 @@ pub struct Certificate<T> {
 impl<T: Float> Certificate<T> {
     /// Whether every step kept the energy: solved, at the floor, quadratic, or halved and then solved.
     pub fn energy_kept_on_every_step(&self) -> bool {
-        self.counts.outcome(Outcome::Carried) == 0 && self.counts.outcome(Outcome::NotAsked) == 0
+        self.counts.carried() == 0 && self.counts.outcome(Outcome::NotAsked) == 0
     }
 }
 
@@ -132,39 +126,28 @@ impl<T: Float> Certificate<T> {
             );
         }
         if counts.sweeps > 0 {
-            let left = match counts.taken_over {
-                0 => String::new(),
-                steps => format!(", {steps} times left to Newton"),
-            };
-            line("sweeps", format!("{}{left}", counts.sweeps));
+            line("sweeps", counts.sweeps.to_string());
         }
-        if let Some(angle) = self.unresolved_spring
-            && counts.taken_over > 0
-        {
-            let most = most_resolved::<T>(self.method.stage_count());
-            // Rounded to the digits printed it is still within the limit.
-            let step = self.step * most / angle * T::ratio(999, 1000);
+        if counts.newton_iterations > 0 {
+            let (full, frozen) = (counts.factorisations, counts.simplified_factorisations);
             line(
-                "stiff springs",
+                "preconditioned",
                 format!(
-                    "hω = {angle:.3}, left to Newton; sweeps, which are faster, go up to {most:.3} (steps of {step:.3e})"
+                    "{} iterations, {full} full and {frozen} small factorisations",
+                    counts.newton_iterations
                 ),
             );
         }
-        let newton = counts.newton_iterations > 0;
-        if newton {
-            line("Newton iterations", counts.newton_iterations.to_string());
-        }
-        if newton && (counts.factorisations > 0 || counts.refreshes == 0) {
-            line("factorisations", counts.factorisations.to_string());
-        }
-        if counts.refreshes > 0 {
+        if counts.taken_over > 0 {
             line(
-                "simplified Newton",
-                format!(
-                    "{} Hessians, {} small factorisations",
-                    counts.refreshes, counts.simplified_factorisations
-                ),
+                "preconditioner changed",
+                format!("{} times", counts.taken_over),
+            );
+        }
+        if counts.directions > 0 {
+            line(
+                "directions of α",
+                format!("{}, {} moves", counts.directions, counts.alpha_moves),
             );
         }
         line(

@@ -37,9 +37,9 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
         }
         stepper.core.keep_parts();
         let m = system.degrees_of_freedom();
-        let (iterations, solver) = (options.max_iterations, options.stage_solver);
+        let preconditioner = options.preconditioner;
         Ok(Some(DenseWatch {
-            refiner: Refiner::new(system, stepper.core.gauss(), iterations, solver)?,
+            refiner: Refiner::new(system, stepper.core.gauss(), preconditioner)?,
             trajectory: options.dense.then(|| Trajectory::new(m, stepper.time())),
             events: (!options.events.is_empty())
                 .then(|| EventWatch::new(&options.events, 2 * m, stepper.time())),

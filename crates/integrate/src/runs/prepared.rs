@@ -50,8 +50,7 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
 
 impl<T: Float, S: StepSizes<T>, H: System> Prepared<T, S, H> {
     /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, and lends what makes its steps: those of
-    /// [`Integrator::start`] bit for bit. Costs less than two steps and allocates nothing unless stiff
-    /// springs are found.
+    /// [`Integrator::start`] bit for bit. Costs less than two steps and allocates nothing.
     ///
     /// # Errors
     /// Faults of the initial values, and an H that is not finite there.

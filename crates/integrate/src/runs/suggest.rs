@@ -22,7 +22,7 @@ use crate::options::record::Record;
 use crate::runs::run::{Run, RunFailure};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::{Family, OnNoAlpha};
+use equip_solver::{Family, Reach};
 use std::ops::RangeInclusive;
 
 /// Iterations for the largest eigenvalue: neighbours 5 % apart are told to 3 %.
@@ -274,7 +274,7 @@ impl<T: Float, H: System> Trials<'_, T, H> {
         record: Record,
     ) -> Result<Option<Run<T>>, IntegrateError<T>> {
         let options = method.step(self.size(steps)).record(record);
-        let options = options.on_no_alpha(OnNoAlpha::Carry);
+        let options = options.reach(Reach::WithinError);
         let (q, p) = self.start;
         match options.integrate(self.system, q, p, self.interval.clone()) {
             Ok(run) => Ok(Some(run)),

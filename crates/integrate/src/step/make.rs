@@ -60,7 +60,7 @@ fn error_of<T: Float, E: Evaluate<T>>(
             iterations,
             correction,
         },
-        Failure::NoAlpha | Failure::Unresolved => {
+        Failure::NoAlpha => {
             let beyond = |c: &&Constraint<T>| c.in_floors() > T::int(1);
             let last = core.constraints().iter().rfind(beyond);
             let (defect, floor) = match last {

@@ -14,14 +14,10 @@ use crate::steppers::view::{Step, StepView};
 use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Core, Counts, OnNoAlpha, Outcome};
+use equip_solver::{Core, Counts, Outcome, Reach};
 
 /// Tries of the first step.
 pub(super) const TRIES_FOR_FIRST: u32 = 20;
-/// What an encounter's floor still excuses fades by this from step to step: a defect that it leaves is
-/// repaired within a few steps. Left alone, the 1e-9 that stay after the closest encounter of the Pythagorean
-/// problem make its error at t = 60 a thousand times as large.
-const FADING: i64 = 2;
 /// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
 const STRETCH: i64 = 16;
 
@@ -41,7 +37,7 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) end: Option<T>,
     pub(super) min_step: T,
     pub(super) max_steps: u64,
-    pub(super) on_no_alpha: OnNoAlpha,
+    pub(super) reach: Reach,
     /// Tries of the first step made so far; all of them once it is made.
     pub(super) tries: u32,
 }
@@ -89,17 +85,14 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             }
             let h = place.h.to_f64();
             if without_alpha == TRIES_FOR_ALPHA {
-                self.inner.core.set_on_no_alpha(self.on_no_alpha, true);
+                self.inner.core.set_reach(self.reach);
             }
             let made = self.inner.attempt(place.h);
-            self.inner.core.set_on_no_alpha(OnNoAlpha::Refuse, false);
+            self.inner.core.set_reach(Reach::Refuse);
             match made {
                 Ok(outcome) => {
                     let (core, y) = (&mut self.inner.core, &self.inner.y);
-                    let estimate = match core.derivatives_by_component() {
-                        Some(l) => self.decay.estimate_by_component(l, y),
-                        None => self.decay.estimate(core.stage_derivatives().0, y),
-                    };
+                    let estimate = self.decay.estimate(core.derivatives_by_component(), y);
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
                         && let Some(longer) = self.control.first_is_timid(h, &estimate)
@@ -206,7 +199,6 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             }
         }
         self.inner.accept(place.time, place.h, outcome);
-        self.inner.core.fade_inherited_floors(FADING);
     }
 
     /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].

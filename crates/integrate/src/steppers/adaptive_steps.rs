@@ -15,7 +15,7 @@ use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::OnNoAlpha;
+use equip_solver::Reach;
 
 impl<T: Float> StepSizes<T> for Tolerance<T> {
     type Stepper<E: Evaluate<T>> = AdaptiveStepper<T, E>;
@@ -27,7 +27,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         let sizes = &integrator.sizes;
         sizes.validate(integrator.method.stages)?;
         let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
-        inner.core.set_on_no_alpha(OnNoAlpha::Refuse, false);
+        inner.core.set_reach(Reach::Refuse);
         let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
         let tolerance = sizes.tolerance.to_f64();
         Ok(AdaptiveStepper {
@@ -40,7 +40,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
             end: None,
             min_step: sizes.min_step,
             max_steps: sizes.max_steps,
-            on_no_alpha: integrator.options.on_no_alpha,
+            reach: integrator.options.reach,
             tries: TRIES_FOR_FIRST,
             inner,
         })

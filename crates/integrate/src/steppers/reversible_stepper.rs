@@ -143,16 +143,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     fn mean_density(&mut self) -> Result<T, IntegrateError<T>> {
         let Stepper { core, y, .. } = &mut self.inner;
         let n = y.hi.len();
-        let increments = core.stage_increments(y);
-        for (points, z) in self
-            .points
-            .chunks_exact_mut(n)
-            .zip(increments.chunks_exact(n))
-        {
-            for (j, x) in points.iter_mut().enumerate() {
-                *x = y.hi[j] + (z[j] + y.lo[j]);
-            }
-        }
+        core.stages_by_stage(y, &mut self.points);
         let mut sum = T::int(0);
         for (i, point) in self.points.chunks_exact(n).enumerate() {
             let b = core.gauss().weights()[i];

@@ -23,8 +23,7 @@ impl<T: Float> StepSizes<T> for Symmetric<T> {
     ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
         let sizes = &integrator.sizes;
         sizes.validate()?;
-        let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
-        inner.core.make_reversible();
+        let inner = Stepper::prepare(integrator, system, None, integrator.words())?;
         let (n, stages) = (inner.y.hi.len(), inner.core.gauss().stages());
         Ok(ReversibleStepper {
             sigma: StepDensity::new(system, sizes.sigma.as_ref())?,

@@ -106,7 +106,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     }
 
     /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated,
-    /// unless stiff springs are found. After an error the run is as it was.
+    ///. After an error the run is as it was.
     pub(super) fn start_at(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
         if !t0.is_finite() || self.h.is_some_and(|h| t0 + h == t0) {
             return Err(IntegrateError::StepBelowTimeResolution {
@@ -147,7 +147,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         std::mem::swap(&mut self.y, &mut self.next);
         self.h_ref = h_ref;
         self.floor = None;
-        self.core.begin(h_ref, &self.y.hi, self.h);
+        self.core.begin(h_ref, &self.y.hi);
         if let Some(energy) = &mut self.energy {
             energy.begin(h_ref);
         }

@@ -12,7 +12,7 @@ use crate::steppers::view::{Step, StepView};
 use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Core, Counts, NewtonRecord, Outcome, State};
+use equip_solver::{Core, Counts, Outcome, State};
 use std::time::Instant;
 
 /// A run that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
@@ -62,8 +62,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     }
 
     /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready:
-    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is
-    /// allocated unless stiff springs are found. After an error the run is as it was.
+    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is allocated. After an error the run is as it was.
     ///
     /// # Errors
     /// Faults of the initial values, and an H that is not finite there.
@@ -73,7 +72,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
 
     /// Puts the run at (`q`, `p`), each of length m, at the time it has reached, as after a kick: H and the
     /// invariants are kept at their values there from now on, and the next step is guessed from this state
-    /// alone. Counts, grid and largest defects go on. Nothing is allocated unless stiff springs are found;
+    /// alone. Counts, grid and largest defects go on. Nothing is allocated;
     /// after an error the run is as it was.
     ///
     /// # Errors
@@ -125,14 +124,14 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         }
         if self.has_target {
             let residual = &self.core.constraints()[0];
-            self.floor = Some(residual.judging_floor());
+            self.floor = Some(residual.floor());
             if let Some(energy) = &mut self.energy {
                 energy.see(residual.defect());
             }
             if let Some(most) = &mut self.in_floors
                 && outcome.energy_kept()
             {
-                *most = most.max(residual.in_judging_floors());
+                *most = most.max(residual.in_late_floors());
             }
         } else if self.measure_energy {
             self.core.counts_mut().energies += 1;
@@ -173,11 +172,6 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         self.core.counts()
     }
 
-    /// The Newton iterations of the step (or part of a halved step) solved last.
-    pub fn newton_history(&self) -> &[NewtonRecord<T>] {
-        self.core.newton_history()
-    }
-
     fn mean_step(&self) -> T {
         let steps = i64::try_from(self.index).unwrap_or(i64::MAX);
         (self.time - self.t0) / T::int(steps.max(1))
@@ -200,7 +194,6 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             alpha_range: self.alpha_range.clone(),
             chaos: None,
             counts: *self.core.counts(),
-            unresolved_spring: self.core.unresolved_spring(),
             output_steps: 0,
             seconds: self.begun.elapsed().as_secs_f64(),
         }

@@ -6,12 +6,10 @@
 //! operation.
 
 use super::natural::Natural;
-use super::transforms::{exponent, two_sum};
-use super::{DoubleDouble, dd, words};
+use super::number::{DoubleDouble, dd};
+use super::transforms::{SAFE_MIN, exponent, two_sum};
+use super::words;
 use std::ops::{Add, Div, Mul, Neg, Rem, Sub};
-
-/// Below this a quotient or a root is computed after scaling, because the product in it would be inexact.
-pub(super) const SAFE_MIN: f64 = super::transforms::power_of_two(-900);
 
 /// Operations without a look at special values, for use inside this module tree.
 impl DoubleDouble {

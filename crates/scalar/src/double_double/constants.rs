@@ -4,7 +4,7 @@
 //! them at 400 bits.
 #![allow(clippy::approx_constant)] // They are not approximations of the constants of std, they extend them.
 
-use super::{DoubleDouble, dd};
+use super::number::{DoubleDouble, dd};
 
 impl DoubleDouble {
     /// 0.

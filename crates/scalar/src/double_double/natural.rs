@@ -3,7 +3,7 @@
 //! Schoolbook arithmetic on 32-bit limbs, least significant first [Knuth, TAOCP 2, 4.3.1]. The longest numbers
 //! that occur have about 8000 bits.
 
-use super::DoubleDouble;
+use super::number::DoubleDouble;
 use super::transforms::{exponent, power_of_two};
 use std::cmp::Ordering;
 
@@ -229,7 +229,7 @@ impl Natural {
         }
         let head = Natural::from_u64(integer).shifted_left((scale - exponent) as usize);
         let lo = self.distance(&head).to_double(exponent);
-        super::dd(hi, if *self < head { -lo } else { lo })
+        super::number::dd(hi, if *self < head { -lo } else { lo })
     }
 
     /// |x| / 2^unit, where 2^unit divides both parts of x.

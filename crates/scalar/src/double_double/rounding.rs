@@ -1,6 +1,6 @@
 //! Floor, ceiling, truncation, rounding, and conversion from and to integers. All exact.
 
-use super::{DoubleDouble, dd};
+use super::number::{DoubleDouble, dd};
 
 impl DoubleDouble {
     /// The largest integer not above the number.

@@ -1,7 +1,21 @@
 //! [`DoubleDouble`] as [`Scalar`] and [`Float`].
 
-use super::{DoubleDouble, DoubleDoubles, dd, words};
-use crate::{Constant, Float, Forward, Forward2, ParseFloatError, Scalar};
+use super::lanes::DoubleDoubles;
+use super::number::{DoubleDouble, dd};
+use super::words;
+use crate::constant::Constant;
+use crate::error::ParseFloatError;
+use crate::forward::{Forward, Forward2};
+use crate::half_power::half_power;
+use crate::traits::{Float, Scalar};
+
+float_glue!(DoubleDouble);
+
+impl From<DoubleDouble> for Constant {
+    fn from(x: DoubleDouble) -> Self {
+        Constant::from_expansion(x.expansion())
+    }
+}
 
 macro_rules! functions {
     ($($f:ident),*) => {$(
@@ -23,7 +37,10 @@ impl Scalar for DoubleDouble {
     }
     #[inline(always)]
     fn powf(x: Self, c: Constant) -> Self {
-        DoubleDouble::powf(x, c.to())
+        match c.halves::<DoubleDouble>() {
+            Some(n) => half_power(x, n),
+            None => DoubleDouble::powf(x, c.to()),
+        }
     }
     #[inline(always)]
     fn pow(x: Self, y: Self) -> Self {

@@ -1,6 +1,52 @@
 //! Error-free transforms of two words, and exact powers of two.
 
-use super::words::Word;
+use std::ops::{Add, Div, Mul, Sub};
+
+/// Below this a quotient or a root is computed after scaling, because the product in it would be inexact.
+pub(super) const SAFE_MIN: f64 = power_of_two(-900);
+
+/// From here on s² might overflow.
+pub(super) const SAFE_MAX: f64 = power_of_two(1000);
+
+/// An `f64`, or one in each of several lanes: arithmetic, what a product is rounded by, and one selection.
+pub(super) trait Word:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+    fn word(x: f64) -> Self;
+    /// RN(ab − p), p being RN(ab).
+    fn product_rest(a: Self, b: Self, p: Self) -> Self;
+    /// `self` where `test` is not zero, `other` where it is.
+    fn unless_zero(self, test: Self, other: Self) -> Self;
+}
+
+impl Word for f64 {
+    #[inline(always)]
+    fn word(x: f64) -> f64 {
+        x
+    }
+
+    /// Plain builds would have to call for it: by splitting it is the same for all but very small and very large numbers.
+    #[inline(always)]
+    fn product_rest(a: f64, b: f64, p: f64) -> f64 {
+        let rest = rest_by_splitting(a, b, p);
+        if p.abs() > SAFE_MIN && !rest.is_nan() {
+            rest
+        } else {
+            fused(a, b, p)
+        }
+    }
+
+    #[inline(always)]
+    fn unless_zero(self, test: f64, other: f64) -> f64 {
+        if test == 0.0 { other } else { self }
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn fused(a: f64, b: f64, p: f64) -> f64 {
+    a.mul_add(b, -p)
+}
 
 /// a + b = s + e exactly, s = RN(a + b). [Møller 1965; Knuth, TAOCP 2, 4.2.2]
 #[inline(always)]

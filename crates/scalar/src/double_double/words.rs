@@ -2,74 +2,7 @@
 //!
 //! Nothing is asked of a word but arithmetic, what a product is rounded by, and one selection, so the lanes have the bits of the numbers one by one. u = 2⁻⁵³.
 
-use super::arithmetic::SAFE_MIN;
-use super::transforms::{fast_two_sum, rest_by_splitting, two_prod, two_sum};
-use crate::Lanes;
-use std::ops::{Add, Div, Mul, Sub};
-
-pub(super) trait Word:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
-{
-    fn word(x: f64) -> Self;
-    /// RN(ab − p), p being RN(ab).
-    fn product_rest(a: Self, b: Self, p: Self) -> Self;
-    /// `self` where `test` is not zero, `other` where it is.
-    fn unless_zero(self, test: Self, other: Self) -> Self;
-}
-
-impl Word for f64 {
-    #[inline(always)]
-    fn word(x: f64) -> f64 {
-        x
-    }
-
-    /// Plain builds would have to call for it: by splitting it is the same for all but very small and very large numbers.
-    #[inline(always)]
-    fn product_rest(a: f64, b: f64, p: f64) -> f64 {
-        let rest = rest_by_splitting(a, b, p);
-        if p.abs() > SAFE_MIN && !rest.is_nan() {
-            rest
-        } else {
-            fused(a, b, p)
-        }
-    }
-
-    #[inline(always)]
-    fn unless_zero(self, test: f64, other: f64) -> f64 {
-        if test == 0.0 { other } else { self }
-    }
-}
-
-#[cold]
-#[inline(never)]
-fn fused(a: f64, b: f64, p: f64) -> f64 {
-    a.mul_add(b, -p)
-}
-
-impl<const N: usize> Word for Lanes<N> {
-    #[inline(always)]
-    fn word(x: f64) -> Self {
-        Lanes::splat(x)
-    }
-
-    /// A vector instruction inside a kernel for AVX2 or AVX-512, elsewhere N calls.
-    #[inline(always)]
-    fn product_rest(a: Self, b: Self, p: Self) -> Self {
-        let mut rest = p;
-        for k in 0..N {
-            rest.0[k] = a.0[k].mul_add(b.0[k], -p.0[k]);
-        }
-        rest
-    }
-
-    #[inline(always)]
-    fn unless_zero(mut self, test: Self, other: Self) -> Self {
-        for k in 0..N {
-            self.0[k] = self.0[k].unless_zero(test.0[k], other.0[k]);
-        }
-        self
-    }
-}
+use super::transforms::{Word, fast_two_sum, two_prod, two_sum};
 
 /// hi + lo.
 pub(super) type Pair<W> = (W, W);

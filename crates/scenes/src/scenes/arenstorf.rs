@@ -4,9 +4,9 @@
 //! 1963; Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.0]. Both orbits were recomputed with 45 digits: they
 //! return to their start within 5e-27 and 4e-26.
 
-use crate::instance::read;
-use crate::model::{Model, State};
-use crate::{Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::model::{Model, State, View, read};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::Energy;
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -19,25 +19,41 @@ pub struct Arenstorf {
     pub orbit: usize,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<Arenstorf> = Entry {
     name: "arenstorf",
     title: "Arenstorf orbits",
     formula: "H = (p1^2 + p2^2)/2 + p1 q2 - p2 q1 - (1-mu)/|q + (mu,0)| - mu/|q - (1-mu,0)|",
     source: "Arenstorf, Periodic solutions of the restricted three body problem, Amer. J. Math. 85 (1963); Hairer, Norsett, Wanner, Solving ODEs I, II.0",
     parameters: &[
-        Parameter::real("mu", "mass of the Moon as a part of both; the orbits close at the default only", "0.012277471", Range::above(0.0, 0.5)),
+        Parameter::real(
+            "mu",
+            "mass of the Moon as a part of both; the orbits close at the default only",
+            "0.012277471",
+            Range::above(0.0, 0.5),
+        ),
         Parameter::count("orbit", "1: period 17.07; 2: period 11.12", "1", 1, 2),
     ],
     invariants: "none besides H, which is half the negative Jacobi constant",
     solution: "closed orbit: reference arenstorf returns to its start",
     hard: "passes the Moon at 0.006, where speeds and accelerations jump; starting data of 29 digits return with 26",
-    build: |v| Ok(Arenstorf { mu: v[0].exact, orbit: v[1].count() }.into()),
+    build: |v| {
+        Ok(Arenstorf {
+            mu: v[0].exact,
+            orbit: v[1].count(),
+        })
+    },
 };
 
 /// Starting velocity q̇₂ and period of the orbits.
 const ORBITS: [(&str, &str); 2] = [
-    ("-2.00158510637908252240537862224", "17.0652165601579625588917206249"),
-    ("-2.0317326295573368357302057924", "11.124340337266085134999734047"),
+    (
+        "-2.00158510637908252240537862224",
+        "17.0652165601579625588917206249",
+    ),
+    (
+        "-2.0317326295573368357302057924",
+        "11.124340337266085134999734047",
+    ),
 ];
 
 impl Arenstorf {

@@ -4,9 +4,10 @@
 //! 2013; Hairer, Lubich, Energy behaviour of the Boris method, BIT 58, 2018], with b = 1, c = 1/100, q = (0, −1), q̇ = (0.1, 0.01).
 //! Both A and U are unchanged by turns, so q₁p₂ − q₂p₁ is kept.
 
-use crate::invariant::angular_momenta;
-use crate::model::{Model, State};
-use crate::{Invariant, Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, angular_momenta};
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Constant, Float, Num, Scalar, ratio};
 
@@ -19,19 +20,34 @@ pub struct ChargedParticle {
     pub c: Constant,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<ChargedParticle> = Entry {
     name: "charged-particle",
     title: "Charged particle in a magnetic field",
     formula: "H = |p - A(q)|^2/2 + c/|q|, A(q) = (b/3) |q| (-q2, q1)",
     source: "Qin et al., Why is Boris algorithm so good?, Phys. Plasmas 20 (2013); Hairer, Lubich, BIT 58 (2018)",
     parameters: &[
-        Parameter::real("b", "strength of the magnetic field", "1", Range::closed(-1e4, 1e4)),
-        Parameter::real("c", "strength of the repelling potential", "0.01", Range::closed(0.0, 1e3)),
+        Parameter::real(
+            "b",
+            "strength of the magnetic field",
+            "1",
+            Range::closed(-1e4, 1e4),
+        ),
+        Parameter::real(
+            "c",
+            "strength of the repelling potential",
+            "0.01",
+            Range::closed(0.0, 1e3),
+        ),
     ],
     invariants: "canonical angular momentum q1 p2 - q2 p1 (quadratic)",
     solution: "none stored",
     hard: "not separable; b >> 1: gyration with frequency b |q| around a slow drift",
-    build: |v| Ok(ChargedParticle { b: v[0].exact, c: v[1].exact }.into()),
+    build: |v| {
+        Ok(ChargedParticle {
+            b: v[0].exact,
+            c: v[1].exact,
+        })
+    },
 };
 
 impl Energy for ChargedParticle {
@@ -58,7 +74,11 @@ impl Model for ChargedParticle {
     /// The gyration at |q| = 1; 2π without a field.
     fn period<T: Float>(&self, _: &State<T>) -> T {
         let b = self.b.to::<T>().abs();
-        if b > T::int(0) { T::two_pi() / b } else { T::two_pi() }
+        if b > T::int(0) {
+            T::two_pi() / b
+        } else {
+            T::two_pi()
+        }
     }
 
     fn step(&self) -> f64 {

@@ -8,8 +8,10 @@
 //! The norm ½ Σ (q_j² + p_j²) is kept. Start q_j = A(1 + δ cos(2πj/n)), p = 0; with δ = 0 the ring turns as one,
 //! q_j + i p_j = A e^{iγA²t/2}.
 
-use crate::model::{Model, State};
-use crate::{Invariant, InvariantKind, Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, InvariantKind};
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Constant, Float, Num, Scalar, ratio};
 
@@ -26,23 +28,43 @@ pub struct Dnls {
     pub modulation: Constant,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<Dnls> = Entry {
     name: "dnls",
     title: "Discrete nonlinear Schrödinger ring",
     formula: "H = sum [(q_{j+1} - q_j)^2 + (p_{j+1} - p_j)^2]/2 - gamma/8 sum (q_j^2 + p_j^2)^2",
     source: "Kevrekidis, The Discrete Nonlinear Schrödinger Equation, Springer (2009)",
     parameters: &[
         Parameter::count("n", "number of sites", "16", 1, 4096),
-        Parameter::real("gamma", "nonlinearity, positive for focusing", "1", Range::closed(-1e3, 1e3)),
-        Parameter::real("amplitude", "amplitude of the start", "1", Range::above(0.0, 100.0)),
-        Parameter::real("modulation", "relative modulation of the start", "0.1", Range::closed(-1.0, 1.0)),
+        Parameter::real(
+            "gamma",
+            "nonlinearity, positive for focusing",
+            "1",
+            Range::closed(-1e3, 1e3),
+        ),
+        Parameter::real(
+            "amplitude",
+            "amplitude of the start",
+            "1",
+            Range::above(0.0, 100.0),
+        ),
+        Parameter::real(
+            "modulation",
+            "relative modulation of the start",
+            "0.1",
+            Range::closed(-1.0, 1.0),
+        ),
     ],
     invariants: "norm sum (q_j^2 + p_j^2)/2 (quadratic)",
     solution: "closed form when modulation = 0",
     hard: "not separable; gamma amplitude^2 > 4 sin^2(pi/n) makes the uniform state unstable",
     build: |v| {
         let [gamma, amplitude, modulation] = [1, 2, 3].map(|i| v[i].exact);
-        Ok(Dnls { n: v[0].count(), gamma, amplitude, modulation }.into())
+        Ok(Dnls {
+            n: v[0].count(),
+            gamma,
+            amplitude,
+            modulation,
+        })
     },
 };
 
@@ -81,14 +103,20 @@ impl Model for Dnls {
         let (amplitude, modulation) = (self.amplitude.to::<T>(), self.modulation.to::<T>());
         let angle = T::two_pi() / T::int(self.n as i64);
         let wave = |j: usize| (angle * T::int(j as i64)).cos();
-        let q = (0..self.n).map(|j| amplitude * (T::int(1) + modulation * wave(j))).collect();
+        let q = (0..self.n)
+            .map(|j| amplitude * (T::int(1) + modulation * wave(j)))
+            .collect();
         (q, vec![T::int(0); self.n])
     }
 
     /// One turn of the uniform state; 2π if it stands still.
     fn period<T: Float>(&self, _: &State<T>) -> T {
         let turning = self.turning::<T>().abs();
-        if turning > T::int(0) { T::two_pi() / turning } else { T::two_pi() }
+        if turning > T::int(0) {
+            T::two_pi() / turning
+        } else {
+            T::two_pi()
+        }
     }
 
     fn step(&self) -> f64 {
@@ -100,7 +128,11 @@ impl Model for Dnls {
     }
 
     fn view(&self) -> View {
-        if self.n == 1 { View::PhasePlane } else { View::Profile }
+        if self.n == 1 {
+            View::PhasePlane
+        } else {
+            View::Profile
+        }
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
@@ -115,7 +147,10 @@ impl Model for Dnls {
         let (q, _) = self.initial::<T>();
         let (sin, cos) = (self.turning::<T>() * t).sin_cos();
         self.is_uniform().then(|| {
-            (q.iter().map(|&q| q * cos).collect(), q.iter().map(|&q| q * sin).collect())
+            (
+                q.iter().map(|&q| q * cos).collect(),
+                q.iter().map(|&q| q * sin).collect(),
+            )
         })
     }
 }

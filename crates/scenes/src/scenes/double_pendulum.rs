@@ -7,8 +7,10 @@
 //! C₁ = l₁²(m₁ + m₂), C₂ = l₂²m₂, C₃ = 2l₁l₂m₂, C₄ = l₁²l₂²m₂(2m₁ + m₂), C₅ = l₁²l₂²m₂², C₆ = gl₁(m₁ + m₂), C₇ = gl₂m₂,
 //! here with unit masses and lengths. H is not separable. The stiff start has Q₂ = −1.1/√(1 + 100C²).
 
-use crate::model::{Model, State};
-use crate::{Invariant, InvariantKind, Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, InvariantKind};
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Constant, Float, Num, Scalar, ratio};
 
@@ -24,17 +26,26 @@ pub struct DoublePendulum {
 }
 
 const MOMENTUM: Range = Range::closed(-100.0, 100.0);
-const GRAVITY: Parameter =
-    Parameter::real("g", "acceleration of gravity", "9.8", Range::closed(0.0, 1e4));
+const GRAVITY: Parameter = Parameter::real(
+    "g",
+    "acceleration of gravity",
+    "9.8",
+    Range::closed(0.0, 1e4),
+);
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<DoublePendulum> = Entry {
     name: "double-pendulum",
     title: "Double pendulum",
     formula: "H = (2 P2^2 + D^2 + 2 P2 D cos Q2)/(3 - cos 2Q2) - 2 g cos Q1 - g cos(Q1 + Q2), D = P2 - P1",
     source: "Antoñana, Makazaga, Murua, Reducing and monitoring round-off error propagation for symplectic implicit Runge-Kutta schemes, Numer. Algorithms 76 (2017)",
     parameters: &[
         Parameter::real("q1", "starting angle of the first rod", "1.1", Range::ANGLE),
-        Parameter::real("q2", "starting angle of the second rod against the first", "-1.1", Range::ANGLE),
+        Parameter::real(
+            "q2",
+            "starting angle of the second rod against the first",
+            "-1.1",
+            Range::ANGLE,
+        ),
         Parameter::real("p1", "starting momentum of Q1", "2.7746", MOMENTUM),
         Parameter::real("p2", "starting momentum of Q2", "2.7746", MOMENTUM),
         GRAVITY,
@@ -44,17 +55,26 @@ pub(crate) const SCENE: Scene = Scene {
     hard: "not separable; q1 = q2 = p1 = 0, p2 = 3.873 is the chaotic start of the source",
     build: |v| {
         let start = [v[0].exact, v[1].exact, v[2].exact, v[3].exact];
-        Ok(DoublePendulum { start, g: v[4].exact, spring: None }.into())
+        Ok(DoublePendulum {
+            start,
+            g: v[4].exact,
+            spring: None,
+        })
     },
 };
 
-pub(crate) const STIFF: Scene = Scene {
+pub(crate) const STIFF: Entry<DoublePendulum> = Entry {
     name: "stiff-double-pendulum",
     title: "Double pendulum with a stiff spring",
     formula: "H = (2 P2^2 + D^2 + 2 P2 D cos Q2)/(3 - cos 2Q2) - 2 g cos Q1 - g cos(Q1 + Q2) + C^2 Q2^2/2, D = P2 - P1",
     source: "Antoñana, Makazaga, Murua, Efficient implementation of symplectic implicit Runge-Kutta schemes with simplified Newton iterations, Numer. Algorithms 78 (2018)",
     parameters: &[
-        Parameter::real("c", "root C of the stiffness", "32", Range::closed(0.0, 1e6)),
+        Parameter::real(
+            "c",
+            "root C of the stiffness",
+            "32",
+            Range::closed(0.0, 1e6),
+        ),
         GRAVITY,
     ],
     invariants: "none besides H; the angular momentum P1 (linear) when g = 0",
@@ -63,7 +83,11 @@ pub(crate) const STIFF: Scene = Scene {
     build: |v| {
         let momentum = ratio(27_746, 10_000);
         let start = [ratio(11, 10), ratio(-11, 10), momentum, momentum];
-        Ok(DoublePendulum { start, g: v[1].exact, spring: Some(v[0].exact) }.into())
+        Ok(DoublePendulum {
+            start,
+            g: v[1].exact,
+            spring: Some(v[0].exact),
+        })
     },
 };
 
@@ -101,7 +125,11 @@ impl Model for DoublePendulum {
     /// That of one pendulum of unit length; 1 without gravity.
     fn period<T: Float>(&self, _: &State<T>) -> T {
         let g = self.g.to::<T>();
-        if g > T::int(0) { T::two_pi() / g.sqrt() } else { T::int(1) }
+        if g > T::int(0) {
+            T::two_pi() / g.sqrt()
+        } else {
+            T::int(1)
+        }
     }
 
     fn step(&self) -> f64 {
@@ -120,6 +148,7 @@ impl Model for DoublePendulum {
         if self.g.to::<f64>() != 0.0 {
             return Ok(Vec::new());
         }
-        Invariant::record("angular momentum", InvariantKind::Linear, 2, |_, p| p[0]).map(|i| vec![i])
+        Invariant::record("angular momentum", InvariantKind::Linear, 2, |_, p| p[0])
+            .map(|i| vec![i])
     }
 }

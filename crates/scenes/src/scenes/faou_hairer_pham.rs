@@ -3,8 +3,8 @@
 //! H = p³/3 − p/2 + q⁶/30 + q⁴/4 − q³/3 + 1/6, [Faou, Hairer, Pham, Energy conservation with non-symplectic methods: examples and
 //! counter-examples, BIT 44, 2004], from (q, p) = (0, 1), where H = 0. The solution is not symmetric in time.
 
-use crate::model::{Model, State};
-use crate::{Scene, View};
+use crate::entry::Entry;
+use crate::model::{Model, State, View};
 use equip_autodiff::Energy;
 use equip_scalar::{Float, Num, Scalar, ratio};
 
@@ -12,7 +12,7 @@ use equip_scalar::{Float, Num, Scalar, ratio};
 #[derive(Debug, Clone, Copy)]
 pub struct FaouHairerPham;
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<FaouHairerPham> = Entry {
     name: "faou-hairer-pham",
     title: "Faou, Hairer and Pham's polynomial",
     formula: "H = p^3/3 - p/2 + q^6/30 + q^4/4 - q^3/3 + 1/6",
@@ -21,7 +21,7 @@ pub(crate) const SCENE: Scene = Scene {
     invariants: "none besides H",
     solution: "none stored",
     hard: "H(start) = 0 and the kinetic part is not quadratic: relative energy errors mean nothing, sweeps in halves do not apply",
-    build: |_| Ok(FaouHairerPham.into()),
+    build: |_| Ok(FaouHairerPham),
 };
 
 impl Energy for FaouHairerPham {
@@ -33,7 +33,8 @@ impl Energy for FaouHairerPham {
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let (q, p) = (q[0], p[0]);
         let kinetic = ratio(1, 3) * p.powi(3) - 0.5 * p;
-        kinetic + ratio(1, 30) * q.powi(6) + 0.25 * q.powi(4) - ratio(1, 3) * q.powi(3) + ratio(1, 6)
+        kinetic + ratio(1, 30) * q.powi(6) + 0.25 * q.powi(4) - ratio(1, 3) * q.powi(3)
+            + ratio(1, 6)
     }
 }
 

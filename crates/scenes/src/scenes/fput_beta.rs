@@ -4,8 +4,9 @@
 //! LA-1940, 1955]. Start in the first mode, q_i = A sin(πi/(n + 1)), at rest. With β = 0 that mode swings with
 //! ω₁ = 2 sin(π/(2n + 2)) forever.
 
-use crate::model::{Model, State};
-use crate::{Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::Energy;
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -20,21 +21,35 @@ pub struct FputBeta {
     pub amplitude: Constant,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<FputBeta> = Entry {
     name: "fput-beta",
     title: "Fermi–Pasta–Ulam–Tsingou beta chain",
     formula: "H = sum p_i^2/2 + sum [d_i^2/2 + beta d_i^4/4], d_i = q_{i+1} - q_i, fixed ends",
     source: "Fermi, Pasta, Ulam, Tsingou, Studies of nonlinear problems, Los Alamos LA-1940 (1955)",
     parameters: &[
         Parameter::count("n", "number of masses", "32", 1, 4096),
-        Parameter::real("beta", "strength of the cubic force", "0.3", Range::closed(0.0, 1e3)),
-        Parameter::real("amplitude", "amplitude of the first mode", "10", Range::closed(-1e3, 1e3)),
+        Parameter::real(
+            "beta",
+            "strength of the cubic force",
+            "0.3",
+            Range::closed(0.0, 1e3),
+        ),
+        Parameter::real(
+            "amplitude",
+            "amplitude of the first mode",
+            "10",
+            Range::closed(-1e3, 1e3),
+        ),
     ],
     invariants: "none besides H",
     solution: "closed form when beta = 0",
     hard: "size: sparse H, cost must grow like n; beta A^2/n^2 above 1 is strongly chaotic",
     build: |v| {
-        Ok(FputBeta { n: v[0].count(), beta: v[1].exact, amplitude: v[2].exact }.into())
+        Ok(FputBeta {
+            n: v[0].count(),
+            beta: v[1].exact,
+            amplitude: v[2].exact,
+        })
     },
 };
 
@@ -73,7 +88,9 @@ impl Model for FputBeta {
     fn initial<T: Float>(&self) -> State<T> {
         let angle = T::pi() / T::int(self.n as i64 + 1);
         let amplitude = self.amplitude.to::<T>();
-        let q = (1..=self.n).map(|i| amplitude * (angle * T::int(i as i64)).sin()).collect();
+        let q = (1..=self.n)
+            .map(|i| amplitude * (angle * T::int(i as i64)).sin())
+            .collect();
         (q, vec![T::int(0); self.n])
     }
 
@@ -91,7 +108,11 @@ impl Model for FputBeta {
     }
 
     fn view(&self) -> View {
-        if self.n == 1 { View::PhasePlane } else { View::Profile }
+        if self.n == 1 {
+            View::PhasePlane
+        } else {
+            View::Profile
+        }
     }
 
     fn exact<T: Float>(&self, t: T) -> Option<State<T>> {
@@ -100,7 +121,10 @@ impl Model for FputBeta {
         let (sin, cos) = (omega * t).sin_cos();
         let speed = -omega * sin;
         self.is_linear().then(|| {
-            (q.iter().map(|&q| q * cos).collect(), q.iter().map(|&q| q * speed).collect())
+            (
+                q.iter().map(|&q| q * cos).collect(),
+                q.iter().map(|&q| q * speed).collect(),
+            )
         })
     }
 }

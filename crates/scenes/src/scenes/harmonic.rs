@@ -2,9 +2,10 @@
 //!
 //! H = ½ Σ (p_j² + ω_j² q_j²), ω_j = ω ρ^{j−1}. H is quadratic: every Gauss method keeps it and no α is needed.
 
-use crate::invariant::moment;
-use crate::model::{Model, State};
-use crate::{Invariant, InvariantKind, Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, InvariantKind, moment};
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -19,7 +20,7 @@ pub struct Harmonic {
     pub ratio: Constant,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<Harmonic> = Entry {
     name: "harmonic",
     title: "Harmonic oscillators",
     formula: "H = sum_j (p_j^2 + w_j^2 q_j^2)/2, w_j = omega ratio^(j-1)",
@@ -27,18 +28,31 @@ pub(crate) const SCENE: Scene = Scene {
     parameters: &[
         Parameter::count("m", "number of oscillators", "2", 1, 64),
         Parameter::real("omega", "first frequency", "1", Range::above(0.0, 1e6)),
-        Parameter::real("ratio", "quotient of consecutive frequencies", "2", Range::closed(0.5, 10.0)),
+        Parameter::real(
+            "ratio",
+            "quotient of consecutive frequencies",
+            "2",
+            Range::closed(0.5, 10.0),
+        ),
     ],
     invariants: "energy of the first and of the last oscillator (quadratic); angular momentum of the first two when ratio = 1",
     solution: "closed form",
     hard: "h omega >> 1: h = 1 with omega = 10^6 must stay bounded; ratio = 10 with m = 7 spans six decades",
-    build: |v| Ok(Harmonic { m: v[0].count(), omega: v[1].exact, ratio: v[2].exact }.into()),
+    build: |v| {
+        Ok(Harmonic {
+            m: v[0].count(),
+            omega: v[1].exact,
+            ratio: v[2].exact,
+        })
+    },
 };
 
 impl Harmonic {
     fn frequencies<T: Float>(&self) -> Vec<T> {
         let ratio = self.ratio.to::<T>();
-        std::iter::successors(Some(self.omega.to::<T>()), |&w| Some(w * ratio)).take(self.m).collect()
+        std::iter::successors(Some(self.omega.to::<T>()), |&w| Some(w * ratio))
+            .take(self.m)
+            .collect()
     }
 }
 
@@ -63,7 +77,10 @@ impl Model for Harmonic {
     /// Even oscillators start displaced by 1, odd ones with speed 1.
     fn initial<T: Float>(&self) -> State<T> {
         let parity = |j: usize, r: usize| T::int(i64::from(j % 2 == r));
-        ((0..self.m).map(|j| parity(j, 0)).collect(), (0..self.m).map(|j| parity(j, 1)).collect())
+        (
+            (0..self.m).map(|j| parity(j, 0)).collect(),
+            (0..self.m).map(|j| parity(j, 1)).collect(),
+        )
     }
 
     fn period<T: Float>(&self, _: &State<T>) -> T {
@@ -80,29 +97,53 @@ impl Model for Harmonic {
     }
 
     fn view(&self) -> View {
-        if self.m == 1 { View::PhasePlane } else { View::Paths(vec![(0, 1)]) }
+        if self.m == 1 {
+            View::PhasePlane
+        } else {
+            View::Paths(vec![(0, 1)])
+        }
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
         let mut all = Vec::new();
-        for (name, j) in [("energy of the first", 0), ("energy of the last", self.m - 1)] {
-            all.push(Invariant::record(name, InvariantKind::Quadratic, self.m, |q, p| {
-                let omega = (0..j).fold(Num::from(self.omega), |w, _| w * self.ratio);
-                0.5 * (p[j] * p[j] + omega * omega * (q[j] * q[j]))
-            })?);
+        for (name, j) in [
+            ("energy of the first", 0),
+            ("energy of the last", self.m - 1),
+        ] {
+            all.push(Invariant::record(
+                name,
+                InvariantKind::Quadratic,
+                self.m,
+                |q, p| {
+                    let omega = (0..j).fold(Num::from(self.omega), |w, _| w * self.ratio);
+                    0.5 * (p[j] * p[j] + omega * omega * (q[j] * q[j]))
+                },
+            )?);
         }
         if self.m > 1 && self.ratio.to::<f64>() == 1.0 {
             let angular = |q: &[_], p: &[_]| moment(q, p, 0, 1);
-            all.push(Invariant::record("angular momentum", InvariantKind::Quadratic, self.m, angular)?);
+            all.push(Invariant::record(
+                "angular momentum",
+                InvariantKind::Quadratic,
+                self.m,
+                angular,
+            )?);
         }
         Ok(all)
     }
 
     fn flow<T: Float>(&self, (q, p): &State<T>, t: T) -> Option<State<T>> {
-        let turned = self.frequencies::<T>().into_iter().enumerate().map(|(j, omega)| {
-            let (sin, cos) = (omega * t).sin_cos();
-            (cos * q[j] + sin * p[j] / omega, cos * p[j] - omega * sin * q[j])
-        });
+        let turned = self
+            .frequencies::<T>()
+            .into_iter()
+            .enumerate()
+            .map(|(j, omega)| {
+                let (sin, cos) = (omega * t).sin_cos();
+                (
+                    cos * q[j] + sin * p[j] / omega,
+                    cos * p[j] - omega * sin * q[j],
+                )
+            });
         Some(turned.unzip())
     }
 }

@@ -3,9 +3,10 @@
 //! H = (|p|² + |q|²)/2 + q₁²q₂ − q₂³/3, [Hénon, Heiles, Astron. J. 69, 1964; Hairer, Lubich, Wanner, I.3.1]. The start lies
 //! on the section q₁ = 0, with p₁ > 0 from the energy: p₁ = √(2E − q₂² + ⅔q₂³ − p₂²).
 
-use crate::model::{AnyModel, Model, State};
-use crate::parameter::Value;
-use crate::{Parameter, Range, Scene, SceneError, View};
+use crate::entry::Entry;
+use crate::error::SceneError;
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range, Value};
 use equip_autodiff::Energy;
 use equip_scalar::{Constant, Float, Num, Scalar, ratio};
 
@@ -22,14 +23,24 @@ pub struct HenonHeiles {
 
 const NAME: &str = "henon-heiles";
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<HenonHeiles> = Entry {
     name: NAME,
     title: "Hénon–Heiles",
     formula: "H = (p1^2 + p2^2 + q1^2 + q2^2)/2 + q1^2 q2 - q2^3/3",
     source: "Hénon, Heiles, The applicability of the third integral of motion, Astron. J. 69 (1964)",
     parameters: &[
-        Parameter::real("energy", "energy, at most that of the escape", "1/12", Range::closed(0.0, 1.0 / 6.0)),
-        Parameter::real("q2", "q2 of the start on the section q1 = 0", "0.3", Range::closed(-0.5, 1.0)),
+        Parameter::real(
+            "energy",
+            "energy, at most that of the escape",
+            "1/12",
+            Range::closed(0.0, 1.0 / 6.0),
+        ),
+        Parameter::real(
+            "q2",
+            "q2 of the start on the section q1 = 0",
+            "0.3",
+            Range::closed(-0.5, 1.0),
+        ),
         Parameter::real("p2", "p2 of the start", "0.2", Range::closed(-0.6, 0.6)),
     ],
     invariants: "none besides H",
@@ -38,14 +49,22 @@ pub(crate) const SCENE: Scene = Scene {
     build,
 };
 
-fn build(v: &[Value]) -> Result<AnyModel, SceneError> {
-    let scene = HenonHeiles { energy: v[0].exact, q2: v[1].exact, p2: v[2].exact };
+fn build(v: &[Value]) -> Result<HenonHeiles, SceneError> {
+    let scene = HenonHeiles {
+        energy: v[0].exact,
+        q2: v[1].exact,
+        p2: v[2].exact,
+    };
     let energy = v[0].nearest;
     let needed = energy - scene.free_square::<f64>() / 2.0;
     if scene.free_square::<f64>() < 0.0 {
-        return Err(SceneError::EnergyTooLow { scene: NAME, energy, needed });
+        return Err(SceneError::EnergyTooLow {
+            scene: NAME,
+            energy,
+            needed,
+        });
     }
-    Ok(scene.into())
+    Ok(scene)
 }
 
 impl HenonHeiles {

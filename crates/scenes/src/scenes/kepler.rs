@@ -3,10 +3,11 @@
 //! H = |p|²/2 − μ/|q|, [Hairer, Lubich, Wanner, Geometric Numerical Integration, I.2.2]; started at the pericentre of an
 //! ellipse with semi-major axis 1: q = (1 − e, 0), p = (0, √(μ(1 + e)/(1 − e))).
 
-use crate::anomaly::{advance, ellipse};
-use crate::invariant::{angular_momenta, moment};
-use crate::model::{Model, State};
-use crate::{Invariant, InvariantKind, Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, InvariantKind, angular_momenta, moment};
+use crate::maths::anomaly::{advance, ellipse};
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -19,19 +20,29 @@ pub struct Kepler {
     pub mu: Constant,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<Kepler> = Entry {
     name: "kepler",
     title: "Kepler's problem",
     formula: "H = (p1^2 + p2^2)/2 - mu/sqrt(q1^2 + q2^2)",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.2.2",
     parameters: &[
-        Parameter::real("e", "eccentricity of the ellipse, started at its pericentre", "0.6", Range::below(0.0, 1.0)),
+        Parameter::real(
+            "e",
+            "eccentricity of the ellipse, started at its pericentre",
+            "0.6",
+            Range::below(0.0, 1.0),
+        ),
         Parameter::real("mu", "gravitational parameter", "1", Range::above(0.0, 1e6)),
     ],
     invariants: "angular momentum (quadratic), Laplace-Runge-Lenz vector (not quadratic)",
     solution: "closed form by Kepler's equation; references kepler06_1000 and kepler09_100",
     hard: "e -> 1: at e = 0.99 the speed at the pericentre is 199 times that at the apocentre and a fixed step needs some 10^4 steps a period",
-    build: |v| Ok(Kepler { e: v[0].exact, mu: v[1].exact }.into()),
+    build: |v| {
+        Ok(Kepler {
+            e: v[0].exact,
+            mu: v[1].exact,
+        })
+    },
 };
 
 impl Energy for Kepler {
@@ -49,7 +60,10 @@ impl Model for Kepler {
     fn initial<T: Float>(&self) -> State<T> {
         let (e, mu) = (self.e.to::<T>(), self.mu.to::<T>());
         let (zero, one) = (T::int(0), T::int(1));
-        (vec![one - e, zero], vec![zero, (mu * (one + e) / (one - e)).sqrt()])
+        (
+            vec![one - e, zero],
+            vec![zero, (mu * (one + e) / (one - e)).sqrt()],
+        )
     }
 
     fn period<T: Float>(&self, (q, p): &State<T>) -> T {
@@ -72,7 +86,10 @@ impl Model for Kepler {
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
         let mut all = angular_momenta(1, 2)?;
-        for (name, i, sign) in [("Laplace-Runge-Lenz x", 0, 1.0), ("Laplace-Runge-Lenz y", 1, -1.0)] {
+        for (name, i, sign) in [
+            ("Laplace-Runge-Lenz x", 0, 1.0),
+            ("Laplace-Runge-Lenz y", 1, -1.0),
+        ] {
             // p × L − μ q/|q|, with L along the third axis.
             all.push(Invariant::record(name, InvariantKind::Other, 2, |q, p| {
                 let r = (q[0] * q[0] + q[1] * q[1]).sqrt();

@@ -4,10 +4,11 @@
 //! Liquids]. Start: the N points of a triangular lattice of spacing 2^{1/6} nearest to the origin, with seeded momenta in a square
 //! of half side `speed` whose mean is taken out. Seven atoms are one atom in a hexagon, as in the frozen argon crystal.
 
-use crate::invariant::{angular_momenta, linear_momenta};
-use crate::model::{Model, State};
-use crate::seeded::Seeded;
-use crate::{Invariant, Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, angular_momenta, linear_momenta};
+use crate::maths::seeded::Seeded;
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -22,21 +23,30 @@ pub struct LennardJones {
     pub seed: u64,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<LennardJones> = Entry {
     name: "lennard-jones",
     title: "Lennard-Jones cluster",
     formula: "H = sum |p_i|^2/2 + 4 sum_{i<j} (r^-12 - r^-6), r = |q_i - q_j|, in the plane",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.4 (frozen argon); seeded momenta are this project's",
     parameters: &[
         Parameter::count("n", "number of atoms", "7", 2, 512),
-        Parameter::real("speed", "largest component of the random momenta", "0.2", Range::closed(0.0, 10.0)),
+        Parameter::real(
+            "speed",
+            "largest component of the random momenta",
+            "0.2",
+            Range::closed(0.0, 10.0),
+        ),
         Parameter::count("seed", "seed of the momenta", "1", 0, u32::MAX),
     ],
     invariants: "momentum (linear) in x and y, angular momentum (quadratic)",
     solution: "none stored",
     hard: "speed = 10 gives an atom up to 100 times the depth of the well, against a core that rises like r^-12",
     build: |v| {
-        Ok(LennardJones { n: v[0].count(), speed: v[1].exact, seed: v[2].count() as u64 }.into())
+        Ok(LennardJones {
+            n: v[0].count(),
+            speed: v[1].exact,
+            seed: v[2].count() as u64,
+        })
     },
 };
 
@@ -45,8 +55,9 @@ impl LennardJones {
     fn sites(&self) -> Vec<(i64, i64)> {
         // The disc of radius w around the origin lies in |i|, |j| ≤ 2w/√3 and holds more than 3w² sites.
         let reach = (self.n as f64 / 3.0).sqrt().ceil() as i64 + 1;
-        let mut sites: Vec<_> =
-            (-2 * reach..=2 * reach).flat_map(|i| (-2 * reach..=2 * reach).map(move |j| (i, j))).collect();
+        let mut sites: Vec<_> = (-2 * reach..=2 * reach)
+            .flat_map(|i| (-2 * reach..=2 * reach).map(move |j| (i, j)))
+            .collect();
         sites.sort_by_key(|&(i, j)| (i * i + i * j + j * j, i, j));
         sites.truncate(self.n);
         sites
@@ -82,9 +93,15 @@ impl Model for LennardJones {
 
         let mut random = Seeded::new(self.seed);
         let speed = self.speed.to::<T>();
-        let mut p: Vec<T> = (0..2 * self.n).map(|_| speed * random.signed_unit::<T>()).collect();
+        let mut p: Vec<T> = (0..2 * self.n)
+            .map(|_| speed * random.signed_unit::<T>())
+            .collect();
         for axis in 0..2 {
-            let sum = p.iter().skip(axis).step_by(2).fold(T::int(0), |sum, &p| sum + p);
+            let sum = p
+                .iter()
+                .skip(axis)
+                .step_by(2)
+                .fold(T::int(0), |sum, &p| sum + p);
             let mean = sum / T::int(self.n as i64);
             p.iter_mut().skip(axis).step_by(2).for_each(|p| *p -= mean);
         }

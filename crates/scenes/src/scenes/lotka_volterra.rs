@@ -3,8 +3,9 @@
 //! u̇ = u(v − b), v̇ = v(a − u) with q = ln u, p = ln v comes from H = eᵖ − bp + e^q − aq, [Hairer, Lubich, Wanner, I.1.1], which is
 //! separable and no polynomial in either part.
 
-use crate::model::{Model, State};
-use crate::{Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::Energy;
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -23,7 +24,7 @@ pub struct LotkaVolterra {
 
 const POSITIVE: Range = Range::above(0.0, 1e3);
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<LotkaVolterra> = Entry {
     name: "lotka-volterra",
     title: "Lotka–Volterra in logarithms",
     formula: "H = exp(p) - b p + exp(q) - a q, q = ln u, p = ln v",
@@ -39,7 +40,7 @@ pub(crate) const SCENE: Scene = Scene {
     hard: "starts far from the equilibrium: from u = v = 1000, q falls to about -1978 between outbreaks, where exp(q) is 0 in f64",
     build: |v| {
         let [a, b, u, v] = [0, 1, 2, 3].map(|i| v[i].exact);
-        Ok(LotkaVolterra { a, b, u, v }.into())
+        Ok(LotkaVolterra { a, b, u, v })
     },
 };
 

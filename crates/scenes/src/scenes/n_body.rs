@@ -5,10 +5,11 @@
 //! by a seeded vector in the cube of half side δ; with δ = 0 the turning ring is the exact solution (unstable, though).
 
 use super::gravity;
-use crate::invariant::{angular_momenta, linear_momenta};
-use crate::model::{Model, State};
-use crate::seeded::Seeded;
-use crate::{Invariant, Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, angular_momenta, linear_momenta};
+use crate::maths::seeded::Seeded;
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Constant, Float, Num, Scalar, ratio};
 
@@ -23,21 +24,30 @@ pub struct Ring {
     pub seed: u64,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<Ring> = Entry {
     name: "n-body",
     title: "Ring of bodies",
     formula: "H = sum |p_i|^2/(2 m) - sum_{i<j} m^2/|q_i - q_j|, m = 1/n, in space",
     source: "Maxwell, On the stability of the motion of Saturn's rings (1859); seeded displacements are this project's",
     parameters: &[
         Parameter::count("n", "number of bodies", "8", 2, 256),
-        Parameter::real("disorder", "largest displacement from the ring", "0.01", Range::closed(0.0, 0.1)),
+        Parameter::real(
+            "disorder",
+            "largest displacement from the ring",
+            "0.01",
+            Range::closed(0.0, 0.1),
+        ),
         Parameter::count("seed", "seed of the displacements", "1", 0, u32::MAX),
     ],
     invariants: "momentum (linear), angular momentum (quadratic), three components each",
     solution: "closed form when disorder = 0 (unstable: round-off grows)",
     hard: "n bodies cost n^2/2 pairs; the ring is unstable and close encounters follow",
     build: |v| {
-        Ok(Ring { n: v[0].count(), disorder: v[1].exact, seed: v[2].count() as u64 }.into())
+        Ok(Ring {
+            n: v[0].count(),
+            disorder: v[1].exact,
+            seed: v[2].count() as u64,
+        })
     },
 };
 
@@ -56,8 +66,12 @@ impl Ring {
         let speed = self.turning::<T>() / n;
         let turn = |i: usize| (angle + T::two_pi() * T::int(i as i64) / n).sin_cos();
         let zero = T::int(0);
-        let q = (0..self.n).map(turn).flat_map(|(sin, cos)| [cos, sin, zero]);
-        let p = (0..self.n).map(turn).flat_map(|(sin, cos)| [-speed * sin, speed * cos, zero]);
+        let q = (0..self.n)
+            .map(turn)
+            .flat_map(|(sin, cos)| [cos, sin, zero]);
+        let p = (0..self.n)
+            .map(turn)
+            .flat_map(|(sin, cos)| [-speed * sin, speed * cos, zero]);
         (q.collect(), p.collect())
     }
 }

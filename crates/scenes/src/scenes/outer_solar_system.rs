@@ -6,9 +6,10 @@
 //! the doubles of the products G m_i, so that the stored reference fits to its last digit.
 
 use super::gravity;
-use crate::invariant::{angular_momenta, linear_momenta};
-use crate::model::{Model, State};
-use crate::{Invariant, Parameter, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, angular_momenta, linear_momenta};
+use crate::model::{Model, State, View};
+use crate::parameter::Parameter;
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Float, Num, Scalar};
 
@@ -19,7 +20,7 @@ pub struct OuterSolarSystem {
     pub planets: usize,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<OuterSolarSystem> = Entry {
     name: "outer-solar-system",
     title: "Outer solar system",
     formula: "H = sum |p_i|^2/(2 m_i) - G sum_{i<j} m_i m_j/|q_i - q_j|",
@@ -34,7 +35,11 @@ pub(crate) const SCENE: Scene = Scene {
     invariants: "momentum (linear), angular momentum (quadratic), three components each",
     solution: "reference outer_ss (t = 200000 days)",
     hard: "masses from 1 to 8e-9 and |H| = 3e-8: the energy's round-off floor lies near 1e-23",
-    build: |v| Ok(OuterSolarSystem { planets: v[0].count() }.into()),
+    build: |v| {
+        Ok(OuterSolarSystem {
+            planets: v[0].count(),
+        })
+    },
 };
 
 /// G in au³/(day² solar mass).
@@ -52,22 +57,46 @@ const GM: [f64; 6] = [
 
 /// Positions in au.
 const Q: [f64; 18] = [
-    0.0, 0.0, 0.0, //
-    -3.5023653, -3.8169847, -1.5507963, //
-    9.0755314, -3.0458353, -1.6483708, //
-    8.310142, -16.2901086, -7.2521278, //
-    11.4707666, -25.7294829, -10.8169456, //
-    -15.5387357, -25.2225594, -3.1902382,
+    0.0,
+    0.0,
+    0.0, //
+    -3.5023653,
+    -3.8169847,
+    -1.5507963, //
+    9.0755314,
+    -3.0458353,
+    -1.6483708, //
+    8.310142,
+    -16.2901086,
+    -7.2521278, //
+    11.4707666,
+    -25.7294829,
+    -10.8169456, //
+    -15.5387357,
+    -25.2225594,
+    -3.1902382,
 ];
 
 /// Velocities in au/day.
 const V: [f64; 18] = [
-    0.0, 0.0, 0.0, //
-    0.00565429, -0.0041249, -0.00190589, //
-    0.00168318, 0.00483525, 0.00192462, //
-    0.00354178, 0.00137102, 0.00055029, //
-    0.0028893, 0.00114527, 0.00039677, //
-    0.00276725, -0.00170702, -0.00136504,
+    0.0,
+    0.0,
+    0.0, //
+    0.00565429,
+    -0.0041249,
+    -0.00190589, //
+    0.00168318,
+    0.00483525,
+    0.00192462, //
+    0.00354178,
+    0.00137102,
+    0.00055029, //
+    0.0028893,
+    0.00114527,
+    0.00039677, //
+    0.00276725,
+    -0.00170702,
+    -0.00136504,
 ];
 
 impl OuterSolarSystem {
@@ -84,7 +113,11 @@ impl Energy for OuterSolarSystem {
     #[inline(always)]
     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
         let gravity = Num::from(G);
-        let masses: Vec<_> = GM.iter().take(self.bodies()).map(|&gm| Num::from(gm) / gravity).collect();
+        let masses: Vec<_> = GM
+            .iter()
+            .take(self.bodies())
+            .map(|&gm| Num::from(gm) / gravity)
+            .collect();
         gravity::energy(3, gravity, &masses, q, p)
     }
 }
@@ -93,7 +126,12 @@ impl Model for OuterSolarSystem {
     fn initial<T: Float>(&self) -> State<T> {
         let n = self.degrees_of_freedom();
         let q = Q.iter().take(n).map(|&q| T::exact(q)).collect();
-        let p = V.iter().take(n).enumerate().map(|(i, &v)| self.mass::<T>(i) * T::exact(v)).collect();
+        let p = V
+            .iter()
+            .take(n)
+            .enumerate()
+            .map(|(i, &v)| self.mass::<T>(i) * T::exact(v))
+            .collect();
         (q, p)
     }
 

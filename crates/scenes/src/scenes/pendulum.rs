@@ -9,9 +9,10 @@
 //!
 //! t₀ never appears: the addition theorem takes sn, cn, dn at the start from the start itself.
 
-use crate::elliptic::{Jacobi, add, jacobi, quarter_period};
-use crate::model::{Model, State};
-use crate::{Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::maths::elliptic::{Jacobi, add, jacobi, quarter_period};
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::Energy;
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -24,19 +25,34 @@ pub struct Pendulum {
     pub p: Constant,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<Pendulum> = Entry {
     name: "pendulum",
     title: "Mathematical pendulum",
     formula: "H = p^2/2 - cos q",
     source: "Hairer, Lubich, Wanner, Geometric Numerical Integration, I.1.2",
     parameters: &[
-        Parameter::real("q", "starting angle, 0 hanging down, in radians", "0", Range::ANGLE),
-        Parameter::real("p", "starting angular velocity", "1", Range::closed(-1e3, 1e3)),
+        Parameter::real(
+            "q",
+            "starting angle, 0 hanging down, in radians",
+            "0",
+            Range::ANGLE,
+        ),
+        Parameter::real(
+            "p",
+            "starting angular velocity",
+            "1",
+            Range::closed(-1e3, 1e3),
+        ),
     ],
     invariants: "none besides H",
     solution: "closed form by Jacobi's elliptic functions; reference pendulum",
     hard: "p -> 2 at q = 0 is the separatrix: at p = 1.9999999999 the period is 51.6 instead of 6.28; p >> 1 rotates fast",
-    build: |v| Ok(Pendulum { q: v[0].exact, p: v[1].exact }.into()),
+    build: |v| {
+        Ok(Pendulum {
+            q: v[0].exact,
+            p: v[1].exact,
+        })
+    },
 };
 
 /// Modulus and complementary modulus squared of the motion, both without cancellation.
@@ -49,7 +65,10 @@ impl<T: Float> Modulus<T> {
     fn of(q: T, p: T) -> Self {
         let half = T::ratio(1, 2);
         let ((sin, cos), p) = ((q * half).sin_cos(), p * half);
-        Modulus { k2: sin * sin + p * p, complement2: (cos - p) * (cos + p) }
+        Modulus {
+            k2: sin * sin + p * p,
+            complement2: (cos - p) * (cos + p),
+        }
     }
 
     fn swings(&self) -> bool {
@@ -116,7 +135,12 @@ impl Model for Pendulum {
 fn libration<T: Float>(m: &Modulus<T>, q: T, p: T, t: T) -> (T, T) {
     let (half, k) = (T::ratio(1, 2), m.k2.sqrt());
     let (sin, cos) = (q * half).sin_cos();
-    let start = Jacobi { sn: sin / k, cn: p * half / k, dn: cos, am: T::int(0) };
+    let start = Jacobi {
+        sn: sin / k,
+        cn: p * half / k,
+        dn: cos,
+        am: T::int(0),
+    };
     let (sn, cn, dn) = add(&jacobi(t, m.complement2.sqrt()), &start, m.k2);
     (T::int(2) * (k * sn).atan2(dn), T::int(2) * k * cn)
 }
@@ -125,13 +149,21 @@ fn rotation<T: Float>(m: &Modulus<T>, q: T, p: T, t: T) -> (T, T) {
     let (half, k) = (T::ratio(1, 2), m.k2.sqrt());
     let sign = if p < T::int(0) { T::int(-1) } else { T::int(1) };
     let (sin, cos) = (q * half).sin_cos();
-    let start = Jacobi { sn: sin, cn: cos, dn: sign * p * half / k, am: q * half };
+    let start = Jacobi {
+        sn: sin,
+        cn: cos,
+        dn: sign * p * half / k,
+        am: q * half,
+    };
     let turning = jacobi(sign * k * t, (-m.complement2 / m.k2).sqrt());
     let (sn, cn, dn) = add(&turning, &start, m.k2.recip());
     // am(u + v) lies within π of am(u), since |v| < K: that fixes the turns.
     let angle = sn.atan2(cn);
     let turns = ((turning.am - angle) / T::two_pi()).round();
-    (T::int(2) * (angle + turns * T::two_pi()), sign * T::int(2) * k * dn)
+    (
+        T::int(2) * (angle + turns * T::two_pi()),
+        sign * T::int(2) * k * dn,
+    )
 }
 
 fn separatrix<T: Float>(q: T, p: T, t: T) -> (T, T) {

@@ -4,9 +4,9 @@
 //! Astron. J. 72, 1967]. Order of the bodies: 5 at (1, −1), 4 at (−2, −1), 3 at (1, 3).
 
 use super::gravity;
-use crate::invariant::{angular_momenta, linear_momenta};
-use crate::model::{Model, State};
-use crate::{Invariant, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, angular_momenta, linear_momenta};
+use crate::model::{Model, State, View};
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Float, Num, Scalar};
 
@@ -14,7 +14,7 @@ use equip_scalar::{Float, Num, Scalar};
 #[derive(Debug, Clone, Copy)]
 pub struct Pythagorean;
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<Pythagorean> = Entry {
     name: "pythagorean",
     title: "Pythagorean three bodies",
     formula: "H = |p1|^2/10 + |p2|^2/8 + |p3|^2/6 - 20/|q1 - q2| - 15/|q1 - q3| - 12/|q2 - q3|",
@@ -23,7 +23,7 @@ pub(crate) const SCENE: Scene = Scene {
     invariants: "momentum (linear) in x and y, angular momentum (quadratic)",
     solution: "reference pythagorean (t = 10)",
     hard: "close encounters: two bodies pass at 0.0004 near t = 15.83; chaotic until one body escapes near t = 60",
-    build: |_| Ok(Pythagorean.into()),
+    build: |_| Ok(Pythagorean),
 };
 
 const MASSES: [i32; 3] = [5, 4, 3];
@@ -41,7 +41,10 @@ impl Energy for Pythagorean {
 
 impl Model for Pythagorean {
     fn initial<T: Float>(&self) -> State<T> {
-        ([1, -1, -2, -1, 1, 3].map(T::int).to_vec(), vec![T::int(0); 6])
+        (
+            [1, -1, -2, -1, 1, 3].map(T::int).to_vec(),
+            vec![T::int(0); 6],
+        )
     }
 
     /// The unit in which G = 1.

@@ -3,9 +3,10 @@
 //! H = p²/2 + q⁴/4: all solutions are one curve scaled. With A = (4E)^{1/4} and Jacobi's functions at k² = 1/2,
 //! q = A cn(At + u₀), p = −A² sn dn, [Abramowitz, Stegun, 16]; u₀ enters by the addition theorem.
 
-use crate::elliptic::{Jacobi, add, jacobi, quarter_period};
-use crate::model::{Model, State};
-use crate::{Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::maths::elliptic::{Jacobi, add, jacobi, quarter_period};
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::Energy;
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -18,7 +19,7 @@ pub struct Quartic {
     pub p: Constant,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<Quartic> = Entry {
     name: "quartic",
     title: "Quartic oscillator",
     formula: "H = p^2/2 + q^4/4",
@@ -30,7 +31,12 @@ pub(crate) const SCENE: Scene = Scene {
     invariants: "none besides H",
     solution: "closed form by Jacobi's elliptic functions",
     hard: "amplitude A: the period is 7.416/A; at q = 0 the force and its derivative vanish",
-    build: |v| Ok(Quartic { q: v[0].exact, p: v[1].exact }.into()),
+    build: |v| {
+        Ok(Quartic {
+            q: v[0].exact,
+            p: v[1].exact,
+        })
+    },
 };
 
 /// A = (2p² + q⁴)^{1/4}.
@@ -84,7 +90,12 @@ impl Model for Quartic {
         let half = T::ratio(1, 2);
         let cn = q[0] / a;
         let dn = ((T::int(1) + cn * cn) * half).sqrt();
-        let start = Jacobi { sn: -p[0] / (a * a * dn), cn, dn, am: T::int(0) };
+        let start = Jacobi {
+            sn: -p[0] / (a * a * dn),
+            cn,
+            dn,
+            am: T::int(0),
+        };
         let (sn, cn, dn) = add(&jacobi(a * t, half.sqrt()), &start, half);
         Some((vec![a * cn], vec![-a * a * sn * dn]))
     }

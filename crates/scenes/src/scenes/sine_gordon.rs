@@ -7,8 +7,9 @@
 //! Start: the breather of the continuous equation at its greatest height, [Drazin, Johnson, Solitons, 1989],
 //! q_j = 4 atan(√(1 − ω²)/(ω cosh(√(1 − ω²) x_j))), at rest.
 
-use crate::model::{Model, State};
-use crate::{Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::Energy;
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -23,21 +24,40 @@ pub struct SineGordon {
     pub omega: Constant,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<SineGordon> = Entry {
     name: "sine-gordon",
     title: "Sine-Gordon breather on a grid",
     formula: "H = sum [p_j^2/2 + (q_{j+1} - q_j)^2/(2 D^2) + 1 - cos q_j], D = length/n, ring",
     source: "Drazin, Johnson, Solitons: an introduction, Cambridge (1989); second differences in space",
     parameters: &[
         Parameter::count("n", "number of grid points", "64", 2, 4096),
-        Parameter::real("length", "length of the ring", "40", Range::closed(1.0, 1e3)),
-        Parameter::real("omega", "frequency of the breather", "0.6", Range { low: 0.0, low_included: false, high: 1.0, high_included: false }),
+        Parameter::real(
+            "length",
+            "length of the ring",
+            "40",
+            Range::closed(1.0, 1e3),
+        ),
+        Parameter::real(
+            "omega",
+            "frequency of the breather",
+            "0.6",
+            Range {
+                low: 0.0,
+                low_included: false,
+                high: 1.0,
+                high_included: false,
+            },
+        ),
     ],
     invariants: "none besides H (the grid breaks the momentum)",
     solution: "none stored; the continuous breather has period 2 pi/omega",
     hard: "fine grids: fastest frequency 2 n/length, so n = 4096 on length 10 has 819; omega -> 0 is nearly a pair of kinks",
     build: |v| {
-        Ok(SineGordon { n: v[0].count(), length: v[1].exact, omega: v[2].exact }.into())
+        Ok(SineGordon {
+            n: v[0].count(),
+            length: v[1].exact,
+            omega: v[2].exact,
+        })
     },
 };
 

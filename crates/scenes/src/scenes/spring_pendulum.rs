@@ -4,9 +4,10 @@
 //! Start: horizontal, the spring stretched so that the centrifugal force of the speed 1 balances it to first order,
 //! q = (1 + 1/k, 0), p = (0, −1): little energy in the fast motion at any k.
 
-use crate::invariant::angular_momenta;
-use crate::model::{Model, State};
-use crate::{Invariant, Parameter, Range, Scene, View};
+use crate::entry::Entry;
+use crate::invariant::{Invariant, angular_momenta};
+use crate::model::{Model, State, View};
+use crate::parameter::{Parameter, Range};
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Constant, Float, Num, Scalar};
 
@@ -19,19 +20,29 @@ pub struct SpringPendulum {
     pub g: Constant,
 }
 
-pub(crate) const SCENE: Scene = Scene {
+pub(crate) const SCENE: Entry<SpringPendulum> = Entry {
     name: "spring-pendulum",
     title: "Stiff spring pendulum",
     formula: "H = |p|^2/2 + g q2 + k (|q| - 1)^2/2",
     source: "Ascher, Reich, On some difficulties in integrating highly oscillatory Hamiltonian systems, LNCSE 4 (1999)",
     parameters: &[
-        Parameter::real("k", "stiffness of the spring", "10000", Range::closed(1.0, 1e12)),
+        Parameter::real(
+            "k",
+            "stiffness of the spring",
+            "10000",
+            Range::closed(1.0, 1e12),
+        ),
         Parameter::real("g", "acceleration of gravity", "1", Range::closed(0.0, 1e3)),
     ],
     invariants: "none besides H; angular momentum when g = 0",
     solution: "none stored",
     hard: "k -> infinity: fast frequency sqrt(k), h = 0.1 gives h omega = 10 at the default and 10^5 at k = 10^12",
-    build: |v| Ok(SpringPendulum { k: v[0].exact, g: v[1].exact }.into()),
+    build: |v| {
+        Ok(SpringPendulum {
+            k: v[0].exact,
+            g: v[1].exact,
+        })
+    },
 };
 
 impl Energy for SpringPendulum {
@@ -70,6 +81,10 @@ impl Model for SpringPendulum {
     }
 
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
-        if self.g.to::<f64>() == 0.0 { angular_momenta(1, 2) } else { Ok(Vec::new()) }
+        if self.g.to::<f64>() == 0.0 {
+            angular_momenta(1, 2)
+        } else {
+            Ok(Vec::new())
+        }
     }
 }

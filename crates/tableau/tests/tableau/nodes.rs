@@ -104,7 +104,7 @@ fn every_rule_is_symmetric_to_the_last_bit<T: Float>() {
 }
 
 fn polynomials_are_orthonormal_in_the_discrete_product<T: Float>() {
-    for s in (1..=20).chain([32, 48, MAX_STAGES]) {
+    for s in (1..=20).chain([24, 28, MAX_STAGES]) {
         let gauss = Gauss::<T>::new(s).unwrap();
         let mut worst = T::int(0);
         for k in 0..s {
@@ -122,7 +122,7 @@ fn polynomials_are_orthonormal_in_the_discrete_product<T: Float>() {
 }
 
 fn moments_are_those_of_the_interval<T: Float>() {
-    for s in (1..=20).chain([32, 48, MAX_STAGES]) {
+    for s in (1..=20).chain([24, 28, MAX_STAGES]) {
         let gauss = Gauss::<T>::new(s).unwrap();
         let mut powers = gauss.weights().to_vec();
         let mut worst = T::int(0);
@@ -185,6 +185,6 @@ fn impossible_numbers_of_stages_are_refused() {
                 max: MAX_STAGES
             }
         );
-        assert!(error.to_string().contains("choose a number from 1 to 64"));
+        assert!(error.to_string().contains("choose a number from 1 to 32"));
     }
 }

@@ -124,7 +124,7 @@ fn hbvm_has_order_2s<T: Float>() {
         (9, 3),
         (8, 4),
         (20, 10),
-        (40, 10),
+        (30, 10),
     ] {
         assert_eq!(
             order(&hbvm::<T>(k, s).unwrap(), tolerance()),

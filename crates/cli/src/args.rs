@@ -1,0 +1,135 @@
+//! Commands and options, and the help that teaches them.
+//!
+//! The parameters of a scene are options of `run` too (`--e 0.9`); they are added to the derived parser by name.
+
+mod others;
+mod run;
+
+pub(crate) use others::{CheckArgs, GrowthArgs, ReportArgs, ScenesArgs, SectionArgs};
+pub(crate) use run::{MethodName, Precision, RunArgs};
+
+use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
+use equip_scenes::Scene;
+use run::PARAMETERS;
+use std::ffi::OsString;
+
+#[derive(Debug, Parser)]
+#[command(
+    name = "equip",
+    version,
+    about = "Energy-preserving integration of Hamiltonian systems",
+    long_about = "Integrates named Hamiltonian systems with EQUIP methods: Gauss methods whose free parameters α are \
+        chosen at every step so that the energy H is kept to round-off, and quadratic invariants with it.",
+    after_help = "Examples:\n  equip scenes                       what there is to integrate\n  \
+        equip scenes kepler                formula, parameters and source of one scene\n  \
+        equip run kepler                   a run with its certificate\n  \
+        equip run kepler --e 0.9 --stages 6 --periods 100 --plot kepler.svg\n  \
+        equip check --quick                stiff and extreme cases, judged\n  \
+        equip report --quick               error against run time, as a page"
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// List the scenes, or describe one
+    Scenes(ScenesArgs),
+    /// Integrate a scene and print what was kept
+    Run(Box<RunArgs>),
+    /// Draw the Poincaré section of Hénon and Heiles
+    Section(SectionArgs),
+    /// Draw how the error of Kepler's problem grows with time, EQUIP beside Gauss
+    Growth(GrowthArgs),
+    /// Run the catalogue of stiff and extreme cases, and judge every row
+    Check(CheckArgs),
+    /// Error against run time of EQUIP, Gauss and classical methods: a page, pictures and tables
+    Report(ReportArgs),
+}
+
+/// Parses the command line; ends the program on `--help` and on wrong usage.
+pub(crate) fn parse() -> Cli {
+    let arguments: Vec<OsString> = std::env::args_os().collect();
+    let named = arguments
+        .iter()
+        .skip(2)
+        .find_map(|text| equip_scenes::find(text.to_str()?).ok());
+    let mut names = Vec::new();
+    let command =
+        Cli::command().mut_subcommand("run", |run| with_parameters(run, named, &mut names));
+    let mut matches = command.clone().get_matches_from(arguments);
+    let given: Vec<_> = match matches.subcommand_matches("run") {
+        Some(run) => names
+            .iter()
+            .filter_map(|name| Some((name.to_string(), run.get_one::<String>(name)?.clone())))
+            .collect(),
+        None => Vec::new(),
+    };
+    let mut cli = Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|error| error.exit());
+    if let Command::Run(run) = &mut cli.command {
+        run.set.extend(given);
+    }
+    cli
+}
+
+/// Adds the parameters of all scenes as options, those of the scene `named` visibly; a parameter that has the name of
+/// an option of `run` is left to `--set`.
+fn with_parameters(
+    mut run: clap::Command,
+    named: Option<&'static Scene>,
+    names: &mut Vec<&'static str>,
+) -> clap::Command {
+    let rest = equip_scenes::all()
+        .iter()
+        .filter(|scene| named.is_none_or(|n| n.name != scene.name));
+    for (visible, scene) in named
+        .into_iter()
+        .map(|s| (true, s))
+        .chain(rest.map(|s| (false, s)))
+    {
+        for parameter in scene.parameters {
+            let name = parameter.name;
+            let taken = |arg: &Arg| arg.get_id() == name || arg.get_long() == Some(name);
+            if ["help", "version"].contains(&name) || run.get_arguments().any(taken) {
+                continue;
+            }
+            names.push(name);
+            run = run.arg(
+                Arg::new(name)
+                    .long(name)
+                    .value_name("VALUE")
+                    .allow_hyphen_values(true)
+                    .hide(!visible)
+                    .help(format!(
+                        "{}, in {} [default: {}]",
+                        parameter.meaning, parameter.range, parameter.default
+                    ))
+                    .help_heading(PARAMETERS),
+            );
+        }
+    }
+    run
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Cli, with_parameters};
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_parser_is_sound_with_the_parameters_of_every_scene() {
+        for scene in equip_scenes::all() {
+            let mut names = Vec::new();
+            Cli::command()
+                .mut_subcommand("run", |run| with_parameters(run, Some(scene), &mut names))
+                .debug_assert();
+            // Every parameter has its option: none is hidden behind an option of `run`.
+            assert!(
+                scene.parameters.iter().all(|p| names.contains(&p.name)),
+                "{}",
+                scene.name
+            );
+        }
+    }
+}

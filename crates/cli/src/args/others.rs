@@ -1,0 +1,171 @@
+//! Options of the commands beside `equip run`.
+
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  equip scenes\n  equip scenes henon-heiles")]
+pub(crate) struct ScenesArgs {
+    /// Scene to describe; all are listed if none is named
+    pub(crate) name: Option<String>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The plane q1 = 0, crossed with p1 > 0: closed curves are regular orbits, clouds are chaotic ones. At energy 1/12 nearly all are \
+        regular, at 1/8 some, at 1/6 nearly none.\n\n\
+        Examples:\n  \
+        equip section henon-heiles --energy 1/8 --plot section.svg\n  \
+        equip section henon-heiles --energy 1/6 --orbits 8 --until 10000 --csv section.csv"
+)]
+pub(crate) struct SectionArgs {
+    /// Scene; henon-heiles is the only one so far
+    pub(crate) scene: String,
+    /// Energy of the orbits, up to that of the escape, 1/6
+    #[arg(long, value_name = "E", default_value = "1/8")]
+    pub(crate) energy: String,
+    /// Number of orbits
+    #[arg(long, value_name = "N", default_value_t = 24)]
+    pub(crate) orbits: usize,
+    /// Time to end at, for each orbit
+    #[arg(long, value_name = "T", default_value = "2000")]
+    pub(crate) until: String,
+    /// Stages s: the order is 2s
+    #[arg(long, short, default_value_t = 8, help_heading = "Method")]
+    pub(crate) stages: usize,
+    /// Tolerance of the variable steps
+    #[arg(
+        long,
+        value_name = "TOL",
+        default_value = "1e-11",
+        help_heading = "Method"
+    )]
+    pub(crate) tolerance: String,
+    /// Where to draw
+    #[arg(
+        long,
+        value_name = "FILE.svg",
+        default_value = "section.svg",
+        help_heading = "Output"
+    )]
+    pub(crate) plot: PathBuf,
+    /// Write orbit, q2 and p2 of every crossing
+    #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
+    pub(crate) csv: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Both methods have variable steps under the same control. The error is the largest of a component of position and momentum, against the closed \
+        form, 0.3 revolutions after the N-th. The table has N = 1, 10, 100, …, the picture more of them.\n\n\
+        Examples:\n  \
+        equip growth\n  \
+        equip growth --eccentricities 0.6,0.99 --tolerances 1e-10 --revolutions 10000 --csv growth.csv"
+)]
+pub(crate) struct GrowthArgs {
+    /// Eccentricities, one panel each
+    #[arg(
+        long,
+        value_name = "E,E,…",
+        value_delimiter = ',',
+        default_value = "0.6,0.9,0.99,0.999"
+    )]
+    pub(crate) eccentricities: Vec<String>,
+    /// Tolerances of the variable steps
+    #[arg(
+        long,
+        value_name = "TOL,TOL,…",
+        value_delimiter = ',',
+        default_value = "1e-12,1e-14",
+        help_heading = "Method"
+    )]
+    pub(crate) tolerances: Vec<String>,
+    /// Revolutions to make
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub(crate) revolutions: u64,
+    /// Stages s: the order is 2s
+    #[arg(long, short, default_value_t = 8, help_heading = "Method")]
+    pub(crate) stages: usize,
+    /// Where to draw
+    #[arg(
+        long,
+        value_name = "FILE.svg",
+        default_value = "growth.svg",
+        help_heading = "Output"
+    )]
+    pub(crate) plot: PathBuf,
+    /// Write the errors, all that are drawn
+    #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
+    pub(crate) csv: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Every row is integrated with EQUIP and with Gauss on the same steps. It passes if every step is accounted \
+        for, the energy is within 8 round-off floors wherever it is said to be kept, quadratic invariants are at round-off, \
+        no step is carried but for a reason that the row names, and the trajectory error is at most 1.5 times that of Gauss (2 times for the slow variables \
+        where oscillations are not resolved).\n\n\
+        Exit codes: 0 no row failed; 1 a row failed or the output did; 2 bad usage.\n\n\
+        Examples:\n  \
+        equip check --quick\n  \
+        equip check --only fpu\n  \
+        equip check --html check.html --json check.json"
+)]
+pub(crate) struct CheckArgs {
+    /// The rows that are made in at most two minutes
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Rows whose theme, name or setting contains TEXT
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) only: Option<String>,
+    /// Write all figures as JSON
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) json: Option<PathBuf>,
+    /// Write the table as comma-separated values
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Write the table as a page for the browser
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) html: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "For each scene: error at the end and energy defect against run time, work counts, and the time to given \
+        errors, of EQUIP and Gauss with several numbers of stages, Störmer-Verlet, compositions of order 8 and 10, and DOP853. All use \
+        the gradient derived from H.\n\n\
+        The directory gets report.html, which needs nothing else, runs.csv, times.csv, and one SVG file a scene.\n\n\
+        Examples:\n  \
+        equip report --quick\n  \
+        equip report --only kepler --out kepler-report\n  \
+        equip report --peers benches/peers/out/peers.json"
+)]
+pub(crate) struct ReportArgs {
+    /// Fewer scenes and methods, in less than a minute; all of it takes less than ten
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Scenes whose name, like kepler-0.6-f64 or pendulum-dd, contains TEXT
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) only: Option<String>,
+    /// Time to spend; more of it means finer settings and more repeats
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(crate) seconds: Option<f64>,
+    /// Directory to write to; it is made if it is not there
+    #[arg(
+        long,
+        value_name = "DIR",
+        default_value = "equip-report",
+        help_heading = "Output"
+    )]
+    pub(crate) out: PathBuf,
+    /// Join what benches/peers measured to the page
+    #[arg(long, value_name = "peers.json", help_heading = "Output")]
+    pub(crate) peers: Option<PathBuf>,
+}
+
+fn seconds(text: &str) -> Result<f64, &'static str> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x <= 1e6 => Ok(x),
+        _ => Err("a positive number of seconds, at most 1e6"),
+    }
+}

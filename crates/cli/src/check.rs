@@ -1,0 +1,173 @@
+//! `equip check`: the catalogue of stiff and extreme cases, run and judged.
+//!
+//! Rows are data ([`case::Case`]), grouped by theme; [`measure::row`] runs one with EQUIP and with Gauss, and
+//! [`verdict::judge`] holds its figures against what its definition expects.
+
+mod case;
+mod cases;
+mod documents;
+mod html;
+mod leg;
+mod measure;
+mod measured;
+mod outcomes;
+mod reference;
+mod summary;
+mod table;
+mod verdict;
+
+use crate::args::CheckArgs;
+use crate::fault::Fault;
+use case::Case;
+use cases::catalogue;
+use indicatif::{ProgressBar, ProgressStyle};
+use measure::Row;
+use reference::Cache;
+use std::fs::File;
+use std::io::{IsTerminal, Write, stderr, stdout};
+use std::num::NonZero;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::time::Instant;
+use summary::Summary;
+
+pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
+    let begun = Instant::now();
+    let wanted = args.only.as_deref().unwrap_or("").to_lowercase();
+    let mut cases = catalogue();
+    cases.retain(|case| {
+        let text = format!("{} {} {}", case.theme, case.name, case.setting());
+        (case.quick || !args.quick) && text.to_lowercase().contains(&wanted)
+    });
+    if cases.is_empty() {
+        return Err(Fault::Option {
+            option: "--only",
+            value: wanted,
+            expected: "a part of the theme, the name or the setting of some row",
+        });
+    }
+    // Files are made before the work: a path that cannot be written is worth knowing at once.
+    let create = |path: &Option<PathBuf>| match path {
+        None => Ok(None),
+        Some(path) => match File::create(path) {
+            Ok(file) => Ok(Some((file, path.clone()))),
+            Err(source) => Err(write_fault(path, source)),
+        },
+    };
+    let (json, csv, html) = (create(&args.json)?, create(&args.csv)?, create(&args.html)?);
+    let rows = run_all(&cases)?;
+    let summary = Summary::of(&rows, begun);
+    let mut out = stdout().lock();
+    table::end(&mut out, &rows, &summary)?;
+    let json_text = json.as_ref().map(|_| documents::json(&rows, &summary));
+    let json_text = json_text.transpose().map_err(std::io::Error::from)?;
+    let csv_text = csv.as_ref().map(|_| documents::csv(&rows));
+    let html_text = html.as_ref().map(|_| html::page(&rows, &summary));
+    for (file, text) in [(json, json_text), (csv, csv_text), (html, html_text)] {
+        if let (Some((mut file, path)), Some(text)) = (file, text) {
+            file.write_all(text.as_bytes())
+                .map_err(|source| write_fault(&path, source))?;
+        }
+    }
+    match summary.failed {
+        0 => Ok(()),
+        failed => Err(Fault::Check {
+            failed,
+            rows: summary.rows,
+        }),
+    }
+}
+
+fn write_fault(path: &std::path::Path, source: std::io::Error) -> Fault {
+    Fault::Write {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// Runs the cases on all cores and prints each as soon as all before it are printed.
+fn run_all(cases: &[Case]) -> Result<Vec<Row>, Fault> {
+    let bar = progress(cases.len());
+    let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let (next, cache) = (AtomicUsize::new(0), Cache::default());
+    // Long runs first: they would keep one core busy at the end while the others wait.
+    let mut order: Vec<usize> = (0..cases.len()).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(cases[i].steps / 500_000));
+    let (send, receive) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for _ in 0..threads.min(cases.len()) {
+            let send = send.clone();
+            let (next, cache, order) = (&next, &cache, &order);
+            scope.spawn(move || {
+                while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    // Nobody listens if printing failed: then there is nothing left to do.
+                    if send
+                        .send((index, measure::row(&cases[index], cache)))
+                        .is_err()
+                    {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(send);
+        let mut waiting: Vec<Option<Row>> = cases.iter().map(|_| None).collect();
+        let mut rows = Vec::with_capacity(cases.len());
+        let mut theme = "";
+        for (index, row) in receive {
+            waiting[index] = Some(row);
+            bar.inc(1);
+            while let Some(row) = waiting.get_mut(rows.len()).and_then(Option::take) {
+                let mut text = Vec::new();
+                if row.theme != theme {
+                    theme = row.theme;
+                    table::head(&mut text, theme)?;
+                }
+                table::line(&mut text, &row)?;
+                bar.suspend(|| stdout().lock().write_all(&text))?;
+                rows.push(row);
+            }
+        }
+        bar.finish_and_clear();
+        Ok(rows)
+    })
+}
+
+/// A bar on a terminal, nothing elsewhere.
+fn progress(rows: usize) -> ProgressBar {
+    if !stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len} rows, {elapsed}");
+    ProgressBar::new(rows as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::case::Reference;
+    use super::catalogue;
+    use super::leg::stride;
+    use std::collections::HashSet;
+
+    #[test]
+    fn rows_are_distinct_and_shared_references_have_their_times() {
+        let mut seen = HashSet::new();
+        for case in catalogue() {
+            let row = (case.name.clone(), case.setting(), case.steps);
+            assert!(seen.insert(row.clone()), "{row:?}");
+            if let Reference::Shared { grid, end, .. } = case.reference {
+                let apart = case.h * stride(case.steps) as f64 / grid;
+                assert!((apart - apart.round()).abs() < 1e-9, "{row:?}");
+                assert!(case.h * case.steps as f64 <= end * (1.0 + 1e-9), "{row:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_problem_can_be_built() {
+        for case in catalogue() {
+            assert!((case.problem)().is_ok(), "{}", case.name);
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! Long runs: the energy defect must not grow with the number of steps.
+
+use crate::check::case::{Case, Reference, Trajectory, scene};
+use std::f64::consts::TAU;
+
+const THEME: &str = "long";
+
+pub(crate) fn cases() -> Vec<Case> {
+    let kepler = |steps: u64| {
+        let name = format!("Kepler e=0.6, {} periods", steps / 50);
+        Case::new(THEME, name, scene("kepler", &[("e", "0.6")])).steps(steps, TAU / 50.0)
+    };
+    let henon_heiles = |steps: u64| {
+        let name = format!("Hénon–Heiles E=1/8, t = {}", steps / 4);
+        let values = [("energy", "1/8")];
+        let case = Case::new(THEME, name, scene("henon-heiles", &values)).steps(steps, 0.25);
+        case.trajectory(Trajectory::Open("longer than the orbit can be predicted"))
+    };
+    vec![
+        kepler(100_000).against(Reference::Closed),
+        henon_heiles(100_000),
+        henon_heiles(1_000_000).complete_only(),
+        kepler(10_000_000)
+            .against(Reference::Closed)
+            .trajectory(Trajectory::Open("as long as it goes: energy and outcomes"))
+            .complete_only(),
+    ]
+}

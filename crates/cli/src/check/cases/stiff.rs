@@ -1,0 +1,183 @@
+//! Fast oscillations around slow motion, from resolved (hω = 0.1) to 80 of them in a step (hω = 500).
+//!
+//! Resolved rows (hω ≤ 3) are judged by the whole state, the others by their slow variables.
+
+use crate::check::case::{Case, End, Judged, Kind, Reference, Trajectory, scene};
+
+const THEME: &str = "stiff";
+const AT_REST: &str = "the fast motion is at rest and not resolved: the α's that remove its energy defect would disturb the \
+    slow motion";
+const TOO_LARGE: &str = "so many oscillations in a step that the stage equations may have no solution that follows the motion";
+const SINGLE: &str = "one start; the mean over the rows of this scene is 1.0";
+const STARTS_TO_SWING: &str =
+    "few steps: the fast motion starts to swing, from then on it is corrected";
+const CANCELLING: &str = "hω = 2.2: every step is nearer to the exact flow than that of Gauss, whose errors cancel over \
+    the fast period";
+/// End of the name, stages, step; the ratio measured and its cause.
+type Known = (&'static str, usize, f64, f64, &'static str);
+const FPU: &[Known] = &[
+    ("=500", 4, 0.1, 2.64, SINGLE),
+    ("=5000", 4, 0.01, 2.59, SINGLE),
+    ("=5000", 4, 0.02, 3.58, SINGLE),
+    ("=5000", 6, 0.02, 3.03, SINGLE),
+];
+const SPRING: &[Known] = &[
+    ("1e4", 4, 0.5, 4.52, STARTS_TO_SWING),
+    ("1e4", 6, 1.0, 3.08, STARTS_TO_SWING),
+];
+const DOUBLE: &[Known] = &[
+    ("=32", 4, 0.03125, 2.06, CANCELLING),
+    ("=32", 6, 0.03125, 3.59, CANCELLING),
+    ("=32", 6, 0.125, 2.27, STARTS_TO_SWING),
+];
+/// Largest hω at which an oscillation counts as resolved.
+const RESOLVED: f64 = 3.0;
+
+pub(crate) fn cases() -> Vec<Case> {
+    let mut all = Vec::new();
+    fpu(&mut all);
+    spring_pendulum(&mut all);
+    double_pendulum(&mut all);
+    all
+}
+
+/// What is judged of a row with this hω, `slow` being what is slow.
+fn judged(case: Case, slow: Judged) -> Case {
+    if case.omega.unwrap_or(0.0) * case.h <= RESOLVED {
+        case
+    } else {
+        case.judging(slow).trajectory(Trajectory::Slow)
+    }
+}
+
+/// The row with its known deficit, if it is in the table.
+fn deficits(case: Case, known: &[Known]) -> Case {
+    let found = known
+        .iter()
+        .find(|k| case.name.ends_with(k.0) && case.stages == k.1 && case.h == k.2);
+    match found {
+        Some(&(_, _, _, ratio, cause)) => case.trajectory(Trajectory::Deficit(ratio, cause)),
+        None => case,
+    }
+}
+
+/// Three stiff springs; ω = 50 and 500 until t = 10, ω = 5000 until t = 2.
+fn fpu(all: &mut Vec<Case>) {
+    let shared = |omega: &str, grid, divide, end| Reference::Shared {
+        key: format!("fpu {omega}"),
+        grid,
+        divide,
+        stages: 7,
+        end,
+    };
+    let case = |omega: &str, s: usize, h: f64, end: f64| {
+        let name = format!("fpu ω={omega}");
+        let case = Case::new(THEME, name, scene("fpu", &[("omega", omega)]))
+            .stages(s)
+            .omega(omega.parse().unwrap_or(0.0))
+            .steps((end / h).round() as u64, h);
+        deficits(judged(case, Judged::First(3)), FPU)
+    };
+    for s in [3, 4, 6] {
+        for h in [0.01, 0.02, 0.05, 0.1, 0.25, 1.0] {
+            let row = case("50", s, h, 10.0).against(shared("50", 0.01, 1, 10.0));
+            all.push(row);
+        }
+        for h in [0.002, 0.005, 0.01, 0.02, 0.1, 0.25, 1.0] {
+            let row = case("500", s, h, 10.0).against(shared("500", 0.001, 1, 10.0));
+            all.push(if s == 4 && h > 0.01 {
+                row
+            } else {
+                row.complete_only()
+            });
+        }
+        for h in [0.001, 0.01, 0.02, 0.1] {
+            let row = case("5000", s, h, 2.0).against(shared("5000", 0.001, 5, 2.0));
+            all.push(row.complete_only());
+        }
+    }
+    // hω = 0.1; Gauss with more stages is the reference.
+    for (omega, h) in [("50", 2e-3), ("500", 2e-4), ("5000", 2e-5)] {
+        let fine = Reference::Fine {
+            stages: 6,
+            divide: 1,
+        };
+        all.push(case(omega, 4, h, 500.0 * h).against(fine));
+    }
+    let far = case("50", 4, 10.0, 200.0);
+    all.push(far.trajectory(Trajectory::Open(
+        "the slow motion is not resolved either: no trajectory to compare",
+    )));
+}
+
+/// A point on a spring of stiffness k, ω = √k.
+fn spring_pendulum(all: &mut Vec<Case>) {
+    type Family = (&'static str, f64, f64, u64, &'static [f64]);
+    let families: [Family; 3] = [
+        ("1e4", 5.0, 0.005, 1, &[0.005, 0.02, 0.1, 0.2, 0.5, 1.0]),
+        ("1e6", 5.0, 0.002, 2, &[0.002, 0.01, 0.02, 0.05, 0.1, 0.5]),
+        ("1e8", 2.0, 0.002, 20, &[0.002, 0.01, 0.05]),
+    ];
+    for (k, end, grid, divide, sizes) in families {
+        for s in [3, 4, 6] {
+            for &h in sizes {
+                let name = format!("spring pendulum k={k}");
+                let k_value: f64 = k.parse().unwrap_or(0.0);
+                let case = Case::new(THEME, name, scene("spring-pendulum", &[("k", k)]))
+                    .stages(s)
+                    .omega(k_value.sqrt())
+                    .steps((end / h).round() as u64, h)
+                    .against(Reference::Shared {
+                        key: format!("spring pendulum {k}"),
+                        grid,
+                        divide,
+                        stages: 8,
+                        end,
+                    });
+                let case = judged(case, Judged::Polar);
+                let case = deficits(case, SPRING).carried(1.0, AT_REST);
+                all.push(if k == "1e8" && s != 4 {
+                    case.complete_only()
+                } else {
+                    case
+                });
+            }
+        }
+    }
+}
+
+/// Not separable; fast frequency near 2.2 C.
+fn double_pendulum(all: &mut Vec<Case>) {
+    for (c, finest, coarsest) in [("32", 7, 3), ("1024", 9, 5)] {
+        for s in [3, 4, 6] {
+            for power in (coarsest..=finest).rev().step_by(2) {
+                let h = 0.5_f64.powi(power);
+                let name = format!("stiff double pendulum C={c}");
+                let c_value: f64 = c.parse().unwrap_or(0.0);
+                let case = Case::new(THEME, name, scene("stiff-double-pendulum", &[("c", c)]))
+                    .stages(s)
+                    .omega(2.2 * c_value)
+                    .steps((2.0 / h).round() as u64, h)
+                    .against(Reference::Shared {
+                        key: format!("double pendulum {c}"),
+                        grid: 0.5_f64.powi(9),
+                        divide: 4,
+                        stages: 8,
+                        end: 2.0,
+                    });
+                let case = judged(case, Judged::First(1));
+                let case = deficits(case, DOUBLE);
+                let case = if h * 2.2 * c_value > RESOLVED {
+                    case.carried(1.0, AT_REST)
+                } else {
+                    case
+                };
+                all.push(if s == 6 && h * c_value > 2.0 {
+                    case.ending(End::Either(&[Kind::Astray], TOO_LARGE))
+                } else {
+                    case
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! The table as one page that needs nothing else: colours by verdict, readable by light and dark.
+
+use super::measure::Row;
+use super::outcomes::{LEGEND, outcomes};
+use super::summary::Summary;
+use super::verdict::Word;
+use std::fmt::Write;
+
+const STYLE: &str = "
+:root { color-scheme: light dark; }
+body { font: 14px/1.4 system-ui, sans-serif; margin: 1.5rem; }
+table { border-collapse: collapse; white-space: nowrap; }
+th, td { padding: .15rem .6rem; text-align: right; border-bottom: 1px solid #8884; }
+thead th { position: sticky; top: 0; background: Canvas; }
+td:first-child, td:nth-child(2), td:nth-child(4), td:last-child { text-align: left; }
+td:last-child { white-space: normal; min-width: 20rem; }
+tr.theme th { text-align: left; padding-top: 1.2rem; font-size: 1.1rem; }
+tr.pass b { color: #1a7f37; } tr.fail { background: #d1242f33; } tr.fail b { color: #d1242f; }
+tr.expected b { color: #0969da; } tr.deficit { background: #bf870022; } tr.deficit b { color: #9a6700; }
+small { color: GrayText; }
+";
+
+const COLUMNS: [&str; 13] = [
+    "case",
+    "setting",
+    "steps",
+    "outcomes",
+    "floors",
+    "energy",
+    "energy, Gauss",
+    "invariants",
+    "error",
+    "error, Gauss",
+    "ratio",
+    "seconds",
+    "verdict",
+];
+
+pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
+    let mut body = String::new();
+    let mut theme = "";
+    for row in rows {
+        if row.theme != theme {
+            theme = row.theme;
+            push(
+                &mut body,
+                format_args!(
+                    "<tr class=\"theme\"><th colspan=\"{}\">{theme}</th></tr>",
+                    COLUMNS.len()
+                ),
+            );
+        }
+        push(&mut body, format_args!("{}", line(row)));
+    }
+    let heads: String = COLUMNS.iter().map(|c| format!("<th>{c}</th>")).collect();
+    let Summary {
+        rows,
+        passed,
+        expected_errors,
+        explained,
+        known_deficits,
+        failed,
+        seconds,
+    } = summary;
+    let legend = escape(LEGEND).replace('\n', "<br>");
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>equip check</title>\n<style>{STYLE}</style>\n\
+         <h1>equip check {version}</h1>\n\
+         <p><b>{rows}</b> rows: {passed} pass, {expected_errors} expected errors, {explained} explained, {known_deficits} known deficits, \
+         <b>{failed} fail</b>; {seconds:.1} s</p>\n<p><small>{legend}</small></p>\n\
+         <table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{body}</tbody>\n</table>\n</html>\n",
+        version = env!("CARGO_PKG_VERSION"),
+    )
+}
+
+fn push(text: &mut String, line: std::fmt::Arguments<'_>) {
+    // Writing to a String does not fail.
+    let _ = writeln!(text, "{line}");
+}
+
+fn line(row: &Row) -> String {
+    let m = &row.measured;
+    let class = match row.verdict.word {
+        Word::Pass => "pass",
+        Word::ExpectedError => "expected",
+        Word::Explained => "explained",
+        Word::KnownDeficit => "deficit",
+        Word::Fail => "fail",
+    };
+    let number = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.1e}"));
+    let plain = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.3}"));
+    let cells = [
+        escape(&row.name),
+        escape(&row.setting),
+        m.steps.to_string(),
+        outcomes(row),
+        plain(row.floors()),
+        number(Some(m.energy)),
+        number(Some(m.gauss_energy)),
+        number(m.worst_invariant().map(|i| i.defect)),
+        number(m.error),
+        number(m.gauss_error),
+        plain(m.ratio()),
+        format!("{:.2}", row.all_seconds),
+        format!(
+            "<b>{}</b> <small>{}</small>",
+            row.verdict.word.label(),
+            escape(&row.verdict.notes.join("; "))
+        ),
+    ];
+    let cells: String = cells
+        .iter()
+        .map(|cell| format!("<td>{cell}</td>"))
+        .collect();
+    format!("<tr class=\"{class}\">{cells}</tr>")
+}
+
+fn escape(text: &str) -> String {
+    crate::draw::svg::escape(text)
+}

@@ -1,0 +1,44 @@
+//! Figures of a row in few characters, and what they mean.
+
+use super::measure::Row;
+
+impl Row {
+    /// The worse of the solver's and the independent figure.
+    pub(crate) fn floors(&self) -> Option<f64> {
+        let m = &self.measured;
+        match (m.floors, m.independent_floors) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        }
+    }
+}
+
+/// Letters of the outcomes, as [`legend`] explains.
+fn letter(label: &str) -> &'static str {
+    match label {
+        "energy solved" => "S",
+        "at the round-off floor" => "F",
+        "quadratic H, nothing to do" => "Q",
+        "energy not asked for" => "N",
+        "carried: no slope" => "C",
+        "carried: α beyond its bound" => "B",
+        "carried: end point moved too far" => "D",
+        _ => "?",
+    }
+}
+
+/// Steps by outcome: `S 97 C 3`.
+pub(crate) fn outcomes(row: &Row) -> String {
+    let parts = row.measured.outcomes.iter();
+    let parts: Vec<_> = parts
+        .map(|(label, n)| format!("{} {n}", letter(label)))
+        .collect();
+    parts.join(" ")
+}
+
+pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off floor, carried \
+    C without a slope, B beyond the bound of α, D beyond the reach of the end point; Q quadratic H, N energy not asked for\n\
+    floors: worst |H − H_ref| in units of its round-off floor, the worse of the solver's figure and one in double-double; \
+    energy: the same, absolute, EQUIP and Gauss\n\
+    inv.: defect of the invariant that is off most; error: of the trajectory, relative, largest over the grid, EQUIP and \
+    Gauss; s: seconds of the row with Gauss and reference";

@@ -1,0 +1,98 @@
+//! The table on the terminal: one line a row, the reason below it.
+
+use super::case::short;
+use super::measure::Row;
+use super::outcomes::{LEGEND, outcomes};
+use super::summary::Summary;
+use super::verdict::Word;
+use std::io::{self, Write};
+
+/// Characters of the widest name that does not shift its row.
+const NAME: usize = 34;
+const SETTING: usize = 24;
+
+pub(crate) fn head(out: &mut impl Write, theme: &str) -> io::Result<()> {
+    writeln!(
+        out,
+        "\n{theme:<NAME$} {:<SETTING$} {:>8} {:<22} {:>7} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6} {:>7}  verdict",
+        "setting",
+        "steps",
+        "outcomes",
+        "floors",
+        "energy",
+        "Gauss",
+        "inv.",
+        "error",
+        "Gauss",
+        "ratio",
+        "s",
+    )
+}
+
+pub(crate) fn line(out: &mut impl Write, row: &Row) -> io::Result<()> {
+    let m = &row.measured;
+    let number = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.1e}"));
+    let plain = |x: Option<f64>| x.map_or("-".to_owned(), compact);
+    writeln!(
+        out,
+        "{:<NAME$} {:<SETTING$} {:>8} {:<22} {:>7} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6} {:>7.2}  {}",
+        row.name,
+        row.setting,
+        m.steps,
+        outcomes(row),
+        plain(row.floors()),
+        format!("{:.1e}", m.energy),
+        format!("{:.1e}", m.gauss_energy),
+        number(m.worst_invariant().map(|i| i.defect)),
+        number(m.error),
+        number(m.gauss_error),
+        plain(m.ratio()),
+        row.all_seconds,
+        row.verdict.word.label(),
+    )?;
+    for note in &row.verdict.notes {
+        writeln!(out, "    {note}")?;
+    }
+    Ok(())
+}
+
+/// A number in few characters.
+fn compact(x: f64) -> String {
+    if x == 0.0 || (0.01..1000.0).contains(&x) {
+        format!("{x:.2}")
+    } else {
+        short(x)
+    }
+}
+
+pub(crate) fn end(out: &mut impl Write, rows: &[Row], summary: &Summary) -> io::Result<()> {
+    writeln!(out, "\n{LEGEND}\n")?;
+    let slowest = rows
+        .iter()
+        .max_by(|a, b| a.all_seconds.total_cmp(&b.all_seconds));
+    if let Some(row) = slowest {
+        let (name, setting) = (&row.name, &row.setting);
+        writeln!(
+            out,
+            "slowest row: {name} {setting}, {:.1} s",
+            row.all_seconds
+        )?;
+    }
+    for row in rows.iter().filter(|r| r.verdict.word == Word::Fail) {
+        writeln!(out, "FAIL {} {}", row.name, row.setting)?;
+        for note in &row.verdict.notes {
+            writeln!(out, "    {note}")?;
+        }
+    }
+    writeln!(
+        out,
+        "{} rows: {} pass, {} expected errors, {} explained, {} known deficits, {} fail; {:.1} s",
+        summary.rows,
+        summary.passed,
+        summary.expected_errors,
+        summary.explained,
+        summary.known_deficits,
+        summary.failed,
+        summary.seconds
+    )
+}

@@ -1,0 +1,360 @@
+//! [`judge`]: figures against expectations.
+//!
+//! The criteria, the same for every row:
+//! - every step is accounted for: as many outcomes as steps asked for, or a typed error after the last;
+//! - |H − H_ref| ≤ 8 floors on every step whose outcome says that the energy is kept, by the solver's own evaluation of
+//!   H and, for runs in `f64`, by one in double-double; H_ref is the number the run started with. (After a start at a
+//!   pericentre, where large terms cancel, that number itself is off by many floors of the quiet part of the orbit.)
+//! - linear and quadratic invariants stay within (8 + 2√n) ε Σ|∂_iI y_i| over n steps, halves counted: the random walk of rounding;
+//! - no step carried, unless the row says how many and why, which makes it an explained one;
+//! - the largest trajectory error over the grid is at most 1.5 times that of Gauss (resolved oscillations) or twice (slow
+//!   variables of unresolved ones), plus eight times what a change of the start by one unit in the last place does.
+
+use super::case::{Carried, End, Expect, Trajectory};
+use super::measured::Measured;
+
+/// Largest energy defect in round-off floors.
+const FLOORS: f64 = 8.0;
+/// Largest trajectory error over that of Gauss where the oscillations are resolved.
+const RESOLVED: f64 = 1.5;
+/// The same for slow variables beside unresolved oscillations.
+const SLOW: f64 = 2.0;
+/// What a known deficit may grow by.
+const HEADROOM: f64 = 1.5;
+/// Trajectory errors within so many times what one rounding of the start does are round-off.
+const NOISE: f64 = 8.0;
+
+/// What became of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Word {
+    Pass,
+    /// The run ended with the typed error that is the right answer.
+    ExpectedError,
+    /// Steps were carried, which is the designed answer here: the row has the reason, a test shows it.
+    Explained,
+    KnownDeficit,
+    Fail,
+}
+
+impl Word {
+    pub(crate) fn label(self) -> &'static str {
+        match self {
+            Word::Pass => "pass",
+            Word::ExpectedError => "expected error",
+            Word::Explained => "explained",
+            Word::KnownDeficit => "known deficit",
+            Word::Fail => "FAIL",
+        }
+    }
+}
+
+/// The verdict with its reasons: what failed, or what is to be known.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Verdict {
+    pub(crate) word: Word,
+    pub(crate) notes: Vec<String>,
+}
+
+impl Verdict {
+    pub(crate) fn failed(reason: String) -> Self {
+        Verdict {
+            word: Word::Fail,
+            notes: vec![reason],
+        }
+    }
+}
+
+pub(crate) fn judge(expect: &Expect, wanted: u64, measured: &Measured) -> Verdict {
+    let mut faults = Vec::new();
+    let mut notes = Vec::new();
+    let mut word = ending(expect, wanted, measured, &mut faults, &mut notes);
+    accounts(measured, &mut faults);
+    energy(measured, &mut faults);
+    invariants(measured, &mut faults);
+    if carried(expect, measured, &mut faults, &mut notes) && word == Word::Pass {
+        word = Word::Explained;
+    }
+    if trajectory(expect, measured, &mut faults, &mut notes) {
+        word = Word::KnownDeficit;
+    }
+    if faults.is_empty() {
+        Verdict { word, notes }
+    } else {
+        Verdict {
+            word: Word::Fail,
+            notes: faults,
+        }
+    }
+}
+
+fn ending(
+    expect: &Expect,
+    wanted: u64,
+    measured: &Measured,
+    faults: &mut Vec<String>,
+    notes: &mut Vec<String>,
+) -> Word {
+    if measured.impatient {
+        faults.push(format!("too slow: {} of {wanted} steps", measured.steps));
+    }
+    let expected = match expect.end {
+        End::Complete => None,
+        End::Error(kinds, after, why) => Some((kinds, after, why)),
+        End::Either(kinds, why) => Some((kinds, 0.0, why)),
+    };
+    match (&measured.ended, expected) {
+        (None, None) => {}
+        (None, Some((_, _, why))) if matches!(expect.end, End::Error(..)) => {
+            faults.push(format!("no error, though {why}"));
+        }
+        (None, Some(_)) => {}
+        (Some(ended), Some((kinds, after, why)))
+            if kinds.contains(&ended.kind) && ended.time >= after =>
+        {
+            notes.push(format!("{why}; at t = {:.6}: {}", ended.time, ended.text));
+            return Word::ExpectedError;
+        }
+        (Some(ended), _) => faults.push(format!("error at t = {:.6}: {}", ended.time, ended.text)),
+    }
+    if measured.ended.is_none() && !measured.impatient && measured.steps != wanted {
+        faults.push(format!("{} of {wanted} steps made", measured.steps));
+    }
+    Word::Pass
+}
+
+fn accounts(measured: &Measured, faults: &mut Vec<String>) {
+    let sum: u64 = measured.outcomes.iter().map(|(_, n)| n).sum();
+    if sum != measured.steps {
+        faults.push(format!("{sum} outcomes for {} steps", measured.steps));
+    }
+}
+
+fn energy(measured: &Measured, faults: &mut Vec<String>) {
+    let figures = [
+        ("", measured.floors),
+        (" by double-double", measured.independent_floors),
+    ];
+    for (how, floors) in figures {
+        if let Some(floors) = floors
+            && !(floors <= FLOORS)
+        {
+            faults.push(format!("energy off by {floors:.3} floors{how}"));
+        }
+    }
+    if !measured.energy.is_finite() {
+        faults.push("the energy defect is not a number".to_owned());
+    }
+}
+
+fn invariants(measured: &Measured, faults: &mut Vec<String>) {
+    let most = 8.0 + 2.0 * (measured.parts as f64).sqrt();
+    for kept in &measured.invariants {
+        if !(kept.in_roundoff <= most) {
+            faults.push(format!(
+                "{} off by {:.1e}, {:.3} round-offs where {most:.3} are allowed",
+                kept.name, kept.defect, kept.in_roundoff
+            ));
+        }
+    }
+}
+
+/// Whether steps were carried as the row expects.
+fn carried(
+    expect: &Expect,
+    measured: &Measured,
+    faults: &mut Vec<String>,
+    notes: &mut Vec<String>,
+) -> bool {
+    if measured.carried == 0 {
+        return false;
+    }
+    let share = measured.carried as f64 / measured.steps as f64;
+    let text = format!(
+        "{} steps carried ({:.2} %)",
+        measured.carried,
+        100.0 * share
+    );
+    match expect.carried {
+        Carried::UpTo(most, why) if share <= most => {
+            notes.push(format!("{text}: {why}"));
+            return true;
+        }
+        Carried::UpTo(most, _) => {
+            faults.push(format!("{text}, at most {:.2} % expected", 100.0 * most));
+        }
+        Carried::None => faults.push(text),
+    }
+    false
+}
+
+/// Whether the row shows its known deficit.
+fn trajectory(
+    expect: &Expect,
+    measured: &Measured,
+    faults: &mut Vec<String>,
+    notes: &mut Vec<String>,
+) -> bool {
+    let round_off = NOISE * measured.noise.unwrap_or(0.0);
+    let within = |factor: f64| match (measured.error, measured.gauss_error) {
+        (Some(error), Some(gauss)) => error <= factor * gauss + round_off,
+        _ => true,
+    };
+    let ratio = measured.ratio().unwrap_or(0.0);
+    let mut limit = |factor: f64, what: &str| {
+        if !within(factor) {
+            faults.push(format!(
+                "{what} error {ratio:.3} times that of Gauss, {factor} allowed"
+            ));
+        }
+    };
+    match expect.trajectory {
+        Trajectory::Resolved => limit(RESOLVED, "trajectory"),
+        Trajectory::Slow => limit(SLOW, "slow variables'"),
+        Trajectory::Deficit(known, cause) => {
+            limit(HEADROOM * known, "trajectory");
+            if !within(SLOW) {
+                notes.push(format!("{ratio:.3} times the error of Gauss: {cause}"));
+                return true;
+            }
+        }
+        Trajectory::Within(most) => {
+            if !measured.error.is_some_and(|error| error <= most) {
+                let error = measured.error.unwrap_or(f64::NAN);
+                faults.push(format!("trajectory error {error:.1e}, {most:.1e} allowed"));
+            }
+        }
+        Trajectory::Open(why) => notes.push(why.to_owned()),
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::{Carried, End, Expect, Kind, Trajectory};
+    use super::super::leg::{Ended, Kept};
+    use super::super::measured::Measured;
+    use super::{Word, judge};
+
+    const EXPECT: Expect = Expect {
+        end: End::Complete,
+        carried: Carried::None,
+        trajectory: Trajectory::Resolved,
+    };
+
+    fn good() -> Measured {
+        Measured {
+            steps: 100,
+            outcomes: vec![("energy solved", 100)],
+            floors: Some(1.0),
+            independent_floors: Some(2.0),
+            error: Some(1e-6),
+            gauss_error: Some(2e-6),
+            noise: Some(1e-15),
+            ..Measured::default()
+        }
+    }
+
+    fn word(expect: Expect, measured: &Measured) -> Word {
+        judge(&expect, 100, measured).word
+    }
+
+    #[test]
+    fn a_good_row_passes() {
+        assert_eq!(judge(&EXPECT, 100, &good()).word, Word::Pass);
+    }
+
+    #[test]
+    fn every_criterion_fails_a_row() {
+        let broken: [fn(&mut Measured); 12] = [
+            |m| m.steps = 99,
+            |m| m.outcomes = vec![("energy solved", 99)],
+            |m| m.floors = Some(8.1),
+            |m| m.floors = Some(f64::NAN),
+            |m| m.independent_floors = Some(9.0),
+            |m| m.energy = f64::NAN,
+            |m| m.carried = 1,
+            |m| m.error = Some(3.1e-6),
+            |m| m.error = Some(f64::INFINITY),
+            |m| m.impatient = true,
+            |m| {
+                m.invariants = vec![Kept {
+                    name: "L".into(),
+                    defect: 1e-14,
+                    in_roundoff: 29.0,
+                }];
+            },
+            |m| {
+                m.ended = Some(Ended {
+                    kind: Kind::NotFinite,
+                    text: "NaN".into(),
+                    time: 1.0,
+                });
+            },
+        ];
+        for (i, break_it) in broken.iter().enumerate() {
+            let mut measured = good();
+            break_it(&mut measured);
+            let verdict = judge(&EXPECT, 100, &measured);
+            assert_eq!(verdict.word, Word::Fail, "criterion {i}");
+            assert!(!verdict.notes.is_empty(), "criterion {i}");
+        }
+    }
+
+    #[test]
+    fn an_expected_error_must_come_and_be_of_its_kind() {
+        let mut measured = good();
+        let end = End::Error(&[Kind::NotFinite], 0.5, "it escapes");
+        let expect = Expect { end, ..EXPECT };
+        assert_eq!(word(expect, &measured), Word::Fail);
+        for (kind, time, word_expected) in [
+            (Kind::NotFinite, 1.0, Word::ExpectedError),
+            (Kind::NotFinite, 0.1, Word::Fail),
+            (Kind::Singular, 1.0, Word::Fail),
+        ] {
+            measured.ended = Some(Ended {
+                kind,
+                text: String::new(),
+                time,
+            });
+            assert_eq!(word(expect, &measured), word_expected);
+        }
+    }
+
+    #[test]
+    fn a_known_deficit_may_not_grow() {
+        let trajectory = Trajectory::Deficit(3.0, "known");
+        let expect = Expect {
+            trajectory,
+            ..EXPECT
+        };
+        for (ratio, expected) in [
+            (1.9, Word::Pass),
+            (3.0, Word::KnownDeficit),
+            (4.4, Word::KnownDeficit),
+            (4.6, Word::Fail),
+        ] {
+            let mut measured = good();
+            measured.error = Some(ratio * 2e-6);
+            assert_eq!(word(expect, &measured), expected, "{ratio}");
+        }
+    }
+
+    #[test]
+    fn carried_steps_need_a_reason() {
+        let mut measured = good();
+        measured.carried = 10;
+        for (most, expected) in [(0.1, Word::Explained), (0.05, Word::Fail)] {
+            let carried = Carried::UpTo(most, "one alpha");
+            assert_eq!(word(Expect { carried, ..EXPECT }, &measured), expected);
+        }
+    }
+
+    #[test]
+    fn round_off_is_no_deficit() {
+        let mut measured = good();
+        (measured.error, measured.gauss_error) = (Some(7e-15), Some(1e-15));
+        assert_eq!(word(EXPECT, &measured), Word::Pass);
+        measured.noise = Some(1e-16);
+        assert_eq!(word(EXPECT, &measured), Word::Fail);
+    }
+}

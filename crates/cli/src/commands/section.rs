@@ -1,0 +1,169 @@
+//! `equip section`: the Poincaré section of Hénon and Heiles, drawn.
+//!
+//! The plane q1 = 0, crossed with p1 > 0, at one energy: (q2, p2) of every crossing, one colour for each orbit. Orbits start on the axes q2 = 0 and p2 = 0
+//! of the section, evenly. The crossings are events, located on dense output to round-off.
+
+use crate::args::SectionArgs;
+use crate::draw::panel::{Axis, Panel};
+use crate::draw::svg::{Anchor, FAINT, INK, Svg};
+use crate::fault::Fault;
+use crate::number::number;
+use equip_integrate::{Equip, Event, Record};
+use equip_scenes::Scene;
+use std::fmt::Write as _;
+use std::io::{Write as _, stdout};
+use std::path::Path;
+
+/// The scene whose section is drawn.
+const SCENE: &str = "henon-heiles";
+/// Colours of the orbits, by turns.
+const COLOURS: [&str; 8] = [
+    "#4477aa", "#ee6677", "#228833", "#aa3377", "#66ccee", "#ccbb44", "#555555", "#ee7733",
+];
+
+/// Crossings (q2, p2) of one orbit.
+type Crossings = Vec<(f64, f64)>;
+
+pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
+    let scene = equip_scenes::find(&args.scene)?;
+    if scene.name != SCENE {
+        return Err(Fault::Option {
+            option: "SCENE",
+            value: scene.name.to_owned(),
+            expected: SCENE,
+        });
+    }
+    let energy: f64 = number("--energy", &args.energy)?;
+    let tolerance: f64 = number("--tolerance", &args.tolerance)?;
+    let end: f64 = number("--until", &args.until)?;
+    let mut orbits: Vec<Crossings> = Vec::new();
+    let (mut worst, mut steps) = (0.0f64, 0);
+    for (q2, p2) in starts(energy, args.orbits) {
+        let (made, defect, count) = orbit(scene, args, (q2, p2), (tolerance, end))?;
+        orbits.push(made);
+        worst = worst.max(defect);
+        steps += count;
+    }
+    let write = |path: &Path, text: &str| {
+        std::fs::write(path, text).map_err(|source| Fault::Write {
+            path: path.to_owned(),
+            source,
+        })
+    };
+    write(&args.plot, &draw(&orbits, args))?;
+    if let Some(path) = &args.csv {
+        write(path, &table(&orbits))?;
+    }
+    let count: usize = orbits.iter().map(Vec::len).sum();
+    let mut out = stdout().lock();
+    writeln!(out, "{:<24}{count} of {} orbits", "crossings", orbits.len())?;
+    writeln!(out, "{:<24}{steps}", "steps")?;
+    writeln!(out, "{:<24}max {worst:.1e}", "energy defect")?;
+    writeln!(out, "{:<24}{}", "plot written to", args.plot.display())?;
+    Ok(())
+}
+
+/// The crossings of one orbit, the largest energy defect and the number of steps.
+fn orbit(
+    scene: &'static Scene,
+    args: &SectionArgs,
+    (q2, p2): (f64, f64),
+    (tolerance, end): (f64, f64),
+) -> Result<(Crossings, f64, u64), Fault> {
+    let (q2, p2) = (format!("{q2:e}"), format!("{p2:e}"));
+    let values = [("energy", args.energy.as_str()), ("q2", &q2), ("p2", &p2)];
+    let instance = scene.instance(&values)?;
+    let (q, p) = instance.initial::<f64>();
+    let run = Equip::stages(args.stages)
+        .tolerance(tolerance)
+        .record(Record::Ends)
+        .event(Event::new("q1 = 0", |_, q: &[f64], _: &[f64]| q[0]).rising())
+        .integrate(instance.hamiltonian(), &q, &p, 0.0..=end)
+        .map_err(|failure| match failure.partial {
+            None => Fault::start(failure.error),
+            Some(partial) => Fault::Integration {
+                cause: Box::new(failure.error),
+                reached: partial.certificate().end,
+                written: "nothing was drawn",
+            },
+        })?;
+    let start = std::iter::once((q[1], p[1]));
+    let crossings = run.events().iter().map(|event| (event.q[1], event.p[1]));
+    let certificate = run.certificate();
+    let defect = certificate.energy.as_ref().map_or(0.0, |energy| energy.max);
+    Ok((
+        start.chain(crossings).collect(),
+        defect,
+        certificate.counts.steps,
+    ))
+}
+
+/// What is left of 2 E for p1² + p2² at q1 = 0.
+fn room(energy: f64, q2: f64) -> f64 {
+    2.0 * energy - q2 * q2 + 2.0 / 3.0 * q2.powi(3)
+}
+
+/// Starts on both axes of the section, within the curve p1 = 0 that bounds it.
+fn starts(energy: f64, orbits: usize) -> Vec<(f64, f64)> {
+    // The bounds of q2 on either side of 0, by bisection of `room`; q2 = 1 is where orbits escape.
+    let bound = |side: f64| {
+        let (mut inside, mut outside) = (0.0, side);
+        for _ in 0..60 {
+            let middle = (inside + outside) / 2.0;
+            if room(energy, middle) > 0.0 {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        inside
+    };
+    let (low, high, top) = (bound(-1.0), bound(1.0), (2.0 * energy).sqrt());
+    let on_q = orbits.div_ceil(2);
+    let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+    let along_q = (0..on_q).map(|i| (low + (high - low) * share(i, on_q), 0.0));
+    let on_p = orbits - on_q;
+    let along_p = (0..on_p).map(|i| (0.0, top * (2.0 * share(i, on_p) - 1.0)));
+    along_q.chain(along_p).collect()
+}
+
+fn draw(orbits: &[Crossings], args: &SectionArgs) -> String {
+    let mut svg = Svg::new(760, 800);
+    let points = || orbits.iter().flatten();
+    let mut panel = Panel {
+        left: 80.0,
+        top: 60.0,
+        width: 650.0,
+        height: 670.0,
+        x: Axis::around(points().map(|p| p.0), "q2"),
+        y: Axis::around(points().map(|p| p.1), "p2"),
+    };
+    panel.same_units();
+    panel.draw_axes(&mut svg);
+    for (orbit, colour) in orbits.iter().zip(COLOURS.iter().cycle()) {
+        svg.dots(orbit.iter().map(|&point| panel.at(point)), colour, 1.6);
+    }
+    let title = format!("Hénon–Heiles, E = {}: section q1 = 0, p1 > 0", args.energy);
+    svg.text((80.0, 28.0), 18, Anchor::Start, INK, &title);
+    let count = points().count();
+    let text = format!(
+        "EQUIP, {} stages, tolerance {}: {count} crossings of {} orbits to t = {}",
+        args.stages,
+        args.tolerance,
+        orbits.len(),
+        args.until
+    );
+    svg.text((80.0, 47.0), 13, Anchor::Start, FAINT, &text);
+    svg.finish()
+}
+
+fn table(orbits: &[Crossings]) -> String {
+    let mut text = "orbit,q2,p2\n".to_owned();
+    for (number, orbit) in (1..).zip(orbits) {
+        for (q2, p2) in orbit {
+            // Writing to a String does not fail.
+            let _ = writeln!(text, "{number},{q2:e},{p2:e}");
+        }
+    }
+    text
+}

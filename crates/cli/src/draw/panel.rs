@@ -1,0 +1,270 @@
+//! Panels with linear or logarithmic axes.
+
+use crate::draw::svg::{Anchor, FAINT, INK, Svg};
+
+const GRID: &str = "#e0e0e0";
+const FINE_GRID: &str = "#f4f4f4";
+
+/// An axis from `low` to `high`; a logarithmic one holds decimal logarithms.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Axis {
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+    logarithmic: bool,
+    label: String,
+}
+
+impl Axis {
+    /// From the smallest to the largest finite value, and a little more on either side.
+    pub(crate) fn around(values: impl Iterator<Item = f64>, label: &str) -> Self {
+        let finite = values.filter(|x| x.is_finite());
+        let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+            (l.min(x), h.max(x))
+        });
+        let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
+        let margin = if high > low { 0.04 * (high - low) } else { 1.0 };
+        Axis {
+            low: low - margin,
+            high: high + margin,
+            logarithmic: false,
+            label: label.into(),
+        }
+    }
+
+    /// Exactly from `low` to `high`.
+    pub(crate) fn between(low: f64, high: f64, label: &str) -> Self {
+        let high = if high > low { high } else { low + 1.0 };
+        Axis {
+            low,
+            high,
+            logarithmic: false,
+            label: label.into(),
+        }
+    }
+
+    /// Whole decades around `low` to `high`, both positive, with room above `high`, and at least three.
+    pub(crate) fn decades(low: f64, high: f64, label: &str) -> Self {
+        let (low, high) = (low.log10().floor(), (high.log10() + 0.1).ceil());
+        Axis {
+            low,
+            high: high.max(low + 3.0),
+            logarithmic: true,
+            label: label.into(),
+        }
+    }
+
+    /// Logarithmic, from a little below `low` to a little above `high`, both positive; at least one decade is within.
+    pub(crate) fn powers(low: f64, high: f64, label: &str) -> Self {
+        let (low, high) = (low.log10(), high.log10());
+        let margin = 0.04 * (high - low).max(1.0);
+        let (mut low, mut high) = (low - margin, high + margin);
+        if low.ceil() >= high.floor() {
+            (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
+        }
+        Axis {
+            low,
+            high,
+            logarithmic: true,
+            label: label.into(),
+        }
+    }
+
+    fn widen(&mut self, factor: f64) {
+        let (middle, half) = ((self.low + self.high) / 2.0, (self.high - self.low) / 2.0);
+        (self.low, self.high) = (middle - half * factor, middle + half * factor);
+    }
+
+    /// Where x is, from 0 at the low end to 1 at the high end; values beyond the ends stick to them.
+    fn place(&self, x: f64) -> f64 {
+        let x = if self.logarithmic { x.log10() } else { x };
+        ((x - self.low) / (self.high - self.low)).clamp(0.0, 1.0)
+    }
+
+    /// Where 2, 3, … 9 times the powers of ten are, if the axis is logarithmic and short enough for them.
+    fn between_decades(&self) -> Vec<f64> {
+        if !self.logarithmic || self.high - self.low > 5.5 {
+            return Vec::new();
+        }
+        let decades = self.low.floor() as i32..=self.high.floor() as i32;
+        decades
+            .flat_map(|d| (2..10).map(move |k| f64::from(d) + f64::from(k).log10()))
+            .filter(|x| (self.low..self.high).contains(x))
+            .collect()
+    }
+
+    /// Where 2 and 5 times the powers of ten are, with these numbers, if the axis is logarithmic and so short that it needs them.
+    fn twos_and_fives(&self) -> Vec<(f64, String)> {
+        if !self.logarithmic || self.high - self.low > 2.8 {
+            return Vec::new();
+        }
+        let decades = (self.low.floor() as i32).max(-3)..=(self.high.floor() as i32).min(3);
+        decades
+            .flat_map(|d| [2, 5].map(|k| (k, d)))
+            .map(|(k, d)| {
+                let places = (-d).max(0) as usize;
+                let value = f64::from(k) * 10_f64.powi(d);
+                (value.log10(), format!("{value:.places$}"))
+            })
+            .filter(|(x, _)| (self.low..self.high).contains(x))
+            .collect()
+    }
+
+    /// Ticks at multiples of 1, 2 or 5 times a power of ten (of whole decades if logarithmic), at most about `count`.
+    fn ticks(&self, count: f64) -> (f64, impl Iterator<Item = f64>) {
+        let rough = (self.high - self.low) / count;
+        let power = 10_f64.powf(rough.log10().floor());
+        let unit = if self.logarithmic {
+            rough.ceil().max(1.0)
+        } else {
+            let units = [1.0, 2.0, 5.0, 10.0].map(|k| k * power);
+            let unit = units.into_iter().find(|&u| u >= rough * 0.999);
+            unit.unwrap_or(rough)
+        };
+        let (first, last) = (
+            (self.low / unit - 1e-9).ceil(),
+            (self.high / unit + 1e-9).floor(),
+        );
+        (
+            unit,
+            (0..=(last - first).max(0.0) as u32).map(move |i| (first + f64::from(i)) * unit),
+        )
+    }
+}
+
+/// A framed area with axes.
+#[derive(Debug)]
+pub(crate) struct Panel {
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+}
+
+impl Panel {
+    /// Widens one axis until a unit is as long on either.
+    pub(crate) fn same_units(&mut self) {
+        let (x, y) = (
+            (self.x.high - self.x.low) / self.width,
+            (self.y.high - self.y.low) / self.height,
+        );
+        if x < y {
+            self.x.widen(y / x)
+        } else {
+            self.y.widen(x / y)
+        }
+    }
+
+    /// The pixel of a data point.
+    pub(crate) fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (
+            self.left + self.width * self.x.place(x),
+            self.top + self.height * (1.0 - self.y.place(y)),
+        )
+    }
+
+    /// Grid, ticks, frame and labels.
+    pub(crate) fn draw_axes(&self, svg: &mut Svg) {
+        let (right, bottom) = (self.left + self.width, self.top + self.height);
+        for x in self.x.between_decades() {
+            let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
+            svg.line((x, self.top), (x, bottom), FINE_GRID, 1.0);
+        }
+        for (x, text) in self.x.twos_and_fives() {
+            let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
+            svg.text((x, bottom + 17.0), 11, Anchor::Middle, FAINT, &text);
+        }
+        let (unit, ticks) = self.x.ticks(self.width / 80.0);
+        for tick in ticks {
+            let x = self.left + self.width * (tick - self.x.low) / (self.x.high - self.x.low);
+            svg.line((x, self.top), (x, bottom), GRID, 1.0);
+            tick_label(svg, &self.x, (x, bottom + 19.0), Anchor::Middle, tick, unit);
+        }
+        let (unit, ticks) = self.y.ticks(self.height / 45.0);
+        for tick in ticks {
+            let y = bottom - self.height * (tick - self.y.low) / (self.y.high - self.y.low);
+            svg.line((self.left, y), (right, y), GRID, 1.0);
+            tick_label(
+                svg,
+                &self.y,
+                (self.left - 8.0, y + 4.5),
+                Anchor::End,
+                tick,
+                unit,
+            );
+        }
+        for (from, to) in [
+            ((self.left, self.top), (self.left, bottom)),
+            ((self.left, bottom), (right, bottom)),
+        ] {
+            svg.line(from, to, FAINT, 1.2);
+        }
+        svg.text(
+            (self.left + self.width / 2.0, bottom + 42.0),
+            15,
+            Anchor::Middle,
+            INK,
+            &self.x.label,
+        );
+        svg.upward_text(
+            (self.left - 56.0, self.top + self.height / 2.0),
+            15,
+            &self.y.label,
+        );
+    }
+}
+
+fn tick_label(svg: &mut Svg, axis: &Axis, at: (f64, f64), anchor: Anchor, tick: f64, unit: f64) {
+    const SIZE: u32 = 13;
+    if axis.logarithmic {
+        return svg.power(at, SIZE, anchor, tick as i32);
+    }
+    let largest = axis.low.abs().max(axis.high.abs());
+    let text = if largest >= 1e5 || unit < 1e-4 {
+        let tick: f64 = format!("{tick:.3e}").parse().unwrap_or(tick);
+        format!("{tick:e}")
+    } else {
+        let decimals = (-unit.log10().floor()).max(0.0) as usize;
+        let tick = if tick.abs() < unit / 2.0 { 0.0 } else { tick };
+        format!("{tick:.decimals$}")
+    };
+    svg.text(at, SIZE, anchor, INK, &text.replace('-', "\u{2212}"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Axis;
+
+    #[test]
+    fn ticks_are_round_and_within_the_axis() {
+        let axis = Axis::between(-1.3, 2.7, "");
+        let (unit, ticks) = axis.ticks(5.0);
+        assert_eq!(
+            (unit, ticks.collect::<Vec<_>>()),
+            (1.0, vec![-1.0, 0.0, 1.0, 2.0])
+        );
+        let axis = Axis::decades(3e-16, 2e-3, "");
+        let (unit, ticks) = axis.ticks(7.0);
+        assert_eq!(
+            (unit, ticks.collect::<Vec<_>>()),
+            (
+                2.0,
+                vec![-16.0, -14.0, -12.0, -10.0, -8.0, -6.0, -4.0, -2.0]
+            )
+        );
+    }
+
+    #[test]
+    fn a_power_of_ten_is_always_within() {
+        for (low, high) in [(2.0, 3.0), (5.0, 5.0), (0.3, 40.0), (1e-17, 1e-16)] {
+            let axis = Axis::powers(low, high, "");
+            let (_, ticks) = axis.ticks(5.0);
+            assert!(ticks.count() > 0, "{axis:?}");
+            assert!(
+                axis.low < low.log10() && axis.high > high.log10(),
+                "{axis:?}"
+            );
+        }
+    }
+}

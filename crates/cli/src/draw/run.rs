@@ -1,0 +1,277 @@
+//! The picture of a run: orbit or phase portrait on the left, the energy defect over time on the right; below them Lyapunov exponent and MEGNO if they were
+//! asked for.
+
+use crate::draw::panel::{Axis, Panel};
+use crate::draw::samples::{Envelope, Path};
+use crate::draw::svg::{Anchor, FAINT, INK, Svg};
+use crate::run::comparison::Comparison;
+use crate::run::finished::Finished;
+use crate::run::watch::Watch;
+use equip_scalar::Float;
+use equip_scenes::{Instance, View};
+
+/// Muted colours, told apart also by those who do not see red and green apart: the first is that of the run.
+const COLOURS: [&str; 6] = [
+    "#2b6a99", "#c46b1f", "#4f8f6b", "#8d6a9f", "#b0485c", "#6b6b6b",
+];
+const GAUSS: &str = COLOURS[1];
+const WIDTH: u32 = 1040;
+const HEIGHT: u32 = 480;
+const TOP: f64 = 108.0;
+const SIDE: f64 = 300.0;
+/// What the panels of the chaos indicators add.
+const MORE: u32 = 390;
+/// Up to this many steps, each is marked by a dot.
+const FEW: usize = 1500;
+
+/// The components of y = (q, p) that the scene's picture is made of, two for each path.
+pub(crate) fn components(instance: &Instance) -> Vec<usize> {
+    match instance.view() {
+        View::PhasePlane => vec![0, 1],
+        View::Paths(pairs) => pairs.into_iter().flat_map(|(x, y)| [x, y]).collect(),
+        View::Profile => Vec::new(),
+    }
+}
+
+/// The picture as the text of an SVG file.
+pub(crate) fn draw<T: Float>(
+    finished: &Finished<'_, T>,
+    watch: &Watch<'_, T>,
+    comparison: Option<&Comparison>,
+) -> String {
+    let more = if watch.follows_chaos { MORE } else { 0 };
+    let mut svg = Svg::new(WIDTH, HEIGHT + more);
+    let (instance, certificate) = (finished.instance, finished.run.certificate());
+    svg.text((28.0, 36.0), 20, Anchor::Start, INK, instance.scene().title);
+    let mut facts: Vec<_> = instance
+        .parameters()
+        .map(|(n, v)| format!("{n} = {v}"))
+        .collect();
+    facts.push(format!(
+        "{} steps of {}",
+        certificate.counts.steps,
+        brief(certificate.step.to_f64())
+    ));
+    facts.push(format!("{} in {}", certificate.method, T::NAME));
+    svg.text(
+        (28.0, 60.0),
+        14,
+        Anchor::Start,
+        FAINT,
+        &facts.join("  \u{b7}  "),
+    );
+    match instance.view() {
+        View::Profile => profile(&mut svg, finished),
+        view => paths(&mut svg, instance, &watch.path, &view),
+    }
+    let scale = certificate
+        .energy
+        .as_ref()
+        .map_or(0.0, |e| e.start.to_f64().abs());
+    let epsilon: f64 = T::EPSILON.to_f64();
+    let floor = if scale > 0.0 {
+        epsilon * scale
+    } else {
+        epsilon
+    };
+    let name = certificate.method.to_string();
+    let name = name.split(',').next().unwrap_or_default();
+    let end = certificate.end.to_f64();
+    energies(&mut svg, &watch.energy, name, comparison, end, floor);
+    if watch.follows_chaos {
+        chaos(&mut svg, &watch.chaos, end);
+    }
+    svg.finish()
+}
+
+fn left_panel(x: Axis, y: Axis) -> Panel {
+    Panel {
+        left: 92.0,
+        top: TOP,
+        width: 340.0,
+        height: SIDE,
+        x,
+        y,
+    }
+}
+
+/// Paths of bodies, or the phase portrait of one degree of freedom.
+fn paths(svg: &mut Svg, instance: &Instance, path: &Path, view: &View) {
+    let count = components(instance).len() / 2;
+    let plane = *view == View::PhasePlane;
+    let (x, y) = match view {
+        View::PhasePlane => ("q", "p"),
+        _ if count > 1 => ("x", "y"),
+        _ => ("q\u{2081}", "q\u{2082}"),
+    };
+    let all = || (0..count).flat_map(|i| path.pairs(i));
+    let x = Axis::around(all().map(|point| point.0), x);
+    let y = Axis::around(all().map(|point| point.1), y);
+    let mut panel = left_panel(x, y);
+    if !plane {
+        panel.same_units();
+    }
+    panel.draw_axes(svg);
+    for i in 0..count {
+        let colour = COLOURS[i % COLOURS.len()];
+        let points = path.pairs(i).map(|point| panel.at(point));
+        // Points of steps far apart are not joined: the line would not be the path.
+        if path.stride() == 1 {
+            if points.clone().count() <= FEW {
+                svg.dots(points.clone(), colour, 3.0);
+            }
+            svg.polyline(points, colour, 1.2);
+        } else {
+            svg.dots(points, colour, 1.6);
+        }
+        if let Some(start) = path.pairs(i).next() {
+            svg.dot(panel.at(start), 4.0, INK);
+        }
+    }
+    svg.dot((panel.left + 6.0, TOP - 18.0), 4.0, INK);
+    let every = match path.stride() {
+        1 => String::new(),
+        stride => format!(", one step in {stride} drawn"),
+    };
+    svg.text(
+        (panel.left + 18.0, TOP - 13.0),
+        14,
+        Anchor::Start,
+        INK,
+        &format!("start{every}"),
+    );
+}
+
+/// q_i against i, at the start and at the end.
+fn profile<T: Float>(svg: &mut Svg, finished: &Finished<'_, T>) {
+    let (run, last) = (&finished.run, finished.run.len() - 1);
+    let states = [(run.q(0), FAINT), (run.q(last), COLOURS[0])];
+    let all = states
+        .iter()
+        .flat_map(|(q, _)| q.iter().map(|x| x.to_f64()));
+    let y = Axis::around(all, "q\u{1d62}");
+    let panel = left_panel(Axis::between(0.0, (run.q(0).len() + 1) as f64, "i"), y);
+    panel.draw_axes(svg);
+    for (k, (q, colour)) in states.into_iter().enumerate() {
+        let points = q
+            .iter()
+            .enumerate()
+            .map(|(i, x)| panel.at(((i + 1) as f64, x.to_f64())));
+        svg.polyline(points.clone(), colour, 1.5);
+        if q.len() <= 64 {
+            svg.dots(points, colour, 5.0);
+        }
+        let left = panel.left + 120.0 * k as f64;
+        legend(
+            svg,
+            left,
+            colour,
+            &format!("t = {}", brief(run.times()[k * last].to_f64())),
+        );
+    }
+}
+
+/// |H − H_ref| over time, zero at the bottom line.
+fn energies(
+    svg: &mut Svg,
+    energy: &Envelope,
+    name: &str,
+    comparison: Option<&Comparison>,
+    end: f64,
+    floor: f64,
+) {
+    let mut curves = vec![(energy, COLOURS[0], name.to_owned())];
+    if let Some(Comparison { energy, complete }) = comparison {
+        let short = if *complete { "" } else { ", ended early" };
+        curves.insert(0, (energy, GAUSS, format!("Gauss, same steps{short}")));
+    }
+    let all = curves
+        .iter()
+        .flat_map(|(curve, ..)| curve.points().iter().map(|point| point.1));
+    let (low, high) = all
+        .filter(|&x| x.is_finite() && x > 0.0)
+        .fold((f64::INFINITY, floor), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+    let y = Axis::decades(
+        low.clamp(floor * 0.1, high),
+        high,
+        "energy defect |H \u{2212} H(0)|",
+    );
+    let x = Axis::between(0.0, end, "time t");
+    let panel = Panel {
+        left: 560.0,
+        top: TOP,
+        width: 448.0,
+        height: SIDE,
+        x,
+        y,
+    };
+    panel.draw_axes(svg);
+    for (curve, colour, _) in &curves {
+        svg.polyline(
+            curve.points().iter().map(|&point| panel.at(point)),
+            colour,
+            1.2,
+        );
+    }
+    let mut left = panel.left;
+    for (_, colour, label) in curves.iter().rev() {
+        legend(svg, left, colour, label);
+        left += 60.0 + 8.0 * label.chars().count() as f64;
+    }
+}
+
+/// λ(t), which falls like ln t/t for regular motion, and MEGNO, which stays near 2.
+fn chaos(svg: &mut Svg, seen: &Path, end: f64) {
+    let positive = || seen.pairs(0).filter(|&(t, x)| t > 0.0 && x > 0.0);
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::MIN_POSITIVE), |(low, high), x| {
+            (low.min(x), high.max(x))
+        })
+    };
+    let (first, last) = range(&mut positive().map(|point| point.0));
+    let (low, high) = range(&mut positive().map(|point| point.1));
+    let top = TOP + f64::from(MORE);
+    let exponent = Panel {
+        top,
+        x: Axis::decades(first.min(last), last, "time t"),
+        y: Axis::decades(low.min(high), high, "Lyapunov exponent \u{3bb}(t)"),
+        ..left_panel(Axis::between(0.0, 1.0, ""), Axis::between(0.0, 1.0, ""))
+    };
+    exponent.draw_axes(svg);
+    let points = positive().map(|point| exponent.at(point));
+    svg.polyline(points, COLOURS[0], 1.5);
+    let values = seen.pairs(1).map(|point| point.1).chain([0.0, 2.0]);
+    let megno = Panel {
+        left: 560.0,
+        top,
+        width: 448.0,
+        height: SIDE,
+        x: Axis::between(0.0, end, "time t"),
+        y: Axis::around(values, "MEGNO, mean over time"),
+    };
+    megno.draw_axes(svg);
+    svg.polyline(
+        [(0.0, 2.0), (end, 2.0)].map(|p| megno.at(p)).into_iter(),
+        FAINT,
+        1.0,
+    );
+    let points = seen.pairs(1).map(|point| megno.at(point));
+    svg.polyline(points, COLOURS[0], 1.5);
+}
+
+fn legend(svg: &mut Svg, left: f64, colour: &str, label: &str) {
+    svg.line((left, TOP - 18.0), (left + 26.0, TOP - 18.0), colour, 3.0);
+    svg.text((left + 34.0, TOP - 13.0), 14, Anchor::Start, INK, label);
+}
+
+/// A number in at most five digits.
+fn brief(x: f64) -> String {
+    let rounded = format!("{x:.4e}").parse().unwrap_or(x);
+    if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) {
+        format!("{rounded}")
+    } else {
+        format!("{rounded:e}")
+    }
+}

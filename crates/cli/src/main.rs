@@ -1,0 +1,38 @@
+//! The program `equip`: the scenes of the catalogue, integrated and drawn from the shell.
+#![forbid(unsafe_code)]
+
+mod args;
+mod check;
+mod commands;
+mod draw;
+mod fault;
+mod number;
+mod report;
+mod run;
+mod write;
+
+use args::Command;
+use commands::{growth, scenes, section};
+use fault::Fault;
+use std::io::ErrorKind;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let done = match args::parse().command {
+        Command::Scenes(args) => scenes::scenes(&args),
+        Command::Run(args) => run::run(&args),
+        Command::Section(args) => section::section(&args),
+        Command::Growth(args) => growth::growth(&args),
+        Command::Check(args) => check::check(&args),
+        Command::Report(args) => report::report(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        // The reader of a pipe had enough: `equip scenes | head`.
+        Err(Fault::Print(error)) if error.kind() == ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(fault) => {
+            eprintln!("error: {fault}");
+            fault.exit_code()
+        }
+    }
+}

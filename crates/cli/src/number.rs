@@ -1,0 +1,14 @@
+//! Numbers on the command line.
+
+use crate::fault::Fault;
+use equip_scalar::Float;
+
+/// A decimal or a quotient of decimals, in the precision of the run.
+pub(crate) fn number<T: Float>(option: &'static str, text: &str) -> Result<T, Fault> {
+    let read =
+        |text: &str| T::decimal(text.trim()).map_err(|source| Fault::Number { option, source });
+    match text.split_once('/') {
+        Some((n, d)) => Ok(read(n)? / read(d)?),
+        None => read(text),
+    }
+}

@@ -1,0 +1,216 @@
+//! `equip report`: for each scene, error against run time of EQUIP, Gauss and classical methods.
+//!
+//! All methods get the same H, the same gradient (that of the library, from the recorded H), the same start and the same end; the error is
+//! the largest difference from the end state in any component of q and p. One thread; [`measure`] says how the times are taken.
+
+mod accuracy;
+mod chart;
+mod contender;
+mod csv;
+mod measure;
+mod methods;
+mod page;
+mod peers;
+mod picture;
+mod results;
+mod subject;
+
+use crate::args::ReportArgs;
+use crate::fault::Fault;
+use contender::contenders;
+use equip_scalar::{DoubleDouble, Float};
+use indicatif::{ProgressBar, ProgressStyle};
+use measure::{Budget, curves};
+use results::Results;
+use std::fs;
+use std::io::{IsTerminal, Write, stderr, stdout};
+use std::path::Path;
+use std::time::{Duration, Instant};
+use subject::{ENTRIES, Entry, Subject};
+
+/// How long everything may take.
+const QUICK: Duration = Duration::from_secs(45);
+const COMPLETE: Duration = Duration::from_secs(540);
+
+pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
+    let begun = Instant::now();
+    let peers = args.peers.as_deref().map(peers::read).transpose()?;
+    let wanted = args.only.as_deref().unwrap_or("").to_lowercase();
+    // (scene, whether in double-double)
+    let mut jobs: Vec<(&Entry, bool)> = ENTRIES.iter().map(|e| (e, false)).collect();
+    jobs.extend(ENTRIES.iter().filter(|e| e.extended).map(|e| (e, true)));
+    jobs.retain(|(entry, extended)| {
+        let precision = if *extended {
+            DoubleDouble::NAME
+        } else {
+            f64::NAME
+        };
+        let name = format!("{}-{precision}", entry.name);
+        let quick = entry.quick && (!extended || entry.name.starts_with("kepler"));
+        name.contains(&wanted) && (quick || !args.quick)
+    });
+    if jobs.is_empty() {
+        return Err(Fault::Option {
+            option: "--only",
+            value: wanted,
+            expected: "a part of the name of some scene, like kepler-0.6-f64",
+        });
+    }
+    // A directory that cannot be made is worth knowing before the work.
+    fs::create_dir_all(&args.out).map_err(|source| fault(&args.out, source))?;
+    let total = match (args.seconds, args.quick) {
+        (Some(seconds), _) => Duration::from_secs_f64(seconds),
+        (None, true) => QUICK,
+        (None, false) => COMPLETE,
+    };
+    let bar = progress(jobs.len());
+    let mut results = Vec::new();
+    for (i, (entry, extended)) in jobs.iter().enumerate() {
+        let left = total.saturating_sub(begun.elapsed());
+        let scene = left / (jobs.len() - i) as u32;
+        let budget = Budget {
+            run: scene / 30,
+            scene,
+        };
+        let result = if *extended {
+            measured::<DoubleDouble>(
+                entry,
+                if args.quick {
+                    &[8, 12]
+                } else {
+                    &[6, 8, 10, 12]
+                },
+                EXTENDED,
+                budget,
+                &bar,
+            )?
+        } else if args.quick {
+            measured::<f64>(entry, &[4, 6, 8], DOUBLE, budget, &bar)?
+        } else {
+            measured::<f64>(entry, &[3, 4, 6, 8, 10], DOUBLE, budget, &bar)?
+        };
+        bar.inc(1);
+        results.push(result);
+    }
+    bar.finish_and_clear();
+    let facts = facts(&results, begun);
+    let mut files = vec![
+        (
+            "report.html".to_owned(),
+            page::page(&results, &facts, peers.as_ref()),
+        ),
+        ("runs.csv".to_owned(), csv::runs(&results)),
+        ("times.csv".to_owned(), csv::accuracies(&results)),
+    ];
+    for result in &results {
+        files.push((
+            format!("{}-{}.svg", result.name, result.precision),
+            result.svg.clone(),
+        ));
+    }
+    for scene in peers.iter().flat_map(|p| &p.scenes) {
+        files.push((
+            format!("peers-{}.svg", scene.scene.replace(['/', '\\'], "-")),
+            scene.picture(),
+        ));
+    }
+    for (name, text) in &files {
+        let path = args.out.join(name);
+        fs::write(&path, text).map_err(|source| fault(&path, source))?;
+    }
+    let page = args.out.join("report.html");
+    let scenes = match results.len() {
+        1 => "1 scene".into(),
+        several => format!("{several} scenes"),
+    };
+    writeln!(
+        stdout(),
+        "{scenes} in {:.0} s: {}",
+        begun.elapsed().as_secs_f64(),
+        page.display()
+    )?;
+    Ok(())
+}
+
+/// Errors to be reached.
+const DOUBLE: &[f64] = &[1e-6, 1e-8, 1e-10, 1e-12];
+const EXTENDED: &[f64] = &[1e-12, 1e-16, 1e-20, 1e-25];
+
+fn measured<T: Float>(
+    entry: &Entry,
+    stages: &[usize],
+    targets: &'static [f64],
+    budget: Budget,
+    bar: &ProgressBar,
+) -> Result<Results, Fault> {
+    let subject = Subject::<T>::new(entry)?;
+    let curves = curves(&subject, &contenders(stages), budget, |text| {
+        bar.set_message(text.to_owned())
+    });
+    let svg = picture::scene(&format!("{}, {}", subject.title, T::NAME), &curves);
+    Ok(Results {
+        name: subject.name,
+        precision: T::NAME,
+        invariants: subject
+            .instance
+            .invariants()
+            .iter()
+            .map(|i| i.name)
+            .collect(),
+        title: subject.title,
+        source: subject.source,
+        targets,
+        curves,
+        svg,
+    })
+}
+
+/// The machine and how it was measured, a sentence each.
+fn facts(results: &[Results], begun: Instant) -> Vec<String> {
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info
+        .lines()
+        .find_map(|line| line.strip_prefix("model name")?.split_once(": "));
+    let cpu = model.map_or("unknown processor", |(_, name)| name);
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let repeats = || {
+        results
+            .iter()
+            .flat_map(|r| &r.curves)
+            .flat_map(|c| &c.points)
+            .map(|p| p.milliseconds.len())
+    };
+    let (fewest, most) = (repeats().min().unwrap_or(0), repeats().max().unwrap_or(0));
+    let build = if cfg!(debug_assertions) {
+        "built without optimisation: times mean nothing"
+    } else {
+        "release build"
+    };
+    vec![
+        format!("equip {}, {build}", env!("CARGO_PKG_VERSION")),
+        format!("{cpu}, {cores} cores, {} on {}; one thread is used", std::env::consts::OS, std::env::consts::ARCH),
+        format!("milliseconds of CPU time of whole runs, without recording H; medians of {fewest} to {most} interleaved repeats, their spread in the tables"),
+        "error: the largest difference in any component of q and p at the end; H is given as a closure to all methods, and all use the gradient derived from it".into(),
+        "times to an error: interpolated linearly in both logarithms; a setting counts if the next finer one stays within the error too".into(),
+        format!("made in {:.0} s", begun.elapsed().as_secs_f64()),
+    ]
+}
+
+fn fault(path: &Path, source: std::io::Error) -> Fault {
+    Fault::Write {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// A bar on a terminal, nothing elsewhere.
+fn progress(jobs: usize) -> ProgressBar {
+    if !stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:30} {pos} of {len} scenes, {elapsed}  {msg}");
+    let bar = ProgressBar::new(jobs as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_millis(500));
+    bar
+}

@@ -1,0 +1,78 @@
+//! The runs and the times to accuracies as comma-separated values; numbers with all their digits, what is not known left empty.
+
+use super::accuracy::Time;
+use super::results::{Results, times};
+use std::fmt::Write;
+
+/// Every run of every scene. Defects of invariants stand in one cell, `name=value` joined by semicolons.
+pub(super) fn runs(results: &[Results]) -> String {
+    let mut text = String::from(
+        "scene,precision,method,order,setting,steps,error,energy_defect,invariant_defects,gradients,iterations,\
+         milliseconds,least,most,repeats\n",
+    );
+    for result in results {
+        for curve in &result.curves {
+            for point in &curve.points {
+                let o = &point.outcome;
+                let named = result.invariants.iter().zip(&o.invariants);
+                let invariants: Vec<_> = named
+                    .map(|(name, x)| format!("{name}={}", number(*x)))
+                    .collect();
+                let (least, most) = point.spread();
+                // Writing to a String does not fail.
+                let _ = writeln!(
+                    text,
+                    "{},{},{},{},{},{},{},{},\"{}\",{},{},{},{},{},{}",
+                    result.name,
+                    result.precision,
+                    curve.contender.name(),
+                    curve.contender.order(),
+                    point.setting,
+                    o.steps,
+                    number(o.error),
+                    number(o.energy),
+                    invariants.join(";"),
+                    o.gradients,
+                    o.iterations.map_or(String::new(), |n| n.to_string()),
+                    number(point.median()),
+                    number(least),
+                    number(most),
+                    point.milliseconds.len()
+                );
+            }
+        }
+    }
+    text
+}
+
+/// Milliseconds of every method to every target.
+pub(super) fn accuracies(results: &[Results]) -> String {
+    let mut text = String::from("scene,precision,method,target,milliseconds,how\n");
+    for result in results {
+        for curve in &result.curves {
+            for (target, time) in result.targets.iter().zip(times(curve, result.targets)) {
+                let how = match time {
+                    Time::Interpolated(_) => "interpolated",
+                    Time::AtMost(_) => "at most",
+                    Time::NotReached => "not reached",
+                };
+                let ms = time.milliseconds().map_or(String::new(), number);
+                let name = curve.contender.name();
+                let _ = writeln!(
+                    text,
+                    "{},{},{name},{target:e},{ms},{how}",
+                    result.name, result.precision
+                );
+            }
+        }
+    }
+    text
+}
+
+fn number(x: f64) -> String {
+    if x.is_finite() {
+        format!("{x:e}")
+    } else {
+        String::new()
+    }
+}

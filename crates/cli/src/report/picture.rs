@@ -1,0 +1,93 @@
+//! The pictures of a scene: error and energy defect against run time, error against gradients.
+//!
+//! A method has the same colour, dashes and mark in every picture.
+
+use super::chart::{Line, Look, Spot, draw};
+use super::contender::Contender;
+use super::measure::{Curve, Point};
+use crate::draw::svg::Mark;
+
+/// Errors from here on are not drawn.
+const WRONG: f64 = 10.0;
+
+/// Colours of the stages, from light to dark with more of them; told apart also by those who do not see red and green apart.
+fn shade(family: [&'static str; 5], stages: usize) -> String {
+    let index = match stages {
+        0..=3 => 0,
+        4..=5 => 1,
+        6..=7 => 2,
+        8..=9 => 3,
+        _ => 4,
+    };
+    family[index].into()
+}
+
+/// The look of a method.
+pub(super) fn look(contender: &Contender) -> Look {
+    const BLUES: [&str; 5] = ["#9ecae8", "#62a9d8", "#2f7fb8", "#125a8f", "#06305c"];
+    const ORANGES: [&str; 5] = ["#f7c98b", "#f0a13c", "#d97a12", "#a9560a", "#6b3304"];
+    let full = |colour: &str| Look {
+        colour: colour.into(),
+        dashes: "none",
+        width: 1.8,
+        mark: Mark::Triangle,
+    };
+    match contender {
+        Contender::Equip(s) => Look {
+            colour: shade(BLUES, *s),
+            dashes: "none",
+            width: 2.4,
+            mark: Mark::Disc,
+        },
+        Contender::Variable(_) => Look {
+            colour: "#c2185b".into(),
+            dashes: "none",
+            width: 2.4,
+            mark: Mark::Disc,
+        },
+        Contender::Gauss(s) => Look {
+            colour: shade(ORANGES, *s),
+            dashes: "7 4",
+            width: 1.6,
+            mark: Mark::Square,
+        },
+        Contender::Composition(scheme) => full(match scheme.order {
+            2 => "#8c8c8c",
+            8 => "#5f5f5f",
+            _ => "#2b2b2b",
+        }),
+        Contender::Dop853 => full("#8e5bb5"),
+    }
+}
+
+/// The picture of a scene.
+pub(super) fn scene(title: &str, curves: &[Curve]) -> String {
+    let lines: Vec<Line> = curves
+        .iter()
+        .map(|curve| {
+            // Where nothing is right there is nothing to compare.
+            let drawn = || curve.points.iter().filter(|p| p.outcome.error < WRONG);
+            let timed = |p: &Point, y: f64| {
+                let (least, most) = p.spread();
+                let x = p.median();
+                Spot { x, y, least, most }
+            };
+            let work = |p: &Point| Spot::exact(p.outcome.gradients as f64, p.outcome.error);
+            Line {
+                name: curve.contender.name(),
+                look: look(&curve.contender),
+                points: vec![
+                    drawn().map(|p| timed(p, p.outcome.error)).collect(),
+                    drawn().map(|p| timed(p, p.outcome.energy)).collect(),
+                    drawn().map(work).collect(),
+                ],
+            }
+        })
+        .collect();
+    let labels = [
+        ("CPU time / ms", "error of (q, p) at the end"),
+        ("CPU time / ms", "largest energy defect"),
+        ("gradients of H", "error of (q, p) at the end"),
+    ];
+    draw(title, &labels, &lines)
+}

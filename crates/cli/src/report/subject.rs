@@ -1,0 +1,240 @@
+//! The scenes of the report, with end times and end states.
+//!
+//! End states come from the scene's exact flow of the rounded start, from its stored reference, or, where there is neither, from a
+//! composition of order 10 in double-double with half the step of another one, whose difference bounds the error. Kepler's problem ends at
+//! a time that is no whole number of periods: at whole periods a method that does nothing scores zero.
+
+use super::methods::composition::Composition;
+use super::methods::flow::Flow;
+use crate::fault::Fault;
+use equip_scalar::{DoubleDouble, Float};
+use equip_scenes::Instance;
+use equip_tableau::composition::SOFRONIOU_SPALETTA;
+
+/// A scene of the report as it is listed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    /// Name in files; the scene's with what sets it apart.
+    pub(super) name: &'static str,
+    scene: Source,
+    end: End,
+    /// Steps of the coarsest run with s = 4; the others follow.
+    pub(super) fewest: f64,
+    /// Whether it belongs to the quick report.
+    pub(super) quick: bool,
+    /// Whether it is also run in double-double.
+    pub(super) extended: bool,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Source {
+    Scene(&'static str, &'static [(&'static str, &'static str)]),
+    Reference(&'static str),
+}
+
+#[derive(Debug, Clone, Copy)]
+enum End {
+    Periods(f64),
+    Time(f64),
+    Reference,
+}
+
+const fn entry(name: &'static str, scene: Source, end: End, fewest: f64) -> Entry {
+    let (quick, extended) = (false, false);
+    Entry {
+        name,
+        scene,
+        end,
+        fewest,
+        quick,
+        extended,
+    }
+}
+
+impl Entry {
+    const fn quick(mut self) -> Self {
+        self.quick = true;
+        self
+    }
+
+    const fn extended(mut self) -> Self {
+        self.extended = true;
+        self
+    }
+}
+
+/// The scenes in the order of the page.
+pub(super) const ENTRIES: [Entry; 9] = [
+    entry(
+        "kepler-0.6",
+        Source::Scene("kepler", &[("e", "0.6")]),
+        End::Periods(10.3),
+        100.0,
+    )
+    .quick()
+    .extended(),
+    entry(
+        "kepler-0.9",
+        Source::Scene("kepler", &[("e", "0.9")]),
+        End::Periods(3.3),
+        200.0,
+    ),
+    entry(
+        "henon-heiles",
+        Source::Reference("henon_heiles_1_12"),
+        End::Reference,
+        80.0,
+    )
+    .quick()
+    .extended(),
+    entry(
+        "pendulum",
+        Source::Scene("pendulum", &[("p", "1.5")]),
+        End::Time(50.0),
+        40.0,
+    )
+    .extended(),
+    entry(
+        "double-pendulum",
+        Source::Reference("double_pendulum"),
+        End::Reference,
+        20.0,
+    )
+    .quick(),
+    entry(
+        "outer-solar-system",
+        Source::Reference("outer_ss"),
+        End::Reference,
+        200.0,
+    ),
+    entry("fpu", Source::Scene("fpu", &[]), End::Time(20.0), 600.0),
+    entry(
+        "fput-beta",
+        Source::Scene("fput-beta", &[("n", "64")]),
+        End::Time(50.0),
+        40.0,
+    ),
+    entry(
+        "spring-pendulum",
+        Source::Scene("spring-pendulum", &[]),
+        End::Time(5.0),
+        200.0,
+    ),
+];
+
+/// A scene with its end state in the float type of the runs.
+#[derive(Debug)]
+pub(super) struct Subject<T> {
+    pub(super) name: &'static str,
+    pub(super) title: String,
+    pub(super) fewest: f64,
+    pub(super) instance: Instance,
+    /// (q, p) at the start.
+    pub(super) start: Vec<T>,
+    pub(super) end: T,
+    reference: Vec<DoubleDouble>,
+    /// Where the end state comes from, in words.
+    pub(super) source: String,
+}
+
+impl<T: Float> Subject<T> {
+    /// Builds the scene and finds its end state.
+    ///
+    /// # Errors
+    /// If the scene cannot be built, or has no end state that can be known.
+    pub(super) fn new(entry: &Entry) -> Result<Self, Fault> {
+        let instance = match entry.scene {
+            Source::Scene(name, values) => equip_scenes::find(name)?.instance(values)?,
+            Source::Reference(name) => Instance::from_reference(name)?,
+        };
+        let end = match entry.end {
+            End::Periods(n) => T::exact(n * instance.period::<f64>()),
+            End::Time(t) => T::exact(t),
+            End::Reference => instance.reference().map_or(T::NAN, |r| r.end()),
+        };
+        let (q, p) = instance.initial::<T>();
+        let start = [q, p].concat();
+        let (reference, source) = end_state(&instance, entry, &start, end)?;
+        let parameters: Vec<_> = instance
+            .parameters()
+            .map(|(n, v)| format!("{n} = {v}"))
+            .collect();
+        let title = format!(
+            "{}, {}, t = {}",
+            instance.scene().title,
+            parameters.join(", "),
+            (1e6 * end.to_f64()).round() / 1e6
+        );
+        Ok(Subject {
+            name: entry.name,
+            title: title.replace(", ,", ","),
+            fewest: entry.fewest,
+            instance,
+            start,
+            end,
+            reference,
+            source,
+        })
+    }
+
+    /// The largest difference from the end state in any component of q and p.
+    pub(super) fn error(&self, y: &[T]) -> f64 {
+        let far = |(&y, &r): (&T, &DoubleDouble)| (wide(y) - r).to_f64().abs();
+        y.iter()
+            .zip(&self.reference)
+            .map(far)
+            .fold(0.0, |a, b| if b <= a { a } else { b })
+    }
+}
+
+fn wide<T: Float>(x: T) -> DoubleDouble {
+    DoubleDouble::from_expansion(x.expansion())
+}
+
+fn end_state<T: Float>(
+    instance: &Instance,
+    entry: &Entry,
+    start: &[T],
+    end: T,
+) -> Result<(Vec<DoubleDouble>, String), Fault> {
+    let (q, p) = start.split_at(start.len() / 2);
+    let all = |x: &[T]| x.iter().map(|&x| wide(x)).collect::<Vec<_>>();
+    if let Some((q, p)) = instance.flow(&(all(q), all(p)), wide(end)) {
+        return Ok(([q, p].concat(), "exact flow of the start".into()));
+    }
+    if let (Some(reference), End::Reference) = (instance.reference(), entry.end) {
+        let (q, p) = reference.state();
+        return Ok((
+            [q, p].concat(),
+            format!("stored reference {}", reference.name()),
+        ));
+    }
+    let y = all(start);
+    let system = instance.hamiltonian();
+    let masses = Flow::inverse_masses(system, &y).ok_or(Fault::Option {
+        option: "scene",
+        value: entry.name.into(),
+        expected: "one with a closed form, a stored reference, or H = T(p) + U(q) with masses",
+    })?;
+    // A twentieth of the coarsest run's steps, 35 kicks each: errors of order 10 then are far below round-off of f64.
+    let steps = (20.0 * entry.fewest) as i64;
+    let computed = |steps: i64| {
+        let h = wide(end) / DoubleDouble::int(steps);
+        let mut run = Composition::new(
+            &SOFRONIOU_SPALETTA,
+            Flow::new(system),
+            masses.clone(),
+            y.clone(),
+            h,
+        );
+        (0..steps).for_each(|_| run.advance());
+        run.y
+    };
+    let (coarse, fine) = (computed(steps), computed(2 * steps));
+    let far = |(&a, &b): (&DoubleDouble, &DoubleDouble)| (a - b).to_f64().abs();
+    let off = coarse.iter().zip(&fine).map(far).fold(0.0, f64::max);
+    Ok((
+        fine,
+        format!("double-double composition of order 10, within {off:.0e}"),
+    ))
+}

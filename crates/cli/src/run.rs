@@ -1,0 +1,260 @@
+//! `equip run`: one scene, one method, one certificate.
+
+pub(crate) mod comparison;
+pub(crate) mod finished;
+mod integrator;
+pub(crate) mod progress;
+pub(crate) mod watch;
+
+use crate::args::{MethodName, Precision, RunArgs};
+use crate::draw::run::{components, draw};
+use crate::draw::samples::Path;
+use crate::fault::Fault;
+use crate::number::number;
+use crate::write::json;
+use crate::write::saver::{self, Saver};
+use comparison::Comparison;
+use equip_integrate::{Alphas, Equip, Gauss, Invariant, Method, Reach, Record, Target};
+use equip_scalar::{Constant, DoubleDouble, Float};
+use equip_scenes::Instance;
+use finished::{EndError, Finished, end_error};
+use integrator::Integrator;
+use progress::Progress;
+use std::io::{Write, stdout};
+use std::time::Duration;
+use watch::Watch;
+
+pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
+    let scene = equip_scenes::find(&args.scene)?;
+    let values: Vec<_> = args
+        .set
+        .iter()
+        .map(|(n, v)| (n.as_str(), v.as_str()))
+        .collect();
+    let instance = scene.instance(&values)?;
+    match args.precision {
+        Precision::F64 => run_in::<f64>(args, &instance),
+        Precision::Dd => run_in::<DoubleDouble>(args, &instance),
+    }
+}
+
+/// The whole command in float type `T`.
+fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
+    let (h, end) = time_scale::<T>(args, instance)?;
+    let method = method::<T>(args)?;
+    let h = match &args.target_error {
+        None => h,
+        Some(text) => step_for(number("--target-error", text)?, instance, method, end)?,
+    };
+    let mut integrator = match &args.tolerance {
+        None => Integrator::Fixed(method.step(h).record(Record::Ends)),
+        Some(text) => {
+            let tolerance = number::<T>("--tolerance", text)?;
+            Integrator::Variable(method.tolerance(tolerance).record(Record::Ends))
+        }
+    };
+    if args.refuse {
+        integrator = integrator.reach(Reach::Refuse);
+    }
+    if args.lyapunov {
+        integrator = integrator.chaos();
+    }
+    for invariant in instance.invariants() {
+        integrator =
+            integrator.invariant(Invariant::new(invariant.name, invariant.quantity.clone()));
+    }
+
+    let (q0, p0) = instance.initial::<T>();
+    let components = if args.plot.is_some() {
+        components(instance)
+    } else {
+        Vec::new()
+    };
+    let steps = (end / h).to_f64().ceil() as u64;
+    // How many steps a tolerance will take is not known.
+    let shown = !args.quiet && args.tolerance.is_none();
+    let progress = Progress::new("integrating", steps, shown);
+    let mut watch = Watch::new((&q0, &p0), Path::new(components), progress);
+    watch.out.clone_from(&args.out);
+    watch.every = args.every;
+    watch.plot.clone_from(&args.plot);
+    watch.follows_chaos = args.lyapunov;
+    let mut from = None;
+    if let Some(path) = &args.checkpoint {
+        let every =
+            Duration::try_from_secs_f64(args.checkpoint_every).map_err(|_| Fault::Option {
+                option: "--checkpoint-every",
+                value: args.checkpoint_every.to_string(),
+                expected: "a number of seconds that is not negative",
+            })?;
+        watch.saver = Some(Saver::new(path, every));
+        from = saver::load(path)?;
+    }
+    if let Some(from) = &from {
+        let time = from.time::<T>().map_err(Fault::start)?;
+        watch.resumed = Some((from.index(), time));
+        if !args.quiet {
+            eprintln!(
+                "resuming at t = {:.6}",
+                from.time::<T>().map_err(Fault::start)?
+            );
+        }
+    }
+    saver::catch_interrupts()?;
+
+    let made = integrator.integrate(instance, from.as_ref(), end, &mut watch);
+    let (run, error) = match made {
+        Ok(run) => (run, None),
+        Err(failure) => match failure.partial {
+            Some(partial) => (*partial, Some(failure.error)),
+            None => return Err(Fault::start(failure.error)),
+        },
+    };
+    watch.finish(&run)?;
+    let finished = Finished {
+        end_error: end_error(instance, &run),
+        instance,
+        run,
+        error,
+    };
+    picture(args, h, &finished, &mut watch)?;
+    drop(watch);
+    report(args, &finished)?;
+    match finished.error {
+        None if finished.run.stopped() && saver::interrupted() => Err(Fault::Interrupted {
+            reached: finished.run.certificate().end.to_f64(),
+            next: match &args.checkpoint {
+                Some(path) => format!("the same command goes on from {}", path.display()),
+                None => "with --checkpoint FILE a run can be gone on with".to_owned(),
+            },
+        }),
+        None => Ok(()),
+        Some(error) => Err(Fault::Integration {
+            cause: Box::new(error),
+            reached: finished.run.certificate().end.to_f64(),
+            written: match (&args.out, &args.plot) {
+                (None, None) => "--out FILE.csv writes the steps up to there",
+                _ => "its steps up to there are written",
+            },
+        }),
+    }
+}
+
+/// Draws the finished run into the file made for it, if there is one.
+fn picture<T: Float>(
+    args: &RunArgs,
+    h: T,
+    finished: &Finished<'_, T>,
+    watch: &mut Watch<'_, T>,
+) -> Result<(), Fault> {
+    let (Some(mut file), Some(path)) = (watch.drawing.take(), &args.plot) else {
+        return Ok(());
+    };
+    let compare = !args.no_compare && args.tolerance.is_none() && args.method != MethodName::Gauss;
+    let comparison = compare.then(|| {
+        let progress = Progress::new("Gauss for comparison", watch.progress.steps(), !args.quiet);
+        let end = finished.run.certificate().end;
+        Comparison::new(args.stages, h, finished.instance, end, progress)
+    });
+    let text = draw(finished, watch, comparison.as_ref());
+    file.write_all(text.as_bytes())
+        .map_err(|source| Fault::Write {
+            path: path.clone(),
+            source,
+        })
+}
+
+/// Step and end time.
+fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), Fault> {
+    let period = || instance.period::<T>();
+    let h = match (&args.step, &args.steps_per_period) {
+        (Some(text), _) => number::<T>("--step", text)?,
+        (None, Some(text)) => {
+            let steps = number::<T>("--steps-per-period", text)?;
+            if steps <= T::int(0) {
+                let (option, value) = ("--steps-per-period", text.clone());
+                return Err(Fault::Option {
+                    option,
+                    value,
+                    expected: "positive",
+                });
+            }
+            period() / steps
+        }
+        (None, None) => T::exact(instance.suggested_step()),
+    };
+    let end = match (&args.until, &args.periods) {
+        (Some(text), _) => number::<T>("--until", text)?,
+        (None, Some(text)) => number::<T>("--periods", text)? * period(),
+        (None, None) => T::exact(instance.suggested_end()),
+    };
+    Ok((h, end))
+}
+
+/// The step for an error at the end, from trial runs over a period.
+fn step_for<T: Float>(target: T, instance: &Instance, method: Method, end: T) -> Result<T, Fault> {
+    let period = instance.period::<T>();
+    let whole = end < T::int(2) * period;
+    let (stretch, target) = if whole {
+        (end, target)
+    } else {
+        (period, target * (period / end))
+    };
+    let (q, p) = instance.initial::<T>();
+    let interval = T::int(0)..=stretch;
+    let wanted = Target::Trajectory(target);
+    method
+        .suggest_step(instance.hamiltonian(), &q, &p, interval, wanted)
+        .map_err(Fault::start)
+}
+
+fn method<T: Float>(args: &RunArgs) -> Result<Method, Fault> {
+    Ok(match &args.method {
+        MethodName::Equip => Equip::stages(args.stages),
+        MethodName::EquipLast => Equip::stages(args.stages).alphas(Alphas::Last),
+        MethodName::Gauss => Gauss::stages(args.stages),
+        MethodName::FixedAlpha(text) => {
+            let alpha = number::<T>("--method fixed-alpha", text)?;
+            Method::fixed_alpha(args.stages, Constant::from_expansion(alpha.expansion()))
+        }
+    })
+}
+
+/// Prints the certificate in the form asked for.
+fn report<T: Float>(args: &RunArgs, finished: &Finished<'_, T>) -> Result<(), Fault> {
+    let mut out = stdout().lock();
+    if args.json {
+        let text = json::document(finished).map_err(std::io::Error::from)?;
+        writeln!(out, "{text}")?;
+    } else if !args.quiet {
+        let parameters: Vec<_> = finished
+            .instance
+            .parameters()
+            .map(|(name, value)| format!(" {name}={value}"))
+            .collect();
+        writeln!(
+            out,
+            "{:<24}{}{}",
+            "scene",
+            finished.instance.scene().name,
+            parameters.concat()
+        )?;
+        writeln!(out, "{}", finished.run.certificate())?;
+        if let Some(EndError { against, q, p }) = &finished.end_error {
+            writeln!(
+                out,
+                "{:<24}q {q:.2e}, p {p:.2e} against {against}",
+                "end state error"
+            )?;
+        }
+        for (label, path) in [
+            ("steps written to", &args.out),
+            ("plot written to", &args.plot),
+        ] {
+            if let Some(path) = path {
+                writeln!(out, "{label:<24}{}", path.display())?;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,58 @@
+//! [`Integrator`]: fixed or variable steps, as the user asked, behind one set of verbs.
+
+use equip_integrate::{
+    Adaptive, Checkpoint, FixedStep, Invariant, Observer, Reach, Run, RunFailure,
+};
+use equip_scalar::Float;
+use equip_scenes::Instance;
+
+#[derive(Debug)]
+pub(crate) enum Integrator<T: Float> {
+    Fixed(FixedStep<T>),
+    Variable(Adaptive<T>),
+}
+
+impl<T: Float> Integrator<T> {
+    pub(crate) fn reach(self, choice: Reach) -> Self {
+        match self {
+            Integrator::Fixed(x) => Integrator::Fixed(x.reach(choice)),
+            Integrator::Variable(x) => Integrator::Variable(x.reach(choice)),
+        }
+    }
+
+    pub(crate) fn invariant(self, invariant: Invariant) -> Self {
+        match self {
+            Integrator::Fixed(x) => Integrator::Fixed(x.invariant(invariant)),
+            Integrator::Variable(x) => Integrator::Variable(x.invariant(invariant)),
+        }
+    }
+
+    pub(crate) fn chaos(self) -> Self {
+        match self {
+            Integrator::Fixed(x) => Integrator::Fixed(x.chaos()),
+            Integrator::Variable(x) => Integrator::Variable(x.chaos()),
+        }
+    }
+
+    /// From the scene's start at time 0, or from the checkpoint, to `end`.
+    pub(crate) fn integrate(
+        &self,
+        instance: &Instance,
+        from: Option<&Checkpoint>,
+        end: T,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let h = instance.hamiltonian();
+        let (q, p) = instance.initial::<T>();
+        let interval = T::int(0)..=end;
+        if let Some(from) = from {
+            from.check_start(&q, &p, T::int(0))?;
+        }
+        match (self, from) {
+            (Integrator::Fixed(x), None) => x.integrate_observed(h, &q, &p, interval, observer),
+            (Integrator::Fixed(x), Some(from)) => x.integrate_from(h, from, end, observer),
+            (Integrator::Variable(x), None) => x.integrate_observed(h, &q, &p, interval, observer),
+            (Integrator::Variable(x), Some(from)) => x.integrate_from(h, from, end, observer),
+        }
+    }
+}

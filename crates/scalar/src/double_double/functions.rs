@@ -1,0 +1,9 @@
+//! Elementary functions of a [`DoubleDouble`](super::DoubleDouble).
+
+mod exponential;
+mod inverse;
+mod logarithm;
+mod reduction;
+mod roots;
+mod tables;
+mod trigonometric;

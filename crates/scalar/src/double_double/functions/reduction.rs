@@ -1,0 +1,63 @@
+//! x modulo π/2.
+//!
+//! Up to 2³⁰ with π/2 in three doubles [Cody–Waite; QD]; beyond, and where that subtraction cancels too much, by
+//! exact integers: x·2/π with 2/π to 1280 bits [Payne–Hanek 1983]. The fraction then is right to 2⁻²⁵⁰ for every finite
+//! x, while no double-double lies closer than about 2⁻¹²⁵ to a multiple of π/2: sin, cos and tan keep their
+//! relative precision everywhere. The long way costs some microseconds.
+
+use super::tables::TWO_OVER_PI;
+use crate::double_double::natural::Natural;
+use crate::double_double::number::{DoubleDouble, dd};
+use crate::double_double::transforms::{nearest, power_of_two, two_prod, two_sum};
+
+const PI_2: [f64; 3] = [
+    std::f64::consts::FRAC_PI_2,
+    6.123233995736766e-17,
+    -1.4973849048591698e-33,
+];
+
+/// (n mod 4, r) with x = n·π/2 + r, |r| ≤ π/4, for finite x.
+#[inline(always)]
+pub(super) fn reduce(x: DoubleDouble) -> (u32, DoubleDouble) {
+    if x.hi.abs() <= std::f64::consts::FRAC_PI_4 {
+        return (0, x);
+    }
+    if x.hi.abs() < power_of_two(30) {
+        let n = nearest(x.hi * std::f64::consts::FRAC_2_PI);
+        let (p1, e1) = two_prod(n, PI_2[0]);
+        let (p2, e2) = two_prod(n, PI_2[1]);
+        // The first difference is exact [Sterbenz]; each further sum is relative to r unless r is far below it.
+        let (s, t) = two_sum(x.hi - p1, -e1);
+        let r = dd(s, t)
+            .plus_double(x.lo)
+            .plus(-dd(p2, e2))
+            .plus_double(-n * PI_2[2]);
+        if r.hi.abs() > n.abs() * power_of_two(-48) {
+            return (n as i64 as u32 & 3, r);
+        }
+    }
+    reduce_exactly(x)
+}
+
+#[cold]
+fn reduce_exactly(x: DoubleDouble) -> (u32, DoubleDouble) {
+    let unit = x.unit();
+    let product = Natural::of_magnitude(x, unit).times(&Natural::from_limbs(&TWO_OVER_PI));
+    let point = (1280 - unit) as usize; // bits behind the binary point; unit ≤ 1023
+    let mut quadrant = u32::from(product.bit(point)) + 2 * u32::from(product.bit(point + 1));
+    let mut fraction = product.low_bits(point);
+    let above_half = fraction.bit(point - 1);
+    if above_half {
+        quadrant += 1;
+        fraction = Natural::from_u64(1).shifted_left(point).distance(&fraction);
+    }
+    let r = fraction
+        .to_double_double(-(point as i32))
+        .times(DoubleDouble::FRAC_PI_2);
+    let r = if above_half { -r } else { r };
+    if x.is_sign_negative() {
+        (quadrant.wrapping_neg() & 3, -r)
+    } else {
+        (quadrant & 3, r)
+    }
+}

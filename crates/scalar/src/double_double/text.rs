@@ -1,0 +1,4 @@
+//! A [`DoubleDouble`](super::DoubleDouble) as decimal text.
+
+mod parse;
+mod print;

@@ -1,0 +1,128 @@
+//! Decimal to binary, correctly rounded: hi = RN(x), lo = RN(x − hi) for the exact decimal x.
+
+use crate::double_double::natural::Natural;
+use crate::double_double::number::DoubleDouble;
+use crate::error::ParseFloatError;
+use std::str::FromStr;
+
+/// Digits that are read; 1383 are enough to write any double-double exactly, a set digit beyond only breaks ties.
+const DIGITS_KEPT: usize = 1500;
+/// Bits behind the binary point: past the half of the smallest subnormal number, 2⁻¹⁰⁷⁵, with room to spare.
+const FRACTION_BITS: usize = 1140;
+
+/// ± 0.d₁d₂… · 10^exponent.
+pub(super) struct Decimal {
+    pub(super) negative: bool,
+    pub(super) digits: Vec<u8>,
+    pub(super) exponent: i64,
+}
+
+impl Decimal {
+    /// Reads `12.5e-3` and the like; `None` when the text is anything else.
+    fn read(text: &str) -> Option<Self> {
+        let (negative, text) = sign(text);
+        let (mantissa, exponent) = match text.find(['e', 'E']) {
+            Some(at) => (&text[..at], read_exponent(&text[at + 1..])?),
+            None => (text, 0),
+        };
+        let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+        let all = || whole.bytes().chain(fraction.bytes());
+        if all().next().is_none() || !all().all(|c| c.is_ascii_digit()) {
+            return None;
+        }
+        let leading = all().take_while(|&c| c == b'0').count();
+        let mut digits: Vec<u8> = all().skip(leading).map(|c| c - b'0').collect();
+        let exponent = exponent + whole.len() as i64 - leading as i64;
+        if digits.len() > DIGITS_KEPT {
+            let rest = digits.split_off(DIGITS_KEPT);
+            digits.push(u8::from(rest.iter().any(|&d| d != 0)));
+        }
+        Some(Decimal {
+            negative,
+            digits,
+            exponent,
+        })
+    }
+
+    /// The nearest pair.
+    pub(super) fn to_double_double(&self) -> DoubleDouble {
+        let magnitude = if self.digits.iter().all(|&d| d == 0) || self.exponent < -400 {
+            DoubleDouble::ZERO
+        } else if self.exponent > 400 {
+            DoubleDouble::INFINITY
+        } else {
+            self.magnitude()
+        };
+        if self.negative { -magnitude } else { magnitude }
+    }
+
+    fn magnitude(&self) -> DoubleDouble {
+        let mut n = Natural::from_u64(0);
+        for chunk in self.digits.chunks(9) {
+            let value = chunk.iter().fold(0, |value, &d| 10 * value + u32::from(d));
+            n.times_small(10u32.pow(chunk.len() as u32), value);
+        }
+        // |exponent| ≤ 400 and at most 1501 digits.
+        let mut power = self.exponent as i32 - self.digits.len() as i32;
+        while power > 0 {
+            n.times_small(10u32.pow(power.min(9) as u32), 0);
+            power -= power.min(9);
+        }
+        // Successive truncated divisions are one truncated division; a set bit below stands for all remainders.
+        let mut n = n.shifted_left(FRACTION_BITS);
+        let mut inexact = false;
+        while power < 0 {
+            inexact |= n.divide_small(10u32.pow((-power).min(9) as u32)) != 0;
+            power += (-power).min(9);
+        }
+        let mut n = n.shifted_left(1);
+        if inexact {
+            n.set_low_bit();
+        }
+        n.to_double_double(-(FRACTION_BITS as i32) - 1)
+    }
+}
+
+fn sign(text: &str) -> (bool, &str) {
+    match text.as_bytes().first() {
+        Some(b'-') => (true, &text[1..]),
+        Some(b'+') => (false, &text[1..]),
+        _ => (false, text),
+    }
+}
+
+/// A decimal exponent, saturating far outside the range of any number.
+fn read_exponent(text: &str) -> Option<i64> {
+    let (negative, digits) = sign(text);
+    if digits.is_empty() || !digits.bytes().all(|c| c.is_ascii_digit()) {
+        return None;
+    }
+    let size = digits
+        .bytes()
+        .fold(0i64, |n, c| (10 * n + i64::from(c - b'0')).min(1 << 50));
+    Some(if negative { -size } else { size })
+}
+
+impl FromStr for DoubleDouble {
+    type Err = ParseFloatError;
+
+    /// Accepts what `f64`'s parser accepts; the result is correctly rounded, twice: hi is the nearest double, lo
+    /// the double nearest to the rest.
+    ///
+    /// ```
+    /// # use equip_scalar::DoubleDouble;
+    /// let x: DoubleDouble = "0.012277471".parse()?;
+    /// assert_eq!(x.hi(), 0.012277471);
+    /// assert!(x.lo() != 0.0);
+    /// # Ok::<(), equip_scalar::ParseFloatError>(())
+    /// ```
+    fn from_str(text: &str) -> Result<Self, ParseFloatError> {
+        if let Some(decimal) = Decimal::read(text) {
+            return Ok(decimal.to_double_double());
+        }
+        // What is left for f64's parser are the words for infinity and NaN.
+        text.parse::<f64>()
+            .map(Self::from)
+            .map_err(|_| ParseFloatError { text: text.into() })
+    }
+}

@@ -1,0 +1,177 @@
+//! Binary to decimal.
+//!
+//! Every double-double is a finite decimal. Its digits are computed exactly, then rounded (half to even) to the
+//! precision asked for, or to the first length in a short list that parses back to the same two doubles: 31 digits
+//! and up, of which trailing zeros are dropped.
+
+use super::parse::Decimal;
+use crate::double_double::natural::Natural;
+use crate::double_double::number::DoubleDouble;
+use std::fmt;
+
+/// Positional notation without a given precision for 10⁻⁶ ≤ |x| < 10³³; outside it is scientific.
+const POSITIONAL: std::ops::Range<i64> = -5..34;
+
+/// All decimal digits of a finite number.
+fn exact(x: DoubleDouble) -> Decimal {
+    let unit = x.unit();
+    let mut n = Natural::of_magnitude(x, unit.min(0));
+    // m/2ᵏ = m 5ᵏ/10ᵏ
+    let places = (-unit).max(0);
+    let mut fives = places;
+    while fives > 0 {
+        n.times_small(5u32.pow(fives.min(13) as u32), 0);
+        fives -= fives.min(13);
+    }
+    let mut digits = Vec::new();
+    while !n.is_zero() {
+        let mut chunk = n.divide_small(1_000_000_000);
+        for _ in 0..9 {
+            digits.push((chunk % 10) as u8);
+            chunk /= 10;
+        }
+    }
+    while digits.last() == Some(&0) {
+        digits.pop();
+    }
+    digits.reverse();
+    let exponent = digits.len() as i64 - i64::from(places);
+    Decimal {
+        negative: x.is_sign_negative(),
+        digits,
+        exponent,
+    }
+}
+
+impl Decimal {
+    /// Rounded to `count` digits, half to even; fewer when the number has fewer. A negative count gives zero.
+    fn rounded(&self, count: i64) -> Self {
+        let mut decimal = Decimal {
+            negative: self.negative,
+            digits: self.digits.clone(),
+            exponent: self.exponent,
+        };
+        if count >= self.digits.len() as i64 {
+            return decimal;
+        }
+        let count = usize::try_from(count).unwrap_or(usize::MAX);
+        if count == usize::MAX {
+            decimal.digits.clear();
+            return decimal;
+        }
+        let rest = decimal.digits.split_off(count);
+        let half = rest[0] > 5 || rest[0] == 5 && rest[1..].iter().any(|&d| d != 0);
+        let tie = rest[0] == 5 && !half;
+        if half || tie && decimal.digits.last().is_some_and(|d| d % 2 == 1) {
+            decimal.increment();
+        }
+        decimal
+    }
+
+    fn increment(&mut self) {
+        for digit in self.digits.iter_mut().rev() {
+            if *digit < 9 {
+                *digit += 1;
+                return;
+            }
+            *digit = 0;
+        }
+        self.digits.insert(0, 1);
+        self.exponent += 1;
+    }
+
+    /// The shortest tried rounding that parses back to `x`, without trailing zeros.
+    fn shortest(&self, x: DoubleDouble) -> Self {
+        let lengths = [31, 32, 33, 34, 35, 36, 40, 48, 64, 96, 128, 256, 512];
+        let candidates = lengths.iter().map(|&count| self.rounded(count));
+        let same = |d: &Decimal| d.to_double_double() == x;
+        let mut decimal = candidates
+            .take_while(|d| d.digits.len() < self.digits.len())
+            .find(same)
+            .unwrap_or_else(|| self.rounded(i64::MAX));
+        while decimal.digits.last() == Some(&0) {
+            decimal.digits.pop();
+        }
+        decimal
+    }
+
+    fn digit(&self, i: i64) -> char {
+        let digit = usize::try_from(i).ok().and_then(|i| self.digits.get(i));
+        char::from(b'0' + digit.copied().unwrap_or(0))
+    }
+
+    fn positional(&self, decimals: usize) -> String {
+        let mut text: String = (0..self.exponent.max(0)).map(|i| self.digit(i)).collect();
+        if text.is_empty() {
+            text.push('0');
+        }
+        if decimals > 0 {
+            text.push('.');
+            text.extend((0..decimals as i64).map(|i| self.digit(self.exponent + i)));
+        }
+        text
+    }
+
+    fn scientific(&self, decimals: usize) -> String {
+        let mut text = String::from(self.digit(0));
+        if decimals > 0 {
+            text.push('.');
+            text.extend((1..=decimals as i64).map(|i| self.digit(i)));
+        }
+        let exponent = if self.digits.is_empty() {
+            0
+        } else {
+            self.exponent - 1
+        };
+        text.push('e');
+        text.push_str(&exponent.to_string());
+        text
+    }
+}
+
+impl fmt::Display for DoubleDouble {
+    /// With a precision `{:.n}` exactly n decimals, as `f64`; without one, digits that parse back to the same number.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.is_finite() {
+            return fmt::Display::fmt(&self.hi, f);
+        }
+        let all = exact(*self);
+        let text = match f.precision() {
+            Some(decimals) => all
+                .rounded(all.exponent.saturating_add(decimals as i64))
+                .positional(decimals),
+            None => {
+                let decimal = all.shortest(*self);
+                let length = decimal.digits.len() as i64;
+                if length == 0 || POSITIONAL.contains(&decimal.exponent) {
+                    decimal.positional(
+                        (length - decimal.exponent).max(0) as usize * usize::from(length > 0),
+                    )
+                } else {
+                    decimal.scientific((length - 1) as usize)
+                }
+            }
+        };
+        f.pad_integral(self.is_sign_positive(), "", &text)
+    }
+}
+
+impl fmt::LowerExp for DoubleDouble {
+    /// d.ddd…e±x, with n decimals for `{:.ne}`, otherwise with digits that parse back to the same number.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.is_finite() {
+            return fmt::LowerExp::fmt(&self.hi, f);
+        }
+        let all = exact(*self);
+        let text = match f.precision() {
+            Some(decimals) => all
+                .rounded((decimals as i64).saturating_add(1))
+                .scientific(decimals),
+            None => {
+                let decimal = all.shortest(*self);
+                decimal.scientific(decimal.digits.len().saturating_sub(1))
+            }
+        };
+        f.pad_integral(self.is_sign_positive(), "", &text)
+    }
+}

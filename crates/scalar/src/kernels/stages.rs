@@ -1,0 +1,241 @@
+//! Z = K L for all components at once: the linear half of a stage sweep.
+
+use super::instructions::{InstructionSet, Kernel};
+use super::lanes::Lanes;
+use crate::traits::{Float, Pack};
+use std::hint::black_box;
+
+/// Z_i = Σ_j K_ij L_j for every component, `stages` being the number of i and of j.
+///
+/// Layout: component c of stage i stands at `c·stride + i` in `l` and `z`; K stands **column by column**, `k[j·stride + i]` =
+/// K_ij, with `stages` ≤ `stride`. The places between `stages` and `stride` of K are read and become finite places of `z` if they
+/// are finite; those of `l` are not used. The sum runs over j = 0, 1, …, with fused products of doubles, of double-doubles as one dot product ([`Pack::dot`]): the same bits on every instruction set.
+/// Cost: s² products for each component; 8 stages fill vectors of 8 doubles.
+///
+/// # Panics
+/// If `l` and `z` differ in length, or `k` has fewer than `stages` columns.
+///
+/// ```
+/// use equip_scalar::{InstructionSet, mix_stages};
+/// let k = [0.5, 3.0, /* column 2 */ 1.0, 4.0];
+/// let mut z = [0.0; 2];
+/// mix_stages(InstructionSet::best(), &k, &[10.0, 1.0], &mut z, 2, 2);
+/// assert_eq!(z, [6.0, 34.0]);
+/// ```
+#[inline(always)]
+pub fn mix_stages<T: Float>(
+    set: InstructionSet,
+    k: &[T],
+    l: &[T],
+    z: &mut [T],
+    stages: usize,
+    stride: usize,
+) {
+    assert!(
+        l.len() == z.len() && stages > 0 && stages <= stride && k.len() >= stages * stride,
+        "K has {stages} columns of {stride} places, L and Z as many places as each other"
+    );
+    let k = &k[..stages * stride];
+    if !T::IS_DOUBLE {
+        return set.run(&mut MixPacks {
+            k,
+            l,
+            z,
+            stages,
+            stride,
+        });
+    }
+    if let (Some(k), Some(l), Some(z)) = (T::as_doubles(k), T::as_doubles(l), T::as_doubles_mut(z))
+    {
+        of_doubles(
+            set,
+            Mix {
+                k,
+                l,
+                z,
+                stages,
+                stride,
+            },
+        );
+    }
+}
+
+/// Compiled with this crate.
+fn of_doubles(set: InstructionSet, mut task: Mix) {
+    set.run(&mut task);
+}
+
+/// One component after the other, in floats that are not `f64`.
+struct MixPacks<'a, T> {
+    k: &'a [T],
+    l: &'a [T],
+    z: &'a mut [T],
+    stages: usize,
+    stride: usize,
+}
+
+impl<T: Float> Kernel for MixPacks<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        if T::WIDTH > 1 && self.stride.is_multiple_of(8) {
+            self.packs::<8>();
+        } else {
+            self.packs::<1>();
+        }
+    }
+}
+
+impl<T: Float> MixPacks<'_, T> {
+    #[inline(always)]
+    fn packs<const N: usize>(&mut self) {
+        let groups = self.stride / N;
+        let (k, z) = (self.k.as_chunks::<N>().0, self.z.as_chunks_mut::<N>().0);
+        let mut columns = [[T::Pack::splat(T::int(0))]; BLOCK];
+        for g in 0..groups {
+            for first in (0..self.stages).step_by(BLOCK) {
+                let count = BLOCK.min(self.stages - first);
+                for (j, column) in columns[..count].iter_mut().enumerate() {
+                    *column = [T::Pack::of(&k[(first + j) * groups + g])];
+                }
+                let rows = self
+                    .l
+                    .chunks_exact(self.stride)
+                    .zip(z.chunks_exact_mut(groups));
+                for (l, z) in rows {
+                    let sum = T::Pack::dot(&columns[..count], 0, &l[first..]);
+                    z[g] = if first == 0 {
+                        sum.numbers()
+                    } else {
+                        (T::Pack::of(&z[g]) + sum).numbers()
+                    };
+                }
+            }
+        }
+    }
+}
+
+/// Columns that are put into packs at a time.
+const BLOCK: usize = 32;
+
+struct Mix<'a> {
+    k: &'a [f64],
+    l: &'a [f64],
+    z: &'a mut [f64],
+    stages: usize,
+    stride: usize,
+}
+
+/// Calls the method for as many columns as there are, their number being a literal.
+macro_rules! by_columns {
+    ($mix:expr, $lanes:literal, $columns:expr, [$($literal:literal)*]) => {
+        match $columns {
+            $($literal => $mix.columns::<$lanes, $literal>(),)*
+            _ => $mix.any(),
+        }
+    };
+    ($mix:expr, two groups, $columns:expr, [$($literal:literal)*]) => {
+        match $columns {
+            $($literal => $mix.two_groups::<$literal>(),)*
+            _ => $mix.any(),
+        }
+    };
+}
+
+impl Kernel for Mix<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        // Literal lengths let the compiler keep K in registers.
+        let stages = self.stages;
+        match self.stride {
+            4 => by_columns!(self, 4, stages, [2 3 4]),
+            8 => by_columns!(self, 8, stages, [5 6 7 8]),
+            16 => by_columns!(self, two groups, stages, [9 10 11 12 13 14 15 16]),
+            _ => self.any(),
+        }
+    }
+}
+
+impl Mix<'_> {
+    /// One group of N lanes and S columns.
+    #[inline(always)]
+    fn columns<const N: usize, const S: usize>(&mut self) {
+        let Some(columns) = self.k.as_chunks::<N>().0.first_chunk::<S>() else {
+            return;
+        };
+        let mut k = [Lanes::<N>::splat(0.0); S];
+        for j in 0..S {
+            k[j] = Lanes(columns[j]);
+        }
+        let (l, z) = (self.l.as_chunks::<N>().0, self.z.as_chunks_mut::<N>().0);
+        for (l, z) in l.iter().zip(z) {
+            // One component after the other: eight at a time the compiler would gather their numbers from eight rows.
+            let l = black_box(l);
+            let mut sum = k[0] * Lanes::splat(l[0]);
+            for j in 1..S {
+                sum = k[j].fused(l[j], sum);
+            }
+            *z = sum.0;
+        }
+    }
+
+    /// Two groups of 8 lanes and S columns: K is too long for the registers, and is read for two components at a time.
+    #[inline(always)]
+    fn two_groups<const S: usize>(&mut self) {
+        let Some(columns) = self.k.as_chunks().0.as_chunks::<2>().0.first_chunk::<S>() else {
+            return;
+        };
+        let l = self.l.as_chunks::<16>().0.as_chunks::<2>();
+        let z = self.z.as_chunks_mut::<16>().0.as_chunks_mut::<2>();
+        for (l, z) in l.0.iter().zip(z.0) {
+            *z = mixed(columns, l);
+        }
+        if let ([l], [z]) = (l.1, z.1) {
+            [*z] = mixed(columns, &[*l]);
+        }
+    }
+
+    #[inline(always)]
+    fn any(&mut self) {
+        let Mix { k, l, z, .. } = self;
+        let (stages, stride) = (self.stages, self.stride);
+        for (l, z) in l.chunks_exact(stride).zip(z.chunks_exact_mut(stride)) {
+            for at in (0..stride).step_by(8) {
+                let mut sum = Lanes::<8>::load(&k[at..stride]) * Lanes::splat(l[0]);
+                for j in 1..stages {
+                    let column = &k[j * stride + at..(j + 1) * stride];
+                    sum = Lanes::<8>::load(column).fused(l[j], sum);
+                }
+                sum.store(&mut z[at..]);
+            }
+        }
+    }
+}
+
+/// C components, two groups of stages each.
+#[inline(always)]
+fn mixed<const C: usize, const S: usize>(
+    columns: &[[[f64; 8]; 2]; S],
+    l: &[[f64; 16]; C],
+) -> [[f64; 16]; C] {
+    let mut sums = [[Lanes::<8>::splat(0.0); 2]; C];
+    for (sums, l) in sums.iter_mut().zip(l) {
+        *sums = columns[0].map(|column| Lanes(column) * Lanes::splat(l[0]));
+    }
+    for j in 1..S {
+        for (sums, l) in sums.iter_mut().zip(l) {
+            for g in 0..2 {
+                sums[g] = Lanes(columns[j][g]).fused(l[j], sums[g]);
+            }
+        }
+    }
+    let mut z = [[0.0; 16]; C];
+    for (z, [first, last]) in z.iter_mut().zip(sums) {
+        z[..8].copy_from_slice(&first.0);
+        z[8..].copy_from_slice(&last.0);
+    }
+    z
+}

@@ -1,0 +1,15 @@
+//! What numbers can do.
+
+mod derivatives;
+mod float;
+mod pack;
+mod piecewise;
+mod recording;
+mod scalar;
+
+pub use derivatives::{FirstOrder, SecondOrder};
+pub use float::Float;
+pub use pack::Pack;
+pub use piecewise::Piecewise;
+pub use recording::{Attempt, Recording};
+pub use scalar::Scalar;

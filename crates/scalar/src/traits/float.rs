@@ -1,0 +1,165 @@
+//! [`Float`]: what the integrator computes in.
+
+use super::derivatives::{FirstOrder, SecondOrder};
+use super::pack::Pack;
+use super::piecewise::Piecewise;
+use super::scalar::Scalar;
+use crate::constant::{Constant, Written};
+use crate::error::ParseFloatError;
+use crate::half_power::half_power_slope;
+use nalgebra::RealField;
+use std::fmt::{Display, LowerExp};
+
+/// A [`Scalar`] with ordering, ε, exact integer ratios, parsed decimals and dense linear algebra.
+///
+/// Elementary functions are methods (`x.sqrt()`) through the supertrait [`RealField`]; the names below are
+/// chosen not to collide with it.
+pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
+    /// Name for people and files: `f64`, `dd`.
+    const NAME: &'static str;
+    /// Bits of the significand.
+    const MANTISSA_BITS: u32;
+    /// Decimal digits that print and parse back to the same number. Of the numbers of double-double only those that
+    /// have no gap between the two parts need this few; `Display` without a precision finds the digits a number needs.
+    const ROUND_TRIP_DIGITS: usize;
+    /// The unit in which relative errors of arithmetic are counted. For `f64` 2⁻⁵², 2^(1 − [`MANTISSA_BITS`](Self::MANTISSA_BITS)).
+    /// For double-double 2⁻¹⁰⁴, twice that, because its arithmetic rounds to that only (sums within 0.75, products within 1.25 of it).
+    const EPSILON: Self;
+    /// Largest finite number.
+    const MAX: Self;
+    /// Smallest positive number at which full relative precision is still reached.
+    const MIN_POSITIVE: Self;
+    /// Positive infinity.
+    const INFINITY: Self;
+    /// Not a number.
+    const NAN: Self;
+
+    /// Whether this is `f64`, so that [`as_doubles`](Self::as_doubles) gives the numbers: where code for the one or the other need not be compiled.
+    const IS_DOUBLE: bool = false;
+    /// Whether this is [`DoubleDouble`](crate::DoubleDouble).
+    const IS_DOUBLE_DOUBLE: bool = false;
+    /// How many numbers are best worked on together: 8, or 1 where there are no vectors.
+    const WIDTH: usize;
+    /// `N` numbers that undergo the same operations.
+    type Pack<const N: usize>: Pack<Self, N>;
+    /// Dual number with `N` first derivatives over this type.
+    type Forward<const N: usize>: FirstOrder<Self, N>;
+    /// Dual number with `N` first and N×N second derivatives over this type.
+    type Forward2<const N: usize>: SecondOrder<Self, N>;
+
+    /// The value of the given `f64`, exactly. A literal such as `0.1` stays the *double* 0.1:
+    /// use [`ratio`](Self::ratio) or [`decimal`](Self::decimal) for 1/10.
+    fn exact(x: f64) -> Self;
+    /// An integer, exactly as far as the significand reaches.
+    fn int(n: i64) -> Self;
+    /// n/d, correctly rounded or nearly so.
+    fn ratio(n: i64, d: i64) -> Self {
+        Self::int(n) / Self::int(d)
+    }
+    /// A decimal such as `"0.012277471"`, read in this type's precision.
+    ///
+    /// # Errors
+    /// [`ParseFloatError`] when the text is not a decimal number.
+    fn decimal(text: &str) -> Result<Self, ParseFloatError>;
+    /// The nearest `f64`.
+    fn to_f64(self) -> f64;
+    /// The number as an unevaluated sum of four `f64`, largest first; exact for every type up to 212 bits.
+    fn expansion(self) -> [f64; 4];
+    /// The sum of an expansion made by [`expansion`](Self::expansion).
+    fn from_expansion(parts: [f64; 4]) -> Self {
+        parts
+            .iter()
+            .rev()
+            .fold(Self::int(0), |sum, &part| sum + Self::exact(part))
+    }
+    /// The slice as doubles, if this type is `f64`: how generic code reaches what is computed in [`Lanes`](crate::Lanes).
+    #[inline(always)]
+    fn as_doubles(_: &[Self]) -> Option<&[f64]> {
+        None
+    }
+    /// As [`as_doubles`](Self::as_doubles), to be written to.
+    #[inline(always)]
+    fn as_doubles_mut(_: &mut [Self]) -> Option<&mut [f64]> {
+        None
+    }
+    /// Whether the number is NaN.
+    fn is_nan(self) -> bool {
+        self.partial_cmp(&self).is_none()
+    }
+    /// (a + b rounded, the part lost): Knuth's two-sum, [Møller 1965; Knuth, TAOCP 2, 4.2.2], six additions.
+    fn two_sum(a: Self, b: Self) -> (Self, Self) {
+        let sum = a + b;
+        let b_part = sum - a;
+        (sum, (a - (sum - b_part)) + (b - b_part))
+    }
+}
+
+impl Constant {
+    /// The constant in the float type `T`.
+    #[inline(always)]
+    pub fn to<T: Float>(self) -> T {
+        if T::IS_DOUBLE {
+            return T::exact(self.double);
+        }
+        match self.written {
+            Written::Double(x) => T::exact(x),
+            Written::Ratio(n, d) => T::ratio(n, d),
+            Written::Decimal(text) => T::decimal(text).unwrap_or(T::NAN),
+            Written::Extended(parts) => T::from_expansion(parts),
+        }
+    }
+}
+
+impl<T: Float> Piecewise for T {
+    #[inline(always)]
+    fn sign(x: T) -> T {
+        if x > T::int(0) {
+            T::int(1)
+        } else if x < T::int(0) {
+            T::int(-1)
+        } else {
+            x
+        }
+    }
+
+    #[inline(always)]
+    fn at_most(x: T, y: T) -> T {
+        if x <= y { T::int(1) } else { T::int(0) }
+    }
+
+    #[inline(always)]
+    fn where_nonzero(x: T, test: T) -> T {
+        if test == T::int(0) { T::int(0) } else { x }
+    }
+
+    #[inline(always)]
+    fn times_slope(rate: T, slope: T) -> T {
+        if rate == T::int(0) && !Self::is_regular(slope) {
+            rate
+        } else {
+            rate * slope
+        }
+    }
+
+    #[inline(always)]
+    fn powf_slope(x: T, power: T, c: Constant) -> T {
+        if let Some(n) = c.halves::<T>() {
+            return half_power_slope(x, power, n);
+        }
+        let c: T = c.to();
+        if power != T::int(0) && Self::is_regular(power) {
+            c * power / x
+        } else if c == T::int(0) {
+            c
+        } else {
+            c * <T as Scalar>::pow(x, c - T::int(1))
+        }
+    }
+
+    // ∞ − ∞ is NaN. A classification would do, but is not vectorised over lanes.
+    #[allow(clippy::eq_op)]
+    #[inline(always)]
+    fn is_regular(x: T) -> bool {
+        x - x == T::int(0)
+    }
+}

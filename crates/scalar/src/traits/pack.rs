@@ -1,0 +1,110 @@
+//! [`Pack`]: N numbers of a float type that undergo the same operations.
+
+use super::piecewise::Piecewise;
+use super::scalar::Scalar;
+use crate::constant::Constant;
+
+/// N numbers side by side, in the form that vector instructions take: for generic code that does the same for many numbers.
+///
+/// Each place has every bit of a computation with that number alone. In memory the numbers stay one behind the other, as `[T; N]`.
+///
+/// ```
+/// use equip_scalar::{DoubleDouble, Float, Pack, Scalar};
+/// fn roots<T: Float>(x: &mut [T; 4]) {
+///     T::Pack::<4>::sqrt(Pack::of(x)).store(x);
+/// }
+/// let mut x = [1, 4, 9, 16].map(DoubleDouble::int);
+/// roots(&mut x);
+/// assert_eq!(x, [1, 2, 3, 4].map(DoubleDouble::int));
+/// ```
+pub trait Pack<T: Scalar, const N: usize>: Piecewise {
+    /// The same number in every place.
+    fn splat(x: T) -> Self;
+    /// The numbers of an array.
+    fn of(from: &[T; N]) -> Self;
+    /// The numbers one by one.
+    fn numbers(self) -> [T; N];
+    /// The numbers as the nearest `f64`.
+    fn heads(self) -> [f64; N];
+    /// The numbers of the one where `test` is not zero, of the other where it is.
+    fn choose(test: Self, one: Self, other: Self) -> Self;
+    /// As [`Float::two_sum`](crate::Float::two_sum).
+    fn two_sum(a: Self, b: Self) -> (Self, Self);
+
+    /// The first N numbers of a slice. Of a shorter one, which must not be empty, the last number fills the rest.
+    #[inline(always)]
+    fn load(from: &[T]) -> Self {
+        match from.first_chunk::<N>() {
+            Some(chunk) => Self::of(chunk),
+            None => {
+                let mut numbers = [from[from.len() - 1]; N];
+                for (place, &x) in numbers.iter_mut().zip(from) {
+                    *place = x;
+                }
+                Self::of(&numbers)
+            }
+        }
+    }
+
+    /// Writes the numbers to a slice; one shorter than N receives as many as it can hold.
+    #[inline(always)]
+    fn store(self, to: &mut [T]) {
+        let numbers = self.numbers();
+        match to.first_chunk_mut::<N>() {
+            Some(chunk) => *chunk = numbers,
+            None => {
+                for (place, &x) in to.iter_mut().zip(&numbers) {
+                    *place = x;
+                }
+            }
+        }
+    }
+
+    /// The sum of all numbers of these packs, and what rounding it to one number has lost, so that both together are about as exact as sums with twice the
+    /// digits. Half is added to half, so that the chain of additions is short.
+    #[inline(always)]
+    fn total(packs: &[[T; N]]) -> (T, T) {
+        let (mut sum, mut lost) = (zero::<T, Self, N>(), zero::<T, Self, N>());
+        for x in packs {
+            let (s, e) = Self::two_sum(sum, Self::of(x));
+            (sum, lost) = (s, lost + e);
+        }
+        let mut count = N;
+        while count > 1 {
+            count /= 2;
+            let (s, e) = Self::two_sum(sum, behind(sum, count));
+            (sum, lost) = (s, (lost + behind(lost, count)) + e);
+        }
+        (sum.numbers()[0], lost.numbers()[0])
+    }
+
+    /// Σ_j a_jg·b_j for one place g of several, in this order. Products and sums are rounded each for itself in floats that do so
+    /// cheaply; in others the sum as a whole is as exact as that.
+    #[inline(always)]
+    fn dot<const G: usize>(a: &[[Self; G]], g: usize, b: &[T]) -> Self {
+        let mut terms = a.iter().zip(b);
+        let Some((a, &b)) = terms.next() else {
+            return zero::<T, Self, N>();
+        };
+        let mut sum = a[g] * Self::splat(b);
+        for (a, &b) in terms {
+            sum = sum + a[g] * Self::splat(b);
+        }
+        sum
+    }
+}
+
+#[inline(always)]
+fn zero<T: Scalar, P: Pack<T, N>, const N: usize>() -> P {
+    P::splat(T::constant(Constant::double(0.0)))
+}
+
+/// The numbers from `count` on, in front.
+#[inline(always)]
+fn behind<T: Scalar, P: Pack<T, N>, const N: usize>(pack: P, count: usize) -> P {
+    let mut numbers = pack.numbers();
+    for i in 0..count {
+        numbers[i] = numbers[i + count];
+    }
+    P::of(&numbers)
+}

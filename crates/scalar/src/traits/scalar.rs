@@ -1,0 +1,71 @@
+//! [`Scalar`]: what an energy may be computed with.
+
+use crate::constant::Constant;
+use std::fmt::Debug;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Arithmetic and elementary functions, and nothing that could make a program branch on the state.
+///
+/// Implemented by floats, by dual numbers and by the tracing variable of the tape. All functions are
+/// associated functions without a receiver; users meet them as methods of [`Num`](crate::Num). Special cases
+/// (NaN, infinities, domains) follow `f64`: the square root of a negative number is NaN, and so on.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + 'static
+{
+    /// The constant `c`, read as exactly as this type can.
+    fn constant(c: Constant) -> Self;
+    /// 1/x.
+    fn recip(x: Self) -> Self;
+    /// √x.
+    fn sqrt(x: Self) -> Self;
+    /// xⁿ for an integer n.
+    fn powi(x: Self, n: i32) -> Self;
+    /// xᶜ for a constant exponent, by √x where it is a half-integer up to 15/2; the derivative at x = 0 is
+    /// that of the power, not of exp(c ln x).
+    fn powf(x: Self, c: Constant) -> Self;
+    /// xʸ = exp(y ln x) for a variable exponent, x > 0.
+    fn pow(x: Self, y: Self) -> Self;
+    /// eˣ.
+    fn exp(x: Self) -> Self;
+    /// Natural logarithm.
+    fn ln(x: Self) -> Self;
+    /// eˣ − 1, accurate near 0.
+    fn exp_m1(x: Self) -> Self;
+    /// ln(1 + x), accurate near 0.
+    fn ln_1p(x: Self) -> Self;
+    /// Sine of x in radians.
+    fn sin(x: Self) -> Self;
+    /// Cosine of x in radians.
+    fn cos(x: Self) -> Self;
+    /// Tangent of x in radians.
+    fn tan(x: Self) -> Self;
+    /// Inverse sine, in [−π/2, π/2].
+    fn asin(x: Self) -> Self;
+    /// Inverse cosine, in [0, π].
+    fn acos(x: Self) -> Self;
+    /// Inverse tangent, in [−π/2, π/2].
+    fn atan(x: Self) -> Self;
+    /// Angle of the point (x, y), in [−π, π].
+    fn atan2(y: Self, x: Self) -> Self;
+    /// Hyperbolic sine.
+    fn sinh(x: Self) -> Self;
+    /// Hyperbolic cosine.
+    fn cosh(x: Self) -> Self;
+    /// Hyperbolic tangent.
+    fn tanh(x: Self) -> Self;
+    /// √(x² + y²) without undue overflow.
+    fn hypot(x: Self, y: Self) -> Self;
+    /// |x|; its derivative is the sign of x.
+    fn abs(x: Self) -> Self;
+    /// The smaller of two; derivatives are those of the one taken.
+    fn min(x: Self, y: Self) -> Self;
+    /// The larger of two; derivatives are those of the one taken.
+    fn max(x: Self, y: Self) -> Self;
+}

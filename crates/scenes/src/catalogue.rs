@@ -1,0 +1,10 @@
+//! All scenes, by name, with their parameters filled in.
+
+mod any_model;
+mod instance;
+mod reference;
+mod scene;
+
+pub use instance::Instance;
+pub use reference::{Reference, reference_names};
+pub use scene::{Scene, all, find};

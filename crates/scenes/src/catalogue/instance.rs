@@ -1,0 +1,182 @@
+//! [`Instance`]: a scene with its parameters filled in, ready to be integrated.
+
+use super::any_model::AnyModel;
+use super::reference::{Reference, reference_names};
+use super::scene::{Scene, find};
+use crate::error::SceneError;
+use crate::invariant::Invariant;
+use crate::model::View;
+use crate::parameter::Value;
+use crate::reading::read_all;
+use crate::reference::{self, Doubles, ReferenceData};
+use equip_autodiff::Hamiltonian;
+use equip_scalar::Float;
+
+/// A scene with its parameters filled in: H recorded, start, invariants, time scale and known solutions.
+#[derive(Debug)]
+pub struct Instance {
+    scene: &'static Scene,
+    values: Vec<Value>,
+    model: AnyModel,
+    start: Option<&'static Doubles>,
+    hamiltonian: Hamiltonian,
+    invariants: Vec<Invariant>,
+}
+
+impl Scene {
+    /// The scene with the given parameter values, the others at their defaults.
+    ///
+    /// Values are text, a decimal or a quotient of integers, so that a run in double-double reads `0.1` as 1/10.
+    ///
+    /// ```
+    /// let kepler = equip_scenes::find("kepler")?.instance(&[("e", "0.9")])?;
+    /// let (q, p) = kepler.initial::<f64>();
+    /// assert!((q[0] - 0.1).abs() < 1e-16 && (p[1] - 19.0_f64.sqrt()).abs() < 1e-14);
+    /// # Ok::<(), equip_scenes::SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError`], naming what is allowed, for a parameter that is unknown, given twice, not a number, not a
+    /// whole number where one is asked for, or out of range.
+    pub fn instance(&'static self, values: &[(&str, &str)]) -> Result<Instance, SceneError> {
+        let values = read_all(self.name, self.parameters, values)?;
+        let model = (self.build)(&values)?;
+        Instance::new(self, values, model, None)
+    }
+}
+
+impl Instance {
+    pub(crate) fn new(
+        scene: &'static Scene,
+        values: Vec<Value>,
+        model: AnyModel,
+        start: Option<&'static Doubles>,
+    ) -> Result<Self, SceneError> {
+        let hamiltonian = model.record()?;
+        let invariants = model.invariants()?;
+        Ok(Instance {
+            scene,
+            values,
+            model,
+            start,
+            hamiltonian,
+            invariants,
+        })
+    }
+
+    /// The scene, parameters and initial data of a stored reference solution (see [`reference_names`](crate::reference_names)).
+    ///
+    /// Where the reference started from doubles, so does the instance, in every float type.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownReference`] for another name.
+    pub fn from_reference(name: &str) -> Result<Self, SceneError> {
+        let data = reference::ALL.iter().find(|r| r.name == name);
+        let data = data.ok_or_else(|| SceneError::UnknownReference {
+            name: name.into(),
+            known: reference_names().collect(),
+        })?;
+        let mut instance = find(data.scene)?.instance(data.parameters)?;
+        instance.start = data.start.as_ref();
+        Ok(instance)
+    }
+
+    /// The scene this is an instance of.
+    pub fn scene(&self) -> &'static Scene {
+        self.scene
+    }
+
+    /// Every parameter with its value as text, in the scene's order.
+    pub fn parameters(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let names = self.scene.parameters.iter().map(|p| p.name);
+        names.zip(self.values.iter().map(|v| v.text.as_str()))
+    }
+
+    /// H, recorded.
+    pub fn hamiltonian(&self) -> &Hamiltonian {
+        &self.hamiltonian
+    }
+
+    /// (q₀, p₀), every root and ratio computed in `T`.
+    pub fn initial<T: Float>(&self) -> (Vec<T>, Vec<T>) {
+        match self.start {
+            None => self.model.initial(),
+            Some(Doubles { q, v }) => {
+                let momentum = |(i, &v): (usize, &f64)| self.model.mass::<T>(i) * T::exact(v);
+                let p = v.iter().enumerate().map(momentum).collect();
+                (q.iter().map(|&q| T::exact(q)).collect(), p)
+            }
+        }
+    }
+
+    /// What is kept besides H.
+    pub fn invariants(&self) -> &[Invariant] {
+        &self.invariants
+    }
+
+    /// The natural unit of time: orbital period, 2π/ω, or what the scene's page names.
+    pub fn period<T: Float>(&self) -> T {
+        self.model.period(&self.initial())
+    }
+
+    /// A fixed step at which a method of order 8 resolves the motion.
+    pub fn suggested_step(&self) -> f64 {
+        self.model.step()
+    }
+
+    /// An end time worth a picture.
+    pub fn suggested_end(&self) -> f64 {
+        self.model.end()
+    }
+
+    /// The exact state at time `t`, where a closed form is known: cost of a few dozen elementary functions in `T`.
+    ///
+    /// Its error grows like that of the phase, some ε·t/period. A run in f64 starts from a start rounded to f64; to
+    /// measure its error alone use [`flow`](Self::flow) in a wider type, from that start.
+    pub fn exact<T: Float>(&self, t: T) -> Option<(Vec<T>, Vec<T>)> {
+        match self.start {
+            None => self.model.exact(t),
+            Some(_) => self.model.flow(&self.initial(), t),
+        }
+    }
+
+    /// The exact state a time `t` after any state (q, p), for scenes whose general solution is closed: kepler (bound orbits),
+    /// harmonic, pendulum, quartic.
+    ///
+    /// # Panics
+    /// If q or p is shorter than the degrees of freedom.
+    pub fn flow<T: Float>(&self, start: &(Vec<T>, Vec<T>), t: T) -> Option<(Vec<T>, Vec<T>)> {
+        self.model.flow(start, t)
+    }
+
+    /// The stored reference solution with these parameters and this start, if there is one.
+    pub fn reference(&self) -> Option<Reference<'_>> {
+        let data = reference::ALL.iter().find(|data| self.is_start_of(data))?;
+        Some(Reference {
+            data,
+            model: &self.model,
+        })
+    }
+
+    /// What to draw.
+    pub fn view(&self) -> View {
+        self.model.view()
+    }
+
+    fn is_start_of(&self, data: &ReferenceData) -> bool {
+        let same_start = match (self.start, &data.start) {
+            (None, None) => true,
+            (Some(here), Some(there)) => here == there,
+            _ => false,
+        };
+        let parameters = self.scene.parameters;
+        data.scene == self.scene.name
+            && same_start
+            && read_all(data.scene, parameters, data.parameters).is_ok_and(|values| {
+                values
+                    .iter()
+                    .map(|v| v.exact)
+                    .eq(self.values.iter().map(|v| v.exact))
+            })
+    }
+}

@@ -1,0 +1,198 @@
+//! Does the house stand as docs/architecture.md draws it: imports point downward, no circles, few floors, small rooms?
+//!
+//! Read from the sources: every `use` and every path that begins with `crate`, `super`, `self`, the name of a child module
+//! or the name of another crate of this workspace. A name that a file only passes on (`pub use`) counts as the file it
+//! comes from. Test modules and comments do not count.
+
+mod graph;
+mod sources;
+
+use graph::Graph;
+use sources::Crate;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The crates from the ground up; a crate imports from lower levels only.
+const LEVELS: [&[&str]; 8] = [
+    &["scalar"],
+    &["tableau", "linear", "jit"],
+    &["autodiff"],
+    &["sweeps", "scenes"],
+    &["solver"],
+    &["integrate"],
+    &["equip"],
+    &["cli"],
+];
+
+/// Crates that do not keep the rules inside yet.
+const NOT_YET: &[&str] = &["solver", "autodiff"];
+
+/// Folders that are lists of like things, and may be longer than [`MOST_FILES`].
+const LISTS: &[(&str, &str)] = &[("scenes", "scenes")];
+
+const MOST_FLOORS: usize = 8;
+const MOST_FILES: usize = 12;
+const MOST_LINES: usize = 400;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// All crates of `crates/`, by the names of their folders.
+fn crates() -> BTreeMap<String, Crate> {
+    let mut all = BTreeMap::new();
+    for entry in std::fs::read_dir(root().join("crates")).unwrap() {
+        let folder = entry.unwrap().path();
+        if folder.join("src").is_dir() {
+            let name = folder.file_name().unwrap().to_str().unwrap().to_string();
+            all.insert(name, Crate::read(&folder.join("src")));
+        }
+    }
+    assert!(
+        all.len() >= 7,
+        "the crates are looked for in the right place"
+    );
+    all
+}
+
+/// The crates that keep the rules inside, and the programs beside them.
+fn rooms() -> BTreeMap<String, Crate> {
+    let mut rooms = crates();
+    rooms.retain(|name, _| !NOT_YET.contains(&name.as_str()));
+    for beside in ["benches/peers", "benches", "tests"] {
+        rooms.insert(beside.into(), Crate::read(&root().join(beside).join("src")));
+    }
+    rooms
+}
+
+fn level(name: &str) -> usize {
+    LEVELS
+        .iter()
+        .position(|level| level.contains(&name))
+        .unwrap_or_else(|| {
+            panic!("crates/{name} has no level: add it to LEVELS and to docs/architecture.md")
+        })
+}
+
+fn none(wrong: &[String]) {
+    assert!(wrong.is_empty(), "\n{}\n", wrong.join("\n"));
+}
+
+#[test]
+fn imports_between_crates_point_downward() {
+    let mut wrong = Vec::new();
+    for (name, krate) in crates() {
+        for (file, others) in krate.other_crates() {
+            for other in others {
+                if other != name && level(&other) >= level(&name) {
+                    wrong.push(format!(
+                        "crates/{name}/src/{file} imports from crates/{other}"
+                    ));
+                }
+            }
+        }
+    }
+    none(&wrong);
+}
+
+#[test]
+fn no_circles() {
+    let mut wrong = Vec::new();
+    for (name, krate) in rooms() {
+        for circle in Graph::of(&krate).circles() {
+            wrong.push(format!("{name}: {}", circle.join(" ")));
+        }
+    }
+    none(&wrong);
+}
+
+#[test]
+fn at_most_eight_floors() {
+    let mut wrong = Vec::new();
+    for (name, krate) in rooms() {
+        let tower = Graph::of(&krate).longest_chain();
+        if tower.len() > MOST_FLOORS {
+            wrong.push(format!(
+                "{name}: {} floors, {}",
+                tower.len(),
+                tower.join(" <- ")
+            ));
+        }
+    }
+    none(&wrong);
+}
+
+#[test]
+fn at_most_a_dozen_files_a_folder() {
+    let mut wrong = Vec::new();
+    for (name, krate) in rooms() {
+        for (folder, files) in krate.folders() {
+            if files > MOST_FILES && !LISTS.contains(&(name.as_str(), folder.as_str())) {
+                wrong.push(format!("{name}: {files} files in src/{folder}"));
+            }
+        }
+    }
+    none(&wrong);
+}
+
+#[test]
+fn files_of_at_most_400_lines() {
+    let mut wrong = Vec::new();
+    for (name, krate) in rooms() {
+        for (file, lines) in krate.lines() {
+            if lines > MOST_LINES {
+                wrong.push(format!("{name}: {lines} lines in src/{file}"));
+            }
+        }
+    }
+    none(&wrong);
+}
+
+/// A crate that has come to keep the rules is named no longer.
+#[test]
+fn what_is_not_yet_in_order_is_there() {
+    let all = crates();
+    for name in NOT_YET {
+        assert!(
+            all.contains_key(*name),
+            "there is no crates/{name}: take it off NOT_YET"
+        );
+    }
+    for (name, folder) in LISTS {
+        let files = all[*name].folders().get(*folder).copied().unwrap_or(0);
+        assert!(files > MOST_FILES, "{name}/{folder} need not be on LISTS");
+    }
+}
+
+/// What the measure is told apart by, on sources that are wrong in every way.
+#[test]
+fn the_measure_measures() {
+    let krate = Crate::of(&[
+        (
+            "lib.rs",
+            "mod a;\nmod b;\nmod c;\npub use a::A;\npub use b::deep::D;",
+        ),
+        (
+            "a.rs",
+            "//! crate::c is only spoken of\nuse crate::{D, c::C as _};\n#[cfg(test)]\nmod tests { use crate::b::B; }",
+        ),
+        (
+            "b.rs",
+            "pub mod deep;\npub struct B;\nfn f() -> &'static str { \"crate::a\" }",
+        ),
+        ("b/deep.rs", "use super::B;\npub struct D;"),
+        (
+            "c.rs",
+            "pub struct C;\nfn f() { crate::A::new(); let _ = equip_solver::x(); }",
+        ),
+    ]);
+    let graph = Graph::of(&krate);
+    assert_eq!(graph.circles(), [["a", "c"]]);
+    // b, b/deep, {a, c}.
+    assert_eq!(graph.longest_chain(), ["b", "b/deep", "a+c"]);
+    assert_eq!(krate.folders()[""], 4);
+    assert_eq!(
+        krate.other_crates()["c.rs"].iter().collect::<Vec<_>>(),
+        ["solver"]
+    );
+}
