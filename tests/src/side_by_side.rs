@@ -3,8 +3,8 @@
 
 use cpu_time::ThreadTime;
 use equip_autodiff::Hamiltonian;
-use equip_scalar::Float;
 use equip_integrate::{Certificate, Equip, Gauss, Method, Outcome, Record};
+use equip_scalar::Float;
 
 /// Who makes the steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Hamiltonian, System};
-use equip_integrate::{Equip, Gauss, Record, Preconditioner};
+use equip_integrate::{Equip, Gauss, Preconditioner, Record};
 use equip_scalar::{DoubleDouble, Float, decimal, ratio};
 use equip_scenes::energies::{HenonHeiles, Kepler};
 use equip_scenes::{Instance, find};

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Energy, Hamiltonian, Var};
-use equip_integrate::{Counts, Equip, Gauss, Method, Outcome, Record, Run, Preconditioner};
+use equip_integrate::{Counts, Equip, Gauss, Method, Outcome, Preconditioner, Record, Run};
 use equip_scalar::Constant;
 use equip_scenes::energies::FputBeta;
 use equip_tests::{Seeded, distance};
@@ -109,7 +109,13 @@ fn a_chain_is_as_near_as_gauss_for_little_more() {
             step,
             Preconditioner::default(),
         );
-        let gauss = made(&energy, &start, Gauss::stages(s), step, Preconditioner::Identity);
+        let gauss = made(
+            &energy,
+            &start,
+            Gauss::stages(s),
+            step,
+            Preconditioner::Identity,
+        );
         let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
         let (c, work) = (counts(&ours), counts(&gauss).gradients);
         let work = c.gradients as f64 / work as f64;
@@ -162,7 +168,13 @@ fn units_do_not_matter() {
         let energy = chain(unit);
         let start = (q.clone(), p.iter().map(|p| p * unit).collect());
         for method in [Gauss::stages(4), Equip::stages(4)] {
-            let run = made(&energy, &start, method, (0.25, 5.0), Preconditioner::default());
+            let run = made(
+                &energy,
+                &start,
+                method,
+                (0.25, 5.0),
+                Preconditioner::default(),
+            );
             let (c, end) = (counts(&run), state(&run));
             let end: Vec<f64> = end.iter().map(|x| x / unit).collect();
             println!(

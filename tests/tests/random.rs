@@ -6,8 +6,8 @@
 
 use equip_autodiff::{Evaluate, System};
 use equip_integrate::{
-    Alphas, Counts, Equip, FixedStep, Gauss, IntegrateError, Method, Reach, Outcome,
-    RunFailure, StepView,
+    Alphas, Counts, Equip, FixedStep, Gauss, IntegrateError, Method, Outcome, Reach, RunFailure,
+    StepView,
 };
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{RandomSystem, Seeded, rate};

@@ -1,7 +1,7 @@
 //! Stiff springs: few sweeps where the plain ones hardly contract, the same trajectory and energy, and nothing of it elsewhere.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_integrate::{Equip, FixedStep, Gauss, Method, Record, Run, Preconditioner};
+use equip_integrate::{Equip, FixedStep, Gauss, Method, Preconditioner, Record, Run};
 use equip_scenes::Instance;
 use equip_tests::{decimal_digits, relative_distance};
 

@@ -14,11 +14,9 @@ use crate::number::number;
 use crate::write::json;
 use crate::write::saver::{self, Saver};
 use comparison::Comparison;
+use equip_integrate::{Alphas, Equip, Gauss, Invariant, Method, Reach, Record, Target};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
-use equip_integrate::{
-    Alphas, Equip, Gauss, Invariant, Method, Reach, Record, Target,
-};
 use finished::{EndError, Finished, end_error};
 use integrator::Integrator;
 use progress::Progress;

@@ -22,6 +22,21 @@
 //! # }
 //! ```
 //!
+//! Many runs of one system: what does not depend on the start is made once.
+//!
+//! ```
+//! # use equip::prelude::*;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+//! let mut prepared = Equip::stages(4).step(0.1).prepare(&pendulum)?;
+//! for momentum in [0.5, 1.0, 1.5] {
+//!     let run = prepared.integrate(&[0.0], &[momentum], 0.0..=10.0)?;
+//!     assert!(run.certificate().energy_kept_on_every_step());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! | crate | re-exported as | what is in it |
 //! |---|---|---|
 //! | `equip-scalar` | [`scalar`] | number types: `f64`, `DoubleDouble`, constants in H |

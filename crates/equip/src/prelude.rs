@@ -3,8 +3,9 @@
 pub use equip_autodiff::{BuildError, Energy, Hamiltonian, System, Var, hamiltonian};
 pub use equip_integrate::{
     Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, ChaosIndicators, Checkpoint, Counts,
-    Direction, Equip, Event, FixedStep, Gauss, IntegrateError, Invariant, Method, Observer,
-    Occurrence, Reach, Outcome, Record, Reversible, ReversibleStepper, Run, RunFailure,
-    Preconditioner, Step, StepRule, StepView, Stepper, TangentMap, Target, Trajectory, VariableSteps,
+    Direction, Equip, Event, FixedStep, Gauss, IntegrateError, Integrator, Invariant, Method,
+    Observer, Occurrence, Outcome, Preconditioner, Prepared, Reach, Record, Reversible,
+    ReversibleStepper, Run, RunFailure, Step, StepRule, StepView, Stepper, TangentMap, Target,
+    Trajectory, VariableSteps,
 };
 pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};

@@ -116,7 +116,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// A checkpoint was made under other conditions.
     #[error(
-        "the checkpoint has another {what} than this run: `{stored}` there, `{now}` here; resume with what it was made with, or start anew"
+        "the checkpoint was made with {what} {stored}, this run has {now}; resume with what it was made with, or start anew"
     )]
     CheckpointMismatch {
         /// What differs.
@@ -128,7 +128,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// A checkpoint was made with another H.
     #[error(
-        "at the state of the checkpoint, t = {time}, H has another value than when it was made: give the same Hamiltonian with the same parameters, or start anew"
+        "H is not what it was when the checkpoint was made at t = {time}: give the same Hamiltonian with the same parameters, or start anew"
     )]
     CheckpointOtherEnergy {
         /// Time of the checkpoint.

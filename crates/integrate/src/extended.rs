@@ -1,15 +1,17 @@
 //! [`Extended`]: energies that depend on time, and time that runs at a rate of its own.
 //!
-//! With time as a further position, q_{m+1} = t, and its momentum p_t as a further momentum, a Hamiltonian with m degrees of freedom becomes an
-//! autonomous one with m + 1:
+//! With time as a further position, q_{m+1} = t, and its momentum p_t as a further momentum, a Hamiltonian
+//! with m degrees of freedom becomes an autonomous one with m + 1:
 //!
 //! $$ K = H(t, q, p) + p_t, \qquad \frac{dt}{d\tau} = 1, \qquad \frac{dp_t}{d\tau} = -\frac{\partial H}{\partial t} . $$
 //!
-//! p_t(0) = −H(t_0, q_0, p_0), so K = 0, and K is what the α's keep: p_t tells exactly how much energy went in or out.
+//! p_t(0) = −H(t_0, q_0, p_0), so K = 0, and K is what the α's keep: p_t tells exactly how much energy went
+//! in or out.
 //!
-//! *Time transformation* (Poincaré). K = σ(t, q, p) (H(t, q, p) + p_t) with σ > 0 has, on K = 0, the same trajectories at another rate:
-//! dt/dτ = σ. Fixed steps in τ are then steps of σ·h in t, short where σ is small. EQUIP keeps K = 0 and so H exactly, which is what the transformation
-//! stands on. If H does not depend on time, p_t is constant.
+//! *Time transformation* (Poincaré). K = σ(t, q, p) (H(t, q, p) + p_t) with σ > 0 has, on K = 0, the same
+//! trajectories at another rate: dt/dτ = σ. Fixed steps in τ are then steps of σ·h in t, short where σ is
+//! small. EQUIP keeps K = 0 and so H exactly, which is what the transformation stands on. If H does not
+//! depend on time, p_t is constant.
 
 use equip_autodiff::{BuildError, Evaluate, Hamiltonian, System, Var};
 use equip_scalar::Float;
@@ -52,7 +54,8 @@ impl Extended {
         Self::of(m, system, energy)
     }
 
-    /// The same at the rate dt/dτ = σ(t, q, p) > 0: the independent variable of the run is τ, and what it keeps is K = σ (H + p_t) = 0.
+    /// The same at the rate dt/dτ = σ(t, q, p) > 0: the independent variable of the run is τ, and what it
+    /// keeps is K = σ (H + p_t) = 0.
     ///
     /// # Errors
     /// See [`Hamiltonian::new`].

@@ -42,7 +42,8 @@ pub struct Method {
 }
 
 impl Method {
-    /// The method with α_{s−1} held at `alpha` (dimensionless), s ≥ 2: symplectic, symmetric, of order 2s − 2.
+    /// The method with α_{s−1} held at `alpha` (dimensionless), s ≥ 2: symplectic, symmetric, of order 2s −
+    /// 2.
     pub fn fixed_alpha(stages: usize, alpha: impl Into<Constant>) -> Method {
         Method {
             stages,

@@ -40,7 +40,8 @@ fn steps_per_period<T: Float>(run: &Run<T>) -> f64 {
 
 #[test]
 fn errors_of_a_revolution_are_about_the_tolerance() {
-    // Error over tolerance after 1.3 revolutions, measured: 0.01 (s = 12) to 20 (s = 2), at most 1.7 from s = 3 on.
+    // Error over tolerance after 1.3 revolutions, measured: 0.01 (s = 12) to 20 (s = 2), at most 1.7 from s =
+    // 3 on.
     for (s, tolerance) in [
         (2, 1e-6),
         (3, 1e-6),
@@ -109,7 +110,8 @@ fn the_end_is_met_without_a_sliver() {
         assert_eq!(made.last().0, end);
         let times = made.times();
         let sizes: Vec<f64> = times.windows(2).map(|t| t[1] - t[0]).collect();
-        // The last two steps share what is left: neither is below 1/4 of the one before (sizes change by up to 2 anyway).
+        // The last two steps share what is left: neither is below 1/4 of the one before (sizes change by up
+        // to 2 anyway).
         if let [.., before, a, b] = sizes[..] {
             assert!(
                 a > before / 5.0 && b > before / 5.0,
@@ -131,8 +133,8 @@ fn successive_steps_are_alike() {
     let mut sum = last;
     while stepper.time() < 60.0 {
         let h = stepper.advance().unwrap().step;
-        // Measured 0.24 (past the apocentre, where α's are short as well) to 3.9 (past the pericentre) with 40 tolerances, mostly up to 2.3; the
-        // motion itself demands up to 1.8.
+        // Measured 0.24 (past the apocentre, where α's are short as well) to 3.9 (past the pericentre) with
+        // 40 tolerances, mostly up to 2.3; the motion itself demands up to 1.8.
         assert!(h < 5.0 * last && h > last / 5.0, "{last} {h}");
         sum += h;
         last = h;
@@ -239,7 +241,8 @@ fn pythagorean_to_ten() {
         c.counts.steps,
         c.energy_in_floors.unwrap()
     );
-    // Measured 5.9e-13; rounding, grown by then: between 2e-13 and 3e-12 for tolerances down to 1e-15; headroom 10 on the worst of them.
+    // Measured 5.9e-13; rounding, grown by then: between 2e-13 and 3e-12 for tolerances down to 1e-15;
+    // headroom 10 on the worst of them.
     assert!(error < 3e-11);
     assert!(c.energy_in_floors.unwrap() <= 8.0);
 }
@@ -310,8 +313,8 @@ fn pythagorean_through_its_close_encounters() {
                 energy.end,
                 c.counts.carried()
             );
-            // Measured 1.1e-5 at tolerance 1e-11, less below: rounding, grown by the encounters. 1e-3 where what an encounter leaves of the energy is not
-            // repaired at once.
+            // Measured 1.1e-5 at tolerance 1e-11, less below: rounding, grown by the encounters. 1e-3 where
+            // what an encounter leaves of the energy is not repaired at once.
             assert!(method == Gauss::stages(8) || errors[2] < 1e-4);
             assert!(method == Gauss::stages(8) || energy.end.abs() < 1e-11);
         }

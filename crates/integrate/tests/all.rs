@@ -9,8 +9,9 @@ mod dense;
 mod events;
 mod extended;
 mod memory;
-mod reversible;
 mod preconditioners;
+mod restart;
+mod reversible;
 mod suggest;
 mod tangent;
 

@@ -90,8 +90,8 @@ fn resolved_trajectories_are_nearer_than_those_of_gauss() {
 const PENDULUM: [f64; 2] = [0.5, 0.01];
 const HENON_HEILES: [f64; 2] = [0.5, 0.25];
 
-/// The pass of Kepler's problem at e = 0.99 leaves an offset that the quiet part of the orbit, whose own floor is far
-/// lower, takes for what it is.
+/// The pass of Kepler's problem at e = 0.99 leaves an offset that the quiet part of the orbit, whose own
+/// floor is far lower, takes for what it is.
 #[test]
 fn round_off_of_a_close_pass_is_not_carried() {
     let kepler = equip_scenes::find("kepler").unwrap();
@@ -111,8 +111,9 @@ fn round_off_of_a_close_pass_is_not_carried() {
     assert!(worst <= 8.0, "{worst} floors");
 }
 
-/// Pendulum on a spring, k = 1e6, hω = 50: the spring is at rest, what would keep the energy disturbs the slow motion, and is refused. Errors are those
-/// of the angle; with the energy kept on all steps it was 220 to 7400 times as far off as Gauss (docs/adr/0003).
+/// Pendulum on a spring, k = 1e6, hω = 50: the spring is at rest, what would keep the energy disturbs the
+/// slow motion, and is refused. Errors are those of the angle; with the energy kept on all steps it was 220
+/// to 7400 times as far off as Gauss (docs/adr/0003).
 #[test]
 fn slow_motion_beside_a_stiff_spring_at_rest_is_left_in_peace() {
     let scene = equip_scenes::find("spring-pendulum").unwrap();

@@ -1,9 +1,10 @@
 //! A run that was stopped and resumed is the run that was not, bit for bit.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_autodiff::Hamiltonian;
 use equip_integrate::{
     Adaptive, Checkpoint, Equip, FixedStep, Gauss, IntegrateError, Invariant, NoObserver, Observer,
-    Run, Preconditioner, StepView,
+    Preconditioner, Run, StepView,
 };
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -191,21 +192,20 @@ fn what_does_not_fit_is_refused() {
         IntegrateError::CheckpointMismatch { what, .. } => what,
         other => panic!("{other}"),
     };
-    let other_step = Equip::stages(4)
-        .step(0.2)
-        .resume(h, &checkpoint)
-        .unwrap_err();
-    assert_eq!(what(other_step), "method or options");
-    let other_method = Gauss::stages(4)
-        .step(0.1)
-        .resume(h, &checkpoint)
-        .unwrap_err();
-    assert_eq!(what(other_method), "method or options");
-    let tolerance = Equip::stages(4)
-        .tolerance(1e-8)
-        .resume(h, &checkpoint)
-        .unwrap_err();
-    assert_eq!(what(tolerance), "method or options");
+    let refused = Equip::stages(4).step(0.2).resume(h, &checkpoint);
+    assert_eq!(what(refused.unwrap_err()), "step");
+    let refused = Gauss::stages(4).step(0.1).resume(h, &checkpoint);
+    assert_eq!(what(refused.unwrap_err()), "method");
+    let refused = Equip::stages(4).tolerance(1e-8).resume(h, &checkpoint);
+    assert_eq!(what(refused.unwrap_err()), "steps");
+    let refused = options.clone().max_halvings(9).resume(h, &checkpoint);
+    assert_eq!(what(refused.unwrap_err()), "max_halvings");
+    let refused = Equip::stages(6).step(0.1).resume(h, &checkpoint);
+    let text = refused.unwrap_err().to_string();
+    assert!(
+        text.contains("made with stages 4, this run has 6"),
+        "{text}"
+    );
     let tenth = DoubleDouble::exact(0.1);
     let precision = Equip::stages(4)
         .step(tenth)
@@ -244,4 +244,55 @@ fn what_does_not_fit_is_refused() {
         failure.error,
         IntegrateError::CheckpointOffGrid { time: 0.25 }
     ));
+}
+
+#[test]
+fn a_checkpoint_belongs_to_its_functions_and_its_start() {
+    let kepler = scene("kepler", &[("e", "0.6")]);
+    let (q, p) = kepler.initial::<f64>();
+    let area = |power: i32| {
+        let function = Hamiltonian::new(2, |q, p| (q[0] * p[1] - q[1] * p[0]).powi(power));
+        Invariant::new("area", function.unwrap())
+    };
+    let options = |power| Equip::stages(4).step(0.1).invariant(area(power));
+    let energy = |bend: f64, at: f64| {
+        Hamiltonian::new(2, |q, p| {
+            let r = (q[0].powi(2) + q[1].powi(2)).sqrt();
+            0.5 * (p[0].powi(2) + p[1].powi(2)) - r.recip() + bend * (q[0] - at).powi(4)
+        })
+        .unwrap()
+    };
+    let h = energy(0.0, 0.0);
+    let mut run = options(1).start(&h, &q, &p, 0.0).unwrap();
+    run.advance().unwrap();
+    let checkpoint = run.checkpoint();
+    assert!(options(1).resume(&h, &checkpoint).is_ok());
+    // At the state of the checkpoint it has the same value, gradient and Hessian.
+    let other = energy(1e-3, run.view().q[0]);
+    let refused = options(1).resume(&other, &checkpoint).unwrap_err();
+    assert!(matches!(
+        refused,
+        IntegrateError::CheckpointOtherEnergy { .. }
+    ));
+    // The name is the same, and so is the value at the start up to its third power.
+    let refused = options(3).resume(&h, &checkpoint).unwrap_err();
+    assert!(
+        matches!(
+            refused,
+            IntegrateError::CheckpointMismatch {
+                what: "an invariant",
+                ..
+            }
+        ),
+        "{refused}"
+    );
+    assert_eq!(checkpoint.check_start(&q, &p, 0.0), Ok(()));
+    let (other_q, _) = scene("kepler", &[("e", "0.7")]).initial::<f64>();
+    for (q, t0, what) in [(&other_q, 0.0, "start state"), (&q, 1.0, "start time")] {
+        let refused = checkpoint.check_start(q, &p, t0).unwrap_err();
+        let IntegrateError::CheckpointMismatch { what: found, .. } = refused else {
+            panic!("{refused}");
+        };
+        assert_eq!(found, what);
+    }
 }

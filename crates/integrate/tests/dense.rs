@@ -81,8 +81,8 @@ fn order_and_error_beside_the_steps() {
         println!(
             "s = {s}: {coarse_steps:.1e} {coarse:.1e}, {fine_steps:.1e} {fine:.1e}, order {order:.2}"
         );
-        // Measured 3.97, 5.87, 8.55: order 2s (α's that aim at the exact flow take the more off the error the smaller the step), and
-        // at most 1.02 times the error of the steps.
+        // Measured 3.97, 5.87, 8.55: order 2s (α's that aim at the exact flow take the more off the error the
+        // smaller the step), and at most 1.02 times the error of the steps.
         let above = order - 2.0 * s as f64;
         assert!(above > -0.5 && above < 1.0, "order {order}");
         assert!(coarse < 2.0 * coarse_steps && fine < 2.0 * fine_steps);

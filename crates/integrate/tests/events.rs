@@ -47,7 +47,8 @@ fn times_of_the_oscillator() {
 
 #[test]
 fn times_of_kepler() {
-    // Pericentre and apocentre at kπ. What a trajectory in doubles has lost by then is in the times: the energy at half its floor is 4 ulp of the period.
+    // Pericentre and apocentre at kπ. What a trajectory in doubles has lost by then is in the times: the
+    // energy at half its floor is 4 ulp of the period.
     let scene = equip_scenes::find("kepler").unwrap();
     let apsis = |_, q: &[f64], p: &[f64]| q[0] * p[0] + q[1] * p[1];
     let mut found = Vec::new();
@@ -82,7 +83,8 @@ fn times_of_kepler() {
     let mean = found.iter().sum::<f64>() / found.len() as f64;
     let worst = found.into_iter().fold(0.0, f64::max);
     println!("Kepler: {mean:.1} ulp, worst {worst}");
-    // Measured 4.4 to 5.1 with different roundings, the worst 22; the mean of 168 times that scatter by 4 does so by 0.3.
+    // Measured 4.4 to 5.1 with different roundings, the worst 22; the mean of 168 times that scatter by 4
+    // does so by 0.3.
     assert!(mean <= 6.5 && worst <= 32.0);
 }
 
@@ -121,8 +123,8 @@ impl Random {
 
 #[test]
 fn none_is_missed_in_random_crossings() {
-    // q = sin t, steps of about 1.5. Levels c = ±(1 − δ), δ from 1 down to 1e-12: crossings at arcsin c and π − arcsin c, √(8δ) apart,
-    // the closest 2.8e-6; and tones sin(ωt + φ) with up to 20 roots in a step.
+    // q = sin t, steps of about 1.5. Levels c = ±(1 − δ), δ from 1 down to 1e-12: crossings at arcsin c and π
+    // − arcsin c, √(8δ) apart, the closest 2.8e-6; and tones sin(ωt + φ) with up to 20 roots in a step.
     let mut random = Random(20_261_121);
     let (mut crossings, mut worst) = (0, 0.0f64);
     for _ in 0..500 {

@@ -1,4 +1,5 @@
-//! Memory of a chain grows linearly, and steps allocate nothing. The allocator of this program counts, for every thread by itself.
+//! Memory of a chain grows linearly, and steps allocate nothing. The allocator of this program counts, for
+//! every thread by itself.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_integrate::{Equip, Gauss, Method, Preconditioner};
@@ -40,6 +41,11 @@ unsafe impl GlobalAlloc for Counting {
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
+
+/// Allocations of this thread so far.
+pub(crate) fn allocations() -> u64 {
+    ALLOCATIONS.get()
+}
 
 /// Bytes asked for by the start and `first` steps of a dnls ring, and allocations of the 20 steps after them.
 fn ring(sites: &str, method: Method, first: usize) -> (usize, u64) {

@@ -121,8 +121,8 @@ fn energy_at_its_floor<T: Float>(steps: usize, s: usize, bound: f64) {
         // As much as Newton accepts as round-off.
         assert!(floors <= 8.0, "{floors}");
         assert!(simplified.certificate.energy_kept_on_every_step());
-        // On fpu (hω = 1) the α's differ: measured 6e-7 and 9e-8 after 50 steps, 1.5e-13 after 3 in double-double. Full Newton
-        // itself runs backwards only to 3.5e-6 there.
+        // On fpu (hω = 1) the α's differ: measured 6e-7 and 9e-8 after 50 steps, 1.5e-13 after 3 in
+        // double-double. Full Newton itself runs backwards only to 3.5e-6 there.
         if scene.0 != "fpu" {
             assert!(difference(&full, &simplified) < bound);
         }
@@ -131,8 +131,8 @@ fn energy_at_its_floor<T: Float>(steps: usize, s: usize, bound: f64) {
 
 #[test]
 fn the_same_energy() {
-    // Measured 2e-12 and 4e-13 after 50 steps, 1.4e-26 after 3: full Newton takes the directions of the α's from Hessians that
-    // are off by ε^(1/3). Headroom 10.
+    // Measured 2e-12 and 4e-13 after 50 steps, 1.4e-26 after 3: full Newton takes the directions of the α's
+    // from Hessians that are off by ε^(1/3). Headroom 10.
     energy_at_its_floor::<f64>(50, 3, 2e-11);
     energy_at_its_floor::<f64>(50, 4, 4e-12);
     energy_at_its_floor::<DoubleDouble>(3, 4, 2e-25);
@@ -148,9 +148,10 @@ fn a_kept_factorisation_serves_for_many_steps() {
     assert_eq!(simplified.simplified_factorisations, 3);
 }
 
-/// 40 unknowns a stage, 6 stages: full Newton factorises one matrix of size 240, simplified Newton three complex ones of size 40, the
-/// work of (2/3) 240³ against 3 · (8/3) 40³ operations: 18 to 1. Both factorise in every iteration here; seconds are those of whole
-/// runs, with Hessians (6 to 1), gradients and solves. Measured 4.20 and 0.36 ms, 11.7 to 1.
+/// 40 unknowns a stage, 6 stages: full Newton factorises one matrix of size 240, simplified Newton three
+/// complex ones of size 40, the work of (2/3) 240³ against 3 · (8/3) 40³ operations: 18 to 1. Both factorise
+/// in every iteration here; seconds are those of whole runs, with Hessians (6 to 1), gradients and solves.
+/// Measured 4.20 and 0.36 ms, 11.7 to 1.
 #[test]
 #[ignore = "timing: run with cargo test -p equip-integrate --release --test all preconditioners:: -- --ignored --nocapture"]
 fn a_factorisation_of_simplified_newton_is_an_order_cheaper() {
@@ -202,7 +203,12 @@ fn small_systems_are_solved_in_full_and_large_ones_simplified() {
 #[test]
 fn a_ring_of_a_thousand_sites() {
     let scene = instance("dnls", &[("n", "1000")]);
-    let ran = run(&scene, Equip::stages(4), (0.1, 20), Preconditioner::Automatic);
+    let ran = run(
+        &scene,
+        Equip::stages(4),
+        (0.1, 20),
+        Preconditioner::Automatic,
+    );
     println!("{}", ran.certificate);
     assert_eq!(ran.certificate.counts.factorisations, 0);
     assert!(ran.certificate.energy_kept_on_every_step());
@@ -247,8 +253,8 @@ fn steps_run_backwards_alike() {
             assert!(simplified < 100.0 * full.max(1e-15));
         }
     }
-    // Measured in double-double, where directions are repeated: full Newton 9.1e-31, 3.5e-31 and 4.2e-31, simplified 7.8e-31, 1.2e-29 and 1.7e-31.
-    // The bound has a headroom of 8 over the worst.
+    // Measured in double-double, where directions are repeated: full Newton 9.1e-31, 3.5e-31 and 4.2e-31,
+    // simplified 7.8e-31, 1.2e-29 and 1.7e-31. The bound has a headroom of 8 over the worst.
     for scene in &SCENES[..3] {
         let (full, simplified) = there_and_back_in_dd(scene);
         assert!(simplified < 100.0 * full.max(1e-30));
@@ -275,7 +281,12 @@ fn fpu_runs_backwards_alike_in_double_double() {
 #[test]
 fn sweeps_leave_to_newton_what_they_cannot_do_and_say_how_far_they_came() {
     let scene = instance("henon-heiles", &[]);
-    let ran = run(&scene, Equip::stages(3), (0.1, 10), Preconditioner::Identity);
+    let ran = run(
+        &scene,
+        Equip::stages(3),
+        (0.1, 10),
+        Preconditioner::Identity,
+    );
     assert!(ran.certificate.counts.newton_iterations > 0);
     assert_eq!(ran.certificate.counts.sweeps, 0);
 
@@ -297,8 +308,9 @@ fn sweeps_leave_to_newton_what_they_cannot_do_and_say_how_far_they_came() {
     }
 }
 
-/// What the last Newton correction leaves of Z − K L is an error of quadratic invariants that repeats from period to period: corrections go on until they are
-/// rounding. Kepler e = 0.6, angular momentum 0.8, 1000 periods.
+/// What the last Newton correction leaves of Z − K L is an error of quadratic invariants that repeats from
+/// period to period: corrections go on until they are rounding. Kepler e = 0.6, angular momentum 0.8, 1000
+/// periods.
 #[test]
 fn newton_leaves_angular_momentum_to_rounding_alone() {
     let scene = instance("kepler", &[("e", "0.6")]);

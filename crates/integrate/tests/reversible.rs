@@ -42,7 +42,8 @@ fn there_and_back<T: Float>(options: &Reversible<T>, steps: usize) -> f64 {
 
 #[test]
 fn there_and_back_is_the_start() {
-    // Measured: explicit 6.9e-13 to 5.9e-11, where rounding adds up in the sizes, integral 8.0e-15 to 2.3e-13; headroom 10.
+    // Measured: explicit 6.9e-13 to 5.9e-11, where rounding adds up in the sizes, integral 8.0e-15 to
+    // 2.3e-13; headroom 10.
     for method in [Gauss::stages(4), Equip::stages(4)] {
         let given = method.reversible(0.3, sigma());
         let automatic = method.reversible_automatic(0.5);
@@ -195,7 +196,8 @@ fn the_integral_rule_holds_of_every_step() {
 
 #[test]
 fn the_automatic_density_is_the_pace_of_the_motion() {
-    // For oscillators (Σ ω⁴)^{1/4}, whatever the units of q and p: steps of ε over that, and nothing changes along the motion.
+    // For oscillators (Σ ω⁴)^{1/4}, whatever the units of q and p: steps of ε over that, and nothing changes
+    // along the motion.
     let h = Hamiltonian::new(2, |q, p| {
         50.0 * p[0] * p[0] + 0.045 * q[0] * q[0] + 0.5 * p[1] * p[1] + 0.5 * q[1] * q[1]
     })
@@ -218,7 +220,8 @@ fn the_automatic_density_is_the_pace_of_the_motion() {
 #[test]
 #[ignore = "long: cargo test --release -p equip-integrate --test all -- --ignored --nocapture reversible::long"]
 fn long_runs_beside_the_tolerance() {
-    // The direction of the pericentre and the position, after 10⁴ and 10⁵ revolutions of e = 0.6: the table of docs/which-steps.md.
+    // The direction of the pericentre and the position, after 10⁴ and 10⁵ revolutions of e = 0.6: the table
+    // of docs/which-steps.md.
     let scene = kepler("0.6");
     let (q, p) = scene.initial::<f64>();
     let h = scene.hamiltonian();

@@ -10,7 +10,8 @@ fn scene(name: &str, values: &[(&str, &str)]) -> Instance {
     equip_scenes::find(name).unwrap().instance(values).unwrap()
 }
 
-/// Scenes with an interval each: integrable and chaotic, separable and not, one to eighteen degrees of freedom.
+/// Scenes with an interval each: integrable and chaotic, separable and not, one to eighteen degrees of
+/// freedom.
 fn scenes() -> [(Instance, f64); 6] {
     [
         (scene("kepler", &[("e", "0.5")]), 7.0),
@@ -48,8 +49,9 @@ fn trajectories_reach_their_target() {
                 scene.scene().name,
                 error / target
             );
-            // Measured 0.06 to 0.98 of it: the step was tried and met the target, and is no more than 8 times better except where one step more or less
-            // decides. Errors that are largest before the end make the rest.
+            // Measured 0.06 to 0.98 of it: the step was tried and met the target, and is no more than 8 times
+            // better except where one step more or less decides. Errors that are largest before the end make
+            // the rest.
             assert!(error < 1.5 * target && error > target / 100.0);
         }
     }

@@ -56,7 +56,8 @@ fn it_is_the_derivative_of_the_step_map() {
             }
         }
         println!("{method}: {worst:.1e}");
-        // Gauss: measured 4e-21, the error of the difference. EQUIP: 2.3e-7, what ∂α/∂y adds, of the size of the step's error.
+        // Gauss: measured 4e-21, the error of the difference. EQUIP: 2.3e-7, what ∂α/∂y adds, of the size of
+        // the step's error.
         assert!(worst < bound);
         // Symplectic: Ψᵀ J Ψ = J.
         let form = |a: &[D], b: &[D]| (a[0] * b[2] + a[1] * b[3]) - (a[2] * b[0] + a[3] * b[1]);
@@ -93,10 +94,12 @@ fn indicators(q2: &str, p2: &str, times: &[f64]) -> Vec<ChaosIndicators<f64>> {
 
 #[test]
 fn order_and_chaos_of_henon_heiles() {
-    // Orbits that the literature on chaos indicators shares: x = 0, y = -0.25, px = 0.42, py = 0 is chaotic with a largest exponent of about 0.047
-    // (Skokos, Bountis, Antonopoulos, Geometrical properties of local dynamics in Hamiltonian systems: the Generalized Alignment Index (GALI) method,
-    // Physica D 231 (2007), 4.1; Skokos, The Lyapunov characteristic exponents and their computation, Lect. Notes Phys. 790 (2010)); x = 0,
-    // y = 0.483, px = 0.27898, py = 0 is quasi-periodic (tests of DynamicalSystems.jl, which have both).
+    // Orbits that the literature on chaos indicators shares: x = 0, y = -0.25, px = 0.42, py = 0 is chaotic
+    // with a largest exponent of about 0.047 (Skokos, Bountis, Antonopoulos, Geometrical properties of local
+    // dynamics in Hamiltonian systems: the Generalized Alignment Index (GALI) method, Physica D 231 (2007),
+    // 4.1; Skokos, The Lyapunov characteristic exponents and their computation, Lect. Notes Phys. 790
+    // (2010)); x = 0, y = 0.483, px = 0.27898, py = 0 is quasi-periodic (tests of DynamicalSystems.jl, which
+    // have both).
     let times = [1e3, 1e4, 5e4];
     let chaotic = indicators("-0.25", "0", &times);
     for (t, x) in times.iter().zip(&chaotic) {
@@ -108,8 +111,8 @@ fn order_and_chaos_of_henon_heiles() {
         let ratio = x.megno / (x.lyapunov * t / 2.0);
         assert!((0.8..1.25).contains(&ratio), "{ratio}");
     }
-    // λ(t) of a chaotic orbit wanders, and any rounding leads to another one: measured 0.025 to 0.056 at t = 5·10⁴ on 16 neighbours. The mean of four
-    // is off by 16 %.
+    // λ(t) of a chaotic orbit wanders, and any rounding leads to another one: measured 0.025 to 0.056 at t =
+    // 5·10⁴ on 16 neighbours. The mean of four is off by 16 %.
     let neighbours = ["-0.2500000001", "-0.2500000002", "-0.2500000003"];
     let others = neighbours.map(|q2| indicators(q2, "0", &times)[2].lyapunov);
     let found = (others.iter().sum::<f64>() + chaotic[2].lyapunov) / 4.0;
@@ -182,7 +185,8 @@ fn a_followed_run_has_the_same_steps_and_is_resumed_bit_for_bit() {
 
 #[test]
 fn steps_that_sweeps_do_not_solve_are_followed_too() {
-    // hω = 4: the linearised stages are solved by a factorisation. A quarter turn and more of the rotation, to round-off.
+    // hω = 4: the linearised stages are solved by a factorisation. A quarter turn and more of the rotation,
+    // to round-off.
     let omega = 40.0;
     let h = Hamiltonian::new(1, move |q, p| {
         0.5 * (p[0] * p[0] + omega * omega * q[0] * q[0])

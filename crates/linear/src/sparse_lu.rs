@@ -80,11 +80,7 @@ impl Symbolic {
     }
 
     /// Factorises the matrix with the given entries, column by column.
-    pub fn factor(
-        &mut self,
-        lu: &mut SparseLu,
-        entries: &[Complex<f64>],
-    ) -> Result<(), Singular> {
+    pub fn factor(&mut self, lu: &mut SparseLu, entries: &[Complex<f64>]) -> Result<(), Singular> {
         let n = self.dimension();
         let pattern =
             SymbolicSparseColMatRef::new_checked(n, n, &self.column_starts, None, &self.rows);
@@ -113,7 +109,8 @@ impl Symbolic {
         let columns = PermRef::new_checked(&self.order, &self.order_inverse, n);
         let x = MatMut::from_column_major_slice_mut(x, n, 1);
         let stack = MemStack::new(&mut self.memory.0);
-        lu.lu.solve_in_place_with_conj(rows, columns, Conj::No, x, Par::Seq, stack);
+        lu.lu
+            .solve_in_place_with_conj(rows, columns, Conj::No, x, Par::Seq, stack);
     }
 }
 

@@ -139,6 +139,20 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 }
 
+/// The start of a run.
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// A run begins at `y`, length n, where the energy is `h_ref`: the steps from here on are those of a new solver.
+    /// Counts stay. Allocates nothing.
+    pub fn begin(&mut self, h_ref: T, y: &[T]) {
+        self.forget();
+        self.parts.clear();
+        self.alphas.copy_from_slice(&self.start_alphas);
+        for constraint in &mut self.constraints {
+            constraint.begin(h_ref, y);
+        }
+    }
+}
+
 /// What the next step is to do.
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// Keep the parts of every step from the next on.

@@ -66,6 +66,7 @@ impl Outcome {
 /// Counts of work and outcomes. Equal runs have equal counts on every machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Counts {
     /// Steps made.
     pub steps: u64,

@@ -62,9 +62,7 @@ impl Contender {
 
     pub(super) fn order(&self) -> usize {
         match self {
-            Contender::Equip(s)
-            | Contender::Variable(s)
-            | Contender::Gauss(s) => 2 * s,
+            Contender::Equip(s) | Contender::Variable(s) | Contender::Gauss(s) => 2 * s,
             Contender::Composition(scheme) => scheme.order as usize,
             Contender::Dop853 => 8,
         }
@@ -87,10 +85,7 @@ impl Contender {
 
     /// Whether it keeps the energy by itself.
     pub(super) fn keeps_energy(&self) -> bool {
-        matches!(
-            self,
-            Contender::Equip(_) | Contender::Variable(_)
-        )
+        matches!(self, Contender::Equip(_) | Contender::Variable(_))
     }
 
     /// Setting number `k`, from coarse to fine.
@@ -166,9 +161,7 @@ impl Contender {
         let system = subject.instance.hamiltonian();
         let y = subject.start.clone();
         match self {
-            Contender::Equip(_)
-            | Contender::Variable(_)
-            | Contender::Gauss(_) => {
+            Contender::Equip(_) | Contender::Variable(_) | Contender::Gauss(_) => {
                 let ran = self.ours(subject, setting, true);
                 ran.map(|(outcome, y, _)| (outcome, y))
             }

@@ -45,6 +45,9 @@ impl<T: Float> Integrator<T> {
         let h = instance.hamiltonian();
         let (q, p) = instance.initial::<T>();
         let interval = T::int(0)..=end;
+        if let Some(from) = from {
+            from.check_start(&q, &p, T::int(0))?;
+        }
         match (self, from) {
             (Integrator::Fixed(x), None) => x.integrate_observed(h, &q, &p, interval, observer),
             (Integrator::Fixed(x), Some(from)) => x.integrate_from(h, from, end, observer),

@@ -26,6 +26,21 @@ impl Exact {
         Exact(text.join(":"))
     }
 
+    /// The text.
+    pub(crate) fn text(&self) -> &str {
+        &self.0
+    }
+
+    /// A number that has to be finite.
+    pub(crate) fn read_finite<T: Float>(&self, what: &'static str) -> Result<T, IntegrateError<T>> {
+        let number: T = self.read()?;
+        if number.is_finite() {
+            Ok(number)
+        } else {
+            Err(IntegrateError::CheckpointDamaged { what })
+        }
+    }
+
     pub(crate) fn all<T: Float>(x: &[T]) -> Vec<Self> {
         x.iter().map(|&x| Exact::of(x)).collect()
     }

@@ -1,21 +1,24 @@
 //! The error estimate of a step, from the decay of the Legendre coefficients of its stage derivatives.
 //!
-//! The stages define u'(τ) = Σ_{k<s} γ_k P_k(τ), γ_k = Σ_i b_i P_k(c_i) f(Y_i). What s stages do not resolve begins with γ_s; to the end
-//! point it is passed by the part of the flow's derivative that is orthogonal to all polynomials of degree below s, which decays alike. So
-//! the end point, of order 2s, has an error of about the *square* of the relative size of γ_s:
+//! The stages define u'(τ) = Σ_{k<s} γ_k P_k(τ), γ_k = Σ_i b_i P_k(c_i) f(Y_i). What s stages do not resolve
+//! begins with γ_s; to the end point it is passed by the part of the flow's derivative that is orthogonal to
+//! all polynomials of degree below s, which decays alike. So the end point, of order 2s, has an error of
+//! about the *square* of the relative size of γ_s:
 //!
 //! $$ \mathrm{est} = \varrho^{2s}, \qquad
 //!    \varrho = \max_{g \in \{q, p\}} \max\Big( \theta_{s-1}^{1/(s-1)}, \theta_{s-2}^{1/(s-2)} \Big), \qquad \theta_k = \frac{h \lVert \gamma_k \rVert_g}{\max(h \max_j \lVert \gamma_j \rVert_g, a)} . $$
 //!
-//! ϱ is the ratio of a geometric decay; two coefficients are used because every other one vanishes where the motion is
-//! even or odd about the middle of the step. Norms are maximum norms over the positions and over the momenta. Relative to the motion in
-//! the step, not to the state: that knows no origin and sees a close encounter of two bodies among many. Motion below the absolute
-//! scale a is not resolved further; a = √tolerance times the largest component of the group unless the user says otherwise.
+//! ϱ is the ratio of a geometric decay; two coefficients are used because every other one vanishes where the
+//! motion is even or odd about the middle of the step. Norms are maximum norms over the positions and over
+//! the momenta. Relative to the motion in the step, not to the state: that knows no origin and sees a close
+//! encounter of two bodies among many. Motion below the absolute scale a is not resolved further; a =
+//! √tolerance times the largest component of the group unless the user says otherwise.
 //!
 //! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1}; if what limits
-//! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z = 2w/(1 + w²) from the middle of the step,
-//! ahead if w > 0, behind if w < 0 (Bernstein ellipses). Of the last two w the smaller one counts, and none if they differ in sign, as those
-//! of an oscillation do, which gets no faster anywhere.
+//! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z =
+//! 2w/(1 + w²) from the middle of the step, ahead if w > 0, behind if w < 0 (Bernstein ellipses). Of the last
+//! two w the smaller one counts, and none if they differ in sign, as those of an oscillation do, which gets
+//! no faster anywhere.
 //!
 //! Cost: s² n multiplications, no evaluation of H.
 
@@ -28,7 +31,8 @@ use equip_tableau::Gauss;
 pub(crate) struct Estimate {
     /// ϱ: to the power 2s it is the error of the end point relative to the motion in the step.
     pub(crate) decay: f64,
-    /// 1/z: half a step divided by the signed distance from its middle to what the motion is about to meet, or leaves behind; within ±1.
+    /// 1/z: half a step divided by the signed distance from its middle to what the motion is about to meet,
+    /// or leaves behind; within ±1.
     pub(crate) nearness: f64,
 }
 

@@ -1,17 +1,22 @@
-//! [`StepDensity`]: 1/σ, how many steps per ε a unit of time takes, as a function of the state alone and even in p.
+//! [`StepDensity`]: 1/σ, how many steps per ε a unit of time takes, as a function of the state alone and even
+//! in p.
 //!
 //! *Given.* σ(q, p) is the user's; ∇σ comes with it.
 //!
-//! *Automatic.* The pace of the linearised motion: A = J∇²H has eigenvalues ±iω for oscillations and ±λ where neighbours part, and
+//! *Automatic.* The pace of the linearised motion: A = J∇²H has eigenvalues ±iω for oscillations and ±λ where
+//! neighbours part, and
 //!
 //! $$ \frac1\sigma = \Big( \tfrac12 |\mathrm{tr} A^4| \Big)^{1/4} = \Big| \sum_k \omega_k^4 + \sum_k \lambda_k^4 \Big|^{1/4} $$
 //!
-//! is the fastest of them, smooth, independent of the units of q and p and of the choice of coordinates in which A is written, and the same for
-//! flipped momenta. For Kepler's problem it is a multiple of r^{−3/2}. ε is then the phase that the fastest motion turns by in a step: 6.3 / ε steps a turn.
+//! is the fastest of them, smooth, independent of the units of q and p and of the choice of coordinates in
+//! which A is written, and the same for flipped momenta. For Kepler's problem it is a multiple of r^{−3/2}. ε
+//! is then the phase that the fastest motion turns by in a step: 6.3 / ε steps a turn.
 //!
-//! Its derivative along the motion is a difference over ±δ on a parabola: odd under reversal whatever δ, so that reversible steps remain reversible.
+//! Its derivative along the motion is a difference over ±δ on a parabola: odd under reversal whatever δ, so
+//! that reversible steps remain reversible.
 //!
-//! Cost of the automatic one: one Hessian and at most n nnz operations per value; a rate takes two values, a gradient and a product ∇²H v.
+//! Cost of the automatic one: one Hessian and at most n nnz operations per value; a rate takes two values, a
+//! gradient and a product ∇²H v.
 
 use crate::control::first_step::turn;
 use crate::error::IntegrateError;
@@ -22,7 +27,8 @@ use equip_solver::Counts;
 /// Most unknowns 2m for which A² is made.
 const MOST_UNKNOWNS: usize = 512;
 
-/// The difference that stands for the rate of the automatic density spans 1/32 of its time either way: long enough for rounding not to add up in the sizes.
+/// The difference that stands for the rate of the automatic density spans 1/32 of its time either way: long
+/// enough for rounding not to add up in the sizes.
 const SHARE: i64 = 32;
 
 #[derive(Debug)]
@@ -193,7 +199,8 @@ fn dot<T: Float>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::int(0), |sum, (&x, &y)| sum + x * y)
 }
 
-/// Row `row` of a matrix A stands in row r of J A, with a sign. J = (0 I; −I 0) takes it there and back alike.
+/// Row `row` of a matrix A stands in row r of J A, with a sign. J = (0 I; −I 0) takes it there and back
+/// alike.
 fn turned<T: Float>(row: usize, n: usize) -> (usize, T) {
     let m = n / 2;
     if row < m {

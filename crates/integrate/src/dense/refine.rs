@@ -1,11 +1,12 @@
 //! Dense output: what a step passed through.
 //!
-//! *The stage polynomial.* u(τ) = y0 + Σ_{k<s} h γ_k ∫₀^τ P_k, which the stages define for free, has order s only: one
-//! needs 2s coefficients where the end point needs the first.
+//! *The stage polynomial.* u(τ) = y0 + Σ_{k<s} h γ_k ∫₀^τ P_k, which the stages define for free, has order s
+//! only: one needs 2s coefficients where the end point needs the first.
 //!
-//! *The refined polynomial*, which is what users get: the stage polynomial of the Gauss method with min(2s, 32) stages on the same step, solved from the
-//! stage polynomial as guess by a workspace of its own, with the linear term changed so that it ends in y1. Its error is that
-//! of the step, order 2s, throughout the step (local error h^{2s+1}); the steps do not know of it.
+//! *The refined polynomial*, which is what users get: the stage polynomial of the Gauss method with min(2s,
+//! 32) stages on the same step, solved from the stage polynomial as guess by a workspace of its own, with the
+//! linear term changed so that it ends in y1. Its error is that of the step, order 2s, throughout the step
+//! (local error h^{2s+1}); the steps do not know of it.
 //!
 //! Cost: one solve of 2s stages without α per refined step; s n multiplications per value.
 

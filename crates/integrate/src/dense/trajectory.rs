@@ -3,8 +3,9 @@
 use crate::dense::piece::Piece;
 use equip_scalar::Float;
 
-/// The trajectory of a run between its start and its end, with the accuracy of its steps. Kept by runs that were asked for it
-/// ([`FixedStep::dense`](crate::FixedStep::dense), [`Adaptive::dense`](crate::Adaptive::dense)).
+/// The trajectory of a run between its start and its end, with the accuracy of its steps. Kept by runs that
+/// were asked for it ([`FixedStep::dense`](crate::FixedStep::dense),
+/// [`Adaptive::dense`](crate::Adaptive::dense)).
 ///
 /// Memory: min(2s, 32) + 2 numbers per component and step.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +48,8 @@ impl<T: Float> Trajectory<T> {
         })
     }
 
-    /// y = (q, p) at time `t` into `y` (length 2m); returns whether `t` is within the run. Nothing is allocated.
+    /// y = (q, p) at time `t` into `y` (length 2m); returns whether `t` is within the run. Nothing is
+    /// allocated.
     ///
     /// # Panics
     /// When `y` has another length.

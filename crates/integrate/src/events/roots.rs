@@ -1,16 +1,20 @@
 //! All roots of a smooth function on [0, 1], told apart by Chebyshev coefficients.
 //!
-//! On an interval g is interpolated in N + 1 Chebyshev points (ends included), g ≈ Σ a_k T_k. With E an estimate of the rest:
+//! On an interval g is interpolated in N + 1 Chebyshev points (ends included), g ≈ Σ a_k T_k. With E an
+//! estimate of the rest:
 //!
 //! - |a_0| > Σ_{k≥1} |a_k| + E: no root, since |T_k| ≤ 1;
-//! - the derivative, coefficients d_k, has |d_0| > Σ_{k≥1} |d_k| + N² E: g is monotone, one root if the signs at the ends differ, none if not;
+//! - the derivative, coefficients d_k, has |d_0| > Σ_{k≥1} |d_k| + N² E: g is monotone, one root if the signs
+//!   at the ends differ, none if not;
 //! - else the interval is halved.
 //!
-//! A root is then enclosed by regula falsi with bisection until the enclosure is at the resolution of the place.
+//! A root is then enclosed by regula falsi with bisection until the enclosure is at the resolution of the
+//! place.
 //!
-//! *Rounding.* On a short interval the coefficients of a smooth g decay at once, so those of degree N/2 and above are the rounding of g. Where they
-//! are as large as all the others, g touches zero within its rounding, and the signs at the ends decide. The same holds for
-//! an interval that has come down to the resolution. Rounding above √ε of the largest |g| is roughness, and refused.
+//! *Rounding.* On a short interval the coefficients of a smooth g decay at once, so those of degree N/2 and
+//! above are the rounding of g. Where they are as large as all the others, g touches zero within its
+//! rounding, and the signs at the ends decide. The same holds for an interval that has come down to the
+//! resolution. Rounding above √ε of the largest |g| is roughness, and refused.
 //!
 //! Cost: 17 evaluations of g where there is no root, some 20 more per root, 1500 or so where it touches zero.
 
@@ -132,7 +136,8 @@ impl<T: Float> Roots<T> {
         }
         let coefficients = self.coefficients();
         let sum = |x: &[T]| x.iter().fold(T::int(0), |sum, x| sum + x.abs());
-        // What geometric decay leaves after the last coefficients, seen from three of them: every other one may vanish.
+        // What geometric decay leaves after the last coefficients, seen from three of them: every other one
+        // may vanish.
         let rest = T::int(4) * sum(&coefficients[DEGREE - 2..]);
         if coefficients[0].abs() > sum(&coefficients[1..]) + rest {
             return Look::NoRoot;
@@ -193,8 +198,9 @@ fn derivative<T: Float>(a: &[T; DEGREE + 1]) -> [T; DEGREE + 1] {
     d
 }
 
-/// The root of a function whose signs at the ends differ: regula falsi (Anderson & Björck 1973), with a bisection whenever three steps
-/// have not brought the enclosure down to half. Of the last enclosure the end where |g| is smaller.
+/// The root of a function whose signs at the ends differ: regula falsi (Anderson & Björck 1973), with a
+/// bisection whenever three steps have not brought the enclosure down to half. Of the last enclosure the end
+/// where |g| is smaller.
 fn enclose<T: Float>(g: &mut impl FnMut(T) -> T, interval: Interval<T>, resolution: T) -> T {
     let Interval {
         mut a,

@@ -27,7 +27,8 @@ impl<T: Float> EventWatch<T> {
         }
     }
 
-    /// Appends what happens in `piece` to `occurrences`. Returns the place in it where a terminal event ends the run.
+    /// Appends what happens in `piece` to `occurrences`. Returns the place in it where a terminal event ends
+    /// the run.
     pub(crate) fn see(
         &mut self,
         piece: &Piece<T>,

@@ -17,10 +17,12 @@ pub enum Direction {
 
 type Function<T> = Arc<dyn Fn(T, &[T], &[T]) -> T + Send + Sync>;
 
-/// A function g(t, q, p) whose sign changes along the run are found, between the steps as well, all of those within a step.
+/// A function g(t, q, p) whose sign changes along the run are found, between the steps as well, all of those
+/// within a step.
 ///
-/// A root is where the sign changes; zero counts as positive. Two roots are told apart, and neither is missed, if g between them exceeds
-/// the rounding of g: where g only touches zero, that decides whether there are two roots or none.
+/// A root is where the sign changes; zero counts as positive. Two roots are told apart, and neither is
+/// missed, if g between them exceeds the rounding of g: where g only touches zero, that decides whether there
+/// are two roots or none.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;

@@ -1,8 +1,8 @@
 //! [`Reversible`]: variable steps that are the same backwards.
 //!
-//! Step control by tolerance is not symmetric: the size comes from the step before. For long runs of reversible systems there is the explicit symmetric
-//! control of Hairer & Söderlind (SIAM J. Sci. Comput. 26, 2005; Hairer, Lubich & Wanner, VIII.3.2): the step density z ≈ 1/σ is integrated beside the
-//! state,
+//! Step control by tolerance is not symmetric: the size comes from the step before. For long runs of
+//! reversible systems there is the explicit symmetric control of Hairer & Söderlind (SIAM J. Sci. Comput. 26,
+//! 2005; Hairer, Lubich & Wanner, VIII.3.2): the step density z ≈ 1/σ is integrated beside the state,
 //!
 //! $$ z_{n+1/2} = z_{n-1/2} + \varepsilon G(y_n), \qquad G = -\frac{\nabla\sigma\cdot f}{\sigma}, \qquad h_{n+1/2} = \frac{\varepsilon}{z_{n+1/2}}, \qquad
 //!    z_{1/2} = \frac{1}{\sigma(y_0)} + \frac{\varepsilon}{2} G(y_0), $$
@@ -11,20 +11,17 @@
 //!
 //! $$ h \sum_i \frac{b_i}{\sigma(Y_i)} = \varepsilon , $$
 //!
-//! the quadrature of ∫ dt/σ = ε over the step's own stages, which are the same backwards. It is solved by a secant around the stages, from the size of
-//! the explicit rule.
+//! the quadrature of ∫ dt/σ = ε over the step's own stages, which are the same backwards. It is solved by a
+//! secant around the stages, from the size of the explicit rule.
 //!
-//! No step is refused for its error: ε is the accuracy, chosen once. σ is a function of the state or, by default, made from ∇²H
-//! ([`crate::step_density`]).
+//! No step is refused for its error: ε is the accuracy, chosen once. σ is a function of the state or, by
+//! default, made from ∇²H ([`crate::control::step_density`]).
 
 use crate::error::IntegrateError;
 use crate::method::Method;
-use crate::options::event::Event;
-use crate::options::fixed_step::FixedStep;
-use crate::options::record::Record;
+use crate::options::integrator::Integrator;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
-use equip_solver::{Invariant, Reach, Preconditioner};
 
 /// How reversible steps get their sizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
@@ -32,14 +29,18 @@ pub enum StepRule {
     /// From the size before and the motion between: one evaluation of ∇σ per step.
     #[default]
     Explicit,
-    /// From the stages of the step itself, h Σ b_i/σ(Y_i) = ε: several solves of the stages per step, no memory.
+    /// From the stages of the step itself, h Σ b_i/σ(Y_i) = ε: several solves of the stages per step, no
+    /// memory.
     Integral,
 }
 
-/// A method with steps of about ε σ(q, p), chosen symmetrically in time.
+/// A method with steps of about ε σ(q, p), chosen symmetrically in time. [`Integrator::output_at`] is served
+/// from dense output.
+pub type Reversible<T> = Integrator<T, Symmetric<T>>;
+
+/// Sizes of about ε σ(q, p).
 #[derive(Debug, Clone)]
-pub struct Reversible<T: Float> {
-    pub(crate) base: FixedStep<T>,
+pub struct Symmetric<T> {
     pub(crate) epsilon: T,
     /// `None` for the automatic one.
     pub(crate) sigma: Option<Hamiltonian>,
@@ -47,19 +48,17 @@ pub struct Reversible<T: Float> {
 }
 
 impl Method {
-    /// An integrator with steps of about ε σ(q, p), chosen so that the run backwards takes the same ones. `sigma` is a positive function of the state, recorded
-    /// like an energy ([`Hamiltonian::new`]), even in p.
+    /// An integrator with steps of about ε σ(q, p), chosen so that the run backwards takes the same ones.
+    /// `sigma` is a positive function of the state, recorded like an energy ([`Hamiltonian::new`]), even in
+    /// p.
     pub fn reversible<T: Float>(self, epsilon: T, sigma: Hamiltonian) -> Reversible<T> {
-        Reversible {
-            base: FixedStep::new(self, T::int(1)),
-            epsilon,
-            sigma: Some(sigma),
-            rule: StepRule::default(),
-        }
+        let sigma = Some(sigma);
+        Integrator::new(self, Symmetric::new(epsilon, sigma))
     }
 
-    /// The same with σ from the second derivatives of H: 1/σ is the pace of the fastest linearised motion, and ε the phase it turns by in a step (6.3 / ε
-    /// steps a turn). For at most 256 degrees of freedom, and for motion that is nowhere free: 1/σ must not vanish.
+    /// The same with σ from the second derivatives of H: 1/σ is the pace of the fastest linearised motion,
+    /// and ε the phase it turns by in a step (6.3 / ε steps a turn). For at most 256 degrees of freedom, and
+    /// for motion that is nowhere free: 1/σ must not vanish.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -75,76 +74,45 @@ impl Method {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn reversible_automatic<T: Float>(self, epsilon: T) -> Reversible<T> {
-        Reversible {
-            base: FixedStep::new(self, T::int(1)),
-            epsilon,
-            sigma: None,
-            rule: StepRule::default(),
-        }
+        let sigma = None;
+        Integrator::new(self, Symmetric::new(epsilon, sigma))
     }
-}
-
-macro_rules! pass_on {
-    ($($name:ident($argument:ident: $type:ty)),* $(,)?) => {$(
-        #[doc = concat!("See [`FixedStep::", stringify!($name), "`].")]
-        #[must_use]
-        pub fn $name(mut self, $argument: $type) -> Self {
-            self.base = self.base.$name($argument);
-            self
-        }
-    )*};
 }
 
 impl<T: Float> Reversible<T> {
-    /// How steps get their sizes; [`StepRule::Explicit`] by default. With the integral rule no step is halved.
+    /// How steps get their sizes; [`StepRule::Explicit`] by default. With the integral rule no step is
+    /// halved.
     #[must_use]
     pub fn rule(mut self, rule: StepRule) -> Self {
-        self.rule = rule;
+        self.sizes.rule = rule;
         if rule == StepRule::Integral {
             // The rule is about the stages of one step.
-            self.base.max_halvings = 0;
+            self.options.max_halvings = 0;
         }
         self
     }
 
-    pass_on!(
-        reach(choice: Reach),
-        alpha_bound(bound: T),
-        max_halvings(halvings: u32),
-        preconditioner(solver: Preconditioner),
-        measure_energy(measure: bool),
-        invariant(invariant: Invariant),
-        keep(invariant: Invariant),
-        record(record: Record),
-        event(event: Event<T>),
-    );
-
-    /// See [`FixedStep::dense`].
+    /// How often a step that fails may be halved, 3 by default; 0 never halves.
     #[must_use]
-    pub fn dense(mut self) -> Self {
-        self.base = self.base.dense();
+    pub fn max_halvings(mut self, halvings: u32) -> Self {
+        self.options.max_halvings = halvings;
         self
     }
+}
 
-    /// See [`FixedStep::chaos`].
-    #[must_use]
-    pub fn chaos(mut self) -> Self {
-        self.base = self.base.chaos();
-        self
+impl<T: Float> Symmetric<T> {
+    fn new(epsilon: T, sigma: Option<Hamiltonian>) -> Self {
+        Symmetric {
+            epsilon,
+            sigma,
+            rule: StepRule::default(),
+        }
     }
 
-    /// Times at which the state is wanted besides the steps; see [`Adaptive::output_at`](crate::Adaptive::output_at).
-    #[must_use]
-    pub fn output_at(mut self, times: &[T]) -> Self {
-        self.base = self.base.output_at(times);
-        self
-    }
-
-    /// Checks everything that does not need the Hamiltonian.
     pub(crate) fn validate(&self) -> Result<(), IntegrateError<T>> {
         let epsilon = self.epsilon;
         if epsilon > T::int(0) && epsilon.is_finite() {
-            self.base.validate().map(|_| ())
+            Ok(())
         } else {
             Err(IntegrateError::Option {
                 option: "epsilon",
@@ -152,17 +120,5 @@ impl<T: Float> Reversible<T> {
                 expected: "positive and finite",
             })
         }
-    }
-
-    /// What has to be the same again for a checkpoint to fit.
-    pub(crate) fn fingerprint(&self) -> String {
-        let common = self.base.common_fingerprint();
-        let (epsilon, rule) = (self.epsilon, self.rule);
-        let sigma = if self.sigma.is_some() {
-            "given"
-        } else {
-            "automatic"
-        };
-        format!("reversible, {rule:?}, epsilon {epsilon:?}, sigma {sigma}; {common}")
     }
 }

@@ -139,7 +139,10 @@ impl<T: Float> Certificate<T> {
             );
         }
         if counts.taken_over > 0 {
-            line("preconditioner changed", format!("{} times", counts.taken_over));
+            line(
+                "preconditioner changed",
+                format!("{} times", counts.taken_over),
+            );
         }
         if counts.directions > 0 {
             line(

@@ -18,13 +18,18 @@ pub struct Defect<T> {
 }
 
 impl<T: Float> Defect<T> {
-    pub(crate) fn new(name: &str, start: T) -> Self {
+    pub(crate) fn new(name: &str) -> Self {
         Defect {
             name: name.to_owned(),
-            start,
+            start: T::int(0),
             max: T::int(0),
             end: T::int(0),
         }
+    }
+
+    /// The quantity is compared with `start` from now on.
+    pub(crate) fn begin(&mut self, start: T) {
+        (self.start, self.end) = (start, T::int(0));
     }
 
     pub(crate) fn see(&mut self, difference: T) {
@@ -43,13 +48,21 @@ pub(crate) struct Watched<T: Float> {
 }
 
 impl<T: Float> Watched<T> {
-    pub(crate) fn new(invariant: &Invariant, y: &[T]) -> Self {
-        let mut evaluator = invariant.function().evaluator::<T>();
-        let start = evaluator.compensated_value(y);
+    pub(crate) fn new(invariant: &Invariant) -> Self {
         Watched {
-            defect: Defect::new(invariant.name(), start),
-            evaluator,
+            defect: Defect::new(invariant.name()),
+            evaluator: invariant.function().evaluator::<T>(),
         }
+    }
+
+    /// The quantity is compared with its value at `y` from now on.
+    pub(crate) fn begin(&mut self, y: &[T]) {
+        self.defect.begin(self.evaluator.compensated_value(y));
+    }
+
+    /// The function.
+    pub(crate) fn function_mut(&mut self) -> &mut <Hamiltonian as System>::Evaluator<T> {
+        &mut self.evaluator
     }
 
     pub(crate) fn see(&mut self, y: &[T]) {

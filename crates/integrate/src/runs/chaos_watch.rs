@@ -2,20 +2,20 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
-use crate::options::fixed_step::FixedStep;
+use crate::options::common::Options;
 use crate::steppers::stepper::Stepper;
 use crate::tangent::chaos::{Chaos, any_deviation};
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 
-/// What a whole run with `options` follows, if it follows anything, from its start or from the checkpoint it goes on
-/// from.
+/// What a whole run with `options` follows, if it follows anything, from its start or from the checkpoint it
+/// goes on from.
 ///
 /// # Errors
 /// A checkpoint of a run that followed no deviation.
 pub(crate) fn chaos_of_run<T: Float, E: Evaluate<T>, H: System<Evaluator<T> = E>>(
     system: &H,
-    options: &FixedStep<T>,
+    options: &Options<T>,
     stepper: &mut Stepper<T, E>,
     from: Option<&Checkpoint>,
 ) -> Result<Option<Chaos<T, E>>, IntegrateError<T>> {

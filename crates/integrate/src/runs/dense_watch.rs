@@ -5,7 +5,7 @@ use crate::dense::refine::Refiner;
 use crate::dense::trajectory::Trajectory;
 use crate::error::IntegrateError;
 use crate::events::watch::EventWatch;
-use crate::options::fixed_step::FixedStep;
+use crate::options::common::Options;
 use crate::runs::run::Run;
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::{Evaluate, System};
@@ -28,7 +28,7 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
     /// `times` are to be served from dense output. `None` if nothing asks for it.
     pub(crate) fn new<H: System<Evaluator<T> = E>>(
         system: &H,
-        options: &FixedStep<T>,
+        options: &Options<T>,
         times: &[T],
         stepper: &mut Stepper<T, E>,
     ) -> Result<Option<Self>, IntegrateError<T>> {
@@ -49,7 +49,8 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
         }))
     }
 
-    /// Sees the step that `stepper` has just made from a time whose lost part was `time_low`. Breaks with time and state of a terminal event.
+    /// Sees the step that `stepper` has just made from a time whose lost part was `time_low`. Breaks with
+    /// time and state of a terminal event.
     pub(crate) fn see(
         &mut self,
         stepper: &Stepper<T, E>,

@@ -1,38 +1,24 @@
-//! The loop of a whole run, the same for fixed and for variable steps: step → dense output and events → observer → keep.
+//! The loop of a whole run, the same for fixed and for variable steps: step → dense output and events →
+//! observer → keep.
 
-use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
 use crate::options::record::Record;
 use crate::runs::dense_watch::DenseWatch;
 use crate::runs::observer::Observer;
 use crate::runs::outputs::Outputs;
 use crate::runs::run::{Run, RunFailure};
-use crate::steppers::stepper::Stepper;
+use crate::steppers::sizes::Advance;
 use crate::steppers::view::StepView;
 use crate::tangent::chaos::Chaos;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
-/// The steps of a run up to its end.
-pub(crate) trait Schedule<T: Float, E> {
-    /// The state of the run.
-    fn stepper(&self) -> &Stepper<T, E>;
-    /// What rounding lost of the time.
-    fn time_low(&self) -> T;
-    /// Whether the end is reached.
-    fn is_done(&self) -> bool;
-    /// The run as it is now.
-    fn checkpoint(&mut self) -> Checkpoint;
-    /// Makes the next step.
-    fn advance(&mut self) -> Result<(), IntegrateError<T>>;
-}
-
 /// What watches a run.
 #[derive(Debug)]
 pub(crate) struct Watchers<'a, T: Float, E> {
     pub(crate) record: Record,
-    /// Output by extra steps: fixed steps only, with the time of the next grid point.
+    /// Output by extra steps.
     pub(crate) outputs: Option<Outputs<'a, T, E>>,
     pub(crate) dense: Option<DenseWatch<T, E>>,
     pub(crate) chaos: Option<Chaos<T, E>>,
@@ -40,41 +26,41 @@ pub(crate) struct Watchers<'a, T: Float, E> {
 
 /// Makes the run.
 pub(crate) fn drive<T: Float, E: Evaluate<T>>(
-    steps: &mut impl Schedule<T, E>,
+    steps: &mut impl Advance<T, E>,
     mut watchers: Watchers<'_, T, E>,
     observer: &mut impl Observer<T>,
 ) -> Result<Run<T>, RunFailure<T>> {
-    let mut run = Run::new(steps.stepper());
+    let mut run = Run::new(steps.inner());
     match watch(steps, &mut watchers, observer, &mut run) {
         Ok(()) => {
             if let Some(dense) = watchers.dense {
                 dense.finish(&mut run);
             }
-            run.finish(steps.stepper());
+            run.finish(steps.inner());
             Ok(run)
         }
         Err(error) => {
             if let Some(dense) = watchers.dense {
                 dense.finish(&mut run);
             }
-            Err(run.fail(error, steps.stepper()))
+            Err(run.fail(error, steps.inner()))
         }
     }
 }
 
 fn watch<T: Float, E: Evaluate<T>>(
-    steps: &mut impl Schedule<T, E>,
+    steps: &mut impl Advance<T, E>,
     watchers: &mut Watchers<'_, T, E>,
     observer: &mut impl Observer<T>,
     run: &mut Run<T>,
 ) -> Result<(), IntegrateError<T>> {
     while !steps.is_done() {
-        if let Some(outputs) = &mut watchers.outputs {
-            outputs.up_to(steps.stepper(), false, run)?;
+        if let (Some(outputs), Some(end)) = (&mut watchers.outputs, steps.next_time()) {
+            outputs.up_to(steps.inner(), end, run)?;
         }
         let time_low = steps.time_low();
-        steps.advance()?;
-        let stepper = steps.stepper();
+        steps.step()?;
+        let stepper = steps.inner();
         if let Some(chaos) = &mut watchers.chaos {
             chaos.see(stepper)?;
             run.certificate.chaos = Some(chaos.indicators());
@@ -91,11 +77,12 @@ fn watch<T: Float, E: Evaluate<T>>(
         };
         let mut stop = observer.step(&view) == ControlFlow::Break(());
         if observer.wants_checkpoint() {
-            let mut checkpoint = steps.checkpoint();
+            let mut checkpoint = steps.save();
             checkpoint.chaos = watchers.chaos.as_ref().map(Chaos::memory);
+            checkpoint.seal();
             stop |= observer.checkpoint(checkpoint) == ControlFlow::Break(());
         }
-        let view = steps.stepper().view();
+        let view = steps.inner().view();
         if stop || steps.is_done() || watchers.record.keeps(view.index) {
             run.keep(&view);
         }
@@ -104,9 +91,9 @@ fn watch<T: Float, E: Evaluate<T>>(
             return Ok(());
         }
     }
-    let stepper = steps.stepper();
+    let stepper = steps.inner();
     if let Some(outputs) = &mut watchers.outputs {
-        outputs.up_to(stepper, true, run)?;
+        outputs.up_to(stepper, T::INFINITY, run)?;
     }
     if let Some(dense) = &mut watchers.dense {
         dense.last_outputs(stepper, run);

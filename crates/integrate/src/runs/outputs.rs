@@ -1,7 +1,6 @@
 //! Output between the points of a grid.
 
 use crate::error::IntegrateError;
-use crate::runs::grid::Grid;
 use crate::runs::run::Run;
 use crate::step::make::make_step;
 use crate::steppers::stepper::Stepper;
@@ -11,25 +10,28 @@ use equip_scalar::Float;
 /// States at chosen times: one step of the same method from the last grid point, to each.
 #[derive(Debug)]
 pub(crate) struct Outputs<'a, T: Float, E> {
-    pub(crate) stepper: Stepper<T, E>,
-    pub(crate) grid: Grid<T>,
-    pub(crate) times: &'a [T],
-    pub(crate) done: usize,
+    stepper: Stepper<T, E>,
+    times: &'a [T],
+    done: usize,
 }
 
-impl<T: Float, E: Evaluate<T>> Outputs<'_, T, E> {
-    /// Makes the outputs before the next grid point (all that are left, if the run is over), starting from the state that `main` has now.
+impl<'a, T: Float, E: Evaluate<T>> Outputs<'a, T, E> {
+    /// The steps are made by `stepper`.
+    pub(crate) fn new(stepper: Stepper<T, E>, times: &'a [T]) -> Self {
+        Outputs {
+            stepper,
+            times,
+            done: 0,
+        }
+    }
+
+    /// Makes the outputs before `end`, starting from the state that `main` has now.
     pub(crate) fn up_to(
         &mut self,
         main: &Stepper<T, E>,
-        over: bool,
+        end: T,
         run: &mut Run<T>,
     ) -> Result<(), IntegrateError<T>> {
-        let end = if over {
-            T::INFINITY
-        } else {
-            self.grid.time(main.index + 1)
-        };
         while let Some(&time) = self.times.get(self.done).filter(|&&time| time < end) {
             let h = time - main.time();
             if h > T::int(0) {

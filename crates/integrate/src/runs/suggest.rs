@@ -1,20 +1,23 @@
 //! Advice on a fixed step, from H's second derivatives at the start and from trial runs.
 //!
-//! *Pace.* Linearised, y' = Ay with A = J∇²H; the largest |eigenvalue| of A is the pace ω of the fastest motion, by power iteration on A². A step
-//! turns it by the phase hω.
+//! *Pace.* Linearised, y' = Ay with A = J∇²H; the largest |eigenvalue| of A is the pace ω of the fastest
+//! motion, by power iteration on A². A step turns it by the phase hω.
 //!
-//! *Target.* With order 2s errors go like h^{2s}: a trial with n steps over the interval has the error e, measured against one with 2n, and
+//! *Target.* With order 2s errors go like h^{2s}: a trial with n steps over the interval has the error e,
+//! measured against one with 2n, and
 //!
 //! $$ n^+ = n \Big( \frac{e}{\mathrm{target}} \Big)^{1/(2s)} $$
 //!
-//! steps would meet the target. From a phase of s/4 on this is iterated until a trial has met it, as most do at the third; what is returned was tried,
-//! not extrapolated.
+//! steps would meet the target. From a phase of s/4 on this is iterated until a trial has met it, as most do
+//! at the third; what is returned was tried, not extrapolated.
 //!
-//! Cost: per trial 3n steps for a trajectory, n for the energy. The interval should be one in which the motion has shown what it does, such as a period.
+//! Cost: per trial 3n steps for a trajectory, n for the energy. The interval should be one in which the
+//! motion has shown what it does, such as a period.
 
 use crate::error::IntegrateError;
 use crate::method::Gauss;
 use crate::method::Method;
+use crate::options::adaptive::Adaptive;
 use crate::options::record::Record;
 use crate::runs::run::{Run, RunFailure};
 use equip_autodiff::{Evaluate, System};
@@ -42,12 +45,14 @@ pub enum Target<T> {
     Phase(T),
     /// The largest error of a position or momentum within the interval, in their units.
     Trajectory(T),
-    /// The largest |H − H(0)| within the interval of the *Gauss* method with as many stages: what the α's of EQUIP have to take away.
+    /// The largest |H − H(0)| within the interval of the *Gauss* method with as many stages: what the α's of
+    /// EQUIP have to take away.
     Energy(T),
 }
 
 impl Method {
-    /// A fixed step for this method that reaches `target` from (`q0`, `p0`) over `interval`, which it divides.
+    /// A fixed step for this method that reaches `target` from (`q0`, `p0`) over `interval`, which it
+    /// divides.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -62,8 +67,10 @@ impl Method {
     /// ```
     ///
     /// # Errors
-    /// A target that is not positive, one below what rounding leaves ([`IntegrateError::TargetBelowRoundOff`]), one that no trial of reasonable length
-    /// reaches ([`IntegrateError::TargetNotReached`]), a phase where H's second derivatives vanish, and every fault of the start.
+    /// A target that is not positive, one below what rounding leaves
+    /// ([`IntegrateError::TargetBelowRoundOff`]), one that no trial of reasonable length reaches
+    /// ([`IntegrateError::TargetNotReached`]), a phase where H's second derivatives vanish, and every fault
+    /// of the start.
     pub fn suggest_step<T: Float, H: System>(
         self,
         system: &H,
@@ -76,7 +83,7 @@ impl Method {
         let length = t1 - t0;
         // Checks options, interval and start.
         let options = self.step(length);
-        options.check_times(t0, t1)?;
+        options.options.check_times(t0, t1)?;
         options.start(system, q0, p0, t0)?;
         let (name, value) = match target {
             Target::Phase(x) => ("phase", x),
@@ -276,5 +283,28 @@ impl<T: Float, H: System> Trials<'_, T, H> {
             }) => Ok(None),
             Err(failure) => Err(failure.error),
         }
+    }
+}
+
+impl<T: Float> Adaptive<T> {
+    /// A fixed step that would have met the tolerance everywhere between `t0` and `t1`: the smallest of the
+    /// steps that the tolerance asks for there.
+    ///
+    /// # Errors
+    /// Those of [`integrate`](Self::integrate).
+    pub fn suggest_step<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+    ) -> Result<T, IntegrateError<T>> {
+        let mut integrator = self.clone();
+        integrator.options.record = Record::Ends;
+        let run = integrator
+            .integrate(system, q0, p0, interval)
+            .map_err(|failure| failure.error)?;
+        let steps = run.certificate().variable_steps;
+        Ok(steps.map_or(T::int(0), |steps| steps.smallest))
     }
 }

@@ -1,8 +1,9 @@
 //! Tells a motion that runs away to infinity from a step that is too large.
 //!
-//! A potential that falls faster than −|q|² throws a particle to infinity in finite time t*: q ~ (t* − t)^{−β}, and no step converges that
-//! reaches beyond t*. Near it the position moves outward, is pushed outward, and grows by a factor within the very step that fails.
-//! A fall into a centre is pulled inward, a collision does not change |q| by a factor.
+//! A potential that falls faster than −|q|² throws a particle to infinity in finite time t*: q ~ (t* −
+//! t)^{−β}, and no step converges that reaches beyond t*. Near it the position moves outward, is pushed
+//! outward, and grows by a factor within the very step that fails. A fall into a centre is pulled inward, a
+//! collision does not change |q| by a factor.
 //!
 //! Cost: one gradient, after a step has failed for good.
 

@@ -1,97 +1,45 @@
 //! [`AdaptiveStepper`]: a run with variable steps, one step at a time.
 //!
-//! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same state. The stages of a refused
-//! step are the guess of the next try. Time is summed with compensation.
+//! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same
+//! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
 
 use crate::control::controller::{Control, Judgement, TRIES_FOR_ALPHA};
 use crate::control::estimate::Decay;
-use crate::control::first_step::first_size;
+use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
-use crate::options::adaptive::Adaptive;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
 use crate::tangent::steps::sealed::Followed;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Core, Counts, Reach, Outcome};
+use equip_solver::{Core, Counts, Outcome, Reach};
 
 /// Tries of the first step.
-const TRIES_FOR_FIRST: u32 = 20;
-/// What an encounter's floor still excuses fades by this from step to step: a defect that it leaves is repaired within a few steps. Left alone, the 1e-9 that
-/// stay after the closest encounter of the Pythagorean problem make its error at t = 60 a thousand times as large.
+pub(super) const TRIES_FOR_FIRST: u32 = 20;
 /// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
 const STRETCH: i64 = 16;
 
-/// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
+/// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance)
+/// without copies.
 #[derive(Debug)]
 pub struct AdaptiveStepper<T: Float, E> {
     pub(crate) inner: Stepper<T, E>,
-    pub(crate) control: Control,
-    decay: Decay<T>,
+    pub(super) control: Control,
+    pub(super) decay: Decay<T>,
+    pub(super) first: FirstSize<T>,
+    pub(super) first_step: Option<T>,
+    pub(super) tolerance: T,
     /// What rounding lost of the time.
-    pub(crate) time_low: T,
-    min_step: T,
-    max_steps: u64,
-    reach: Reach,
+    pub(super) time_low: T,
+    /// Where the run ends, if that is known.
+    pub(super) end: Option<T>,
+    pub(super) min_step: T,
+    pub(super) max_steps: u64,
+    pub(super) reach: Reach,
     /// Tries of the first step made so far; all of them once it is made.
-    pub(crate) tries: u32,
-}
-
-impl<T: Float> Adaptive<T> {
-    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step.
-    ///
-    /// # Errors
-    /// Every fault of options and initial values, and an H that is not finite at the start.
-    pub fn start<H: System>(
-        &self,
-        system: &H,
-        q0: &[T],
-        p0: &[T],
-        t0: T,
-    ) -> Result<AdaptiveStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
-        let settings = self.validate()?;
-        let inner = self.base.start(system, q0, p0, t0)?;
-        Ok(self.around(inner, settings.stages))
-    }
-
-    /// Step control around a run that has just been started or is about to be resumed.
-    pub(crate) fn around<E: Evaluate<T>>(
-        &self,
-        mut inner: Stepper<T, E>,
-        stages: usize,
-    ) -> AdaptiveStepper<T, E> {
-        inner.fingerprint = self.fingerprint();
-        inner.core.set_reach(Reach::Refuse);
-        inner.variable = Some(VariableSteps {
-            tolerance: self.tolerance,
-            smallest: T::INFINITY,
-            largest: T::int(0),
-            rejected: 0,
-            failed: 0,
-        });
-        let most = self.max_step.to_f64();
-        let first = match self.first_step {
-            Some(h) => h.to_f64(),
-            None => first_size(inner.core.energy_mut(), &inner.y.hi),
-        };
-        let n = inner.y.hi.len();
-        AdaptiveStepper {
-            control: Control::new(self.tolerance.to_f64(), stages, most, first),
-            decay: Decay::new(inner.core.gauss(), n, self.tolerance, self.scales),
-            time_low: T::int(0),
-            min_step: self.min_step,
-            max_steps: self.max_steps,
-            reach: self.base.reach,
-            tries: if self.first_step.is_none() {
-                0
-            } else {
-                TRIES_FOR_FIRST
-            },
-            inner,
-        }
-    }
+    pub(super) tries: u32,
 }
 
 /// A size and where it leads.
@@ -193,8 +141,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         }
     }
 
-    /// Whether at least half of a defect of the energy was there before the step. A shorter step does not mend it: the shorter it is, the less
-    /// an α moves.
+    /// Whether at least half of a defect of the energy was there before the step. A shorter step does not
+    /// mend it: the shorter it is, the less an α moves.
     fn is_inherited(&self, defect: T) -> bool {
         let before = self.inner.view().energy_defect;
         before.is_some_and(|before| T::int(2) * before.abs() >= defect.abs())
@@ -206,7 +154,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         }
     }
 
-    /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a sliver.
+    /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a
+    /// sliver.
     fn place(&self, size: f64, end: Option<T>) -> Place<T> {
         let h = T::exact(size);
         let (now, low) = (self.time(), self.time_low);
@@ -250,6 +199,44 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             }
         }
         self.inner.accept(place.time, place.h, outcome);
+    }
+
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
+    ///
+    /// # Errors
+    /// Faults of the initial values, and an H that is not finite there.
+    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.inner.start_at(q0, p0, t0)?;
+        (self.time_low, self.end) = (T::int(0), None);
+        let first = match self.first_step {
+            Some(h) => h.to_f64(),
+            None => {
+                let Stepper { core, y, .. } = &mut self.inner;
+                self.first.size(core.energy_mut(), &y.hi)
+            }
+        };
+        self.control.begin(first);
+        self.tries = match self.first_step {
+            Some(_) => TRIES_FOR_FIRST,
+            None => 0,
+        };
+        self.inner.variable = Some(VariableSteps {
+            tolerance: self.tolerance,
+            smallest: T::INFINITY,
+            largest: T::int(0),
+            rejected: 0,
+            failed: 0,
+        });
+        Ok(())
+    }
+
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`].
+    /// The size proposed for the next step stays, and is tried at shorter ones where it does not fit.
+    ///
+    /// # Errors
+    /// Faults of the values, and an H that is not finite there.
+    pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        self.inner.move_to(q, p)
     }
 
     /// The step made last, or the initial state.

@@ -1,17 +1,14 @@
 //! [`ReversibleStepper`]: a run with reversible steps, one at a time, and whole runs.
 
-use crate::checkpoints::checkpoint::Checkpoint;
-use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::ControlMemory;
 use crate::control::step_density::StepDensity;
 use crate::error::IntegrateError;
-use crate::options::reversible::{Reversible, StepRule};
+use crate::options::reversible::StepRule;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
 use crate::tangent::steps::sealed::Followed;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Core, Outcome};
 
@@ -24,90 +21,15 @@ const ROUND_OFF: i64 = 16;
 #[derive(Debug)]
 pub struct ReversibleStepper<T: Float, E> {
     pub(crate) inner: Stepper<T, E>,
-    sigma: StepDensity<T>,
-    rule: StepRule,
-    epsilon: T,
+    pub(super) sigma: StepDensity<T>,
+    pub(super) rule: StepRule,
+    pub(super) epsilon: T,
     /// z of the last step.
-    density: T,
-    pub(crate) time_low: T,
-    pub(crate) end: T,
+    pub(super) density: T,
+    pub(super) time_low: T,
+    pub(super) end: T,
     /// The stages Y_i, one after the other.
-    points: Vec<T>,
-}
-
-impl<T: Float> Reversible<T> {
-    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step.
-    ///
-    /// # Errors
-    /// Every fault of options and initial values, a σ of another length or that is not positive at the start, and an H that is not finite there.
-    pub fn start<H: System>(
-        &self,
-        system: &H,
-        q0: &[T],
-        p0: &[T],
-        t0: T,
-    ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
-        self.validate()?;
-        let inner = self.base.start(system, q0, p0, t0)?;
-        let mut stepper = self.around(system, inner)?;
-        let (energy, counts) = stepper.inner.core.energy_and_counts();
-        let density = (stepper.sigma).at(&stepper.inner.y.hi, energy, counts)?;
-        let half = stepper.change()? / T::int(2);
-        // Half a change behind the start, so that the first whole one leads to z_{1/2}.
-        stepper.density = density - half;
-        Ok(stepper)
-    }
-
-    /// The run that `checkpoint` was made of, bit for bit as if it had not stopped.
-    ///
-    /// # Errors
-    /// See [`FixedStep::resume`](crate::FixedStep::resume).
-    pub fn resume<H: System>(
-        &self,
-        system: &H,
-        checkpoint: &Checkpoint,
-    ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
-        let inner = (self.base).resume_as(system, checkpoint, self.fingerprint())?;
-        let mut stepper = self.around(system, inner)?;
-        let Some(memory) = &checkpoint.control else {
-            return Err(IntegrateError::CheckpointDamaged {
-                what: "the memory of step control",
-            });
-        };
-        stepper.density = memory.next.read()?;
-        stepper.time_low = checkpoint.time_low.read()?;
-        if let Some(steps) = &mut stepper.inner.variable {
-            steps.smallest = memory.smallest.read()?;
-            steps.largest = memory.largest.read()?;
-        }
-        Ok(stepper)
-    }
-
-    fn around<H: System>(
-        &self,
-        system: &H,
-        mut inner: Stepper<T, H::Evaluator<T>>,
-    ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
-        let (n, stages) = (inner.y.hi.len(), inner.core.gauss().stages());
-        inner.fingerprint = self.fingerprint();
-        inner.variable = Some(VariableSteps {
-            tolerance: self.epsilon,
-            smallest: T::INFINITY,
-            largest: T::int(0),
-            rejected: 0,
-            failed: 0,
-        });
-        Ok(ReversibleStepper {
-            sigma: StepDensity::new(system, self.sigma.as_ref())?,
-            rule: self.rule,
-            epsilon: self.epsilon,
-            density: T::int(0),
-            time_low: T::int(0),
-            end: T::INFINITY,
-            points: vec![T::int(0); stages * n],
-            inner,
-        })
-    }
+    pub(super) points: Vec<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
@@ -121,7 +43,8 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// Makes the next step.
     ///
     /// # Errors
-    /// When the step cannot be made, or σ or the density is no longer positive; the state then is that before the step.
+    /// When the step cannot be made, or σ or the density is no longer positive; the state then is that before
+    /// the step.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
         let mut density = self.density + self.change()?;
         let (now, low) = (self.inner.time(), self.time_low);
@@ -165,8 +88,9 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         Ok(self.inner.view())
     }
 
-    /// The size for which h Σ b_i/σ(Y_i) = ε, by a secant from `h`, and the outcome of the step of this size, which is made. To round-off: what is left of the
-    /// rule's error a step backwards takes as a shift in time.
+    /// The size for which h Σ b_i/σ(Y_i) = ε, by a secant from `h`, and the outcome of the step of this size,
+    /// which is made. To round-off: what is left of the rule's error a step backwards takes as a shift in
+    /// time.
     fn meet_rule(&mut self, h: T) -> Result<(T, Outcome), IntegrateError<T>> {
         let mut secant = Secant {
             h,
@@ -186,7 +110,8 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         Ok((secant.h, outcome))
     }
 
-    /// Makes steps until one misses the rule by at most `close` of ε or as little as rounding lets it; its outcome and miss.
+    /// Makes steps until one misses the rule by at most `close` of ε or as little as rounding lets it; its
+    /// outcome and miss.
     fn search(
         &mut self,
         secant: &mut Secant<T>,
@@ -228,7 +153,8 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         Ok(sum)
     }
 
-    /// Turns the momenta round: the steps from here on are the steps so far, backwards, while time goes on. For an H that is even in p.
+    /// Turns the momenta round: the steps from here on are the steps so far, backwards, while time goes on.
+    /// For an H that is even in p.
     ///
     /// # Errors
     /// When σ is not positive.
@@ -241,6 +167,41 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
             self.inner.y.lo[j] = -self.inner.y.lo[j];
         }
         self.inner.core.forget();
+        Ok(())
+    }
+
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
+    ///
+    /// # Errors
+    /// Faults of the initial values, an H that is not finite there, and a σ that is not positive.
+    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.inner.start_at(q0, p0, t0)?;
+        (self.time_low, self.end) = (T::int(0), T::INFINITY);
+        self.inner.variable = Some(VariableSteps {
+            tolerance: self.epsilon,
+            smallest: T::INFINITY,
+            largest: T::int(0),
+            rejected: 0,
+            failed: 0,
+        });
+        self.begin_density()
+    }
+
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`].
+    /// The step density begins anew there.
+    ///
+    /// # Errors
+    /// Faults of the values, an H that is not finite there, and a σ that is not positive.
+    pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        self.inner.move_to(q, p)?;
+        self.begin_density()
+    }
+
+    /// z half a change behind the present state, so that the first whole one leads to z_{1/2}.
+    fn begin_density(&mut self) -> Result<(), IntegrateError<T>> {
+        let (energy, counts) = self.inner.core.energy_and_counts();
+        let density = (self.sigma).at(&self.inner.y.hi, energy, counts)?;
+        self.density = density - self.change()? / T::int(2);
         Ok(())
     }
 
@@ -257,22 +218,6 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// The certificate of the run so far.
     pub fn certificate(&self) -> Certificate<T> {
         self.inner.certificate()
-    }
-
-    /// The run as it is now, to be resumed by the same options.
-    pub fn checkpoint(&mut self) -> Checkpoint {
-        let mut checkpoint = self.inner.checkpoint();
-        checkpoint.time_low = Exact::of(self.time_low);
-        checkpoint.control = self.inner.variable.map(|steps| ControlMemory {
-            next: Exact::of(self.density),
-            held: Exact::of(T::int(1)),
-            tries: 0,
-            smallest: Exact::of(steps.smallest),
-            largest: Exact::of(steps.largest),
-            rejected: 0,
-            failed: 0,
-        });
-        checkpoint
     }
 }
 

@@ -1,57 +1,39 @@
-//! The start of a run: checks, references, workspace.
+//! A [`Stepper`] is prepared once and begun as often as wanted.
 
 use crate::error::IntegrateError;
-use crate::options::fixed_step::FixedStep;
+use crate::options::common::Words;
+use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::{Constraint, Core, MAX_STAGES, Outcome, State};
+use equip_solver::{Constraint, Core, Counts, MAX_STAGES, Outcome, State};
 use equip_tableau::Gauss;
 use std::time::Instant;
 
-impl<T: Float> FixedStep<T> {
-    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step.
-    ///
-    /// # Errors
-    /// Every fault of options, step and initial values, and an H that is not finite at the start.
-    pub fn start<H: System>(
-        &self,
+impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+    /// Everything but a start, for steps of size `h`, or of any size.
+    pub(super) fn prepare<H: System<Evaluator<T> = E>, S>(
+        integrator: &Integrator<T, S>,
         system: &H,
-        q0: &[T],
-        p0: &[T],
-        t0: T,
-    ) -> Result<Stepper<T, H::Evaluator<T>>, IntegrateError<T>> {
-        let settings = self.validate()?;
-        check_initial(system.degrees_of_freedom(), q0, p0)?;
-        if t0 + self.h == t0 || !t0.is_finite() {
-            return Err(IntegrateError::StepBelowTimeResolution {
-                step: self.h,
-                time: t0,
-            });
-        }
+        h: Option<T>,
+        words: Words,
+    ) -> Result<Self, IntegrateError<T>> {
+        let (method, options) = (integrator.method, &integrator.options);
+        let settings = options.validate(method)?;
+        let (m, zero) = (system.degrees_of_freedom(), T::int(0));
         let stages = settings.stages;
         let gauss = Gauss::new(stages).map_err(|_| IntegrateError::StagesOutOfRange {
             stages,
             min: 1,
             max: MAX_STAGES,
         })?;
-        let y = State::new(q0, p0);
-        let mut evaluator = system.evaluator::<T>();
-        let mut gradient = vec![T::int(0); y.hi.len()];
-        let h_ref = evaluator.gradient_with_compensated_value(&y.hi, &mut gradient);
-        if !h_ref.is_finite() || gradient.iter().any(|g| !g.is_finite()) {
-            return Err(IntegrateError::EnergyNotFinite { energy: h_ref });
-        }
-        for invariant in self.invariants.iter().chain(&self.kept) {
-            let (expected, found) = (
-                system.degrees_of_freedom(),
-                invariant.function().degrees_of_freedom(),
-            );
-            if expected != found {
+        for invariant in options.invariants.iter().chain(&options.kept) {
+            let found = invariant.function().degrees_of_freedom();
+            if found != m {
                 return Err(IntegrateError::WrongLength {
                     what: "an invariant",
-                    expected,
+                    expected: m,
                     found,
                 });
             }
@@ -59,9 +41,10 @@ impl<T: Float> FixedStep<T> {
         let has_target = settings.first_alpha.is_some() && !system.structure().is_quadratic();
         let mut constraints = Vec::new();
         if has_target {
-            constraints.push(Constraint::energy(h_ref, y.hi.len()));
+            constraints.push(Constraint::energy(2 * m));
         }
-        constraints.extend(self.kept.iter().map(|i| Constraint::invariant(i, &y.hi)));
+        let kept = options.kept.iter();
+        constraints.extend(kept.map(|i| Constraint::invariant(i, 2 * m)));
         let free = settings.first_alpha.map_or(0, |first| stages - first);
         if constraints.len() > free {
             let (kept, alphas) = (constraints.len(), free);
@@ -72,35 +55,106 @@ impl<T: Float> FixedStep<T> {
         } else {
             stages - 1
         };
-        let core = Core::new(system, evaluator, settings, gauss, constraints);
-        let measured = has_target || self.measure_energy;
+        let measured = has_target || options.measure_energy;
+        let mut evaluator = system.evaluator::<T>();
+        let mut slope = vec![zero; 2 * m];
+        let y = State::new(&slope[..m], &slope[m..]);
+        // What an evaluator makes at its first call is made here.
+        evaluator.gradient_with_compensated_value(&y.hi, &mut slope);
         Ok(Stepper {
-            method: self.method,
+            core: Core::new(system, evaluator, settings, gauss, constraints),
+            method,
             has_target,
-            t0,
-            h: self.h,
-            h_ref,
+            t0: zero,
+            h,
+            h_ref: zero,
             index: 0,
-            time: t0,
+            time: zero,
             next: y.clone(),
-            measure_energy: self.measure_energy,
-            energy: measured.then(|| Defect::new("energy", h_ref)),
-            in_floors: has_target.then(|| T::int(0)),
-            watched: self
+            slope,
+            grid: None,
+            measure_energy: options.measure_energy,
+            energy: measured.then(|| Defect::new("energy")),
+            in_floors: has_target.then_some(zero),
+            watched: options
                 .kept
                 .iter()
-                .chain(&self.invariants)
-                .map(|i| Watched::new(i, &y.hi))
+                .chain(&options.invariants)
+                .map(Watched::new)
                 .collect(),
-            alpha_range: vec![(T::int(0), T::int(0)); alphas],
-            last: (T::int(0), Outcome::NotAsked),
+            alpha_range: vec![(zero, zero); alphas],
+            last: (zero, Outcome::NotAsked),
             floor: None,
             variable: None,
             begun: Instant::now(),
-            fingerprint: self.fingerprint(),
+            fingerprint: words,
+            start: y.hi.clone(),
             y,
-            core,
         })
+    }
+
+    /// Another one for the same steps, at the same state.
+    pub(crate) fn beside<H: System<Evaluator<T> = E>, S>(
+        &self,
+        integrator: &Integrator<T, S>,
+        system: &H,
+    ) -> Result<Self, IntegrateError<T>> {
+        let mut other = Self::prepare(integrator, system, self.h, Words::new())?;
+        let (q, p) = self.y.hi.split_at(self.y.hi.len() / 2);
+        other.start_at(q, p, self.time)?;
+        Ok(other)
+    }
+
+    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated,
+    ///. After an error the run is as it was.
+    pub(super) fn start_at(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        if !t0.is_finite() || self.h.is_some_and(|h| t0 + h == t0) {
+            return Err(IntegrateError::StepBelowTimeResolution {
+                step: self.h.unwrap_or(T::int(1)),
+                time: t0,
+            });
+        }
+        self.move_to(q0, p0)?;
+        *self.core.counts_mut() = Counts::default();
+        (self.t0, self.time, self.index) = (t0, t0, 0);
+        self.grid = None;
+        self.start.copy_from_slice(&self.y.hi);
+        self.last = (T::int(0), Outcome::NotAsked);
+        self.alpha_range.fill((T::int(0), T::int(0)));
+        self.in_floors = self.has_target.then_some(T::int(0));
+        let watched = self.watched.iter_mut().map(|w| &mut w.defect);
+        for defect in self.energy.iter_mut().chain(watched) {
+            defect.max = T::int(0);
+        }
+        self.begun = Instant::now();
+        Ok(())
+    }
+
+    /// Puts the run at another state, at the time it has reached: the references of energy and invariants are
+    /// those of this state from now on, and nothing of the steps before is prolonged into the next one.
+    pub(super) fn move_to(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        let m = self.y.hi.len() / 2;
+        check_initial(m, q, p)?;
+        let y = &mut self.next.hi;
+        y[..m].copy_from_slice(q);
+        y[m..].copy_from_slice(p);
+        let energy = self.core.energy_mut();
+        let h_ref = energy.gradient_with_compensated_value(y, &mut self.slope);
+        if !h_ref.is_finite() || self.slope.iter().any(|g| !g.is_finite()) {
+            return Err(IntegrateError::EnergyNotFinite { energy: h_ref });
+        }
+        self.next.lo.fill(T::int(0));
+        std::mem::swap(&mut self.y, &mut self.next);
+        self.h_ref = h_ref;
+        self.floor = None;
+        self.core.begin(h_ref, &self.y.hi);
+        if let Some(energy) = &mut self.energy {
+            energy.begin(h_ref);
+        }
+        for watched in &mut self.watched {
+            watched.begin(&self.y.hi);
+        }
+        Ok(())
     }
 }
 

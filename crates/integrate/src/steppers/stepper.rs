@@ -2,10 +2,12 @@
 
 use crate::error::IntegrateError;
 use crate::method::Method;
+use crate::options::common::Words;
 use crate::report::certificate::Certificate;
 use crate::report::defect::{Defect, Watched};
 use crate::report::variable_steps::VariableSteps;
 use crate::step::make::make_step;
+use crate::steppers::grid::Grid;
 use crate::steppers::view::{Step, StepView};
 use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::Evaluate;
@@ -20,7 +22,12 @@ pub struct Stepper<T: Float, E> {
     pub(super) method: Method,
     pub(super) has_target: bool,
     pub(crate) t0: T,
-    pub(super) h: T,
+    /// Their size; none if it varies.
+    pub(super) h: Option<T>,
+    /// The grid up to the end of the run, if that is known.
+    pub(super) grid: Option<Grid<T>>,
+    /// Room for ∇H.
+    pub(super) slope: Vec<T>,
     pub(crate) h_ref: T,
     pub(crate) index: u64,
     pub(crate) time: T,
@@ -37,17 +44,41 @@ pub struct Stepper<T: Float, E> {
     pub(crate) variable: Option<VariableSteps<T>>,
     pub(crate) begun: Instant,
     /// Method and options, for checkpoints.
-    pub(crate) fingerprint: String,
+    pub(super) fingerprint: Words,
+    /// (q, p) at the start of the run.
+    pub(super) start: Vec<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// Makes the next step.
     ///
     /// # Errors
-    /// When the step cannot be made; the state then is that before the step, and may be read or stepped again.
+    /// When the step cannot be made; the state then is that before the step, and may be read or stepped
+    /// again.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        let time = self.t0 + T::int((self.index + 1) as i64) * self.h;
-        self.advance_to(time, self.h)
+        let h = self.h.unwrap_or(T::int(0));
+        let time = self.t0 + T::int((self.index + 1) as i64) * h;
+        self.advance_to(time, h)
+    }
+
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready:
+    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is allocated. After an error the run is as it was.
+    ///
+    /// # Errors
+    /// Faults of the initial values, and an H that is not finite there.
+    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.start_at(q0, p0, t0)
+    }
+
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached, as after a kick: H and the
+    /// invariants are kept at their values there from now on, and the next step is guessed from this state
+    /// alone. Counts, grid and largest defects go on. Nothing is allocated;
+    /// after an error the run is as it was.
+    ///
+    /// # Errors
+    /// Faults of the values, and an H that is not finite there.
+    pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        self.move_to(q, p)
     }
 
     /// Makes a step of size `h` that is taken to end at `time`.
@@ -150,9 +181,9 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     pub fn certificate(&self) -> Certificate<T> {
         Certificate {
             method: self.method,
-            step: match self.variable {
-                None => self.h,
-                Some(_) => self.mean_step(),
+            step: match self.h {
+                Some(h) => h,
+                None => self.mean_step(),
             },
             variable_steps: self.variable,
             start: self.t0,

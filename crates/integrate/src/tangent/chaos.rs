@@ -3,10 +3,12 @@
 //! A deviation δ is carried along and kept at length 1. From the growth ln|δ_{n+1}|/|δ_n| of each step:
 //!
 //! - the largest Lyapunov exponent, λ(t) = ln(|δ(t)|/|δ(0)|)/t → λ, zero for regular motion;
-//! - MEGNO [Cincotta & Simó, Astron. Astrophys. Suppl. 147, 2000], Y(t) = (2/t) ∫ (d ln|δ|/ds) s ds, and its mean over time, which tends to 2
-//!   for quasi-periodic motion and to λt/2 for chaotic motion: it decides much earlier than λ(t).
+//! - MEGNO [Cincotta & Simó, Astron. Astrophys. Suppl. 147, 2000], Y(t) = (2/t) ∫ (d ln|δ|/ds) s ds, and its
+//!   mean over time, which tends to 2 for quasi-periodic motion and to λt/2 for chaotic motion: it decides
+//!   much earlier than λ(t).
 //!
-//! The integral is a sum over the steps, the growth of each at its middle: an error of O(h²) of the growth, which does not matter here.
+//! The integral is a sum over the steps, the growth of each at its middle: an error of O(h²) of the growth,
+//! which does not matter here.
 
 use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memories::ChaosMemory;
@@ -17,7 +19,8 @@ use crate::tangent::tangent_map::TangentMap;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 
-/// Lyapunov exponent and MEGNO along a run that is made step by step; [`FixedStep::chaos`](crate::FixedStep::chaos) is the option for a whole run.
+/// Lyapunov exponent and MEGNO along a run that is made step by step;
+/// [`FixedStep::chaos`](crate::FixedStep::chaos) is the option for a whole run.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -46,7 +49,8 @@ pub struct Chaos<T: Float, E> {
 }
 
 impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
-    /// Follows `run`, made of the same `system`, from now on, with a deviation of any length but zero (2m components).
+    /// Follows `run`, made of the same `system`, from now on, with a deviation of any length but zero (2m
+    /// components).
     pub fn new<H: System<Evaluator<T> = E>>(
         system: &H,
         run: &mut impl Steps<T, E>,

@@ -1,7 +1,8 @@
 //! [`TangentMap`]: how a small deviation moves along a run.
 //!
-//! The variational equations solved by the step itself ([`StepTangent`]): the derivative of the step at fixed α, a
-//! symplectic map to rounding. What the solved α adds, ∂α/∂y0, is of the size of the step's error and is left out.
+//! The variational equations solved by the step itself ([`StepTangent`]): the derivative of the step at fixed
+//! α, a symplectic map to rounding. What the solved α adds, ∂α/∂y0, is of the size of the step's error and is
+//! left out.
 
 use crate::error::IntegrateError;
 use crate::tangent::steps::Steps;
@@ -43,8 +44,8 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
     /// Carries `deviations`, one after the other, each of length 2m, over the step that `run` made last.
     ///
     /// # Errors
-    /// [`IntegrateError::Singular`] if the linearised stages cannot be solved for; the step could then not have been
-    /// made by Newton's method either.
+    /// [`IntegrateError::Singular`] if the linearised stages cannot be solved for; the step could then not
+    /// have been made by Newton's method either.
     ///
     /// # Panics
     /// When the length of `deviations` is no multiple of 2m.

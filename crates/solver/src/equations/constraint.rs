@@ -34,12 +34,12 @@ pub struct Constraint<T: Float> {
 }
 
 impl<T: Float> Constraint<T> {
-    /// The energy, `h_ref` at the start of the run, of states with `n` components.
-    pub fn energy(h_ref: T, n: usize) -> Self {
+    /// The energy, of states with `n` components; its reference is given when the run begins.
+    pub fn energy(n: usize) -> Self {
         let zero = T::int(0);
         Constraint {
             evaluator: None,
-            reference: h_ref,
+            reference: zero,
             defect: zero,
             start_defect: zero,
             floor: zero,
@@ -49,14 +49,24 @@ impl<T: Float> Constraint<T> {
         }
     }
 
-    /// A further invariant, which starts at `y0`, length n.
-    pub fn invariant(invariant: &Invariant, y0: &[T]) -> Self {
-        let mut evaluator = invariant.function().evaluator::<T>();
-        let mut constraint = Self::energy(T::int(0), y0.len());
-        constraint.reference =
-            evaluator.gradient_with_compensated_value(y0, &mut constraint.gradient);
-        constraint.evaluator = Some(evaluator);
-        constraint
+    /// A further invariant, of states with `n` components.
+    pub fn invariant(invariant: &Invariant, n: usize) -> Self {
+        Constraint {
+            evaluator: Some(invariant.function().evaluator::<T>()),
+            ..Self::energy(n)
+        }
+    }
+
+    /// A run begins at `y`, where the energy is `h_ref`: nothing of earlier steps is left.
+    pub(crate) fn begin(&mut self, h_ref: T, y: &[T]) {
+        let zero = T::int(0);
+        self.reference = match &mut self.evaluator {
+            None => h_ref,
+            Some(evaluator) => evaluator.gradient_with_compensated_value(y, &mut self.gradient),
+        };
+        self.gradient.fill(zero);
+        self.start_gradient.fill(zero);
+        (self.defect, self.start_defect, self.floor, self.late) = (zero, zero, zero, zero);
     }
 
     /// Evaluates I, ∇I and the floor at `y1`; ν is the rounding of the stages relative to `sizes`. Returns whether they are finite.
