@@ -1,5 +1,4 @@
-//! Many components, as they come: steps for little more than those of Gauss, trajectories as near as his, and Newton's method only where motion is
-//! too fast for halves of halves.
+//! Many components, as they come: trajectories as near as those of Gauss, and preconditioners only where motion is too fast for sweeps.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Energy, Hamiltonian, Var};
@@ -92,7 +91,6 @@ fn composed(steps: usize) -> Vec<f64> {
     [q, p].concat()
 }
 
-/// α's by responses take 5 to 13 times as long here and are no nearer; Newton's method a hundred times.
 #[test]
 fn a_chain_is_as_near_as_gauss_for_little_more() {
     let (energy, start) = (chain(1.0), start());
@@ -119,44 +117,30 @@ fn a_chain_is_as_near_as_gauss_for_little_more() {
         let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
         let (c, work) = (counts(&ours), counts(&gauss).gradients);
         let work = c.gradients as f64 / work as f64;
-        let halved = c.outcome(Outcome::Halved);
-        println!(
-            "s = {s}, h = {h}: {error:.1e}, Gauss {least:.1e}, {work:.2} × the gradients, {halved} halved"
-        );
+        println!("s = {s}, h = {h}: {error:.1e}, Gauss {least:.1e}, {work:.2} × the gradients, {c:?}");
         assert!(least > 20.0 * trusted && error < off * least, "s = {s}");
         assert!(work < more, "s = {s}: {work}");
-        let solved = c.outcome(Outcome::Solved) + halved;
-        assert!(
-            2 * solved > c.steps && 4 * halved < c.steps,
-            "α's are needed here"
-        );
-        assert_eq!((c.newton_iterations, c.local_errors), (0, 0));
+        assert!(2 * c.outcome(Outcome::Solved) > c.steps, "α's are needed here");
+        assert_eq!((c.newton_iterations, c.halvings), (0, 0));
         assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
     }
 }
 
-/// 24 components are many, 22 are not: their α's are by responses, for twice the gradients and several times the time.
+/// Twelve masses, with α's on every step.
 #[test]
-fn twelve_masses_are_many() {
-    // Measured: 0.78 and 3.1 times as far off, 4.00 and 1.84 times the gradients.
-    for (masses, off, more) in [(11, 1.0, 5.0), (12, 4.0, 2.1)] {
-        let (energy, start) = (chain_of(masses, 1.0), start_of(masses));
-        let run = |method, h, solver| made(&energy, &start, method, (h, END), solver);
-        let exact = state(&run(Gauss::stages(16), 0.25, Preconditioner::Identity));
-        let ours = run(Equip::stages(4), 0.2, Preconditioner::default());
-        let gauss = run(Gauss::stages(4), 0.2, Preconditioner::Identity);
-        let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
-        let (c, work) = (counts(&ours), counts(&gauss).gradients);
-        let work = c.gradients as f64 / work as f64;
-        println!("{masses}: {error:.1e}, Gauss {least:.1e}, {work:.2} × the gradients, {c:?}");
-        assert!(error < off * least, "{masses}");
-        assert!(work < more, "{masses}: {work}");
-        let solved = c.outcome(Outcome::Solved) + c.outcome(Outcome::Halved);
-        assert_eq!(solved, c.steps, "α's are needed here");
-        assert_eq!(c.local_errors > 0, masses < 12);
-        assert_eq!((c.taken_over, c.newton_iterations), (0, 0));
-        assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
-    }
+fn twelve_masses_are_as_near_as_gauss() {
+    let (energy, start) = (chain_of(12, 1.0), start_of(12));
+    let run = |method, h, solver| made(&energy, &start, method, (h, END), solver);
+    let exact = state(&run(Gauss::stages(16), 0.25, Preconditioner::Identity));
+    let ours = run(Equip::stages(4), 0.2, Preconditioner::default());
+    let gauss = run(Gauss::stages(4), 0.2, Preconditioner::Identity);
+    let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
+    let c = counts(&ours);
+    println!("{error:.1e}, Gauss {least:.1e}, {c:?}");
+    assert!(error < 4.0 * least);
+    assert_eq!(c.outcome(Outcome::Solved), c.steps, "α's are needed here");
+    assert_eq!((c.taken_over, c.newton_iterations), (0, 0));
+    assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
 }
 
 /// A chain in units of 10^±100, whose energies are at 10^±200, and of 1e-20, where positions at rest have no size: the same steps.
@@ -189,7 +173,7 @@ fn units_do_not_matter() {
     }
 }
 
-/// Defects of a few floors that earlier steps have left are not less in halves, nor Newton's business.
+/// Defects of a few floors that earlier steps have left are not less in halves.
 #[test]
 fn what_is_left_is_not_halved() {
     let (energy, start) = springs("50");
@@ -202,7 +186,7 @@ fn what_is_left_is_not_halved() {
     );
     let c = counts(&run);
     println!("{c:?}");
-    assert_eq!((c.halvings, c.newton_iterations), (0, 0));
+    assert_eq!(c.halvings, 0);
     assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
 }
 
@@ -226,25 +210,24 @@ fn steps_near_round_off_are_whole() {
     assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
 }
 
-/// Sweeps do not contract at h = 2.5. Newton's method would take a hundred times as long.
+/// Sweeps do not contract at h = 2.5: halves of the step do, and so do iterations with one ∇²H.
 #[test]
-fn steps_that_are_too_long_are_halved() {
+fn steps_that_are_too_long_for_sweeps() {
     let (energy, start) = (chain(1.0), start());
     let exact = composed(2000);
-    for solver in [Preconditioner::Automatic, Preconditioner::Identity] {
-        let [long, short] =
-            [2.5, 1.25].map(|h| made(&energy, &start, Equip::stages(8), (h, END), solver));
-        let (c, halves) = (counts(&long), counts(&short));
-        println!("{} sweeps, {} by halves", c.sweeps, halves.sweeps);
-        assert_eq!(c.outcome(Outcome::Halved), c.steps);
-        assert_eq!((c.taken_over, c.newton_iterations), (0, 0));
-        // Measured: 10 and 12 halvings, 0.99 and 1.06 times the sweeps; whole steps are tried now and then.
-        assert!(c.halvings < c.steps + c.steps / 2);
-        assert!(5 * c.sweeps < 6 * halves.sweeps);
-        let [error, expected] = [&long, &short].map(|run| distance(&state(run), &exact));
-        println!("{error:.1e}, {expected:.1e}");
-        assert!(error < 2.0 * expected);
-        assert!(long.certificate().energy_in_floors.unwrap() <= 8.0);
+    let run = |h, solver| made(&energy, &start, Equip::stages(8), (h, END), solver);
+    let short = run(1.25, Preconditioner::Identity);
+    let expected = distance(&state(&short), &exact);
+    let [halved, whole] = [Preconditioner::Identity, Preconditioner::Automatic].map(|m| run(2.5, m));
+    let found = [&halved, &whole].map(|run| distance(&state(run), &exact));
+    let [c, other] = [&halved, &whole].map(|run| *counts(run));
+    println!("{found:?}, {expected:.1e}\n{c:?}\n{other:?}");
+    assert_eq!((c.halvings, c.taken_over, c.newton_iterations), (c.steps, 0, 0));
+    assert!(found[0] < 2.0 * expected);
+    assert!(other.taken_over > 0 && other.newton_iterations > 0);
+    assert_eq!(other.halvings, 0);
+    for run in [&halved, &whole] {
+        assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
     }
 }
 
@@ -254,9 +237,9 @@ fn springs(omega: &str) -> (Hamiltonian, (Vec<f64>, Vec<f64>)) {
     (scene.hamiltonian().clone(), scene.initial())
 }
 
-/// 16 springs of ω = 50 among 32 masses: along slopes alone the end is 30 to 80000 times as far off as that of Gauss, with 10 numbers of steps.
+/// 16 springs of ω = 50 among 32 masses: the energy is not bought with the trajectory.
 #[test]
-fn slopes_that_ruin_the_trajectory_are_not_taken() {
+fn many_springs_are_as_near_as_gauss() {
     let (energy, start) = springs("50");
     let end = 10.0;
     let run = |method: Method, h: f64, solver| {
@@ -266,18 +249,18 @@ fn slopes_that_ruin_the_trajectory_are_not_taken() {
     let (exact, _) = run(Gauss::stages(16), 1.0 / 32.0, Preconditioner::Identity);
     for (s, h) in [(12, 0.1), (16, 0.125)] {
         let (gauss, _) = run(Gauss::stages(s), h, Preconditioner::Identity);
-        let (ours, c) = run(Equip::stages(s), h, Preconditioner::default());
-        let (slopes, _) = run(Equip::stages(s), h, Preconditioner::Identity);
-        let [gauss, ours, slopes] = [gauss, ours, slopes].map(|end| distance(&end, &exact));
-        println!("s = {s}, h = {h}: {ours:.1e}, Gauss {gauss:.1e}, slopes {slopes:.1e}");
-        assert!(ours < 2.0 * gauss && slopes > 10.0 * gauss);
-        assert_eq!(c.newton_iterations, 0);
+        for m in [Preconditioner::Automatic, Preconditioner::Identity, Preconditioner::Diagonal] {
+            let (ours, c) = run(Equip::stages(s), h, m);
+            let [gauss, ours] = [&gauss, &ours].map(|end| distance(end, &exact));
+            println!("s = {s}, h = {h}, {m:?}: {ours:.1e}, Gauss {gauss:.1e}, {c:?}");
+            assert!(ours < 2.0 * gauss);
+        }
     }
 }
 
-/// hω = 50: halves of halves are tried now and then and are as stiff.
+/// hω = 50: sweeps are tried now and then and do not contract.
 #[test]
-fn stiff_motion_is_left_to_newton() {
+fn stiff_motion_is_iterated_with_its_springs() {
     let (energy, start) = springs("500");
     let step = (0.1, 6.0);
     let run = made(
@@ -290,6 +273,6 @@ fn stiff_motion_is_left_to_newton() {
     let c = counts(&run);
     println!("{c:?}");
     assert!(c.newton_iterations > 10 * c.sweeps);
-    assert!(c.halvings < c.steps / 2);
+    assert_eq!(c.halvings, 0);
     assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
 }

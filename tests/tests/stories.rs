@@ -158,7 +158,7 @@ fn a_constant_energy_moves_nothing() {
     }
     let counts = run.certificate().counts;
     assert_eq!(counts.outcome(Outcome::Quadratic), 10);
-    assert_eq!(counts.alpha_solves, 0);
+    assert_eq!(counts.directions, 0);
 }
 
 #[test]

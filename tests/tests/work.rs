@@ -1,19 +1,20 @@
-//! The work of standard runs, to the last evaluation: a regression in work fails here, without any clock.
+//! The work and the decisions of standard runs, to the last evaluation: a change in either fails here, without any clock.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Alphas, Equip, Gauss, Method, Preconditioner};
+use equip_integrate::{Alphas, Equip, Gauss, Method, Outcome, Preconditioner};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, double_pendulum, henon_heiles, kepler};
 
-/// [steps, sweeps, Newton iterations, factorisations, ∇H, ∇²H, solves for α, halvings].
+/// [sweeps, iterations with a preconditioner, factorisations, ∇H, ∇²H, directions, moves of the α's, local errors], and the steps
+/// [at the floor, solved, carried, halved].
 fn work<T: Float>(
     method: Method,
     h: T,
     steps: u64,
     scene: &(Hamiltonian, Start<T>),
     solver: Preconditioner,
-) -> [u64; 8] {
+) -> ([u64; 8], [u64; 4]) {
     let (energy, start) = scene;
     let mut run = method
         .step(h)
@@ -24,16 +25,18 @@ fn work<T: Float>(
         run.advance().unwrap();
     }
     let c = run.counts();
-    [
-        c.steps,
+    let work = [
         c.sweeps,
         c.newton_iterations,
         c.factorisations,
         c.gradients,
         c.hessians,
-        c.alpha_solves,
-        c.halvings,
-    ]
+        c.directions,
+        c.alpha_moves,
+        c.local_errors,
+    ];
+    let [floor, solved] = [Outcome::AtFloor, Outcome::Solved].map(|o| c.outcome(o));
+    (work, [floor, solved, c.carried(), c.halvings])
 }
 
 /// Ten periods of Kepler e = 0.6 with 160 steps each, s = 3.
@@ -128,7 +131,7 @@ fn double_pendulum_in_f64() {
 #[test]
 fn sweeps_beside_gauss() {
     let percent = |s: usize, h: f64, steps: u64, scene: &(Hamiltonian, Start<f64>)| {
-        let sweeps = |method| work(method, h, steps, scene, Preconditioner::Identity)[1];
+        let sweeps = |method| work(method, h, steps, scene, Preconditioner::Identity).0[0];
         100 * sweeps(Equip::stages(s)) / sweeps(Gauss::stages(s))
     };
     let orbit = kepler::<f64>(6);

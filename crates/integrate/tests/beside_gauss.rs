@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Equip, Gauss, Method, Outcome};
+use equip_integrate::{Equip, Gauss, Method};
 
 type State = (Vec<f64>, Vec<f64>);
 
@@ -107,7 +107,7 @@ fn round_off_of_a_close_pass_is_not_carried() {
         let view = run.advance().unwrap();
         worst = worst.max(view.energy_defect.unwrap().abs() / view.energy_floor.unwrap());
     }
-    assert_eq!(run.counts().outcome(Outcome::Carried), 0);
+    assert_eq!(run.counts().carried(), 0);
     assert!(worst <= 8.0, "{worst} floors");
 }
 
@@ -144,5 +144,5 @@ fn slow_motion_beside_a_stiff_spring_at_rest_is_left_in_peace() {
         stepper.advance().unwrap();
     }
     // Measured: 99 carried.
-    assert!(stepper.counts().outcome(Outcome::Carried) > 90);
+    assert!(stepper.counts().carried() > 90);
 }

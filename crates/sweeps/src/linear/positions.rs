@@ -211,3 +211,71 @@ fn folded<T: Float, const N: usize>(lanes: &[T; N]) -> T {
     let [a, b] = two.numbers();
     a + b
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::convergence::contraction::{Contraction, Progress};
+    use crate::layout::state::State;
+    use crate::linear::linear_sweeps::LinearSweeps;
+    use equip_autodiff::{Evaluate, Hamiltonian, System};
+    use equip_scalar::DoubleDouble;
+
+    /// The sums, and X where it is made, of all components and of the positions alone, in doubles and wider.
+    #[test]
+    fn momenta_put_in_change_nothing() {
+        alone_and_together::<f64>(1e-14, 1e-13);
+        alone_and_together::<DoubleDouble>(1e-28, 1e-26);
+    }
+
+    fn alone_and_together<T: Float>(tolerance: f64, most: f64) {
+        let energy = Hamiltonian::new(2, |q, p| {
+            let r = (q[0] * q[0] + 2.0 * q[1] * q[1]).sqrt();
+            0.5 * (p[0] * p[0] + 0.25 * p[1] * p[1]) + p[1] - 1.0 / r
+        });
+        let energy = energy.unwrap();
+        let pattern = &energy.structure().hessian;
+        let mut evaluator = energy.evaluator::<T>();
+        let numbers = |x: [i64; 2]| x.map(|x| T::ratio(x, 10));
+        let y = State::new(&numbers([10, 3]), &numbers([-2, 9]));
+        for s in [2, 3, 4, 8, 11, 16, 20] {
+            let (h, gauss) = (T::ratio(4, 10), Gauss::<T>::new(s).unwrap());
+            let alphas = vec![T::int(0); s - 1];
+            let mut iterate = Iterate::new(&gauss, 4, evaluator.kinetic(), &alphas);
+            iterate.begin(&gauss, (&y, h));
+            let mut contraction = Contraction::new(iterate.is_twofold());
+            contraction.begin(false);
+            while iterate.sweep(&mut evaluator, &y, &mut contraction).0 == Progress::Contracts {}
+            iterate.keep_momenta(&y);
+            let whole = Iterate::new(&gauss, 4, None, &alphas);
+            let (sides, stride) = (3, iterate.stride);
+            let mut r = vec![T::int(0); 4 * sides * stride];
+            for (k, row) in r.chunks_exact_mut(stride).enumerate() {
+                for (i, x) in row.iter_mut().enumerate().take(s) {
+                    *x = T::ratio(((7 * k + i * i) % 11) as i64 - 5, 3);
+                }
+            }
+            let mut both = [&whole, &iterate].map(|of| {
+                let mut linear = LinearSweeps::new(&gauss, of, pattern.clone(), sides);
+                assert!(linear.linearise_exactly(&iterate, &mut evaluator).is_some());
+                linear
+            });
+            assert!(!both[0].knows_momenta() && both[1].knows_momenta());
+            for held in [Held::Start, Held::End] {
+                let [together, alone] = both.each_mut().map(|linear| {
+                    let mut x = vec![T::int(0); r.len()];
+                    let weights = (vec![T::int(1); 4], T::exact(tolerance));
+                    let sides = (r.as_slice(), x.as_mut_slice());
+                    assert!(linear.solve(held, sides, (&weights.0, weights.1), &iterate, None));
+                    x.truncate(r.len() / 2);
+                    [linear.sums().to_vec(), x].concat()
+                });
+                assert_eq!(together.len(), alone.len());
+                for (a, b) in together.into_iter().zip(alone) {
+                    let off = (a - b).abs().to_f64();
+                    assert!(off <= most, "s = {s}, {held:?}: {off:e}");
+                }
+            }
+        }
+    }
+}
