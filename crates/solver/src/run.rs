@@ -104,7 +104,8 @@ impl<T: Float> FixedStep<T> {
     ) -> Result<Run<T>, RunFailure<T>> {
         let stepper = self.resume(system, checkpoint)?;
         let grid = Grid::new(stepper.t0, end.max(stepper.time()), self.h)?;
-        if stepper.index > grid.whole || grid.time(stepper.index) != stepper.time() {
+        // The last step of a run that is over may be shorter than the grid's.
+        if stepper.index > grid.steps() || grid.time(stepper.index) != stepper.time() {
             return Err(IntegrateError::CheckpointOffGrid {
                 time: stepper.time(),
             }
