@@ -18,13 +18,13 @@ mod verdict;
 
 use crate::args::CheckArgs;
 use crate::fault::Fault;
+use crate::run::progress::steps_of;
 use case::Case;
 use cases::catalogue;
-use indicatif::{ProgressBar, ProgressStyle};
 use measure::Row;
 use reference::Cache;
 use std::fs::File;
-use std::io::{IsTerminal, Write, stderr, stdout};
+use std::io::{Write, stdout};
 use std::num::NonZero;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -88,7 +88,7 @@ fn write_fault(path: &std::path::Path, source: std::io::Error) -> Fault {
 
 /// Runs the cases on all cores and prints each as soon as all before it are printed.
 fn run_all(cases: &[Case]) -> Result<Vec<Row>, Fault> {
-    let bar = progress(cases.len());
+    let bar = steps_of("rows", cases.len());
     let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
     let (next, cache) = (AtomicUsize::new(0), Cache::default());
     // Long runs first: they would keep one core busy at the end while the others wait.
@@ -132,15 +132,6 @@ fn run_all(cases: &[Case]) -> Result<Vec<Row>, Fault> {
         bar.finish_and_clear();
         Ok(rows)
     })
-}
-
-/// A bar on a terminal, nothing elsewhere.
-fn progress(rows: usize) -> ProgressBar {
-    if !stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} {pos} of {len} rows, {elapsed}");
-    ProgressBar::new(rows as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! [`Fault`]: why the program ends without success, and with which exit code.
 
+use crate::text::significant;
 use equip_integrate::IntegrateError;
 use equip_scalar::{Float, ParseFloatError};
 use equip_scenes::SceneError;
@@ -8,8 +9,6 @@ use std::process::ExitCode;
 
 /// Exit code of a run that began and could not be finished, its output up to there written, and of a failed check.
 const INTEGRATION_FAILED: u8 = 1;
-/// Exit code of a run ended by Ctrl-C, as shells have it.
-const INTERRUPTED: u8 = 130;
 /// Exit code of wrong usage and bad input, the same as that of the argument parser.
 const BAD_INPUT: u8 = 2;
 
@@ -33,13 +32,40 @@ pub(crate) enum Fault {
         path: PathBuf,
         source: std::io::Error,
     },
-    #[error("cannot read the checkpoint {}: {source}; remove it to start anew", path.display())]
-    Checkpoint {
+    #[error("cannot read {}: {source}; check the path and its permissions", path.display())]
+    Read {
         path: PathBuf,
-        source: serde_json::Error,
+        source: std::io::Error,
     },
-    #[error("interrupted at t = {reached}; {next}")]
-    Interrupted { reached: f64, next: String },
+    #[error("{} is no checkpoint of this program: {what}; name another file with --checkpoint", path.display())]
+    NotACheckpoint { path: PathBuf, what: &'static str },
+    #[error(
+        "the checkpoint {} belongs to another run: its {what} is {stored}, now it is {now}; repeat that command, or name another file with --checkpoint",
+        path.display()
+    )]
+    OtherRun {
+        path: PathBuf,
+        what: String,
+        stored: String,
+        now: String,
+    },
+    #[error(
+        "cannot go on with the table {}: {what}; give the table that was written with this checkpoint, or start anew with another --checkpoint",
+        path.display()
+    )]
+    Table { path: PathBuf, what: String },
+    #[error("{} and {} are both to be written to {}; name two files", .options.0, .options.1, path.display())]
+    SameFile {
+        options: (&'static str, &'static str),
+        path: PathBuf,
+    },
+    #[error("ended by signal {signal} at t = {reached}; {next}")]
+    Interrupted {
+        signal: i32,
+        exit_code: u8,
+        reached: String,
+        next: String,
+    },
     #[error("cannot print: {0}")]
     Print(#[from] std::io::Error),
     #[error("{0}")]
@@ -47,7 +73,7 @@ pub(crate) enum Fault {
     #[error("{cause}\nthe run ended at t = {reached}; {written}")]
     Integration {
         cause: Box<dyn std::error::Error>,
-        reached: f64,
+        reached: String,
         written: &'static str,
     },
     #[error("{failed} of {rows} rows failed; their reasons stand in the table")]
@@ -57,18 +83,70 @@ pub(crate) enum Fault {
 impl Fault {
     /// A fault found before the first step.
     pub(crate) fn start<T: Float>(error: IntegrateError<T>) -> Self {
-        Fault::Start(Box::new(error))
+        Fault::Start(in_flags(&error).into())
+    }
+
+    /// A fault of a run that reached `reached`.
+    pub(crate) fn integration<T: Float>(
+        error: &IntegrateError<T>,
+        reached: f64,
+        written: &'static str,
+    ) -> Self {
+        Fault::Integration {
+            cause: in_flags(error).into(),
+            reached: significant(reached, 7),
+            written,
+        }
     }
 
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Fault::Interrupted { .. } => INTERRUPTED,
+            Fault::Interrupted { exit_code, .. } => *exit_code,
             Fault::Integration { .. }
             | Fault::Check { .. }
             | Fault::Write { .. }
             | Fault::Print(_) => INTEGRATION_FAILED,
             _ => BAD_INPUT,
         })
+    }
+}
+
+/// The text of an error of the library, with the flags of the program where it names options of the library.
+fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
+    use IntegrateError as E;
+    match error {
+        E::StagesOutOfRange { stages, min, max } => {
+            format!("--stages is {stages}; this method takes {min} to {max}")
+        }
+        E::Option {
+            option,
+            value,
+            expected,
+        } => {
+            let flag = option.replace('_', "-");
+            format!("--{flag} is {value}; it must be {expected}")
+        }
+        E::StepNotPositive { step } => {
+            format!("--step is {step}; it must be positive and finite")
+        }
+        E::Interval { start, end } => format!(
+            "--until or --periods ask for a run from t = {start} to t = {end}; it must be finite and run forward"
+        ),
+        E::StepBelowMinimum { step, time, min } => format!(
+            "--tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity of H, or the tolerance is too small: loosen it"
+        ),
+        E::StepLimit { steps, time } => format!(
+            "{steps} steps were made and t = {time} is reached; loosen --tolerance, or end sooner with --until"
+        ),
+        E::NoAdmissibleAlpha {
+            time,
+            step,
+            defect,
+            floor,
+        } => format!(
+            "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller --step, more --stages, --method equip, or leave out --refuse to carry the defect to the next step"
+        ),
+        other => other.to_string(),
     }
 }
 

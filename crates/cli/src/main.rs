@@ -9,6 +9,7 @@ mod fault;
 mod number;
 mod report;
 mod run;
+mod text;
 mod write;
 
 use args::Command;

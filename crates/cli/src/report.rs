@@ -17,13 +17,14 @@ mod subject;
 
 use crate::args::ReportArgs;
 use crate::fault::Fault;
+use crate::run::progress::steps_of;
 use contender::contenders;
 use equip_scalar::{DoubleDouble, Float};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use measure::{Budget, curves};
 use results::Results;
 use std::fs;
-use std::io::{IsTerminal, Write, stderr, stdout};
+use std::io::{Write, stdout};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use subject::{ENTRIES, Entry, Subject};
@@ -63,7 +64,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
         (None, true) => QUICK,
         (None, false) => COMPLETE,
     };
-    let bar = progress(jobs.len());
+    let bar = steps_of("scenes", jobs.len());
     let mut results = Vec::new();
     for (i, (entry, extended)) in jobs.iter().enumerate() {
         let left = total.saturating_sub(begun.elapsed());
@@ -147,16 +148,16 @@ fn measured<T: Float>(
     let curves = curves(&subject, &contenders(stages), budget, |text| {
         bar.set_message(text.to_owned())
     });
-    let svg = picture::scene(&format!("{}, {}", subject.title, T::NAME), &curves);
+    let invariants: Vec<_> = (subject.instance.invariants().iter())
+        .map(|invariant| invariant.name)
+        .collect();
+    let shown = invariants.first().copied().filter(|_| entry.long);
+    let title = format!("{}, {}", subject.title, T::NAME);
+    let svg = picture::scene(&title, &curves, shown);
     Ok(Results {
         name: subject.name,
         precision: T::NAME,
-        invariants: subject
-            .instance
-            .invariants()
-            .iter()
-            .map(|i| i.name)
-            .collect(),
+        invariants,
         title: subject.title,
         source: subject.source,
         targets,
@@ -201,16 +202,4 @@ fn fault(path: &Path, source: std::io::Error) -> Fault {
         path: path.to_owned(),
         source,
     }
-}
-
-/// A bar on a terminal, nothing elsewhere.
-fn progress(jobs: usize) -> ProgressBar {
-    if !stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:30} {pos} of {len} scenes, {elapsed}  {msg}");
-    let bar = ProgressBar::new(jobs as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar.enable_steady_tick(Duration::from_millis(500));
-    bar
 }

@@ -1,20 +1,26 @@
 //! `equip run`: one scene, one method, one certificate.
 
+mod asked;
 pub(crate) mod comparison;
 pub(crate) mod finished;
 mod integrator;
 pub(crate) mod progress;
+pub(crate) mod signals;
 pub(crate) mod watch;
 
 use crate::args::{MethodName, Precision, RunArgs};
 use crate::draw::run::{components, draw};
-use crate::draw::samples::Path;
+use crate::draw::samples::Picture;
 use crate::fault::Fault;
 use crate::number::number;
+use crate::text::significant;
+use crate::write::checkpoint::{self, Saved, Saver};
+use crate::write::csv::Mark;
 use crate::write::json;
-use crate::write::saver::{self, Saver};
 use comparison::Comparison;
-use equip_integrate::{Alphas, Equip, Gauss, Invariant, Method, Reach, Record, Target};
+use equip_integrate::{
+    Alphas, Checkpoint, Equip, Gauss, Invariant, Method, Reach, Record, Target,
+};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
 use finished::{EndError, Finished, end_error};
@@ -25,6 +31,7 @@ use std::time::Duration;
 use watch::Watch;
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
+    asked::check(args)?;
     let scene = equip_scenes::find(&args.scene)?;
     let values: Vec<_> = args
         .set
@@ -74,11 +81,12 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     // How many steps a tolerance will take is not known.
     let shown = !args.quiet && args.tolerance.is_none();
     let progress = Progress::new("integrating", steps, shown);
-    let mut watch = Watch::new((&q0, &p0), Path::new(components), progress);
-    watch.out.clone_from(&args.out);
-    watch.every = args.every;
+    let mut watch = Watch::new((&q0, &p0), end, Picture::new(components), progress);
     watch.plot.clone_from(&args.plot);
     watch.follows_chaos = args.lyapunov;
+    watch.grid = args.tolerance.is_none().then_some(h);
+    watch.out =
+        (args.out.clone()).map(|path| (path, Mark::new(q0.len(), args.every, args.lyapunov)));
     let mut from = None;
     if let Some(path) = &args.checkpoint {
         let every =
@@ -87,20 +95,13 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
                 value: args.checkpoint_every.to_string(),
                 expected: "a number of seconds that is not negative",
             })?;
-        watch.saver = Some(Saver::new(path, every));
-        from = saver::load(path)?;
-    }
-    if let Some(from) = &from {
-        let time = from.time::<T>().map_err(Fault::start)?;
-        watch.resumed = Some((from.index(), time));
-        if !args.quiet {
-            eprintln!(
-                "resuming at t = {:.6}",
-                from.time::<T>().map_err(Fault::start)?
-            );
+        watch.saver = Some(Saver::new(path, every, instance));
+        if let Some(saved) = checkpoint::load(path)? {
+            saved.check(path, instance)?;
+            from = Some(resume(args, saved, &mut watch, end)?);
         }
     }
-    saver::catch_interrupts()?;
+    signals::catch()?;
 
     let made = integrator.integrate(instance, from.as_ref(), end, &mut watch);
     let (run, error) = match made {
@@ -120,24 +121,83 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     picture(args, h, &finished, &mut watch)?;
     drop(watch);
     report(args, &finished)?;
-    match finished.error {
-        None if finished.run.stopped() && saver::interrupted() => Err(Fault::Interrupted {
-            reached: finished.run.certificate().end.to_f64(),
+    if let Some(signal) = signals::caught()
+        && finished.run.stopped()
+        && finished.error.is_none()
+    {
+        return Err(Fault::Interrupted {
+            signal,
+            exit_code: signals::exit_code(signal),
+            reached: significant(finished.run.certificate().end.to_f64(), 7),
             next: match &args.checkpoint {
                 Some(path) => format!("the same command goes on from {}", path.display()),
                 None => "with --checkpoint FILE a run can be gone on with".to_owned(),
             },
-        }),
+        });
+    }
+    match finished.error {
         None => Ok(()),
-        Some(error) => Err(Fault::Integration {
-            cause: Box::new(error),
-            reached: finished.run.certificate().end.to_f64(),
-            written: match (&args.out, &args.plot) {
+        Some(error) => Err(Fault::integration(
+            &error,
+            finished.run.certificate().end.to_f64(),
+            match (&args.out, &args.plot) {
                 (None, None) => "--out FILE.csv writes the steps up to there",
                 _ => "its steps up to there are written",
             },
-        }),
+        )),
     }
+}
+
+/// Makes `watch` go on from a checkpoint: its table must be there as far as it was written.
+fn resume<T: Float>(
+    args: &RunArgs,
+    saved: Saved,
+    watch: &mut Watch<'_, T>,
+    end: T,
+) -> Result<Checkpoint, Fault> {
+    let Saved {
+        table,
+        picture,
+        checkpoint,
+        ..
+    } = saved;
+    let time = checkpoint.time::<T>().map_err(Fault::start)?;
+    if time > end {
+        return Err(Fault::Option {
+            option: if args.periods.is_some() {
+                "--periods"
+            } else {
+                "--until"
+            },
+            value: format!("t = {end}"),
+            expected: "no earlier than the checkpoint",
+        });
+    }
+    watch.resumed = true;
+    if let Some((path, mark)) = &mut watch.out {
+        let Some(stored) = table else {
+            return Err(Fault::Table {
+                path: path.clone(),
+                what: format!("the run wrote none up to the checkpoint, at t = {time}"),
+            });
+        };
+        stored.check(path, mark)?;
+        *mark = stored;
+    }
+    match picture.filter(|picture| picture.is_like(&watch.picture)) {
+        Some(picture) => watch.picture = picture,
+        None if args.plot.is_some() && !args.quiet => {
+            eprintln!(
+                "nothing was drawn before the checkpoint: the picture begins at t = {}",
+                significant(time.to_f64(), 7)
+            );
+        }
+        None => {}
+    }
+    if !args.quiet {
+        eprintln!("resuming at t = {}", significant(time.to_f64(), 7));
+    }
+    Ok(checkpoint)
 }
 
 /// Draws the finished run into the file made for it, if there is one.
@@ -150,7 +210,10 @@ fn picture<T: Float>(
     let (Some(mut file), Some(path)) = (watch.drawing.take(), &args.plot) else {
         return Ok(());
     };
-    let compare = !args.no_compare && args.tolerance.is_none() && args.method != MethodName::Gauss;
+    let compare = !args.no_compare
+        && args.tolerance.is_none()
+        && args.method != MethodName::Gauss
+        && signals::caught().is_none();
     let comparison = compare.then(|| {
         let progress = Progress::new("Gauss for comparison", watch.progress.steps(), !args.quiet);
         let end = finished.run.certificate().end;

@@ -1,5 +1,5 @@
 //! What a run leaves behind: its table, its checkpoints, its certificate as JSON.
 
+pub(crate) mod checkpoint;
 pub(crate) mod csv;
 pub(crate) mod json;
-pub(crate) mod saver;

@@ -149,7 +149,7 @@ fn quiet_is_quiet_and_json_is_json() {
         outcomes.values().filter_map(|n| n.as_u64()).sum::<u64>(),
         100
     );
-    assert!(json["energy"]["max_defect"].as_f64().unwrap() < 1e-14);
+    assert!(json["energy"]["max"].as_f64().unwrap() < 1e-14);
     // Measured 7e-14; headroom of 10.
     assert!(json["end_state_error"]["q"].as_f64().unwrap() < 7e-13);
     assert!(json["error"].is_null());

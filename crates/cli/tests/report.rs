@@ -113,6 +113,19 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
     );
 
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    // The first advice is the quickest of those that keep the energy.
+    let advised = page.split("To begin with: ").nth(1).unwrap();
+    let advised = advised.split(", the quickest").next().unwrap();
+    let quickest = times
+        .lines()
+        .filter(|l| l.contains(",EQUIP") && l.contains(",1e-10,"))
+        .filter_map(|l| {
+            let cells: Vec<&str> = l.split(',').collect();
+            Some((cells[4].parse::<f64>().ok()?, cells[2]))
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap();
+    assert_eq!(advised, quickest.1);
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
     assert!(
         !page.contains("src=") && page.matches("href=").count() == page.matches("href=\"#").count(),

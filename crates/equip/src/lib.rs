@@ -37,6 +37,10 @@
 //! # }
 //! ```
 //!
+//! The guide, page by page, and eight programs to begin with:
+#![doc = concat!("[docs](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/docs),")]
+#![doc = concat!("[examples](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/crates/equip/examples).")]
+//!
 //! | crate | re-exported as | what is in it |
 //! |---|---|---|
 //! | `equip-scalar` | [`scalar`] | number types: `f64`, `DoubleDouble`, constants in H |

@@ -31,7 +31,7 @@ mod scenes;
 pub use catalogue::{Instance, Reference, Scene, all, find, reference_names};
 pub use error::SceneError;
 pub use invariant::{Invariant, InvariantKind};
-pub use model::View;
+pub use model::{Units, View};
 pub use parameter::{Parameter, Range};
 
 /// The scenes' Hamiltonians as types.

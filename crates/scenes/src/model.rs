@@ -18,6 +18,15 @@ pub enum View {
     Profile,
 }
 
+/// Names of the units of a scene, as they stand on the axes of a picture; empty where everything is dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Units {
+    /// Of positions.
+    pub length: &'static str,
+    /// Of time.
+    pub time: &'static str,
+}
+
 /// A Hamiltonian with its start, its time scale and what is known of its solutions.
 pub(crate) trait Model: Energy {
     /// The state at t = 0, computed in `T`.
@@ -34,6 +43,11 @@ pub(crate) trait Model: Energy {
 
     /// What to draw.
     fn view(&self) -> View;
+
+    /// The units that its numbers are in.
+    fn units(&self) -> Units {
+        Units::default()
+    }
 
     /// Quantities kept besides H.
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

@@ -3,12 +3,12 @@
 use super::sources::Crate;
 use std::collections::{BTreeMap, BTreeSet};
 
-pub struct Graph<'a> {
+pub(super) struct Graph<'a> {
     imports: BTreeMap<&'a str, BTreeSet<&'a str>>,
 }
 
 impl<'a> Graph<'a> {
-    pub fn of(krate: &'a Crate) -> Self {
+    pub(super) fn of(krate: &'a Crate) -> Self {
         Graph {
             imports: krate
                 .modules()
@@ -30,7 +30,7 @@ impl<'a> Graph<'a> {
     }
 
     /// The sets of files that import each other.
-    pub fn circles(&self) -> Vec<Vec<&'a str>> {
+    pub(super) fn circles(&self) -> Vec<Vec<&'a str>> {
         let reached: BTreeMap<_, _> = self.imports.keys().map(|&m| (m, self.reached(m))).collect();
         let mut circles: Vec<Vec<&str>> = Vec::new();
         for (&module, from_here) in &reached {
@@ -44,7 +44,7 @@ impl<'a> Graph<'a> {
 
     /// The longest chain of imports, from the ground up. A circle is one floor; the root, which names what is to be seen from
     /// outside, is none.
-    pub fn longest_chain(&self) -> Vec<String> {
+    pub(super) fn longest_chain(&self) -> Vec<String> {
         let circles = self.circles();
         let circle = |m: &str| circles.iter().find(|c| c.contains(&m));
         let mut chains: BTreeMap<&str, Vec<String>> = BTreeMap::new();

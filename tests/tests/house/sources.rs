@@ -1,4 +1,5 @@
 //! The sources of a crate, and what they import.
+#![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -14,12 +15,12 @@ struct Source {
 }
 
 /// All files of a crate, by module: `a/b` is `a/b.rs` or `a/b/mod.rs`, `lib` the root.
-pub struct Crate {
+pub(super) struct Crate {
     modules: BTreeMap<String, Source>,
 }
 
 impl Crate {
-    pub fn read(src: &Path) -> Self {
+    pub(super) fn read(src: &Path) -> Self {
         let mut files = Vec::new();
         let mut folders = vec![src.to_path_buf()];
         while let Some(folder) = folders.pop() {
@@ -46,7 +47,7 @@ impl Crate {
     }
 
     /// A crate of these files, each given by its path below `src` and its text.
-    pub fn of(files: &[(&str, &str)]) -> Self {
+    pub(super) fn of(files: &[(&str, &str)]) -> Self {
         let module = |file: &str| {
             let name = file.trim_end_matches(".rs");
             name.strip_suffix("/mod").unwrap_or(name).to_string()
@@ -61,16 +62,16 @@ impl Crate {
         }
     }
 
-    pub fn modules(&self) -> impl Iterator<Item = &str> {
+    pub(super) fn modules(&self) -> impl Iterator<Item = &str> {
         self.modules.keys().map(String::as_str)
     }
 
-    pub fn lines(&self) -> impl Iterator<Item = (&str, usize)> {
+    pub(super) fn lines(&self) -> impl Iterator<Item = (&str, usize)> {
         self.modules.values().map(|s| (s.file.as_str(), s.lines))
     }
 
     /// How many modules each folder has; a folder's own file counts in the folder above.
-    pub fn folders(&self) -> BTreeMap<String, usize> {
+    pub(super) fn folders(&self) -> BTreeMap<String, usize> {
         let mut folders = BTreeMap::new();
         for module in self.modules() {
             let folder = module.rsplit_once('/').map_or("", |(folder, _)| folder);
@@ -80,7 +81,7 @@ impl Crate {
     }
 
     /// The crates of this workspace that each file names.
-    pub fn other_crates(&self) -> BTreeMap<&str, BTreeSet<String>> {
+    pub(super) fn other_crates(&self) -> BTreeMap<&str, BTreeSet<String>> {
         let named = |source: &Source| {
             let names = source
                 .words
@@ -106,7 +107,7 @@ impl Crate {
     }
 
     /// The modules that a module imports from, itself excepted.
-    pub fn imports<'a>(&'a self, module: &'a str) -> BTreeSet<&'a str> {
+    pub(super) fn imports<'a>(&'a self, module: &'a str) -> BTreeSet<&'a str> {
         let mut found = BTreeSet::new();
         for names in paths(&self.modules[module].words) {
             if let Some(target) = self.resolve(module, &names, 0) {

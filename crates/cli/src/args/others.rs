@@ -1,5 +1,6 @@
 //! Options of the commands beside `equip run`.
 
+use super::run::{stages, whole};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -22,22 +23,33 @@ pub(crate) struct SectionArgs {
     /// Scene; henon-heiles is the only one so far
     pub(crate) scene: String,
     /// Energy of the orbits, up to that of the escape, 1/6
-    #[arg(long, value_name = "E", default_value = "1/8")]
+    #[arg(
+        long,
+        value_name = "E",
+        default_value = "1/8",
+        allow_hyphen_values = true
+    )]
     pub(crate) energy: String,
     /// Number of orbits
-    #[arg(long, value_name = "N", default_value_t = 24)]
-    pub(crate) orbits: usize,
+    #[arg(long, value_name = "N", default_value_t = 24, allow_negative_numbers = true, value_parser = whole(1, 10_000))]
+    pub(crate) orbits: u64,
     /// Time to end at, for each orbit
-    #[arg(long, value_name = "T", default_value = "2000")]
+    #[arg(
+        long,
+        value_name = "T",
+        default_value = "2000",
+        allow_hyphen_values = true
+    )]
     pub(crate) until: String,
     /// Stages s: the order is 2s
-    #[arg(long, short, default_value_t = 8, help_heading = "Method")]
+    #[arg(long, short, default_value_t = 8, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
     /// Tolerance of the variable steps
     #[arg(
         long,
         value_name = "TOL",
         default_value = "1e-11",
+        allow_hyphen_values = true,
         help_heading = "Method"
     )]
     pub(crate) tolerance: String,
@@ -68,6 +80,7 @@ pub(crate) struct GrowthArgs {
         long,
         value_name = "E,E,…",
         value_delimiter = ',',
+        allow_hyphen_values = true,
         default_value = "0.6,0.9,0.99,0.999"
     )]
     pub(crate) eccentricities: Vec<String>,
@@ -76,15 +89,16 @@ pub(crate) struct GrowthArgs {
         long,
         value_name = "TOL,TOL,…",
         value_delimiter = ',',
+        allow_hyphen_values = true,
         default_value = "1e-12,1e-14",
         help_heading = "Method"
     )]
     pub(crate) tolerances: Vec<String>,
     /// Revolutions to make
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 1000, allow_negative_numbers = true, value_parser = whole(1, 1_000_000))]
     pub(crate) revolutions: u64,
     /// Stages s: the order is 2s
-    #[arg(long, short, default_value_t = 8, help_heading = "Method")]
+    #[arg(long, short, default_value_t = 8, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
     /// Where to draw
     #[arg(
@@ -148,7 +162,7 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
     /// Time to spend; more of it means finer settings and more repeats
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) seconds: Option<f64>,
     /// Directory to write to; it is made if it is not there
     #[arg(

@@ -1,6 +1,7 @@
 //! Options of `equip run`.
 
 use clap::{Args, ValueEnum};
+use equip_integrate::MAX_STAGES;
 use std::path::PathBuf;
 
 /// Heading of the options that are parameters of the scene.
@@ -11,7 +12,7 @@ pub(super) const PARAMETERS: &str = "Parameters of the scene";
     after_help = "Numbers are decimals (0.05, 1e-3) or quotients (1/20), read in the precision of the run: with \
         --precision dd, 0.1 is 1/10 to 31 digits.\n\n\
         Exit codes: 0 success; 1 the integration or the output failed, with the output up to there written; 2 bad usage \
-        or input.\n\n\
+        or input; 128 + n ended by signal n (130 by Ctrl-C).\n\n\
         Examples:\n  \
         equip run kepler --e 0.6 --periods 100 --plot kepler.svg\n  \
         equip run kepler --e 0.9 --stages 6 --periods 100 --out orbit.csv --every 10\n  \
@@ -20,7 +21,7 @@ pub(super) const PARAMETERS: &str = "Parameters of the scene";
         equip run kepler --e 0.9 --stages 8 --tolerance 1e-12 --periods 1000 --checkpoint kepler.checkpoint\n  \
         equip run henon-heiles --energy 1/8 --q2 -0.25 --p2 0 --stages 6 --tolerance 1e-10 --until 10000 --lyapunov\n  \
         equip run kepler --e 0.3 --periods 100 --target-error 1e-8\n  \
-        equip run kepler --json | jq .energy.max_defect\n\n\
+        equip run kepler --json | jq .energy.max\n\n\
         `equip run SCENE --help` lists the parameters of that scene."
 )]
 pub(crate) struct RunArgs {
@@ -31,7 +32,7 @@ pub(crate) struct RunArgs {
     pub(crate) set: Vec<(String, String)>,
     /// Stages s: the order is 2s, the cost of a step grows like s², or s³ where
     /// Newton's method makes it
-    #[arg(long, short, default_value_t = 4, help_heading = "Method")]
+    #[arg(long, short, default_value_t = 4, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
     /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not given)
     #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
@@ -57,6 +58,7 @@ pub(crate) struct RunArgs {
     #[arg(
         long,
         value_name = "TOL",
+        allow_hyphen_values = true,
         conflicts_with_all = ["step", "steps_per_period"],
         help_heading = "Method"
     )]
@@ -66,6 +68,7 @@ pub(crate) struct RunArgs {
     #[arg(
         long,
         value_name = "ERROR",
+        allow_hyphen_values = true,
         conflicts_with_all = ["step", "steps_per_period", "tolerance"],
         help_heading = "Method"
     )]
@@ -101,7 +104,7 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
     pub(crate) out: Option<PathBuf>,
     /// Write every K-th step only (the last one always)
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..), help_heading = "Output")]
+    #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = whole(1, u64::MAX), help_heading = "Output")]
     pub(crate) every: u64,
     /// Draw orbit or phase portrait, and the energy defect over time
     #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
@@ -109,7 +112,7 @@ pub(crate) struct RunArgs {
     /// Leave out the Gauss method's energy defect on the same steps, which the plot shows for comparison
     #[arg(long, help_heading = "Output")]
     pub(crate) no_compare: bool,
-    /// Keep a checkpoint in FILE; if there is one already, go on from it, bit for bit as if the run had not stopped. Ctrl-C leaves one
+    /// Keep a checkpoint in FILE; if there is one already, go on from it, bit for bit as if the run had not stopped. Ctrl-C leaves one, and so does the end of the run
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) checkpoint: Option<PathBuf>,
     /// Seconds between checkpoints
@@ -117,6 +120,7 @@ pub(crate) struct RunArgs {
         long,
         value_name = "SECONDS",
         default_value_t = 10.0,
+        allow_negative_numbers = true,
         requires = "checkpoint",
         help_heading = "Output"
     )]
@@ -141,6 +145,20 @@ pub(crate) enum MethodName {
     EquipLast,
     Gauss,
     FixedAlpha(String),
+}
+
+/// Reads whole numbers from `low` to `high`; others are refused with these.
+pub(super) fn whole(low: u64, high: u64) -> impl Fn(&str) -> Result<u64, String> + Clone {
+    move |text| match text.trim().parse() {
+        Ok(number) if (low..=high).contains(&number) => Ok(number),
+        _ if high == u64::MAX => Err(format!("a whole number, {low} or more")),
+        _ => Err(format!("a whole number from {low} to {high}")),
+    }
+}
+
+/// Numbers of stages that some method takes.
+pub(super) fn stages(text: &str) -> Result<usize, String> {
+    whole(1, MAX_STAGES as u64)(text).map(|stages| stages as usize)
 }
 
 fn pair(text: &str) -> Result<(String, String), &'static str> {

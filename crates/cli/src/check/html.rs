@@ -8,12 +8,14 @@ use std::fmt::Write;
 
 const STYLE: &str = "
 :root { color-scheme: light dark; }
-body { font: 14px/1.4 system-ui, sans-serif; margin: 1.5rem; }
-table { border-collapse: collapse; white-space: nowrap; }
-th, td { padding: .15rem .6rem; text-align: right; border-bottom: 1px solid #8884; }
+body { font: 14px/1.4 system-ui, sans-serif; margin: 1.5rem auto; max-width: 1360px; padding: 0 1rem; }
+table { border-collapse: collapse; width: 100%; }
+td { white-space: nowrap; }
+th, td { padding: .15rem .4rem; font-size: 13px; text-align: right; border-bottom: 1px solid #8884; }
 thead th { position: sticky; top: 0; background: Canvas; }
 td:first-child, td:nth-child(2), td:nth-child(4), td:last-child { text-align: left; }
-td:last-child { white-space: normal; min-width: 20rem; }
+td:first-child, td:nth-child(2), td:nth-child(4), td:last-child { white-space: normal; }
+td:last-child { min-width: 15rem; overflow-wrap: anywhere; }
 tr.theme th { text-align: left; padding-top: 1.2rem; font-size: 1.1rem; }
 tr.pass b { color: #1a7f37; } tr.fail { background: #d1242f33; } tr.fail b { color: #d1242f; }
 tr.expected b { color: #0969da; } tr.deficit { background: #bf870022; } tr.deficit b { color: #9a6700; }

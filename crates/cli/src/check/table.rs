@@ -1,31 +1,29 @@
-//! The table on the terminal: one line a row, the reason below it.
+//! The table on the terminal: two lines a row, the reason below them.
 
 use super::case::short;
 use super::measure::Row;
 use super::outcomes::{LEGEND, outcomes};
 use super::summary::Summary;
 use super::verdict::Word;
+use crate::text::wrapped;
 use std::io::{self, Write};
 
 /// Characters of the widest name that does not shift its row.
 const NAME: usize = 34;
 const SETTING: usize = 24;
+/// A row is too wide for one line.
+const INDENT: &str = "    ";
 
 pub(crate) fn head(out: &mut impl Write, theme: &str) -> io::Result<()> {
     writeln!(
         out,
-        "\n{theme:<NAME$} {:<SETTING$} {:>8} {:<22} {:>7} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6} {:>7}  verdict",
-        "setting",
-        "steps",
-        "outcomes",
-        "floors",
-        "energy",
-        "Gauss",
-        "inv.",
-        "error",
-        "Gauss",
-        "ratio",
-        "s",
+        "\n{theme:<NAME$} {:<SETTING$} {:>8}  {:<16} verdict",
+        "setting", "steps", "outcomes",
+    )?;
+    writeln!(
+        out,
+        "{INDENT}{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "floors", "energy", "Gauss", "inv.", "error", "Gauss", "ratio", "s",
     )
 }
 
@@ -35,11 +33,16 @@ pub(crate) fn line(out: &mut impl Write, row: &Row) -> io::Result<()> {
     let plain = |x: Option<f64>| x.map_or("-".to_owned(), compact);
     writeln!(
         out,
-        "{:<NAME$} {:<SETTING$} {:>8} {:<22} {:>7} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6} {:>7.2}  {}",
+        "{:<NAME$} {:<SETTING$} {:>8}  {:<16} {}",
         row.name,
         row.setting,
         m.steps,
         outcomes(row),
+        row.verdict.word.label(),
+    )?;
+    writeln!(
+        out,
+        "{INDENT}{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9.2}",
         plain(row.floors()),
         format!("{:.1e}", m.energy),
         format!("{:.1e}", m.gauss_energy),
@@ -48,10 +51,9 @@ pub(crate) fn line(out: &mut impl Write, row: &Row) -> io::Result<()> {
         number(m.gauss_error),
         plain(m.ratio()),
         row.all_seconds,
-        row.verdict.word.label(),
     )?;
     for note in &row.verdict.notes {
-        writeln!(out, "    {note}")?;
+        writeln!(out, "{}", wrapped(INDENT, INDENT.len(), note))?;
     }
     Ok(())
 }
@@ -66,7 +68,11 @@ fn compact(x: f64) -> String {
 }
 
 pub(crate) fn end(out: &mut impl Write, rows: &[Row], summary: &Summary) -> io::Result<()> {
-    writeln!(out, "\n{LEGEND}\n")?;
+    writeln!(out)?;
+    for line in LEGEND.lines() {
+        writeln!(out, "{}", wrapped("", 0, line))?;
+    }
+    writeln!(out)?;
     let slowest = rows
         .iter()
         .max_by(|a, b| a.all_seconds.total_cmp(&b.all_seconds));
@@ -81,7 +87,7 @@ pub(crate) fn end(out: &mut impl Write, rows: &[Row], summary: &Summary) -> io::
     for row in rows.iter().filter(|r| r.verdict.word == Word::Fail) {
         writeln!(out, "FAIL {} {}", row.name, row.setting)?;
         for note in &row.verdict.notes {
-            writeln!(out, "    {note}")?;
+            writeln!(out, "{}", wrapped(INDENT, INDENT.len(), note))?;
         }
     }
     writeln!(

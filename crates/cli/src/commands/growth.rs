@@ -8,6 +8,7 @@ use crate::args::GrowthArgs;
 use crate::draw::growth::{Curve, draw};
 use crate::fault::Fault;
 use crate::number::number;
+use crate::run::progress::steps_of;
 use equip_integrate::{Equip, Gauss, Method, Record};
 use equip_scenes::Instance;
 use std::fmt::Write as _;
@@ -19,27 +20,35 @@ const PER_DECADE: u32 = 8;
 
 pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
     let scene = equip_scenes::find("kepler")?;
+    // All lists are read before the first run.
+    let orbits = (args.eccentricities.iter())
+        .map(|e| Ok((e, scene.instance(&[("e", e)])?)))
+        .collect::<Result<Vec<_>, Fault>>()?;
+    let tolerances = (args.tolerances.iter())
+        .map(|text| Ok((text, tolerance(text)?)))
+        .collect::<Result<Vec<_>, Fault>>()?;
+    let methods = [
+        (true, Equip::stages(args.stages)),
+        (false, Gauss::stages(args.stages)),
+    ];
+    let bar = steps_of("runs", orbits.len() * tolerances.len() * methods.len());
     let mut curves = Vec::new();
     let mut out = stdout().lock();
     writeln!(out, "{}", header(args.revolutions))?;
-    for eccentricity in &args.eccentricities {
-        let instance = scene.instance(&[("e", eccentricity)])?;
-        for tolerance in &args.tolerances {
-            for (is_equip, method) in [
-                (true, Equip::stages(args.stages)),
-                (false, Gauss::stages(args.stages)),
-            ] {
-                let wanted: f64 = number("--tolerances", tolerance)?;
-                let mut curve = follow(&instance, method, wanted, args.revolutions)?;
+    for (eccentricity, instance) in &orbits {
+        for (text, tolerance) in &tolerances {
+            for (is_equip, method) in methods {
+                let mut curve = follow(instance, method, *tolerance, args.revolutions)?;
                 curve.eccentricity.clone_from(eccentricity);
-                curve.tolerance.clone_from(tolerance);
+                curve.tolerance.clone_from(text);
                 curve.is_equip = is_equip;
-                writeln!(out, "{}", row(&curve))?;
-                out.flush()?;
+                bar.suspend(|| writeln!(out, "{}", row(&curve)).and_then(|()| out.flush()))?;
+                bar.inc(1);
                 curves.push(curve);
             }
         }
     }
+    bar.finish_and_clear();
     write(&args.plot, &draw(&curves, args))?;
     writeln!(out, "\nplot written to {}", args.plot.display())?;
     if let Some(path) = &args.csv {
@@ -47,6 +56,19 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
         writeln!(out, "errors written to {}", path.display())?;
     }
     Ok(())
+}
+
+/// A tolerance that step control takes.
+fn tolerance(text: &str) -> Result<f64, Fault> {
+    let tolerance = number("--tolerances", text)?;
+    if tolerance > 0.0 && tolerance < 1.0 {
+        return Ok(tolerance);
+    }
+    Err(Fault::Option {
+        option: "--tolerances",
+        value: text.to_owned(),
+        expected: "positive and below 1",
+    })
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Fault> {
@@ -81,11 +103,11 @@ fn follow(instance: &Instance, method: Method, tolerance: f64, last: u64) -> Res
         .integrate(instance.hamiltonian(), &q, &p, 0.0..=end)
         .map_err(|failure| match failure.partial {
             None => Fault::start(failure.error),
-            Some(partial) => Fault::Integration {
-                cause: Box::new(failure.error),
-                reached: partial.certificate().end,
-                written: "nothing was drawn",
-            },
+            Some(partial) => Fault::integration(
+                &failure.error,
+                partial.certificate().end,
+                "nothing was drawn",
+            ),
         })?;
     let error = |(t, q, p): (f64, &[f64], &[f64])| {
         let (exact_q, exact_p) = instance.exact(t).unwrap_or_default();

@@ -2,6 +2,8 @@
 
 use crate::args::ScenesArgs;
 use crate::fault::Fault;
+use crate::text::significant;
+use crate::text::wrapped;
 use equip_autodiff::System;
 use equip_scenes::{Parameter, Scene};
 use std::io::{Write, stdout};
@@ -34,10 +36,11 @@ fn list(out: &mut impl Write) -> Result<(), Fault> {
             .iter()
             .map(|p| format!("{}={}", p.name, p.default));
         let parameters = parameters.collect::<Vec<_>>().join(" ");
+        let label = format!("{:<names$}  {:<titles$}  {m:>3}  ", scene.name, scene.title);
         writeln!(
             out,
-            "{:<names$}  {:<titles$}  {m:>3}  {parameters}",
-            scene.name, scene.title
+            "{}",
+            wrapped(&label, label.chars().count(), &parameters)
         )?;
     }
     writeln!(
@@ -50,7 +53,7 @@ fn list(out: &mut impl Write) -> Result<(), Fault> {
 
 fn describe(scene: &'static Scene, out: &mut impl Write) -> Result<(), Fault> {
     let instance = scene.instance(&[])?;
-    let mut line = |label: &str, text: &str| writeln!(out, "{label:<15}{text}");
+    let mut line = |label: &str, text: &str| writeln!(out, "{}", wrapped(label, 16, text));
     line(scene.name, scene.title)?;
     line("", scene.formula)?;
     line(
@@ -64,11 +67,15 @@ fn describe(scene: &'static Scene, out: &mut impl Write) -> Result<(), Fault> {
     line("kept besides H", scene.invariants)?;
     line("solution", scene.solution)?;
     line("hard", scene.hard)?;
-    line("period", &format!("{:.6}", instance.period::<f64>()))?;
+    line("period", &significant(instance.period(), 7))?;
     let (step, end) = (instance.suggested_step(), instance.suggested_end());
     line(
         "suggested",
-        &format!("step {step:.4} (order 8), until t = {end:.4}"),
+        &format!(
+            "step {} (order 8), until t = {}",
+            significant(step, 5),
+            significant(end, 5)
+        ),
     )?;
     let mut label = "parameters";
     for Parameter {

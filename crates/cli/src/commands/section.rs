@@ -8,6 +8,7 @@ use crate::draw::panel::{Axis, Panel};
 use crate::draw::svg::{Anchor, FAINT, INK, Svg};
 use crate::fault::Fault;
 use crate::number::number;
+use crate::run::progress::steps_of;
 use equip_integrate::{Equip, Event, Record};
 use equip_scenes::Scene;
 use std::fmt::Write as _;
@@ -38,12 +39,16 @@ pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
     let end: f64 = number("--until", &args.until)?;
     let mut orbits: Vec<Crossings> = Vec::new();
     let (mut worst, mut steps) = (0.0f64, 0);
-    for (q2, p2) in starts(energy, args.orbits) {
+    let starts = starts(energy, args.orbits as usize);
+    let bar = steps_of("orbits", starts.len());
+    for (q2, p2) in starts {
         let (made, defect, count) = orbit(scene, args, (q2, p2), (tolerance, end))?;
         orbits.push(made);
         worst = worst.max(defect);
         steps += count;
+        bar.inc(1);
     }
+    bar.finish_and_clear();
     let write = |path: &Path, text: &str| {
         std::fs::write(path, text).map_err(|source| Fault::Write {
             path: path.to_owned(),
@@ -81,11 +86,11 @@ fn orbit(
         .integrate(instance.hamiltonian(), &q, &p, 0.0..=end)
         .map_err(|failure| match failure.partial {
             None => Fault::start(failure.error),
-            Some(partial) => Fault::Integration {
-                cause: Box::new(failure.error),
-                reached: partial.certificate().end,
-                written: "nothing was drawn",
-            },
+            Some(partial) => Fault::integration(
+                &failure.error,
+                partial.certificate().end,
+                "nothing was drawn",
+            ),
         })?;
     let start = std::iter::once((q[1], p[1]));
     let crossings = run.events().iter().map(|event| (event.q[1], event.p[1]));

@@ -69,6 +69,17 @@ impl Axis {
         }
     }
 
+    /// Whole decades from `low` on, exactly to `end`, both positive.
+    pub(crate) fn decades_to(low: f64, end: f64, label: &str) -> Self {
+        let (low, high) = (low.log10().floor(), end.log10());
+        Axis {
+            low: low.min(high - 1.0),
+            high,
+            logarithmic: true,
+            label: label.into(),
+        }
+    }
+
     fn widen(&mut self, factor: f64) {
         let (middle, half) = ((self.low + self.high) / 2.0, (self.high - self.low) / 2.0);
         (self.low, self.high) = (middle - half * factor, middle + half * factor);

@@ -7,6 +7,7 @@ use crate::draw::svg::{Anchor, FAINT, INK, Svg};
 use crate::run::comparison::Comparison;
 use crate::run::finished::Finished;
 use crate::run::watch::Watch;
+use crate::text::brief;
 use equip_scalar::Float;
 use equip_scenes::{Instance, View};
 
@@ -47,11 +48,14 @@ pub(crate) fn draw<T: Float>(
         .parameters()
         .map(|(n, v)| format!("{n} = {v}"))
         .collect();
-    facts.push(format!(
-        "{} steps of {}",
-        certificate.counts.steps,
-        brief(certificate.step.to_f64())
-    ));
+    let sizes = match &certificate.variable_steps {
+        None => brief(certificate.step.to_f64()),
+        Some(sizes) => {
+            let [low, high] = [sizes.smallest, sizes.largest].map(|h| brief(h.to_f64()));
+            format!("{low} to {high}")
+        }
+    };
+    facts.push(format!("{} steps of {sizes}", certificate.counts.steps));
     facts.push(format!("{} in {}", certificate.method, T::NAME));
     svg.text(
         (28.0, 60.0),
@@ -61,8 +65,8 @@ pub(crate) fn draw<T: Float>(
         &facts.join("  \u{b7}  "),
     );
     match instance.view() {
-        View::Profile => profile(&mut svg, finished),
-        view => paths(&mut svg, instance, &watch.path, &view),
+        View::Profile => profile(&mut svg, watch.start.0, finished),
+        view => paths(&mut svg, instance, &watch.picture.path, &view),
     }
     let scale = certificate
         .energy
@@ -77,9 +81,17 @@ pub(crate) fn draw<T: Float>(
     let name = certificate.method.to_string();
     let name = name.split(',').next().unwrap_or_default();
     let end = certificate.end.to_f64();
-    energies(&mut svg, &watch.energy, name, comparison, end, floor);
+    let time = labelled("time t", instance.units().time);
+    energies(
+        &mut svg,
+        &watch.picture.energy,
+        name,
+        comparison,
+        Axis::between(0.0, end, &time),
+        floor,
+    );
     if watch.follows_chaos {
-        chaos(&mut svg, &watch.chaos, end);
+        chaos(&mut svg, &watch.picture.chaos, end, &time);
     }
     svg.finish()
 }
@@ -105,8 +117,10 @@ fn paths(svg: &mut Svg, instance: &Instance, path: &Path, view: &View) {
         _ => ("q\u{2081}", "q\u{2082}"),
     };
     let all = || (0..count).flat_map(|i| path.pairs(i));
-    let x = Axis::around(all().map(|point| point.0), x);
-    let y = Axis::around(all().map(|point| point.1), y);
+    let unit = if plane { "" } else { instance.units().length };
+    let [x, y] = [x, y].map(|what| labelled(what, unit));
+    let x = Axis::around(all().map(|point| point.0), &x);
+    let y = Axis::around(all().map(|point| point.1), &y);
     let mut panel = left_panel(x, y);
     if !plane {
         panel.same_units();
@@ -143,14 +157,14 @@ fn paths(svg: &mut Svg, instance: &Instance, path: &Path, view: &View) {
 }
 
 /// q_i against i, at the start and at the end.
-fn profile<T: Float>(svg: &mut Svg, finished: &Finished<'_, T>) {
-    let (run, last) = (&finished.run, finished.run.len() - 1);
-    let states = [(run.q(0), FAINT), (run.q(last), COLOURS[0])];
+fn profile<T: Float>(svg: &mut Svg, start: &[T], finished: &Finished<'_, T>) {
+    let (end, last, _) = finished.run.last();
+    let states = [(start, FAINT), (last, COLOURS[0])];
     let all = states
         .iter()
         .flat_map(|(q, _)| q.iter().map(|x| x.to_f64()));
     let y = Axis::around(all, "q\u{1d62}");
-    let panel = left_panel(Axis::between(0.0, (run.q(0).len() + 1) as f64, "i"), y);
+    let panel = left_panel(Axis::between(0.0, (start.len() + 1) as f64, "i"), y);
     panel.draw_axes(svg);
     for (k, (q, colour)) in states.into_iter().enumerate() {
         let points = q
@@ -166,7 +180,7 @@ fn profile<T: Float>(svg: &mut Svg, finished: &Finished<'_, T>) {
             svg,
             left,
             colour,
-            &format!("t = {}", brief(run.times()[k * last].to_f64())),
+            &format!("t = {}", brief(if k == 0 { 0.0 } else { end.to_f64() })),
         );
     }
 }
@@ -177,7 +191,7 @@ fn energies(
     energy: &Envelope,
     name: &str,
     comparison: Option<&Comparison>,
-    end: f64,
+    x: Axis,
     floor: f64,
 ) {
     let mut curves = vec![(energy, COLOURS[0], name.to_owned())];
@@ -198,7 +212,6 @@ fn energies(
         high,
         "energy defect |H \u{2212} H(0)|",
     );
-    let x = Axis::between(0.0, end, "time t");
     let panel = Panel {
         left: 560.0,
         top: TOP,
@@ -223,32 +236,37 @@ fn energies(
 }
 
 /// λ(t), which falls like ln t/t for regular motion, and MEGNO, which stays near 2.
-fn chaos(svg: &mut Svg, seen: &Path, end: f64) {
+fn chaos(svg: &mut Svg, seen: &Path, end: f64, time: &str) {
     let positive = || seen.pairs(0).filter(|&(t, x)| t > 0.0 && x > 0.0);
     let range = |values: &mut dyn Iterator<Item = f64>| {
         values.fold((f64::INFINITY, f64::MIN_POSITIVE), |(low, high), x| {
             (low.min(x), high.max(x))
         })
     };
-    let (first, last) = range(&mut positive().map(|point| point.0));
+    let first = positive().map(|point| point.0).fold(end, f64::min);
     let (low, high) = range(&mut positive().map(|point| point.1));
     let top = TOP + f64::from(MORE);
     let exponent = Panel {
         top,
-        x: Axis::decades(first.min(last), last, "time t"),
+        x: Axis::decades_to(first, end, time),
         y: Axis::decades(low.min(high), high, "Lyapunov exponent \u{3bb}(t)"),
         ..left_panel(Axis::between(0.0, 1.0, ""), Axis::between(0.0, 1.0, ""))
     };
     exponent.draw_axes(svg);
-    let points = positive().map(|point| exponent.at(point));
-    svg.polyline(points, COLOURS[0], 1.5);
+    for stretch in positive_stretches(seen.pairs(0)) {
+        let points = stretch.iter().map(|&point| exponent.at(point));
+        match stretch.len() {
+            1 => svg.dots(points, COLOURS[0], 1.5),
+            _ => svg.polyline(points, COLOURS[0], 1.5),
+        }
+    }
     let values = seen.pairs(1).map(|point| point.1).chain([0.0, 2.0]);
     let megno = Panel {
         left: 560.0,
         top,
         width: 448.0,
         height: SIDE,
-        x: Axis::between(0.0, end, "time t"),
+        x: Axis::between(0.0, end, time),
         y: Axis::around(values, "MEGNO, mean over time"),
     };
     megno.draw_axes(svg);
@@ -261,17 +279,45 @@ fn chaos(svg: &mut Svg, seen: &Path, end: f64) {
     svg.polyline(points, COLOURS[0], 1.5);
 }
 
+/// The stretches in which both coordinates are positive, as on logarithmic axes: a line must not join what lies on both sides of others.
+fn positive_stretches(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
+    let points: Vec<_> = points.collect();
+    points
+        .split(|&(x, y)| !(x > 0.0 && y > 0.0))
+        .filter(|stretch| !stretch.is_empty())
+        .map(<[_]>::to_vec)
+        .collect()
+}
+
+/// What an axis shows, with its unit if it has one.
+fn labelled(what: &str, unit: &str) -> String {
+    if unit.is_empty() {
+        what.to_owned()
+    } else {
+        format!("{what} / {unit}")
+    }
+}
+
 fn legend(svg: &mut Svg, left: f64, colour: &str, label: &str) {
     svg.line((left, TOP - 18.0), (left + 26.0, TOP - 18.0), colour, 3.0);
     svg.text((left + 34.0, TOP - 13.0), 14, Anchor::Start, INK, label);
 }
 
-/// A number in at most five digits.
-fn brief(x: f64) -> String {
-    let rounded = format!("{x:.4e}").parse().unwrap_or(x);
-    if rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) {
-        format!("{rounded}")
-    } else {
-        format!("{rounded:e}")
+#[cfg(test)]
+mod tests {
+    use super::positive_stretches;
+
+    #[test]
+    fn a_line_is_broken_where_the_exponent_is_not_positive() {
+        let points = [
+            (0.0, 1.0),
+            (1.0, 1.0),
+            (2.0, 2.0),
+            (3.0, -1.0),
+            (4.0, 0.0),
+            (5.0, 3.0),
+        ];
+        let expected = [vec![(1.0, 1.0), (2.0, 2.0)], vec![(5.0, 3.0)]];
+        assert_eq!(positive_stretches(points.into_iter()), expected);
     }
 }

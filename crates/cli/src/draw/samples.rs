@@ -1,13 +1,41 @@
 //! What a plot needs of a run, in memory that does not grow with the run.
 
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 /// Points kept of the paths, and of the energy.
 const MOST_POINTS: usize = 12_000;
 const MOST_BUCKETS: usize = 1_000;
 
+/// All that is drawn of a run.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Picture {
+    pub(crate) path: Path,
+    pub(crate) energy: Envelope,
+    /// What was seen of Lyapunov exponents: t, λ, t, MEGNO.
+    pub(crate) chaos: Path,
+}
+
+impl Picture {
+    /// Of paths through these components of y = (q, p).
+    pub(crate) fn new(components: Vec<usize>) -> Self {
+        Picture {
+            path: Path::new(components),
+            energy: Envelope::default(),
+            chaos: Path::new(vec![0, 1, 2, 3]),
+        }
+    }
+
+    /// Whether both are drawn of the same components.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self.path.components == other.path.components
+    }
+}
+
 /// Chosen components of the state at every k-th step; k doubles whenever too many are kept.
-#[derive(Debug)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Path {
     components: Vec<usize>,
+    #[serde(serialize_with = "write_bits", deserialize_with = "read_bits")]
     points: Vec<f64>,
     stride: u64,
 }
@@ -55,8 +83,9 @@ impl Path {
 }
 
 /// The largest |value| over consecutive buckets of steps; buckets are joined in pairs when there are too many.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone, Serialize, Deserialize)]
 pub(crate) struct Envelope {
+    #[serde(serialize_with = "write_pairs", deserialize_with = "read_pairs")]
     points: Vec<(f64, f64)>,
     width: u64,
     filled: u64,
@@ -93,6 +122,26 @@ impl Envelope {
     pub(crate) fn points(&self) -> &[(f64, f64)] {
         &self.points
     }
+}
+
+/// By their bits: text knows no infinity.
+fn write_bits<S: Serializer>(points: &[f64], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(points.iter().map(|x| x.to_bits()))
+}
+
+fn read_bits<'a, D: Deserializer<'a>>(from: D) -> Result<Vec<f64>, D::Error> {
+    let bits = Vec::<u64>::deserialize(from)?;
+    Ok(bits.into_iter().map(f64::from_bits).collect())
+}
+
+fn write_pairs<S: Serializer>(points: &[(f64, f64)], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(points.iter().map(|(x, y)| (x.to_bits(), y.to_bits())))
+}
+
+fn read_pairs<'a, D: Deserializer<'a>>(from: D) -> Result<Vec<(f64, f64)>, D::Error> {
+    let bits = Vec::<(u64, u64)>::deserialize(from)?;
+    let pair = |(x, y)| (f64::from_bits(x), f64::from_bits(y));
+    Ok(bits.into_iter().map(pair).collect())
 }
 
 #[cfg(test)]

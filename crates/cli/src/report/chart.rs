@@ -49,10 +49,10 @@ pub(super) struct Line {
 }
 
 /// What the axes of a panel are.
-pub(super) type Labels = (&'static str, &'static str);
+pub(super) type Labels<'a> = (&'a str, &'a str);
 
 /// Panels side by side with one legend above; a line through a mark is the spread of its repeats.
-pub(super) fn draw(title: &str, labels: &[Labels], lines: &[Line]) -> String {
+pub(super) fn draw(title: &str, labels: &[Labels<'_>], lines: &[Line]) -> String {
     // One panel alone may be wider.
     let wide = if labels.len() == 1 { 820.0 } else { 350.0 };
     let apart = wide + BETWEEN;

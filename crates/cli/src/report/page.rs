@@ -46,6 +46,9 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
              energy on its own.</p>",
             accuracies(result)
         ));
+        if let Some(advice) = advice(result) {
+            push(format!("<p>{}</p>", escape(&advice)));
+        }
         push(format!(
             "<details><summary>All runs</summary><div class=\"wide\">{}</div></details>",
             runs(result)
@@ -96,6 +99,22 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
         "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
          <title>equip report</title>\n<style>{STYLE}</style>\n<h1>Error against run time</h1>\n<ul>{facts}</ul>\n{body}</html>\n"
     )
+}
+
+/// The quickest method that keeps the energy on its own, for an error in the middle of those looked at.
+fn advice(result: &Results) -> Option<String> {
+    let middle = result.targets.len() / 2;
+    let target = result.targets.get(middle)?;
+    let keeping = result.curves.iter().filter(|c| c.contender.keeps_energy());
+    let timed = keeping.filter_map(|curve| {
+        let milliseconds = times(curve, result.targets).get(middle)?.milliseconds()?;
+        Some((milliseconds, curve.contender.name()))
+    });
+    let (milliseconds, name) = timed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(format!(
+        "To begin with: {name}, the quickest that keeps the energy on its own for an error of {target:e} ({} ms).",
+        brief(milliseconds)
+    ))
 }
 
 /// A table of heads and rows of cells that are escaped already.

@@ -1,4 +1,4 @@
-//! The pictures of a scene: error and energy defect against run time, error against gradients.
+//! The pictures of a scene: error and energy defect against run time; error against gradients, or the defect of an invariant against run time.
 //!
 //! A method has the same colour, dashes and mark in every picture.
 
@@ -61,7 +61,7 @@ pub(super) fn look(contender: &Contender) -> Look {
 }
 
 /// The picture of a scene.
-pub(super) fn scene(title: &str, curves: &[Curve]) -> String {
+pub(super) fn scene(title: &str, curves: &[Curve], invariant: Option<&str>) -> String {
     let lines: Vec<Line> = curves
         .iter()
         .map(|curve| {
@@ -73,21 +73,33 @@ pub(super) fn scene(title: &str, curves: &[Curve]) -> String {
                 Spot { x, y, least, most }
             };
             let work = |p: &Point| Spot::exact(p.outcome.gradients as f64, p.outcome.error);
+            let kept =
+                |p: &Point| timed(p, p.outcome.invariants.first().copied().unwrap_or(f64::NAN));
+            let third = match invariant {
+                Some(_) => drawn().map(kept).collect(),
+                None => drawn().map(work).collect(),
+            };
             Line {
                 name: curve.contender.name(),
                 look: look(&curve.contender),
                 points: vec![
                     drawn().map(|p| timed(p, p.outcome.error)).collect(),
                     drawn().map(|p| timed(p, p.outcome.energy)).collect(),
-                    drawn().map(work).collect(),
+                    third,
                 ],
             }
         })
         .collect();
+    let time = "CPU time / ms";
+    let named = invariant.map(|name| format!("largest defect of {name}"));
+    let third = match &named {
+        Some(defect) => (time, defect.as_str()),
+        None => ("gradients of H", "error of (q, p) at the end"),
+    };
     let labels = [
-        ("CPU time / ms", "error of (q, p) at the end"),
-        ("CPU time / ms", "largest energy defect"),
-        ("gradients of H", "error of (q, p) at the end"),
+        (time, "error of (q, p) at the end"),
+        (time, "largest energy defect"),
+        third,
     ];
     draw(title, &labels, &lines)
 }

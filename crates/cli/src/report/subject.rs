@@ -24,6 +24,8 @@ pub(super) struct Entry {
     pub(super) quick: bool,
     /// Whether it is also run in double-double.
     pub(super) extended: bool,
+    /// Whether it is about what long runs keep: its picture has the first invariant in place of the number of gradients.
+    pub(super) long: bool,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -40,7 +42,7 @@ enum End {
 }
 
 const fn entry(name: &'static str, scene: Source, end: End, fewest: f64) -> Entry {
-    let (quick, extended) = (false, false);
+    let (quick, extended, long) = (false, false, false);
     Entry {
         name,
         scene,
@@ -48,12 +50,18 @@ const fn entry(name: &'static str, scene: Source, end: End, fewest: f64) -> Entr
         fewest,
         quick,
         extended,
+        long,
     }
 }
 
 impl Entry {
     const fn quick(mut self) -> Self {
         self.quick = true;
+        self
+    }
+
+    const fn long(mut self) -> Self {
+        self.long = true;
         self
     }
 
@@ -64,7 +72,15 @@ impl Entry {
 }
 
 /// The scenes in the order of the page.
-pub(super) const ENTRIES: [Entry; 9] = [
+pub(super) const ENTRIES: [Entry; 10] = [
+    entry(
+        "kepler-1000-periods",
+        Source::Scene("kepler", &[("e", "0.6")]),
+        End::Periods(1000.3),
+        10_000.0,
+    )
+    .quick()
+    .long(),
     entry(
         "kepler-0.6",
         Source::Scene("kepler", &[("e", "0.6")]),

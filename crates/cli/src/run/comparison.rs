@@ -2,6 +2,7 @@
 
 use crate::draw::samples::Envelope;
 use crate::run::progress::Progress;
+use crate::run::signals;
 use equip_integrate::{Gauss, Record, StepView};
 use equip_scalar::Float;
 use equip_scenes::Instance;
@@ -31,7 +32,10 @@ impl Comparison {
             if let Some(defect) = view.energy_defect {
                 energy.see(view.time.to_f64(), defect.to_f64());
             }
-            ControlFlow::Continue(())
+            match signals::caught() {
+                None => ControlFlow::Continue(()),
+                Some(_) => ControlFlow::Break(()),
+            }
         };
         let made = Gauss::stages(stages)
             .step(h)
@@ -39,7 +43,7 @@ impl Comparison {
             .integrate_observed(instance.hamiltonian(), &q0, &p0, T::int(0)..=end, &mut see);
         Comparison {
             energy,
-            complete: made.is_ok(),
+            complete: made.is_ok_and(|run| !run.stopped()),
         }
     }
 }

@@ -58,3 +58,15 @@ impl Drop for Progress {
         }
     }
 }
+
+/// A bar over a known number of things on a terminal, nothing elsewhere.
+pub(crate) fn steps_of(things: &str, count: usize) -> ProgressBar {
+    if !stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template(&format!(
+        "{{bar:40}} {{pos}} of {{len}} {things}, {{elapsed}}  {{msg}}"
+    ));
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    ProgressBar::new(count as u64).with_style(style)
+}

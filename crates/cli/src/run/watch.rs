@@ -1,56 +1,69 @@
 //! [`Watch`]: the observer of a run, which writes the table, keeps what is drawn and shows the progress.
 
-use crate::draw::samples::{Envelope, Path};
+use crate::draw::samples::Picture;
 use crate::fault::Fault;
 use crate::run::progress::Progress;
-use crate::write::csv::{Row, Rows};
-use crate::write::saver::{self, Saver};
+use crate::run::signals;
+use crate::write::checkpoint::Saver;
+use crate::write::csv::{Mark, Row, Rows};
 use equip_integrate::{Checkpoint, Observer, Run, StepView};
 use equip_scalar::Float;
 use std::fs::File;
-use std::io::BufWriter;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Files are made at the first step: late enough to leave them alone on bad input, early enough to miss no hour's work.
 #[derive(Debug)]
 pub(crate) struct Watch<'a, T> {
     pub(crate) start: (&'a [T], &'a [T]),
-    pub(crate) out: Option<PathBuf>,
-    pub(crate) every: u64,
+    end: T,
+    /// The step of a fixed grid of time.
+    pub(crate) grid: Option<T>,
+    /// Where the table goes, and how far it is.
+    pub(crate) out: Option<(PathBuf, Mark)>,
     pub(crate) plot: Option<PathBuf>,
-    pub(crate) path: Path,
-    pub(crate) energy: Envelope,
-    /// Whether there are Lyapunov exponents to see, and what was seen of them: t, λ, t, MEGNO.
+    pub(crate) picture: Picture,
+    /// Whether there are Lyapunov exponents to see.
     pub(crate) follows_chaos: bool,
-    pub(crate) chaos: Path,
     pub(crate) progress: Progress,
-    rows: Option<Rows<BufWriter<File>>>,
+    rows: Option<Rows>,
     pub(crate) drawing: Option<File>,
     /// Keeps checkpoints.
     pub(crate) saver: Option<Saver>,
-    /// Number and time of the step that the run goes on from.
-    pub(crate) resumed: Option<(u64, T)>,
+    /// Whether the run goes on from a checkpoint.
+    pub(crate) resumed: bool,
+    at_end: bool,
+    /// Whether a run can be gone on with from here, and whether a run of this length has no other such place before it.
+    is_on_grid: bool,
+    is_last_place: bool,
     fault: Option<Fault>,
     begun: bool,
 }
 
 impl<'a, T: Float> Watch<'a, T> {
-    pub(crate) fn new(start: (&'a [T], &'a [T]), path: Path, progress: Progress) -> Self {
+    /// Of a run from `start` to the time `end`.
+    pub(crate) fn new(
+        start: (&'a [T], &'a [T]),
+        end: T,
+        picture: Picture,
+        progress: Progress,
+    ) -> Self {
         Watch {
             start,
+            end,
+            grid: None,
             out: None,
-            every: 1,
             plot: None,
-            path,
-            energy: Envelope::default(),
+            picture,
             follows_chaos: false,
-            chaos: Path::new(vec![0, 1, 2, 3]),
             progress,
             rows: None,
             drawing: None,
             saver: None,
-            resumed: None,
+            resumed: false,
+            at_end: false,
+            is_on_grid: true,
+            is_last_place: false,
             fault: None,
             begun: false,
         }
@@ -60,27 +73,19 @@ impl<'a, T: Float> Watch<'a, T> {
     fn begin(&mut self) -> Result<(), Fault> {
         self.begun = true;
         let (q, p) = self.start;
-        self.path.see(0, |i| component(q, p, i));
-        let write = |path: &PathBuf, source| Fault::Write {
-            path: path.clone(),
-            source,
-        };
-        if let Some(path) = &self.plot {
-            self.drawing = Some(File::create(path).map_err(|e| write(path, e))?);
+        if !self.resumed {
+            self.picture.path.see(0, |i| component(q, p, i));
         }
-        if let Some(path) = &self.out {
-            self.rows = Some(
-                match self.resumed {
-                    Some(step) if path.exists() => {
-                        Rows::go_on(path, self.every, step, self.follows_chaos)
-                    }
-                    _ => File::create(path).and_then(|file| {
-                        let file = BufWriter::new(file);
-                        Rows::start(file, self.every, (q, p), self.follows_chaos)
-                    }),
-                }
-                .map_err(|e| write(path, e))?,
-            );
+        if let Some(path) = &self.plot {
+            self.drawing = Some(File::create(path).map_err(|e| unwritten(path, e))?);
+        }
+        if let Some((path, mark)) = &self.out {
+            let rows = if self.resumed {
+                Rows::go_on(path, mark.clone())
+            } else {
+                Rows::start(path, mark.clone(), (q, p))
+            };
+            self.rows = Some(rows.map_err(|e| unwritten(path, e))?);
         }
         Ok(())
     }
@@ -89,16 +94,23 @@ impl<'a, T: Float> Watch<'a, T> {
         if !self.begun {
             self.begin()?;
         }
+        self.at_end = view.time >= self.end;
+        (self.is_on_grid, self.is_last_place) = match self.grid {
+            None => (true, self.at_end),
+            // The last step of a run may be shorter than those of the grid.
+            Some(h) => (view.step == h, view.time + h >= self.end),
+        };
         self.progress.see(view.index);
-        self.path.see(view.index, |i| component(view.q, view.p, i));
+        let picture = &mut self.picture;
+        (picture.path).see(view.index, |i| component(view.q, view.p, i));
         if let Some(defect) = view.energy_defect {
-            self.energy.see(view.time.to_f64(), defect.to_f64());
+            (picture.energy).see(view.time.to_f64(), defect.to_f64());
         }
         if let Some(chaos) = &view.chaos {
             let seen = [view.time, chaos.lyapunov, view.time, chaos.megno];
-            self.chaos.see(view.index, |i| seen[i].to_f64());
+            (picture.chaos).see(view.index, |i| seen[i].to_f64());
         }
-        if let (Some(rows), Some(path)) = (&mut self.rows, &self.out) {
+        if let (Some(rows), Some((path, _))) = (&mut self.rows, &self.out) {
             let row = Row {
                 index: view.index,
                 time: view.time,
@@ -108,25 +120,22 @@ impl<'a, T: Float> Watch<'a, T> {
                 outcome: view.outcome.label(),
                 chaos: view.chaos,
             };
-            rows.step(row).map_err(|source| Fault::Write {
-                path: path.clone(),
-                source,
-            })?;
+            (rows.step(row, self.at_end)).map_err(|e| unwritten(path, e))?;
         }
         Ok(())
     }
 
-    /// Rows first: what a checkpoint stands for must be in the table.
-    fn save(&mut self, checkpoint: &Checkpoint) -> Result<(), Fault> {
-        if let (Some(rows), Some(path)) = (&mut self.rows, &self.out) {
-            rows.flush().map_err(|source| Fault::Write {
-                path: path.clone(),
-                source,
-            })?;
+    /// Rows first: what a checkpoint speaks of must be in the table, and on the disk.
+    fn save(&mut self, checkpoint: Checkpoint) -> Result<(), Fault> {
+        let mark = match (&mut self.rows, &self.out) {
+            (Some(rows), Some((path, _))) => Some(rows.sync().map_err(|e| unwritten(path, e))?),
+            _ => None,
+        };
+        let picture = self.plot.is_some().then(|| self.picture.clone());
+        match &mut self.saver {
+            Some(saver) => saver.save(checkpoint, mark, picture),
+            None => Ok(()),
         }
-        self.saver
-            .as_mut()
-            .map_or(Ok(()), |saver| saver.save(checkpoint))
     }
 
     fn go_on_if(&mut self, done: Result<(), Fault>) -> ControlFlow<()> {
@@ -151,7 +160,7 @@ impl<'a, T: Float> Watch<'a, T> {
             self.begin()?;
         }
         let (time, q, p) = run.last();
-        if let (Some(rows), Some(path)) = (self.rows.take(), &self.out) {
+        if let (Some(rows), Some((path, _))) = (self.rows.take(), &self.out) {
             let last = Row {
                 index: run.certificate().counts.steps,
                 time,
@@ -161,10 +170,7 @@ impl<'a, T: Float> Watch<'a, T> {
                 outcome: run.outcomes().last().map_or("", |outcome| outcome.label()),
                 chaos: run.certificate().chaos,
             };
-            rows.finish(last).map_err(|source| Fault::Write {
-                path: path.clone(),
-                source,
-            })?;
+            rows.finish(last).map_err(|e| unwritten(path, e))?;
         }
         Ok(())
     }
@@ -173,7 +179,7 @@ impl<'a, T: Float> Watch<'a, T> {
 impl<T: Float> Observer<T> for Watch<'_, T> {
     fn step(&mut self, view: &StepView<'_, T>) -> ControlFlow<()> {
         let seen = self.see(view);
-        if saver::interrupted() {
+        if signals::caught().is_some() {
             let _ = self.go_on_if(seen);
             return ControlFlow::Break(());
         }
@@ -181,12 +187,21 @@ impl<T: Float> Observer<T> for Watch<'_, T> {
     }
 
     fn wants_checkpoint(&mut self) -> bool {
-        self.fault.is_none() && self.saver.as_ref().is_some_and(Saver::is_due)
+        let now = self.is_last_place || signals::caught().is_some();
+        let is_due = |saver: &Saver| now || saver.is_due();
+        self.fault.is_none() && self.is_on_grid && self.saver.as_ref().is_some_and(is_due)
     }
 
     fn checkpoint(&mut self, checkpoint: Checkpoint) -> ControlFlow<()> {
-        let saved = self.save(&checkpoint);
+        let saved = self.save(checkpoint);
         self.go_on_if(saved)
+    }
+}
+
+fn unwritten(path: &Path, source: std::io::Error) -> Fault {
+    Fault::Write {
+        path: path.to_owned(),
+        source,
     }
 }
 

@@ -4,22 +4,120 @@
 //! as read back to the same number; all are in the units of the scene. The energy defect is H − H_ref. Where a deviation is followed there are two more
 //! columns, `lyapunov,megno`, empty in the first row.
 
-use equip_integrate::ChaosIndicators;
+use crate::fault::Fault;
 use equip_scalar::Float;
+use equip_integrate::ChaosIndicators;
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
-use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// The word in the outcome column of the initial state, which no step made.
 const START: &str = "start";
 
+/// A table that is being written.
 #[derive(Debug)]
-pub(crate) struct Rows<W: Write> {
-    out: W,
-    every: u64,
-    last: Option<u64>,
-    with_chaos: bool,
+pub(crate) struct Rows {
+    out: BufWriter<File>,
+    mark: Mark,
 }
+
+/// How far a table is written: what a checkpoint keeps of it, and by what the table is known again.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Mark {
+    header: String,
+    /// Every how many steps there is a row.
+    every: u64,
+    /// Number of the step of the last row.
+    index: u64,
+    last_row: String,
+    /// Length of the file.
+    bytes: u64,
+}
+
+impl Mark {
+    /// That of a table of which nothing is written.
+    pub(crate) fn new(degrees_of_freedom: usize, every: u64, with_chaos: bool) -> Self {
+        let mut header = String::from("t");
+        for name in ["q", "p"] {
+            for i in 1..=degrees_of_freedom {
+                // Writing to a String does not fail.
+                let _ = write!(header, ",{name}{i}");
+            }
+        }
+        header += ",energy_defect,outcome";
+        if with_chaos {
+            header += ",lyapunov,megno";
+        }
+        Mark {
+            header,
+            every,
+            index: 0,
+            last_row: String::new(),
+            bytes: 0,
+        }
+    }
+
+    /// Whether the table in `path` is the one that was written up to this mark, by one that is `wanted`.
+    ///
+    /// # Errors
+    /// [`Fault::Table`], with what is missing.
+    pub(crate) fn check(&self, path: &Path, wanted: &Mark) -> Result<(), Fault> {
+        let wrong = |what: String| Fault::Table {
+            path: path.to_owned(),
+            what,
+        };
+        let io = |source: io::Error| match source.kind() {
+            ErrorKind::NotFound => wrong("it is not there".into()),
+            _ => Fault::Read {
+                path: path.to_owned(),
+                source,
+            },
+        };
+        if self.every != wanted.every {
+            let (before, now) = (self.every, wanted.every);
+            return Err(wrong(format!(
+                "it was written with --every {before}, not {now}"
+            )));
+        }
+        let mut file = File::open(path).map_err(io)?;
+        let length = file.metadata().map_err(io)?.len();
+        let read = |file: &mut File, from: u64, count: usize| {
+            let mut text = vec![0; count];
+            file.seek(SeekFrom::Start(from))?;
+            file.read_exact(&mut text)?;
+            Ok(String::from_utf8_lossy(&text).into_owned())
+        };
+        let time = |row: &str| row.split(',').next().unwrap_or_default().to_owned();
+        if length < self.bytes {
+            let count = length.min(LONGEST_TAIL);
+            let tail = read(&mut file, length - count, count as usize).map_err(io)?;
+            let whole = tail.rsplit_once('\n').map_or("", |(whole, _)| whole);
+            let reached = whole.rsplit('\n').next().map(time).unwrap_or_default();
+            return Err(wrong(format!(
+                "its last whole row is of t = {reached}, but the run had written it up to t = {}",
+                time(&self.last_row)
+            )));
+        }
+        let header = read(&mut file, 0, self.header.len().min(length as usize)).map_err(io)?;
+        if header != wanted.header || self.header != wanted.header {
+            return Err(wrong(format!("its columns are not {}", wanted.header)));
+        }
+        let count = self.last_row.len();
+        let row = read(&mut file, self.bytes.saturating_sub(count as u64), count).map_err(io)?;
+        if row != self.last_row {
+            return Err(wrong(format!(
+                "it is of another run: its row of t = {} is not the one that was written",
+                time(&self.last_row)
+            )));
+        }
+        Ok(())
+    }
+}
+
+/// How much of the end of a table that is too short is read to tell its last row.
+const LONGEST_TAIL: u64 = 1 << 16;
 
 /// One row of the table.
 #[derive(Debug, Clone, Copy)]
@@ -33,64 +131,17 @@ pub(crate) struct Row<'a, T> {
     pub(crate) chaos: Option<ChaosIndicators<T>>,
 }
 
-impl Rows<BufWriter<File>> {
-    /// Goes on with the table in `path` after step number `index` at `time`; rows after it were made by steps that are made again.
-    pub(crate) fn go_on<T: Float>(
-        path: &Path,
-        every: u64,
-        (index, time): (u64, T),
-        with_chaos: bool,
-    ) -> io::Result<Self> {
-        let text = std::fs::read_to_string(path)?;
-        let mut length = 0;
-        for line in text.split_inclusive('\n') {
-            let first = line.split(',').next().unwrap_or_default();
-            // The last row of an interrupted run is there whatever its number.
-            let wanted = index.is_multiple_of(every);
-            let later = T::decimal(first).is_ok_and(|t| t > time || (t == time && !wanted));
-            if later || !line.ends_with('\n') {
-                break;
-            }
-            length += line.len();
-        }
-        let mut file = OpenOptions::new().write(true).open(path)?;
-        file.set_len(length as u64)?;
-        file.seek(SeekFrom::End(0))?;
-        Ok(Rows {
-            out: BufWriter::new(file),
-            every,
-            last: None,
-            with_chaos,
-        })
-    }
-}
-
-impl<W: Write> Rows<W> {
-    pub(crate) fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
-    }
-
-    /// Writes the header and the initial state.
+impl Rows {
+    /// Makes the table and writes the header and the initial state.
     pub(crate) fn start<T: Float>(
-        mut out: W,
-        every: u64,
+        path: &Path,
+        mark: Mark,
         (q, p): (&[T], &[T]),
-        with_chaos: bool,
     ) -> io::Result<Self> {
-        write!(out, "t")?;
-        for name in ["q", "p"] {
-            for i in 1..=q.len() {
-                write!(out, ",{name}{i}")?;
-            }
-        }
-        let more = if with_chaos { ",lyapunov,megno" } else { "" };
-        writeln!(out, ",energy_defect,outcome{more}")?;
-        let mut rows = Rows {
-            out,
-            every,
-            last: None,
-            with_chaos,
-        };
+        let out = BufWriter::new(File::create(path)?);
+        let mut rows = Rows { out, mark };
+        let header = format!("{}\n", rows.mark.header);
+        rows.put(header)?;
         let zero = T::int(0);
         rows.write(Row {
             index: 0,
@@ -104,9 +155,27 @@ impl<W: Write> Rows<W> {
         Ok(rows)
     }
 
-    /// Writes the row if it is one of those wanted.
-    pub(crate) fn step<T: Float>(&mut self, row: Row<'_, T>) -> io::Result<()> {
-        if row.index.is_multiple_of(self.every) {
+    /// Goes on with the table in `path` from a mark that it was checked against; rows behind it were made by steps that are made again.
+    pub(crate) fn go_on(path: &Path, mark: Mark) -> io::Result<Self> {
+        let mut file = OpenOptions::new().write(true).open(path)?;
+        if file.metadata()?.len() != mark.bytes {
+            file.set_len(mark.bytes)?;
+        }
+        file.seek(SeekFrom::End(0))?;
+        let out = BufWriter::new(file);
+        Ok(Rows { out, mark })
+    }
+
+    /// Brings all rows to the disk, and says how far the table is.
+    pub(crate) fn sync(&mut self) -> io::Result<Mark> {
+        self.out.flush()?;
+        self.out.get_ref().sync_data()?;
+        Ok(self.mark.clone())
+    }
+
+    /// Writes the row if it is one of those wanted, or the last.
+    pub(crate) fn step<T: Float>(&mut self, row: Row<'_, T>, is_last: bool) -> io::Result<()> {
+        if is_last || row.index.is_multiple_of(self.mark.every) {
             self.write(row)
         } else {
             Ok(())
@@ -115,33 +184,43 @@ impl<W: Write> Rows<W> {
 
     /// Writes the last row, whatever its number, and flushes.
     pub(crate) fn finish<T: Float>(mut self, last: Row<'_, T>) -> io::Result<()> {
-        if self.last != Some(last.index) {
+        if self.mark.index != last.index {
             self.write(last)?;
         }
         self.out.flush()
     }
 
     fn write<T: Float>(&mut self, row: Row<'_, T>) -> io::Result<()> {
-        write!(self.out, "{}", digits(row.time))?;
+        let mut text = std::mem::take(&mut self.mark.last_row);
+        text.clear();
+        text += &digits(row.time);
         for &x in row.q.iter().chain(row.p) {
-            write!(self.out, ",{}", digits(x))?;
+            text.push(',');
+            text += &digits(x);
         }
-        match row.energy_defect {
-            Some(defect) => write!(self.out, ",{}", digits(defect))?,
-            None => write!(self.out, ",")?,
+        text.push(',');
+        if let Some(defect) = row.energy_defect {
+            text += &digits(defect);
         }
-        // Labels may hold a comma.
-        write!(self.out, ",\"{}\"", row.outcome)?;
+        // Labels may hold a comma. Writing to a String does not fail.
+        let _ = write!(text, ",\"{}\"", row.outcome);
         match row.chaos {
             Some(chaos) => {
                 let [lyapunov, megno] = [chaos.lyapunov, chaos.megno].map(digits);
-                write!(self.out, ",{lyapunov},{megno}")?;
+                let _ = write!(text, ",{lyapunov},{megno}");
             }
-            None if self.with_chaos => write!(self.out, ",,")?,
+            None if self.mark.header.ends_with("megno") => text.push_str(",,"),
             None => {}
         }
-        writeln!(self.out)?;
-        self.last = Some(row.index);
+        text.push('\n');
+        self.mark.index = row.index;
+        self.put(text)
+    }
+
+    fn put(&mut self, text: String) -> io::Result<()> {
+        self.out.write_all(text.as_bytes())?;
+        self.mark.bytes += text.len() as u64;
+        self.mark.last_row = text;
         Ok(())
     }
 }
@@ -158,7 +237,7 @@ pub(crate) fn digits<T: Float>(x: T) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Row, Rows, digits};
+    use super::{Mark, Row, Rows, digits};
     use equip_scalar::{DoubleDouble, Float};
 
     #[test]
@@ -172,7 +251,7 @@ mod tests {
 
     #[test]
     fn every_second_row_and_the_last() {
-        let mut file = Vec::new();
+        let path = std::env::temp_dir().join(format!("equip-rows-{}.csv", std::process::id()));
         let row = |index| Row {
             index,
             time: index as f64,
@@ -182,13 +261,20 @@ mod tests {
             outcome: "a, b",
             chaos: None,
         };
-        let mut rows = Rows::start(&mut file, 2, (&[0.5], &[2.0]), false).unwrap();
+        let mark = Mark::new(1, 2, false);
+        let mut rows = Rows::start(&path, mark.clone(), (&[0.5], &[2.0])).unwrap();
         for index in 1..=3 {
-            rows.step(row(index)).unwrap();
+            rows.step(row(index), false).unwrap();
         }
+        let at = rows.sync().unwrap();
         rows.finish(row(3)).unwrap();
-        let text = String::from_utf8(file).unwrap();
+        let text = || std::fs::read_to_string(&path).unwrap();
         let expected = "t,q1,p1,energy_defect,outcome\n0e0,5e-1,2e0,0e0,\"start\"\n2e0,5e-1,2e0,,\"a, b\"\n3e0,5e-1,2e0,,\"a, b\"\n";
-        assert_eq!(text, expected);
+        assert_eq!(text(), expected);
+        // From the mark on the last row is written again.
+        assert!(at.check(&path, &mark).is_ok());
+        Rows::go_on(&path, at).unwrap().finish(row(3)).unwrap();
+        assert_eq!(text(), expected);
+        std::fs::remove_file(&path).unwrap();
     }
 }

@@ -28,8 +28,8 @@ impl Number {
 struct Quantity {
     name: String,
     start: Number,
-    max_defect: Number,
-    end_defect: Number,
+    max: Number,
+    end: Number,
 }
 
 #[derive(Debug, Serialize)]
@@ -175,7 +175,7 @@ fn quantity<T: Float>(defect: &Defect<T>) -> Quantity {
     Quantity {
         name: defect.name.clone(),
         start: Number::new(defect.start),
-        max_defect: Number::new(defect.max),
-        end_defect: Number::new(defect.end),
+        max: Number::new(defect.max),
+        end: Number::new(defect.end),
     }
 }

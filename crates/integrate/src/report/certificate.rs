@@ -70,9 +70,12 @@ impl<T: Float> Certificate<T> {
         let mut lines = Vec::new();
         let mut line = |label: &str, text: String| lines.push((label.to_owned(), text));
         line("method", format!("{} in {}", self.method, T::NAME));
-        line("time", format!("{:.6} to {:.6}", self.start, self.end));
+        line(
+            "time",
+            format!("{} to {}", shown(self.start), shown(self.end)),
+        );
         match &self.variable_steps {
-            None => line("steps", format!("{} of {:.6}", counts.steps, self.step)),
+            None => line("steps", format!("{} of {}", counts.steps, shown(self.step))),
             Some(steps) => {
                 let range = format!("{:.2e} to {:.2e}", steps.smallest, steps.largest);
                 line("steps", format!("{} of {range}", counts.steps));
@@ -85,7 +88,16 @@ impl<T: Float> Certificate<T> {
             }
         }
         if let Some(energy) = &self.energy {
-            line("energy at start", format!("{}", energy.start));
+            let start = energy.start;
+            let is_plain = start.abs() >= T::ratio(1, 1000) || start == T::int(0);
+            line(
+                "energy at start",
+                if is_plain {
+                    format!("{start}")
+                } else {
+                    format!("{start:e}")
+                },
+            );
             line(
                 "energy defect",
                 format!("max {:.2e}, end {:.2e}", energy.max, energy.end),
@@ -168,5 +180,14 @@ impl<T: Float> Certificate<T> {
         }
         line("wall-clock time", format!("{:.3} s", self.seconds));
         lines
+    }
+}
+
+/// A time: six decimals, and as many digits where they would be zeros.
+fn shown<T: Float>(x: T) -> String {
+    if x.abs() >= T::ratio(1, 100) || x == T::int(0) {
+        format!("{x:.6}")
+    } else {
+        format!("{x:.6e}")
     }
 }

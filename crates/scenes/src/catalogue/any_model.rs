@@ -1,7 +1,7 @@
 //! The one type that holds any scene's Hamiltonian.
 
 use crate::invariant::Invariant;
-use crate::model::{Model, State, View, read};
+use crate::model::{Model, State, Units, View, read};
 use crate::scenes::{
     Arenstorf, ChargedParticle, Dnls, DoublePendulum, FaouHairerPham, Fpu, FputBeta, Harmonic,
     HenonHeiles, Kepler, LennardJones, LotkaVolterra, OuterSolarSystem, Pendulum, Pythagorean,
@@ -79,6 +79,10 @@ impl AnyModel {
 
     pub(crate) fn view(&self) -> View {
         with_model!(self, m => m.view())
+    }
+
+    pub(crate) fn units(&self) -> Units {
+        with_model!(self, m => m.units())
     }
 
     pub(crate) fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {

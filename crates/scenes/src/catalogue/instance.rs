@@ -5,7 +5,7 @@ use super::reference::{Reference, reference_names};
 use super::scene::{Scene, find};
 use crate::error::SceneError;
 use crate::invariant::Invariant;
-use crate::model::View;
+use crate::model::{Units, View};
 use crate::parameter::Value;
 use crate::reading::read_all;
 use crate::reference::{self, Doubles, ReferenceData};
@@ -156,6 +156,11 @@ impl Instance {
             data,
             model: &self.model,
         })
+    }
+
+    /// The units that its numbers are in.
+    pub fn units(&self) -> Units {
+        self.model.units()
     }
 
     /// What to draw.

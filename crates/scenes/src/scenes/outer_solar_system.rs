@@ -8,7 +8,7 @@
 use super::gravity;
 use crate::entry::Entry;
 use crate::invariant::{Invariant, angular_momenta, linear_momenta};
-use crate::model::{Model, State, View};
+use crate::model::{Model, State, Units, View};
 use crate::parameter::Parameter;
 use equip_autodiff::{BuildError, Energy};
 use equip_scalar::{Float, Num, Scalar};
@@ -146,6 +146,13 @@ impl Model for OuterSolarSystem {
 
     fn end(&self) -> f64 {
         200_000.0
+    }
+
+    fn units(&self) -> Units {
+        Units {
+            length: "AU",
+            time: "days",
+        }
     }
 
     fn view(&self) -> View {

@@ -1,0 +1,84 @@
+//! Options that do not go together, and those that change nothing.
+
+use crate::args::{MethodName, RunArgs};
+use crate::fault::Fault;
+use std::path::{Path, PathBuf};
+
+/// Refuses two outputs in one file, and says which options change nothing.
+///
+/// # Errors
+/// [`Fault::SameFile`].
+pub(crate) fn check(args: &RunArgs) -> Result<(), Fault> {
+    let files = [
+        ("--out", &args.out),
+        ("--plot", &args.plot),
+        ("--checkpoint", &args.checkpoint),
+    ];
+    for (i, (one, path)) in files.iter().enumerate() {
+        for (other, second) in &files[i + 1..] {
+            if let (Some(path), Some(second)) = (path, second)
+                && place(path) == place(second)
+            {
+                return Err(Fault::SameFile {
+                    options: (one, other),
+                    path: path.clone(),
+                });
+            }
+        }
+    }
+    if !args.quiet {
+        for (option, why) in without_effect(args) {
+            eprintln!("note: {option} changes nothing: {why}");
+        }
+    }
+    Ok(())
+}
+
+/// Options given that change nothing, and why.
+fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
+    let asks_for_energy = matches!(args.method, MethodName::Equip | MethodName::EquipLast);
+    let rules = [
+        (
+            "--every",
+            args.every != 1 && args.out.is_none(),
+            "there is no --out",
+        ),
+        (
+            "--no-compare",
+            args.no_compare && args.plot.is_none(),
+            "there is no --plot",
+        ),
+        (
+            "--no-compare",
+            args.no_compare && args.plot.is_some() && args.tolerance.is_some(),
+            "variable steps are drawn without Gauss",
+        ),
+        (
+            "--no-compare",
+            args.no_compare && args.plot.is_some() && args.method == MethodName::Gauss,
+            "Gauss is not drawn beside itself",
+        ),
+        (
+            "--refuse",
+            args.refuse && !asks_for_energy,
+            "this method does not ask for the energy to be kept",
+        ),
+    ];
+    let given = rules.into_iter().filter(|(_, is_given, _)| *is_given);
+    given.map(|(option, _, why)| (option, why)).collect()
+}
+
+/// A path in one form, whether there is a file or not.
+fn place(path: &Path) -> PathBuf {
+    if let Ok(whole) = path.canonicalize() {
+        return whole;
+    }
+    let directory = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    match (directory.canonicalize(), path.file_name()) {
+        (Ok(directory), Some(name)) => directory.join(name),
+        _ => path.to_owned(),
+    }
+}

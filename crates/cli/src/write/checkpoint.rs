@@ -1,0 +1,191 @@
+//! The file of a checkpoint: the run, what it belongs to, how far its table is and what its picture has of it.
+//!
+//! The first line has the version of the format and a checksum of all behind it, which is JSON. A checkpoint is written to a
+//! file of its own beside the one asked for and then takes its name: whenever the program ends, the file is a whole checkpoint,
+//! the last or the one before it.
+
+use crate::draw::samples::Picture;
+use crate::fault::Fault;
+use crate::number::number;
+use crate::write::csv::Mark;
+use equip_scalar::DoubleDouble;
+use equip_scenes::Instance;
+use equip_integrate::Checkpoint;
+use serde::{Deserialize, Serialize};
+use std::fs::File;
+use std::io::{BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// What the first line begins with.
+const NAME: &str = "equip checkpoint";
+/// The version of what is behind the first line.
+const VERSION: &str = "1";
+
+/// What the file holds.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Saved {
+    scene: String,
+    /// Names and values, as text.
+    parameters: Vec<(String, String)>,
+    /// Of the table, if the run writes one.
+    pub(crate) table: Option<Mark>,
+    /// Of the picture, if the run draws one.
+    pub(crate) picture: Option<Picture>,
+    pub(crate) checkpoint: Checkpoint,
+}
+
+impl Saved {
+    /// Whether this is a checkpoint of the scene with these parameters.
+    ///
+    /// # Errors
+    /// [`Fault::OtherRun`], with both values.
+    pub(crate) fn check(&self, path: &Path, instance: &Instance) -> Result<(), Fault> {
+        let differ = |what: &str, stored: &str, now: &str| Fault::OtherRun {
+            path: path.to_owned(),
+            what: what.to_owned(),
+            stored: stored.to_owned(),
+            now: now.to_owned(),
+        };
+        let scene = instance.scene().name;
+        if self.scene != scene {
+            return Err(differ("scene", &self.scene, scene));
+        }
+        for ((name, stored), (_, now)) in self.parameters.iter().zip(instance.parameters()) {
+            let value = |text: &str| number::<DoubleDouble>("", text).ok();
+            if stored != now && value(stored) != value(now) {
+                return Err(differ(name, stored, now));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// When and where checkpoints are written.
+#[derive(Debug)]
+pub(crate) struct Saver {
+    path: PathBuf,
+    every: Duration,
+    last: Instant,
+    scene: &'static str,
+    parameters: Vec<(String, String)>,
+}
+
+impl Saver {
+    pub(crate) fn new(path: &Path, every: Duration, instance: &Instance) -> Self {
+        let text = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
+        Saver {
+            path: path.to_owned(),
+            every,
+            last: Instant::now(),
+            scene: instance.scene().name,
+            parameters: instance.parameters().map(text).collect(),
+        }
+    }
+
+    /// Whether the last checkpoint is old enough.
+    pub(crate) fn is_due(&self) -> bool {
+        self.last.elapsed() >= self.every
+    }
+
+    pub(crate) fn save(
+        &mut self,
+        checkpoint: Checkpoint,
+        table: Option<Mark>,
+        picture: Option<Picture>,
+    ) -> Result<(), Fault> {
+        let fault = |source| Fault::Write {
+            path: self.path.clone(),
+            source,
+        };
+        let saved = Saved {
+            scene: self.scene.to_owned(),
+            parameters: self.parameters.clone(),
+            table,
+            picture,
+            checkpoint,
+        };
+        let text = serde_json::to_string(&saved).map_err(|e| fault(e.into()))?;
+        let mut name = self.path.clone().into_os_string();
+        name.push(".new");
+        let new = PathBuf::from(name);
+        let mut file = BufWriter::new(File::create(&new).map_err(fault)?);
+        let checksum = checksum(text.as_bytes());
+        write!(file, "{NAME} {VERSION} {checksum:016x}\n{text}").map_err(fault)?;
+        file.flush().map_err(fault)?;
+        file.get_ref().sync_all().map_err(fault)?;
+        std::fs::rename(&new, &self.path).map_err(fault)?;
+        self.last = Instant::now();
+        Ok(())
+    }
+}
+
+/// The checkpoint in a file; `None` if there is no such file.
+///
+/// # Errors
+/// If the file cannot be read, is no checkpoint, or has been changed since it was written.
+pub(crate) fn load(path: &Path) -> Result<Option<Saved>, Fault> {
+    let read = |source| Fault::Read {
+        path: path.to_owned(),
+        source,
+    };
+    match std::fs::metadata(path) {
+        Ok(found) if !found.is_file() => {
+            return Err(Fault::Option {
+                option: "--checkpoint",
+                value: path.display().to_string(),
+                expected: "an ordinary file",
+            });
+        }
+        Ok(_) => {}
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(read(error)),
+    }
+    let bytes = std::fs::read(path).map_err(read)?;
+    parse(&bytes)
+        .map(Some)
+        .map_err(|what| Fault::NotACheckpoint {
+            path: path.to_owned(),
+            what,
+        })
+}
+
+fn parse(bytes: &[u8]) -> Result<Saved, &'static str> {
+    let split = bytes.iter().position(|&byte| byte == b'\n');
+    let (first, text) = bytes.split_at(split.unwrap_or(0));
+    let text = text.get(1..).unwrap_or_default();
+    let first = std::str::from_utf8(first).unwrap_or_default();
+    let (version, stored) = first
+        .strip_prefix(NAME)
+        .and_then(|rest| rest.trim_start().split_once(' '))
+        .ok_or("its first line is not that of one")?;
+    if version != VERSION {
+        return Err("it is of another version of the program");
+    }
+    if stored != format!("{:016x}", checksum(text)) {
+        return Err("it is not as it was written, by its checksum");
+    }
+    serde_json::from_slice(text).map_err(|_| "it holds something else than a run")
+}
+
+/// FNV-1a with 64 bits: every step is one to one, so that a change within one byte is always seen.
+fn checksum(bytes: &[u8]) -> u64 {
+    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0000_0100_0000_01b3;
+    bytes.iter().fold(BASIS, |sum, &byte| {
+        (sum ^ u64::from(byte)).wrapping_mul(PRIME)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::checksum;
+
+    /// Values of the authors of the checksum, <http://www.isthe.com/chongo/tech/comp/fnv/>.
+    #[test]
+    fn checksums_are_those_of_fnv_1a() {
+        assert_eq!(checksum(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(checksum(b"a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(checksum(b"foobar"), 0x8594_4171_f739_67e8);
+    }
+}

@@ -1,0 +1,170 @@
+//! What the command line refuses, and in which words; what it says of options that change nothing; what fits the terminal.
+#![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+fn equip(arguments: &[&str]) -> Output {
+    let home = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("command-line");
+    std::fs::create_dir_all(&home).unwrap();
+    Command::new(env!("CARGO_BIN_EXE_equip"))
+        .current_dir(home)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: Vec<u8>) -> String {
+    String::from_utf8(bytes).unwrap()
+}
+
+/// Standard error of a command that must be refused as bad usage.
+fn refused(arguments: &[&str]) -> String {
+    let output = equip(arguments);
+    let error = text(output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {error}");
+    error
+}
+
+#[test]
+fn two_outputs_do_not_go_into_one_file() {
+    for pair in [
+        ["--out", "x", "--plot", "x"],
+        ["--out", "x", "--plot", "./x"],
+        ["--plot", "x", "--checkpoint", "../command-line/x"],
+        ["--out", "x", "--checkpoint", "x"],
+    ] {
+        let error = refused(&[&["run", "kepler", "--until", "1"][..], &pair].concat());
+        assert!(
+            error.contains(pair[0]) && error.contains(pair[2]),
+            "{error}"
+        );
+        assert!(error.contains("name two files"), "{error}");
+    }
+}
+
+#[test]
+fn negative_values_meet_the_range_they_are_out_of() {
+    for (command, option, words) in [
+        ("run kepler", "--stages", "a whole number from 1 to 32"),
+        ("run kepler", "--step", "positive and finite"),
+        ("run kepler", "--steps-per-period", "positive"),
+        ("run kepler", "--until", "run forward"),
+        ("run kepler", "--periods", "run forward"),
+        ("run kepler", "--tolerance", "--tolerance is"),
+        ("run kepler", "--every", "a whole number"),
+        (
+            "run kepler --checkpoint negative",
+            "--checkpoint-every",
+            "not negative",
+        ),
+        ("run kepler", "--e", "out of range"),
+        ("growth", "--tolerances", "positive and below 1"),
+        ("growth", "--eccentricities", "out of range"),
+        ("growth", "--revolutions", "a whole number"),
+        ("growth", "--stages", "a whole number from 1 to 32"),
+        ("section henon-heiles", "--orbits", "a whole number"),
+        ("section henon-heiles", "--tolerance", "--tolerance is"),
+        ("section henon-heiles", "--until", "run forward"),
+        ("section henon-heiles", "--energy", "out of range"),
+        ("report", "--seconds", "a positive number of seconds"),
+    ] {
+        let arguments: Vec<&str> = command.split(' ').chain([option, "-1"]).collect();
+        let error = refused(&arguments);
+        assert!(error.contains(words), "{command} {option} -1: {error}");
+    }
+}
+
+#[test]
+fn numbers_of_orbits_that_cannot_be_drawn_are_refused_at_once() {
+    for orbits in ["0", "100000000", "18446744073709551615"] {
+        let error = refused(&["section", "henon-heiles", "--orbits", orbits]);
+        assert!(error.contains("a whole number"), "{orbits}: {error}");
+    }
+}
+
+#[test]
+fn growth_reads_its_lists_before_it_begins() {
+    for lists in [
+        ["--eccentricities", "0.6,1.5"],
+        ["--tolerances", "1e-9,0"],
+        ["--tolerances", "1e-9,2"],
+    ] {
+        let output = equip(&[&["growth", "--revolutions", "1"][..], &lists].concat());
+        assert_eq!(output.status.code(), Some(2), "{lists:?}");
+        assert!(output.stdout.is_empty(), "{lists:?}");
+    }
+}
+
+#[test]
+fn options_that_change_nothing_are_named() {
+    for (options, words) in [
+        (
+            &["--every", "5"][..],
+            "--every changes nothing: there is no --out",
+        ),
+        (
+            &["--no-compare"],
+            "--no-compare changes nothing: there is no --plot",
+        ),
+        (
+            &["--refuse", "--method", "gauss"],
+            "--refuse changes nothing",
+        ),
+        (
+            &["--no-compare", "--plot", "n.svg", "--tolerance", "1e-6"],
+            "--no-compare changes nothing: variable steps",
+        ),
+    ] {
+        let output = equip(&[&["run", "kepler", "--until", "1"][..], options].concat());
+        assert_eq!(output.status.code(), Some(0));
+        let error = text(output.stderr);
+        assert!(error.contains(words), "{options:?}: {error}");
+    }
+    let quiet = equip(&["run", "kepler", "--until", "1", "--every", "5", "--quiet"]);
+    assert!(quiet.stderr.is_empty());
+}
+
+#[test]
+fn messages_name_flags() {
+    for (arguments, flag) in [
+        (&["run", "kepler", "--stages", "1"][..], "--stages is 1"),
+        (&["run", "kepler", "--tolerance", "2"], "--tolerance is 2"),
+        (&["run", "kepler", "--step", "0"], "--step is 0"),
+    ] {
+        let error = refused(arguments);
+        assert!(error.contains(flag) && !error.contains('`'), "{error}");
+    }
+}
+
+#[test]
+fn lists_fit_the_terminal() {
+    let mut all = vec![equip(&["scenes"])];
+    all.extend(
+        equip_scenes::all()
+            .iter()
+            .map(|scene| equip(&["scenes", scene.name])),
+    );
+    all.push(equip(&["check", "--quick", "--only", "at rest"]));
+    for output in all {
+        for line in text(output.stdout).lines() {
+            assert!(line.chars().count() <= 100, "{line}");
+        }
+    }
+}
+
+#[test]
+fn short_times_are_printed_with_their_digits() {
+    let output = equip(&["run", "harmonic", "--omega", "1e6", "--periods", "3"]);
+    let printed = text(output.stdout);
+    let line = |label: &str| {
+        printed
+            .lines()
+            .find(|line| line.starts_with(label))
+            .unwrap()
+    };
+    assert!(line("time ").contains("e-5"), "{printed}");
+    assert!(line("steps ").contains("e-"), "{printed}");
+    let described = text(equip(&["scenes", "lotka-volterra"]).stdout);
+    assert!(!described.contains("0.0000"), "{described}");
+}
