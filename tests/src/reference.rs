@@ -29,6 +29,15 @@ pub struct Reference {
 }
 
 impl Reference {
+    /// The state at `end`, in doubles: its error is that of rounding.
+    ///
+    /// # Panics
+    /// Not with the tableaux there are.
+    pub fn at(hamiltonian: &Hamiltonian, start: &[f64], end: f64) -> Self {
+        let wanted = (crate::rate(hamiltonian, start), 1e-9);
+        Self::solve::<f64>(hamiltonian, start, &[end], wanted).unwrap()
+    }
+
     /// The states of the motion from `start` at the ascending `times`, computed in `T`; `rate` is its fastest
     /// frequency, `agreement` what two solutions may differ by, relative to the size of the motion.
     ///

@@ -4,7 +4,7 @@
 use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::find;
-use equip_tests::{Limits, Misses, Reference, Trial, Who, rate, trend};
+use equip_tests::{Limits, Misses, Reference, Seeded, Start, Trial, Who, trend};
 
 /// Stiff springs at every h ω: three times Gauss's time and error, of the slow components, and no error exit.
 #[test]
@@ -22,16 +22,14 @@ fn a_stiff_linear_part() {
         let (q, p) = fpu.initial::<f64>();
         let y = [q.as_slice(), &p].concat();
         let hamiltonian = fpu.hamiltonian();
-        let wanted = (rate(hamiltonian, &y), 1e-9);
-        let end = h * steps as f64;
-        let reference = Reference::solve::<f64>(hamiltonian, &y, &[end], wanted).unwrap();
+        let reference = Reference::at(hamiltonian, &y, h * steps as f64);
         let trial = Trial {
             hamiltonian,
             q: &q,
             p: &p,
             stages: s,
         };
-        let pair = [Who::Equip, Who::Gauss].map(|who| trial.steps(who, (h, steps), |_, _, _| ()));
+        let pair = trial.both(h, steps);
         let what = format!("fpu, omega = {omega}, s = {s}, h = {h}");
         let slow = [0, 1, 2, 6, 7, 8];
         let limits = Limits::ORDINARY;
@@ -97,20 +95,26 @@ fn no_drift_of_quadratic_invariants() {
 #[test]
 fn a_chain_of_1024_by_tolerance() {
     let mut misses = Misses::default();
-    let chain = find("fput-beta").unwrap();
-    let chain = chain.instance(&[("n", "1024")]).unwrap();
-    let (q, p) = chain.initial::<f64>();
-    let trial = Trial {
-        hamiltonian: chain.hamiltonian(),
-        q: &q,
-        p: &p,
-        stages: 8,
+    let scene = find("fput-beta").unwrap();
+    let chain = |amplitude| {
+        let values = [("n", "1024"), ("amplitude", amplitude)];
+        let chain = scene.instance(&values).unwrap();
+        let (q, p) = chain.initial::<f64>();
+        (chain, Start { q, p })
     };
-    let [equip, gauss] =
-        [Who::Equip, Who::Gauss].map(|who| trial.tolerance(who, 1e-12, 100.0).unwrap());
-    println!("{} and {} steps", equip.steps, gauss.steps);
-    misses.most("work", equip.work() / gauss.work(), 2.0);
-    misses.most("time", equip.seconds / gauss.seconds, 2.0);
+    let mut rng = Seeded::new(1);
+    let (all_modes, mut disorder) = chain("1");
+    disorder.q.fill(0.0);
+    disorder.p.fill_with(|| rng.between(-1.0, 1.0));
+    let starts = [chain("10"), chain("30"), (all_modes, disorder)];
+    for (number, (chain, start)) in starts.iter().enumerate() {
+        let pair = Trial::new(chain.hamiltonian(), start, 8).both_by_tolerance(1e-12, 100.0);
+        let [equip, gauss] = pair.map(Result::unwrap);
+        let (made, theirs) = (equip.steps, gauss.steps);
+        let what = format!("start {number}, {made} and {theirs} steps");
+        misses.most(&format!("{what}, work"), equip.work() / gauss.work(), 2.0);
+        misses.most(&format!("{what}, time"), equip.seconds / gauss.seconds, 3.0);
+    }
     misses.end();
 }
 
@@ -140,8 +144,9 @@ fn steps_over_a_gyration() {
         x.abs().max(u.abs())
     };
     let resolved = [Who::Equip, Who::Gauss].map(|who| run(who, 5e-5).unwrap());
-    println!("Gauss, h omega = 0.5: {:.2e}", off(&resolved[1].state));
-    misses.most("error, h omega = 0.5", off(&resolved[0].state), 1e-7);
+    let [equip, gauss] = [0, 1].map(|i| off(&resolved[i].state));
+    println!("h omega = 0.5: {equip:.2e} beside {gauss:.2e}");
+    misses.most("error over Gauss's, h omega = 0.5", equip / gauss, 3.0);
     let work = resolved[0].work() / resolved[1].work();
     misses.most("work, h omega = 0.5", work, 4.0);
     let coarse = [Who::Equip, Who::Gauss].map(|who| run(who, 8e-4).unwrap());
