@@ -6,6 +6,8 @@ use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::find;
 use equip_tests::{Limits, Misses, Reference, Seeded, Start, Trial, Who, trend};
 
+type Parameters<'a> = &'a [(&'a str, &'a str)];
+
 /// Stiff springs at every h ω: three times Gauss's time and error, of the slow components, and no error exit.
 #[test]
 fn a_stiff_linear_part() {
@@ -66,7 +68,7 @@ fn defects(trial: Trial<'_, f64>, invariant: &Hamiltonian, h: f64, steps: u64) -
 #[test]
 fn no_drift_of_quadratic_invariants() {
     let mut misses = Misses::default();
-    let cases: [(&str, &[(&str, &str)], f64, u64); 3] = [
+    let cases: [(&str, Parameters<'_>, f64, u64); 3] = [
         ("kepler", &[("e", "0.3")], 0.1, 1_000_000),
         ("charged-particle", &[], 0.3, 300_000),
         ("dnls", &[], 0.1, 30_000),

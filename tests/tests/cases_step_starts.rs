@@ -7,11 +7,13 @@ use equip_tests::{
     Limits, Misses, Reference, Seeded, Start, Trial, Who, distance, geometric_mean, henon_heiles,
 };
 
+type Parameters<'a> = &'a [(&'a str, &'a str)];
+
 /// Two stages have one α: trajectories are not to be the worse for it.
 #[test]
 fn two_stages() {
     let mut misses = Misses::default();
-    let few: [(&str, &[(&str, &str)], f64, u64, f64); 4] = [
+    let few: [(&str, Parameters<'_>, f64, u64, f64); 4] = [
         ("pendulum", &[], 0.1, 500, 0.3),
         ("kepler", &[("e", "0.3")], 0.05, 400, 0.02),
         ("double-pendulum", &[], 0.01, 400, 0.3),
