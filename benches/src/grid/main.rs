@@ -84,6 +84,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             of_scene(&args, &scene, &mut cells)?;
             let seconds = begun.elapsed().as_secs_f64();
             eprintln!("{seconds:>6.1} s  {}", scene.name);
+            // A run that is ended early leaves what it has.
+            if let Some(path) = &args.csv {
+                csv::write(path, &cells)?;
+            }
         }
     }
     if let Some(path) = &args.csv {
