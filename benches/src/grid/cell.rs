@@ -15,7 +15,7 @@ pub(crate) enum Regime {
     Coarse,
     /// h·ω > 2s, where the Legendre coefficients of the fastest motion do not decay, or the error is larger still.
     Unresolved,
-    /// Gauss ends in an error.
+    /// Gauss ends in an error, or does not end in time.
     Unsolved,
 }
 
@@ -99,7 +99,9 @@ pub(crate) struct Patience {
 const CUT: f64 = 60.0;
 const CUT_BESIDES: Duration = Duration::from_millis(20);
 /// No run takes longer than this.
-const LONGEST: Duration = Duration::from_secs(10);
+const LONGEST: Duration = Duration::from_secs(2);
+/// Runs that take so many seconds are not repeated.
+const LONG: f64 = 0.1;
 
 impl Cell {
     pub(crate) fn measure(
@@ -116,8 +118,10 @@ impl Cell {
         let mut equip = run(Contestant::Equip, task, limit(&gauss));
         let mut spent = gauss.seconds + equip.seconds;
         let mut repeats = 1;
-        // The first of them warms caches up, so that there are two at least.
-        while repeats < 2 || (repeats < patience.repeats && spent < patience.seconds) {
+        // The first of them warms caches up, so that there are two at least of short ones.
+        while (repeats < 2 && spent < LONG)
+            || (repeats < patience.repeats && spent < patience.seconds)
+        {
             let again = run(Contestant::Gauss, task, LONGEST);
             spent += again.seconds;
             gauss.seconds = gauss.seconds.min(again.seconds);
