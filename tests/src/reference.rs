@@ -1,8 +1,8 @@
 //! The reference: Gauss's method with 16 stages and small steps in any float, stages by plain iteration.
 //!
-//! Z = h A f(y + Z) is iterated until it stands still, in doubles first; y1 = y + h Σ b_i f(Y_i). None of the
-//! solver's code runs here. The whole is done with twice as many steps until two solutions agree; the last difference bounds the
-//! error of the coarser one, and the finer one is the reference.
+//! Z = h A f(y + Z) is iterated until it stands still, in doubles first; y1 = y + h Σ b_i f(Y_i). None of
+//! the solver's code runs here. The whole is done with twice as many steps until two solutions agree; the
+//! last difference bounds the error of the coarser one, and the finer one is the reference.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System};
 use equip_scalar::Float;
@@ -16,7 +16,8 @@ const ANGLE: f64 = 1.0;
 const TRIALS: u32 = 5;
 /// Iterations of the stages.
 const ITERATIONS: usize = 200;
-/// Movement of the stages, relative to the state, at which they are solved: what is left is a contraction less.
+/// Movement of the stages, relative to the state, at which they are solved: what is left is a contraction
+/// less.
 const LEFT: f64 = 1e-25;
 
 /// States at given times, rounded to doubles.
@@ -38,9 +39,9 @@ impl Reference {
         Self::solve::<f64>(hamiltonian, start, &[end], wanted).unwrap()
     }
 
-    /// The states of the motion from `start` at the ascending `times`, computed in `T`; `rate` is its fastest
-    /// frequency, `agreement` the difference of two solutions, relative to the size of the motion, that is asked
-    /// for. Where less is reached, `errors` says so.
+    /// The states of the motion from `start` at the ascending `times`, computed in `T`; `rate` is its
+    /// fastest frequency, `agreement` the difference of two solutions, relative to the size of the motion,
+    /// that is asked for. Where less is reached, `errors` says so.
     ///
     /// # Errors
     /// Those of the tableau.

@@ -1,5 +1,5 @@
-//! Runs of EQUIP as it comes and of Gauss, as the tests of cases from outside make them: the only file of those
-//! tests that uses the solver.
+//! Runs of EQUIP as it comes and of Gauss, as the tests of cases from outside make them: the only file of
+//! those tests that uses the solver.
 
 use crate::Start;
 use cpu_time::ThreadTime;

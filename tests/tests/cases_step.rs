@@ -1,5 +1,5 @@
-//! Small inputs from outside, each judged beside Gauss on the same steps: as right, as cheap, and no error exit
-//! where Gauss has none. Right values: Gauss with 16 stages and small steps by plain iteration.
+//! Small inputs from outside, each judged beside Gauss on the same steps: as right, as cheap, and no error
+//! exit where Gauss has none. Right values: Gauss with 16 stages and small steps by plain iteration.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Hamiltonian, Var};
@@ -12,8 +12,8 @@ fn start(q: &[f64], p: &[f64]) -> Start<f64> {
     }
 }
 
-/// A spring of stiffness 10⁶, resolved: one step that moves the end point by 3e-6 for a defect of round-off costs
-/// seven digits of the run.
+/// A spring of stiffness 10⁶, resolved: one step that moves the end point by 3e-6 for a defect of round-off
+/// costs seven digits of the run.
 #[test]
 fn a_resolved_stiff_spring() {
     let mut misses = Misses::default();

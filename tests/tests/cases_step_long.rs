@@ -1,4 +1,5 @@
-//! Cases from outside of many steps, stiff or many components, or wide numbers, beside Gauss on the same steps.
+//! Cases from outside of many steps, stiff or many components, or wide numbers, beside Gauss on the same
+//! steps.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
@@ -45,7 +46,8 @@ fn a_stiff_linear_part() {
     misses.end();
 }
 
-/// Samples of a quadratic invariant along a run of EQUIP, less its value at the start, computed in double-double.
+/// Samples of a quadratic invariant along a run of EQUIP, less its value at the start, computed in
+/// double-double.
 fn defects(trial: Trial<'_, f64>, invariant: &Hamiltonian, h: f64, steps: u64) -> Vec<f64> {
     let mut evaluator = invariant.evaluator::<DoubleDouble>();
     let mut value = |q: &[f64], p: &[f64]| {

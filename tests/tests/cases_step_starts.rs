@@ -1,4 +1,5 @@
-//! Trajectories of EQUIP beside those of Gauss on the same steps, in the mean over random starts, and reversed.
+//! Trajectories of EQUIP beside those of Gauss on the same steps, in the mean over random starts, and
+//! reversed.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Hamiltonian, Var};

@@ -4,7 +4,8 @@ use crate::contestant::{Contestant, Ending, Leg, Task, run};
 use equip_tests::apart;
 use std::time::Duration;
 
-/// What kind of a step it is, judged by Gauss's own error and by h·ω, ω the fastest frequency along the motion.
+/// What kind of a step it is, judged by Gauss's own error and by h·ω, ω the fastest frequency along the
+/// motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Regime {
     /// Gauss's error is at most 1e-3 of the motion.
@@ -13,7 +14,8 @@ pub(crate) enum Regime {
     StiffResolved,
     /// Gauss's error is larger, up to a third of the motion.
     Coarse,
-    /// h·ω > 2s, where the Legendre coefficients of the fastest motion do not decay, or the error is larger still.
+    /// h·ω > 2s, where the Legendre coefficients of the fastest motion do not decay, or the error is larger
+    /// still.
     Unresolved,
     /// Gauss ends in an error, or does not end in time.
     Unsolved,
@@ -161,8 +163,8 @@ impl Cell {
         ended.then(|| self.equip.seconds / self.gauss.seconds)
     }
 
-    /// Error over Gauss's, where one of them is above [`LEAST_ERROR`] and the reference is good enough; the smaller one counts as
-    /// that much then.
+    /// Error over Gauss's, where one of them is above [`LEAST_ERROR`] and the reference is good enough; the
+    /// smaller one counts as that much then.
     pub(crate) fn error_ratio(&self) -> Option<f64> {
         let [equip, gauss] = self.errors;
         let known = self.reference_error < 0.1 * LEAST_ERROR;

@@ -2,9 +2,10 @@
 //!
 //! `cargo run --release -p equip-benches --bin grid -- --quick --csv grid.csv --svg grid.svg`
 //!
-//! A cell is 40 steps of one size with both methods: counts of work, CPU time of the steps (interleaved repeats, the least), error at
-//! the end against a reference in double-double that uses none of the solver's code, largest |H − H_ref|, outcomes of the steps. The
-//! summary gives shares and quantiles by regime, the targets, and the worst cells.
+//! A cell is 40 steps of one size with both methods: counts of work, CPU time of the steps (interleaved
+//! repeats, the least), error at the end against a reference in double-double that uses none of the
+//! solver's code, largest |H − H_ref|, outcomes of the steps. The summary gives shares and quantiles by
+//! regime, the targets, and the worst cells.
 
 mod cache;
 mod cell;
