@@ -12,6 +12,7 @@
 //! | `many.rs` | are many components as cheap and as near as with Gauss, and stiff ones kept from slopes? |
 //! | `cases_step.rs` | are small inputs from outside as right and as cheap as with Gauss on the same steps? |
 //! | `cases_step_long.rs` | the same, of many steps, many components and wide numbers |
+//! | `cases_step_starts.rs` | the same in the mean over random starts, with few stages or many components |
 //! | `failures.rs` | is every failure typed, with a remedy, and the state intact? |
 //! | `extremes.rs` | wild units, shifted energies, every number of stages |
 //! | `stories.rs` | energies as users write them |

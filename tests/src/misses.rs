@@ -40,8 +40,8 @@ impl Misses {
         }
     }
 
-    /// Wants EQUIP to end well where Gauss does, as near to the reference's last state and with as much work as
-    /// the limits allow. Returns the error over Gauss's.
+    /// Wants EQUIP to end well where Gauss does, as near to the reference's last state and with as much
+    /// work as the limits allow. Returns the error over Gauss's.
     pub fn beside_gauss(
         &mut self,
         what: &str,

@@ -1,6 +1,7 @@
-//! Runs of EQUIP as it comes and of Gauss, as the tests of cases from outside make them: the only file of those
-//! tests that uses the solver.
+//! Runs of EQUIP as it comes and of Gauss, as the tests of cases from outside make them: the only file of
+//! those tests that uses the solver.
 
+use crate::Start;
 use cpu_time::ThreadTime;
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{Certificate, Equip, Gauss, Method, Outcome, Record};
@@ -54,7 +55,17 @@ impl<T> Made<T> {
     }
 }
 
-impl<T: Float> Trial<'_, T> {
+impl<'a, T: Float> Trial<'a, T> {
+    /// A trial of a system from a start.
+    pub fn new(hamiltonian: &'a Hamiltonian, start: &'a Start<T>, stages: usize) -> Self {
+        Trial {
+            hamiltonian,
+            q: &start.q,
+            p: &start.p,
+            stages,
+        }
+    }
+
     fn method(&self, who: Who) -> Method {
         match who {
             Who::Equip => Equip::stages(self.stages),
@@ -87,6 +98,16 @@ impl<T: Float> Trial<'_, T> {
             &stepper.certificate(),
             seconds,
         ))
+    }
+
+    /// EQUIP's and Gauss's run of `steps` steps of size `h`.
+    pub fn both(&self, h: T, steps: u64) -> [Result<Made<T>, String>; 2] {
+        [Who::Equip, Who::Gauss].map(|who| self.steps(who, (h, steps), |_, _, _| ()))
+    }
+
+    /// EQUIP's and Gauss's run by a tolerance.
+    pub fn both_by_tolerance(&self, tolerance: T, end: T) -> [Result<Made<T>, String>; 2] {
+        [Who::Equip, Who::Gauss].map(|who| self.tolerance(who, tolerance, end))
     }
 
     /// Steps chosen for `tolerance`, from 0 to `end`.

@@ -4,6 +4,7 @@ mod agreement;
 mod allocations;
 mod cases_step;
 mod cases_step_long;
+mod cases_step_starts;
 mod extremes;
 mod failures;
 mod growth;

@@ -1,10 +1,13 @@
-//! Cases from outside of many steps, stiff or many components, or wide numbers, beside Gauss on the same steps.
+//! Cases from outside of many steps, stiff or many components, or wide numbers, beside Gauss on the same
+//! steps.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::find;
-use equip_tests::{Limits, Misses, Reference, Trial, Who, rate, trend};
+use equip_tests::{Limits, Misses, Reference, Seeded, Start, Trial, Who, trend};
+
+type Parameters<'a> = &'a [(&'a str, &'a str)];
 
 /// Stiff springs at every h ω: three times Gauss's time and error, of the slow components, and no error exit.
 #[test]
@@ -22,16 +25,14 @@ fn a_stiff_linear_part() {
         let (q, p) = fpu.initial::<f64>();
         let y = [q.as_slice(), &p].concat();
         let hamiltonian = fpu.hamiltonian();
-        let wanted = (rate(hamiltonian, &y), 1e-9);
-        let end = h * steps as f64;
-        let reference = Reference::solve::<f64>(hamiltonian, &y, &[end], wanted).unwrap();
+        let reference = Reference::at(hamiltonian, &y, h * steps as f64);
         let trial = Trial {
             hamiltonian,
             q: &q,
             p: &p,
             stages: s,
         };
-        let pair = [Who::Equip, Who::Gauss].map(|who| trial.steps(who, (h, steps), |_, _, _| ()));
+        let pair = trial.both(h, steps);
         let what = format!("fpu, omega = {omega}, s = {s}, h = {h}");
         let slow = [0, 1, 2, 6, 7, 8];
         let limits = Limits::ORDINARY;
@@ -45,7 +46,8 @@ fn a_stiff_linear_part() {
     misses.end();
 }
 
-/// Samples of a quadratic invariant along a run of EQUIP, less its value at the start, computed in double-double.
+/// Samples of a quadratic invariant along a run of EQUIP, less its value at the start, computed in
+/// double-double.
 fn defects(trial: Trial<'_, f64>, invariant: &Hamiltonian, h: f64, steps: u64) -> Vec<f64> {
     let mut evaluator = invariant.evaluator::<DoubleDouble>();
     let mut value = |q: &[f64], p: &[f64]| {
@@ -68,7 +70,7 @@ fn defects(trial: Trial<'_, f64>, invariant: &Hamiltonian, h: f64, steps: u64) -
 #[test]
 fn no_drift_of_quadratic_invariants() {
     let mut misses = Misses::default();
-    let cases: [(&str, &[(&str, &str)], f64, u64); 3] = [
+    let cases: [(&str, Parameters<'_>, f64, u64); 3] = [
         ("kepler", &[("e", "0.3")], 0.1, 1_000_000),
         ("charged-particle", &[], 0.3, 300_000),
         ("dnls", &[], 0.1, 30_000),
@@ -97,20 +99,26 @@ fn no_drift_of_quadratic_invariants() {
 #[test]
 fn a_chain_of_1024_by_tolerance() {
     let mut misses = Misses::default();
-    let chain = find("fput-beta").unwrap();
-    let chain = chain.instance(&[("n", "1024")]).unwrap();
-    let (q, p) = chain.initial::<f64>();
-    let trial = Trial {
-        hamiltonian: chain.hamiltonian(),
-        q: &q,
-        p: &p,
-        stages: 8,
+    let scene = find("fput-beta").unwrap();
+    let chain = |amplitude| {
+        let values = [("n", "1024"), ("amplitude", amplitude)];
+        let chain = scene.instance(&values).unwrap();
+        let (q, p) = chain.initial::<f64>();
+        (chain, Start { q, p })
     };
-    let [equip, gauss] =
-        [Who::Equip, Who::Gauss].map(|who| trial.tolerance(who, 1e-12, 100.0).unwrap());
-    println!("{} and {} steps", equip.steps, gauss.steps);
-    misses.most("work", equip.work() / gauss.work(), 2.0);
-    misses.most("time", equip.seconds / gauss.seconds, 2.0);
+    let mut rng = Seeded::new(1);
+    let (all_modes, mut disorder) = chain("1");
+    disorder.q.fill(0.0);
+    disorder.p.fill_with(|| rng.between(-1.0, 1.0));
+    let starts = [chain("10"), chain("30"), (all_modes, disorder)];
+    for (number, (chain, start)) in starts.iter().enumerate() {
+        let pair = Trial::new(chain.hamiltonian(), start, 8).both_by_tolerance(1e-12, 100.0);
+        let [equip, gauss] = pair.map(Result::unwrap);
+        let (made, theirs) = (equip.steps, gauss.steps);
+        let what = format!("start {number}, {made} and {theirs} steps");
+        misses.most(&format!("{what}, work"), equip.work() / gauss.work(), 2.0);
+        misses.most(&format!("{what}, time"), equip.seconds / gauss.seconds, 3.0);
+    }
     misses.end();
 }
 
@@ -140,8 +148,9 @@ fn steps_over_a_gyration() {
         x.abs().max(u.abs())
     };
     let resolved = [Who::Equip, Who::Gauss].map(|who| run(who, 5e-5).unwrap());
-    println!("Gauss, h omega = 0.5: {:.2e}", off(&resolved[1].state));
-    misses.most("error, h omega = 0.5", off(&resolved[0].state), 1e-7);
+    let [equip, gauss] = [0, 1].map(|i| off(&resolved[i].state));
+    println!("h omega = 0.5: {equip:.2e} beside {gauss:.2e}");
+    misses.most("error over Gauss's, h omega = 0.5", equip / gauss, 3.0);
     let work = resolved[0].work() / resolved[1].work();
     misses.most("work, h omega = 0.5", work, 4.0);
     let coarse = [Who::Equip, Who::Gauss].map(|who| run(who, 8e-4).unwrap());

@@ -8,9 +8,10 @@ use std::fs;
 use std::path::Path;
 
 /// Agreement of two solutions that is asked for.
-const AGREEMENT: f64 = 1e-17;
+const AGREEMENT: f64 = 1e-15;
 
-/// The reference from the directory, or computed and put there. A directory that cannot be written is no error.
+/// The reference from the directory, or computed and put there. A directory that cannot be written is no
+/// error.
 pub(crate) fn reference(
     directory: &Path,
     (name, hamiltonian): (&str, &Hamiltonian),

@@ -4,7 +4,8 @@ use crate::contestant::{Contestant, Ending, Leg, Task, run};
 use equip_tests::apart;
 use std::time::Duration;
 
-/// What kind of a step it is, judged by Gauss's own error and by h·ω, ω the fastest frequency along the motion.
+/// What kind of a step it is, judged by Gauss's own error and by h·ω, ω the fastest frequency along the
+/// motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Regime {
     /// Gauss's error is at most 1e-3 of the motion.
@@ -13,9 +14,10 @@ pub(crate) enum Regime {
     StiffResolved,
     /// Gauss's error is larger, up to a third of the motion.
     Coarse,
-    /// h·ω > 2s, where the Legendre coefficients of the fastest motion do not decay, or the error is larger still.
+    /// h·ω > 2s, where the Legendre coefficients of the fastest motion do not decay, or the error is larger
+    /// still.
     Unresolved,
-    /// Gauss ends in an error.
+    /// Gauss ends in an error, or does not end in time.
     Unsolved,
 }
 
@@ -99,7 +101,9 @@ pub(crate) struct Patience {
 const CUT: f64 = 60.0;
 const CUT_BESIDES: Duration = Duration::from_millis(20);
 /// No run takes longer than this.
-const LONGEST: Duration = Duration::from_secs(10);
+const LONGEST: Duration = Duration::from_secs(2);
+/// Runs that take so many seconds are not repeated.
+const LONG: f64 = 0.1;
 
 impl Cell {
     pub(crate) fn measure(
@@ -116,8 +120,10 @@ impl Cell {
         let mut equip = run(Contestant::Equip, task, limit(&gauss));
         let mut spent = gauss.seconds + equip.seconds;
         let mut repeats = 1;
-        // The first of them warms caches up, so that there are two at least.
-        while repeats < 2 || (repeats < patience.repeats && spent < patience.seconds) {
+        // The first of them warms caches up, so that there are two at least of short ones.
+        while (repeats < 2 && spent < LONG)
+            || (repeats < patience.repeats && spent < patience.seconds)
+        {
             let again = run(Contestant::Gauss, task, LONGEST);
             spent += again.seconds;
             gauss.seconds = gauss.seconds.min(again.seconds);
@@ -157,8 +163,8 @@ impl Cell {
         ended.then(|| self.equip.seconds / self.gauss.seconds)
     }
 
-    /// Error over Gauss's, where one of them is above [`LEAST_ERROR`] and the reference is good enough; the smaller one counts as
-    /// that much then.
+    /// Error over Gauss's, where one of them is above [`LEAST_ERROR`] and the reference is good enough; the
+    /// smaller one counts as that much then.
     pub(crate) fn error_ratio(&self) -> Option<f64> {
         let [equip, gauss] = self.errors;
         let known = self.reference_error < 0.1 * LEAST_ERROR;

@@ -2,9 +2,10 @@
 //!
 //! `cargo run --release -p equip-benches --bin grid -- --quick --csv grid.csv --svg grid.svg`
 //!
-//! A cell is 40 steps of one size with both methods: counts of work, CPU time of the steps (interleaved repeats, the least), error at
-//! the end against a reference in double-double that uses none of the solver's code, largest |H − H_ref|, outcomes of the steps. The
-//! summary gives shares and quantiles by regime, the targets, and the worst cells.
+//! A cell is 40 steps of one size with both methods: counts of work, CPU time of the steps (interleaved
+//! repeats, the least), error at the end against a reference in double-double that uses none of the
+//! solver's code, largest |H − H_ref|, outcomes of the steps. The summary gives shares and quantiles by
+//! regime, the targets, and the worst cells.
 
 mod cache;
 mod cell;
@@ -84,6 +85,10 @@ fn main() -> Result<(), Box<dyn Error>> {
             of_scene(&args, &scene, &mut cells)?;
             let seconds = begun.elapsed().as_secs_f64();
             eprintln!("{seconds:>6.1} s  {}", scene.name);
+            // A run that is ended early leaves what it has.
+            if let Some(path) = &args.csv {
+                csv::write(path, &cells)?;
+            }
         }
     }
     if let Some(path) = &args.csv {

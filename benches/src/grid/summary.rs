@@ -10,10 +10,12 @@ const WORST: usize = 20;
 pub(crate) fn text(cells: &[Cell]) -> String {
     let mut text = String::new();
     let (own, random): (Vec<&Cell>, Vec<&Cell>) = cells.iter().partition(|cell| cell.start == 0);
-    let _ = writeln!(text, "\nScenes x stages x steps, EQUIP over Gauss\n{HEAD}");
-    by_regime(&mut text, &own);
+    if !own.is_empty() {
+        let _ = writeln!(text, "\nScenes x stages x steps, EQUIP over Gauss\n{HEAD}");
+        by_regime(&mut text, &own);
+    }
     if !random.is_empty() {
-        let _ = writeln!(text, "\nRandom starts\n{HEAD}");
+        let _ = writeln!(text, "\nRandom starts, or systems\n{HEAD}");
         by_regime(&mut text, &random);
     }
     let all: Vec<&Cell> = cells.iter().collect();
@@ -32,7 +34,7 @@ pub(crate) fn text(cells: &[Cell]) -> String {
 }
 
 const HEAD: &str = "\
-regime         cells | time: median   90 %   99 %     max  > 1.3   > 4   > 10 | work median  99 % | \
+regime         cells | time: median   90 %   99 %     max  > 1.3   > 4   > 10 | work median  99 %    > 4 | \
 error: cells   mean   98 %      max | kept steps | energy max | exits";
 
 const WORST_HEAD: &str = "
@@ -71,9 +73,10 @@ fn by_regime(text: &mut String, cells: &[&Cell]) {
         }
         let _ = writeln!(
             text,
-            " | {:>11}{:>6} | {:>12}{:>7}{:>7}{:>9} | {:>9.2}% | {:>10} | {:>5}",
+            " | {:>11}{:>6}{:>6.1}% | {:>12}{:>7}{:>7}{:>9} | {:>9.2}% | {:>10} | {:>5}",
             ratio(work.quantile(0.5)),
             ratio(work.quantile(0.99)),
+            100.0 * work.share_above(4.0),
             error.0.len(),
             ratio(error.mean()),
             ratio(error.quantile(0.98)),

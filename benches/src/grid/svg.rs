@@ -6,8 +6,8 @@ use std::fmt::Write;
 
 /// Width and height of a cell, pixels.
 const SQUARE: f64 = 13.0;
-/// Room of one scene.
-const PANEL: [f64; 2] = [400.0, 245.0];
+/// Width of one scene, and its height without the cells.
+const PANEL: [f64; 2] = [400.0, 55.0];
 /// Scenes side by side.
 const COLUMNS: usize = 4;
 /// The colour is full at this ratio and at its inverse.
@@ -19,10 +19,11 @@ pub(crate) fn page(cells: &[Cell]) -> String {
     let mut scenes: Vec<&str> = own.iter().map(|cell| cell.scene).collect();
     scenes.dedup();
     let rows = scenes.len().div_ceil(COLUMNS);
-    let (width, height) = (
-        COLUMNS as f64 * PANEL[0] + 20.0,
-        rows as f64 * PANEL[1] + TOP,
-    );
+    let mut stages: Vec<usize> = own.iter().map(|cell| cell.stages).collect();
+    stages.sort_unstable();
+    stages.dedup();
+    let tall = PANEL[1] + SQUARE * stages.len() as f64;
+    let (width, height) = (COLUMNS as f64 * PANEL[0] + 20.0, rows as f64 * tall + TOP);
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
          viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"11\">\n\
@@ -32,7 +33,7 @@ pub(crate) fn page(cells: &[Cell]) -> String {
     for (i, scene) in scenes.iter().enumerate() {
         let of: Vec<&&Cell> = own.iter().filter(|cell| cell.scene == *scene).collect();
         let (column, row) = (i % COLUMNS, i / COLUMNS);
-        let at = [10.0 + column as f64 * PANEL[0], TOP + row as f64 * PANEL[1]];
+        let at = [10.0 + column as f64 * PANEL[0], TOP + row as f64 * tall];
         panel(&mut text, at, scene, &of);
     }
     text.push_str("</svg>\n");
@@ -90,19 +91,15 @@ fn panel(text: &mut String, [x, y]: [f64; 2], scene: &str, cells: &[&&Cell]) {
                 bottom - SQUARE * row as f64
             );
         }
-        let ends = [
-            (steps.first(), 0.0, "start"),
-            (steps.last(), SQUARE * steps.len() as f64, "end"),
-        ];
-        for (h, along, anchor) in ends {
-            let _ = writeln!(
-                text,
-                "<text x=\"{}\" y=\"{}\" font-size=\"8\" text-anchor=\"{anchor}\" fill=\"#555\">h = {:.2e}</text>",
-                left + along,
-                bottom + 13.0,
-                h.copied().unwrap_or_default()
-            );
-        }
+        let ends = [steps.first(), steps.last()].map(|h| h.copied().unwrap_or_default());
+        let _ = writeln!(
+            text,
+            "<text x=\"{}\" y=\"{}\" font-size=\"8\" text-anchor=\"middle\" fill=\"#555\">h {:.1e} to {:.1e}</text>",
+            left + SQUARE * steps.len() as f64 / 2.0,
+            bottom + 13.0,
+            ends[0],
+            ends[1]
+        );
     }
 }
 
@@ -150,7 +147,7 @@ fn legend(text: &mut String) {
     );
     for i in 0..=40 {
         let x = f64::from(i) / 20.0 - 1.0;
-        let at = 330.0 + 6.0 * f64::from(i);
+        let at = 430.0 + 6.0 * f64::from(i);
         let fill = blend(x);
         let _ = writeln!(
             text,
@@ -158,11 +155,11 @@ fn legend(text: &mut String) {
         );
     }
     for (label, at) in [
-        ("1/100", 330.0),
-        ("1/10", 391.5),
-        ("1", 453.0),
-        ("10", 514.5),
-        ("100", 576.0),
+        ("1/100", 433.0),
+        ("1/10", 493.0),
+        ("1", 553.0),
+        ("10", 613.0),
+        ("100", 673.0),
     ] {
         let _ = writeln!(
             text,
@@ -176,7 +173,7 @@ fn legend(text: &mut String) {
         ("#eeeeee", "both errors below 1e-12"),
     ];
     for (i, (fill, label)) in kinds.into_iter().enumerate() {
-        let at = 620.0 + 190.0 * i as f64;
+        let at = 710.0 + 190.0 * i as f64;
         let _ = writeln!(
             text,
             "<rect x=\"{at}\" y=\"10\" width=\"14\" height=\"14\" fill=\"{fill}\"/><text x=\"{}\" y=\"21\">{label}</text>",
