@@ -8,7 +8,8 @@
 //! $$ \text{floor} = \varepsilon \Big( \sum_k |v_k\,\partial I/\partial v_k| + \sum_i |y_i\,\partial_i I| \Big) + \nu \sum_i |\partial_i I|\, \sigma_i , $$
 //!
 //! ν being the rounding of stages that have settled, relative to the sizes σ of the components. Floors swing by 30 within one oscillation of a stiff
-//! spring, so a defect is judged by the largest floor of late: one that fades by [`FADING`] a step.
+//! spring, and a close encounter leaves a defect as large as its own floor: a defect is judged by the largest floor of late, one that fades by
+//! [`FADING`] a step once the defect is below the floor of a step itself.
 
 use crate::invariant::Invariant;
 use crate::policy::FADING;
@@ -99,7 +100,14 @@ impl<T: Float> Constraint<T> {
 
     /// The step was accepted: its end is the start of the next.
     pub(crate) fn accept(&mut self) {
-        self.late = (self.late * T::ratio(FADING - 1, FADING)).max(self.floor);
+        // What was round-off where it arose is round-off until it is gone.
+        let fades = self.defect.abs() <= self.floor;
+        let late = if fades {
+            self.late * T::ratio(FADING - 1, FADING)
+        } else {
+            self.late
+        };
+        self.late = late.max(self.floor);
         self.start_defect = self.defect;
         self.start_gradient.copy_from_slice(&self.gradient);
     }

@@ -57,7 +57,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     fn move_alphas(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<(), Outcome> {
         let mut reach = self.reach((y, h), next)?;
         let rounding = T::int(ROUNDING) * T::EPSILON;
-        let (mut farthest, mut since, mut last) = (T::int(0), T::INFINITY, T::INFINITY);
+        let (mut farthest, mut since) = (T::int(0), T::INFINITY);
+        let mut last = [T::INFINITY; 2];
         for moves in 0..=MOST_MOVES {
             let turns = T::int(TURNS) * farthest * since;
             if !(turns <= rounding) {
@@ -77,7 +78,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             let [of_motion, of_state] = direction.displacement();
             let worst = |c: T, constraint: &Constraint<T>| c.max(constraint.in_late_floors());
             let floors = self.constraints.iter().fold(T::int(0), worst);
-            let shrinks = T::int(2) * floors <= last;
+            let shrinks = T::int(2) * floors <= last[0] || T::int(2) * of_state <= last[1];
             let is_near = floors <= T::int(STALLED);
             let is_settled = of_state <= rounding || moves > 0 && turns <= rounding;
             if is_settled && floors <= T::int(1) {
@@ -91,7 +92,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                     Err(Outcome::NoSlope)
                 };
             }
-            last = floors;
+            last = [floors, of_state];
             farthest = farthest.max(of_state);
             since += of_motion;
             self.move_once((y, h), next)?;

@@ -14,6 +14,7 @@ impl<T: Float> Iterate<T> {
         self.set_step(gauss, h);
         let len = self.unknowns() * self.stride;
         self.z[..len].fill(T::int(0));
+        self.has_momenta = false;
         self.place(y);
         // Momenta that are no unknowns are not there yet: they count as at the start.
         let (unknowns, stride) = (self.unknowns(), self.stride);
