@@ -13,7 +13,9 @@ pub(crate) const ROUNDING: i64 = 64;
 /// Moves of the α's in a step, at most. // moves; 2 to 4 in f64, 20 in double-double where slopes nearly vanish (1/50 a move).
 pub(crate) const MOST_MOVES: u32 = 30;
 /// A direction turns by so many times the share that the stages move, as its leading terms cancel. // ratio; 300 at a pericentre, s = 4.
-pub(crate) const TURNS: i64 = 256;
+pub(crate) const TURNS: i64 = 64;
+/// A direction is taken anew at most once for so many bits of the float. // bits; 1/50 a turn where slopes nearly vanish, at least a half elsewhere.
+pub(crate) const BITS_A_TURN: u32 = 6;
 /// A defect of so many floors that moves of the α's do not bring down is rounding. // floors
 pub(crate) const STALLED: i64 = 8;
 /// Ridge of the least-squares problem for the direction, of the diagonal. // ratio; 1e-4 to 1e-2 alike on the grid.

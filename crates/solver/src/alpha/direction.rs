@@ -249,19 +249,29 @@ impl<T: Float> Direction<T> {
         self.has_slopes = self.slopes.factor().is_ok();
     }
 
-    /// How far `delta` moves the end point, in units of the motion and of the state.
+    /// How far `delta` moves the stages, in units of the motion, and the end point, in units of the state.
     pub(crate) fn displacement(&self) -> [T; 2] {
-        let delta = &self.delta[self.first..][..self.free];
-        let mut most = [T::int(0); 2];
+        let (free, stride) = (self.free, self.stride);
+        let delta = &self.delta[self.first..][..free];
+        let unknown = if self.linear.knows_momenta() {
+            self.n / 2
+        } else {
+            self.n
+        };
+        let (mut stages, mut end) = (T::int(0), T::int(0));
         for c in 0..self.n {
             let terms = self.ends.iter().zip(delta);
-            let moved = terms
-                .fold(T::int(0), |sum, (u, &delta)| sum + delta * u[c])
-                .abs();
-            most[0] = most[0].max(moved * self.weights[c]);
-            most[1] = most[1].max(moved * self.state_weights[c]);
+            let moved = terms.fold(T::int(0), |sum, (u, &delta)| sum + delta * u[c]);
+            end = end.max((moved * self.state_weights[c]).abs());
+            for i in 0..if c < unknown { self.s } else { 0 } {
+                let rows = self.x[c * free * stride + i..].iter().step_by(stride);
+                let moved = rows
+                    .zip(delta)
+                    .fold(T::int(0), |sum, (&x, &delta)| sum + delta * x);
+                stages = stages.max((moved * self.weights[c]).abs());
+            }
         }
-        most
+        [stages, end]
     }
 
     /// Moves Z with `delta`.

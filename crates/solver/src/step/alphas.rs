@@ -11,7 +11,7 @@ use crate::equations::constraint::Constraint;
 use crate::failure::Failure;
 use crate::options::Reach;
 use crate::outcome::Outcome;
-use crate::policy::{BEYOND_ERROR, FARTHEST, MOST_MOVES, ROUNDING, STALLED, TURNS};
+use crate::policy::{BEYOND_ERROR, BITS_A_TURN, FARTHEST, MOST_MOVES, ROUNDING, STALLED, TURNS};
 use crate::step::step::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -59,9 +59,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let rounding = T::int(ROUNDING) * T::EPSILON;
         let (mut farthest, mut since) = (T::int(0), T::INFINITY);
         let mut last = [T::INFINITY; 2];
+        // A direction that turns faster than it comes to rest is kept as it is.
+        let mut turns_left = T::MANTISSA_BITS / BITS_A_TURN;
         for moves in 0..=MOST_MOVES {
             let turns = T::int(TURNS) * farthest * since;
-            if !(turns <= rounding) {
+            let is_kept = turns <= rounding || turns_left == 0;
+            if !is_kept {
+                turns_left -= 1;
                 self.stages.iterate.keep_momenta(y);
                 let digits = rounding / farthest.max(T::int(4) * reach.needed);
                 self.take_direction(if moves == 0 {
@@ -75,12 +79,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             if !direction.aim(&self.alphas, &self.constraints) {
                 return Err(Outcome::NoSlope);
             }
-            let [of_motion, of_state] = direction.displacement();
+            let [of_stages, of_state] = direction.displacement();
             let worst = |c: T, constraint: &Constraint<T>| c.max(constraint.in_late_floors());
             let floors = self.constraints.iter().fold(T::int(0), worst);
             let shrinks = T::int(2) * floors <= last[0] || T::int(2) * of_state <= last[1];
             let is_near = floors <= T::int(STALLED);
-            let is_settled = of_state <= rounding || moves > 0 && turns <= rounding;
+            let is_settled = of_state <= rounding || moves > 0 && is_kept;
             if is_settled && floors <= T::int(1) {
                 return Ok(());
             }
@@ -94,7 +98,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
             last = [floors, of_state];
             farthest = farthest.max(of_state);
-            since += of_motion;
+            since += of_stages;
             self.move_once((y, h), next)?;
             if let Some(direction) = &mut self.direction {
                 direction.learn(&self.constraints);
