@@ -3,8 +3,8 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, MAX_STAGES, Method,
-    Preconditioner, Reach, Record, RunFailure,
+    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, MAX_STAGES, Method, Preconditioner,
+    Reach, Record, RunFailure,
 };
 use equip_scalar::{DoubleDouble, Float, ratio};
 use equip_tests::{Start, harmonic, henon_heiles, kepler};

@@ -117,10 +117,15 @@ fn a_chain_is_as_near_as_gauss_for_little_more() {
         let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
         let (c, work) = (counts(&ours), counts(&gauss).gradients);
         let work = c.gradients as f64 / work as f64;
-        println!("s = {s}, h = {h}: {error:.1e}, Gauss {least:.1e}, {work:.2} × the gradients, {c:?}");
+        println!(
+            "s = {s}, h = {h}: {error:.1e}, Gauss {least:.1e}, {work:.2} × the gradients, {c:?}"
+        );
         assert!(least > 20.0 * trusted && error < off * least, "s = {s}");
         assert!(work < more, "s = {s}: {work}");
-        assert!(2 * c.outcome(Outcome::Solved) > c.steps, "α's are needed here");
+        assert!(
+            2 * c.outcome(Outcome::Solved) > c.steps,
+            "α's are needed here"
+        );
         assert_eq!((c.newton_iterations, c.halvings), (0, 0));
         assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
     }
@@ -218,11 +223,15 @@ fn steps_that_are_too_long_for_sweeps() {
     let run = |h, solver| made(&energy, &start, Equip::stages(8), (h, END), solver);
     let short = run(1.25, Preconditioner::Identity);
     let expected = distance(&state(&short), &exact);
-    let [halved, whole] = [Preconditioner::Identity, Preconditioner::Automatic].map(|m| run(2.5, m));
+    let [halved, whole] =
+        [Preconditioner::Identity, Preconditioner::Automatic].map(|m| run(2.5, m));
     let found = [&halved, &whole].map(|run| distance(&state(run), &exact));
     let [c, other] = [&halved, &whole].map(|run| *counts(run));
     println!("{found:?}, {expected:.1e}\n{c:?}\n{other:?}");
-    assert_eq!((c.halvings, c.taken_over, c.newton_iterations), (c.steps, 0, 0));
+    assert_eq!(
+        (c.halvings, c.taken_over, c.newton_iterations),
+        (c.steps, 0, 0)
+    );
     assert!(found[0] < 2.0 * expected);
     assert!(other.taken_over > 0 && other.newton_iterations > 0);
     assert_eq!(other.halvings, 0);
@@ -249,7 +258,11 @@ fn many_springs_are_as_near_as_gauss() {
     let (exact, _) = run(Gauss::stages(16), 1.0 / 32.0, Preconditioner::Identity);
     for (s, h) in [(12, 0.1), (16, 0.125)] {
         let (gauss, _) = run(Gauss::stages(s), h, Preconditioner::Identity);
-        for m in [Preconditioner::Automatic, Preconditioner::Identity, Preconditioner::Diagonal] {
+        for m in [
+            Preconditioner::Automatic,
+            Preconditioner::Identity,
+            Preconditioner::Diagonal,
+        ] {
             let (ours, c) = run(Equip::stages(s), h, m);
             let [gauss, ours] = [&gauss, &ours].map(|end| distance(end, &exact));
             println!("s = {s}, h = {h}, {m:?}: {ours:.1e}, Gauss {gauss:.1e}, {c:?}");

@@ -7,11 +7,7 @@ use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, double_pendulum};
 
 /// Iterations a step of 40 steps, none of which is halved.
-fn iterations<T: Float>(
-    method: Method,
-    (energy, start): &(Hamiltonian, Start<T>),
-    h: T,
-) -> f64 {
+fn iterations<T: Float>(method: Method, (energy, start): &(Hamiltonian, Start<T>), h: T) -> f64 {
     let options = method.step(h).max_halvings(0);
     let options = options.preconditioner(Preconditioner::Full);
     let mut run = options
@@ -61,7 +57,11 @@ fn on_the_double_pendulum() {
     let h = 0.5;
     sweeps_fail(&double_pendulum(), h);
     let double = iterations(Gauss::stages(4), &double_pendulum(), h);
-    let wide = iterations(Gauss::stages(4), &double_pendulum(), DoubleDouble::ratio(1, 2));
+    let wide = iterations(
+        Gauss::stages(4),
+        &double_pendulum(),
+        DoubleDouble::ratio(1, 2),
+    );
     assert!(double <= 8.0 && wide <= double + 3.0);
     let double = iterations(Equip::stages(4), &double_pendulum(), 0.2);
     assert!(double <= 8.0);

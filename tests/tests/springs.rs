@@ -30,7 +30,10 @@ fn digits(options: &FixedStep<f64>) -> (f64, f64) {
     let (q_end, p_end) = reference.state::<f64>();
     let error = relative_distance(q, &q_end).max(relative_distance(p, &p_end));
     let counts = run.certificate().counts;
-    assert_eq!((counts.taken_over, counts.halvings, counts.sweeps), (0, 0, 0));
+    assert_eq!(
+        (counts.taken_over, counts.halvings, counts.sweeps),
+        (0, 0, 0)
+    );
     let found = (
         decimal_digits(error),
         counts.newton_iterations as f64 / counts.steps as f64,
@@ -51,7 +54,10 @@ fn iterations_are_few_and_the_trajectory_is_the_same() {
             (8, 0.04, 9.0, 5.2),
         ] {
             let (digits, iterations) = digits(&with(Gauss::stages(s), h, m));
-            assert!(digits > least && iterations < most, "{m:?}, s = {s}, h = {h}");
+            assert!(
+                digits > least && iterations < most,
+                "{m:?}, s = {s}, h = {h}"
+            );
         }
     }
 }

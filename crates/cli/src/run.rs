@@ -18,9 +18,7 @@ use crate::write::checkpoint::{self, Saved, Saver};
 use crate::write::csv::Mark;
 use crate::write::json;
 use comparison::Comparison;
-use equip_integrate::{
-    Alphas, Checkpoint, Equip, Gauss, Invariant, Method, Reach, Record, Target,
-};
+use equip_integrate::{Alphas, Checkpoint, Equip, Gauss, Invariant, Method, Reach, Record, Target};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
 use finished::{EndError, Finished, end_error};

@@ -41,10 +41,7 @@ const SCENES: [Setting; 8] = [
 ];
 
 /// Springs of which a step is many oscillations: hω = 10 and 50.
-const STIFF: [Setting; 2] = [
-    ("fpu", &[], (1, 5)),
-    ("fpu", &[("omega", "500")], (1, 10)),
-];
+const STIFF: [Setting; 2] = [("fpu", &[], (1, 5)), ("fpu", &[("omega", "500")], (1, 10))];
 
 /// Largest difference of two states, relative to the largest position or momentum.
 fn difference<T: Float>(a: &[T], b: &[T]) -> f64 {
@@ -100,7 +97,9 @@ fn one_solution<T: Float>(setting: Setting, method: Method, starts: usize, most:
             let options = options.clone().preconditioner(m);
             match states(&scene, &options, (q, p), 1).0 {
                 Ok(mut states) => states.pop(),
-                Err(IntegrateError::NoConvergence { .. } | IntegrateError::NotFinite { .. }) => None,
+                Err(IntegrateError::NoConvergence { .. } | IntegrateError::NotFinite { .. }) => {
+                    None
+                }
                 Err(other) => panic!("{name}, {method}, {m:?}: {other}"),
             }
         });
@@ -118,7 +117,11 @@ fn one_solution<T: Float>(setting: Setting, method: Method, starts: usize, most:
         }
     }
     println!("{name}, {method}, {}: {worst:.0} ε, {converged:?}", T::NAME);
-    if worst <= most { converged.iter().filter(|&&converged| converged).count() } else { 0 }
+    if worst <= most {
+        converged.iter().filter(|&&converged| converged).count()
+    } else {
+        0
+    }
 }
 
 const SAME: f64 = 1e3;
@@ -156,7 +159,10 @@ fn one_solution_of_stiff_stages() {
     for scene in STIFF {
         // Plain iterations do not contract.
         assert_eq!(one_solution::<f64>(scene, Gauss::stages(4), 20, SAME), 3);
-        assert_eq!(one_solution::<DoubleDouble>(scene, Gauss::stages(4), 3, SAME), 3);
+        assert_eq!(
+            one_solution::<DoubleDouble>(scene, Gauss::stages(4), 3, SAME),
+            3
+        );
     }
 }
 
@@ -175,9 +181,13 @@ fn there_and_back<T: Float>(setting: Setting, s: usize, steps: usize, m: Precond
     let (q1, p1) = turned.split_at(q.len());
     let back = states(&scene, &options, (q1, p1), steps).0.unwrap();
     let off = difference(&[q, p].concat(), &flip(&back.last().unwrap().0)) / steps as f64;
-    let carried = |states: &[(Vec<T>, Outcome)]| states.iter().filter(|(_, o)| o.is_carried()).count();
+    let carried =
+        |states: &[(Vec<T>, Outcome)]| states.iter().filter(|(_, o)| o.is_carried()).count();
     let carried = [carried(&there), carried(&back)];
-    println!("{name}, s = {s}, {m:?}, {}: {off:.1e} a step, {carried:?} carried", T::NAME);
+    println!(
+        "{name}, s = {s}, {m:?}, {}: {off:.1e} a step, {carried:?} carried",
+        T::NAME
+    );
     off
 }
 
@@ -234,7 +244,10 @@ fn a_kept_factorisation_serves_for_many_steps() {
     assert_eq!(full.hessians, 6 * full.factorisations);
     // One ∇²H, with one complex matrix for each pair of stages.
     assert_eq!((frozen.hessians, frozen.simplified_factorisations), (1, 3));
-    assert_eq!((frozen.factorisations, frozen.taken_over, frozen.sweeps), (0, 0, 0));
+    assert_eq!(
+        (frozen.factorisations, frozen.taken_over, frozen.sweeps),
+        (0, 0, 0)
+    );
 }
 
 /// What is asked for is what is done, and what comes by itself is the cheapest that contracts.
@@ -247,7 +260,10 @@ fn the_cheapest_that_contracts_is_taken() {
     let c = counted(STIFF[1], Gauss::stages(4), Preconditioner::Automatic);
     println!("{c:?}");
     assert!(c.taken_over > 0 && c.taken_over <= 7, "{c:?}");
-    assert_eq!((c.factorisations, c.simplified_factorisations, c.halvings), (0, 0, 0));
+    assert_eq!(
+        (c.factorisations, c.simplified_factorisations, c.halvings),
+        (0, 0, 0)
+    );
     // The same springs not along the components.
     let stiff = ("spring-pendulum", [("k", "1e6")].as_slice(), (1, 20));
     let c = counted(stiff, Gauss::stages(4), Preconditioner::Automatic);
@@ -258,7 +274,10 @@ fn the_cheapest_that_contracts_is_taken() {
 
 fn certificate(scene: &Instance, method: Method, h: f64, steps: usize) -> Certificate<f64> {
     let (q, p) = scene.initial::<f64>();
-    let mut run = method.step(h).start(scene.hamiltonian(), &q, &p, 0.0).unwrap();
+    let mut run = method
+        .step(h)
+        .start(scene.hamiltonian(), &q, &p, 0.0)
+        .unwrap();
     for _ in 0..steps {
         run.advance().unwrap();
     }

@@ -5,9 +5,9 @@ pub(crate) const FADING: i64 = 64;
 /// α's that move, at most. // α's; further ones disturb the stages the more for the same displacement of the end point.
 pub(crate) const LEADING: usize = 3;
 /// The end point may move so many times as far as the defect of the step itself is worth. // ratio; grid.
-pub(crate) const FARTHEST: i64 = 8;
+pub(crate) const FARTHEST: i64 = 16;
 /// … or so many times as far as its estimated error. // ratio; grid.
-pub(crate) const BEYOND_ERROR: i64 = 4;
+pub(crate) const BEYOND_ERROR: i64 = 16;
 /// Displacements of the end point of so many ε of the state are rounding. // ε
 pub(crate) const ROUNDING: i64 = 64;
 /// Moves of the α's in a step, at most. // moves; 2 to 4 in f64, 20 in double-double where slopes nearly vanish (1/50 a move).

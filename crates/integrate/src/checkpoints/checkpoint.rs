@@ -208,12 +208,7 @@ impl Checkpoint {
             sum.numbers(numbers);
         }
         if let Some(control) = &self.control {
-            sum.numbers([
-                &control.next,
-                &control.held,
-                &control.smallest,
-                &control.largest,
-            ]);
+            sum.numbers([&control.next, &control.smallest, &control.largest]);
             sum.count(control.tries.into());
             sum.count(control.rejected);
             sum.count(control.failed);

@@ -11,7 +11,6 @@ use equip_scalar::Float;
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub(crate) struct ControlMemory {
     pub(crate) next: Exact,
-    pub(crate) held: Exact,
     pub(crate) tries: u32,
     pub(crate) smallest: Exact,
     pub(crate) largest: Exact,

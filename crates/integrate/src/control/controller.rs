@@ -49,20 +49,11 @@ const MOST_SHRINKAGE: f64 = 0.1;
 const BEST: f64 = 0.058;
 /// A tolerance that allows steps this many times as long as sweeps are made for asks for Newton's method.
 const NEWTON: f64 = 32.0;
-/// Tries with shorter steps to find an α, before the step is carried or refused.
-pub(crate) const TRIES_FOR_ALPHA: u32 = 8;
-/// A step for which no α was found is shortened to this, …
-const FOR_ALPHA: f64 = 0.75;
-/// … and the next ones with it, but by this much less from step to step.
-const RELEASE: f64 = 1.03;
-
 /// What control remembers between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Memory {
     /// Size proposed for the next step.
     pub(crate) next: f64,
-    /// Share of the size the tolerance would allow, below 1 where α's were not found for it.
-    pub(crate) held: f64,
 }
 
 #[derive(Debug)]
@@ -91,10 +82,7 @@ impl Control {
             wanted: root(tolerance),
             accepted: root(1.0 / ACCEPTED),
             most,
-            memory: Memory {
-                next: most,
-                held: 1.0,
-            },
+            memory: Memory { next: most },
         }
     }
 
@@ -102,7 +90,6 @@ impl Control {
     pub(crate) fn begin(&mut self, first: f64) {
         self.memory = Memory {
             next: first.min(self.most),
-            held: 1.0,
         };
     }
 
@@ -127,9 +114,7 @@ impl Control {
         if ratio <= NEWTON * cheapest {
             share = share.min(cheapest * predicted.min(1.0));
         }
-        let Memory { next, held } = &mut self.memory;
-        *next = (*held * h * share).min(self.most);
-        *held = (RELEASE * *held).min(1.0);
+        self.memory.next = (h * share).min(self.most);
         Judgement::Accept
     }
 
@@ -138,22 +123,9 @@ impl Control {
         self.wanted / estimate.decay
     }
 
-    /// After a step of size `h` that could not be solved, for want of α's or else: the size to try.
-    pub(crate) fn shorter(&mut self, h: f64, no_alpha: bool) -> f64 {
-        if no_alpha {
-            self.memory.held *= FOR_ALPHA;
-            h * FOR_ALPHA
-        } else {
-            h / 2.0
-        }
-    }
-
-    /// No shorter step mends the defect of the energy, `tries` of them: the size to go on with, in place of
-    /// the size `asked` for at first.
-    pub(crate) fn release(&mut self, asked: f64, tries: u32) -> f64 {
-        let before = (self.memory.held / FOR_ALPHA.powf(tries.into())).min(1.0);
-        self.memory.held = 1.0;
-        asked / before
+    /// After a step of size `h` that could not be solved: the size to try.
+    pub(crate) fn shorter(&self, h: f64) -> f64 {
+        h / 2.0
     }
 
     /// Whether the first step is so much smaller than it could be that it is worth another try; with which

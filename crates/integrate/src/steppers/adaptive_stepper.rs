@@ -3,7 +3,7 @@
 //! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same
 //! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
 
-use crate::control::controller::{Control, Judgement, TRIES_FOR_ALPHA};
+use crate::control::controller::{Control, Judgement};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
@@ -14,7 +14,7 @@ use crate::steppers::view::{Step, StepView};
 use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Core, Counts, Outcome, Reach};
+use equip_solver::{Core, Counts, Outcome};
 
 /// Tries of the first step.
 pub(super) const TRIES_FOR_FIRST: u32 = 20;
@@ -37,7 +37,6 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) end: Option<T>,
     pub(super) min_step: T,
     pub(super) max_steps: u64,
-    pub(super) reach: Reach,
     /// Tries of the first step made so far; all of them once it is made.
     pub(super) tries: u32,
 }
@@ -70,8 +69,6 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             return Err(IntegrateError::StepLimit { steps, time });
         }
         let mut size = self.control.memory.next;
-        let asked = size;
-        let mut without_alpha = 0;
         let mut cause = None;
         loop {
             let place = self.place(size, end);
@@ -84,12 +81,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 }));
             }
             let h = place.h.to_f64();
-            if without_alpha == TRIES_FOR_ALPHA {
-                self.inner.core.set_reach(self.reach);
-            }
-            let made = self.inner.attempt(place.h);
-            self.inner.core.set_reach(Reach::Refuse);
-            match made {
+            match self.inner.attempt(place.h) {
                 Ok(outcome) => {
                     let (core, y) = (&mut self.inner.core, &self.inner.y);
                     let estimate = self.decay.estimate(core.derivatives_by_component(), y);
@@ -118,34 +110,17 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     }
                 }
                 Err(error) => {
-                    let defect = match error {
-                        IntegrateError::NoAdmissibleAlpha { defect, .. } => Some(defect),
-                        _ => None,
-                    };
-                    if defect.is_some() && without_alpha == TRIES_FOR_ALPHA {
+                    // A defect that is refused is as large in a shorter step.
+                    if matches!(error, IntegrateError::NoAdmissibleAlpha { .. }) {
                         return Err(error);
                     }
                     self.tries = TRIES_FOR_FIRST;
                     self.count(|steps| &mut steps.failed);
-                    size = self.control.shorter(h, defect.is_some());
-                    if let Some(defect) = defect {
-                        without_alpha += 1;
-                        if self.is_inherited(defect) || without_alpha == TRIES_FOR_ALPHA {
-                            size = self.control.release(asked, without_alpha);
-                            without_alpha = TRIES_FOR_ALPHA;
-                        }
-                    }
+                    size = self.control.shorter(h);
                     cause = Some(error);
                 }
             }
         }
-    }
-
-    /// Whether at least half of a defect of the energy was there before the step. A shorter step does not
-    /// mend it: the shorter it is, the less an α moves.
-    fn is_inherited(&self, defect: T) -> bool {
-        let before = self.inner.view().energy_defect;
-        before.is_some_and(|before| T::int(2) * before.abs() >= defect.abs())
     }
 
     fn count(&mut self, which: impl Fn(&mut VariableSteps<T>) -> &mut u64) {

@@ -15,7 +15,6 @@ use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::Reach;
 
 impl<T: Float> StepSizes<T> for Tolerance<T> {
     type Stepper<E: Evaluate<T>> = AdaptiveStepper<T, E>;
@@ -26,8 +25,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
     ) -> Result<AdaptiveStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
         let sizes = &integrator.sizes;
         sizes.validate(integrator.method.stages)?;
-        let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
-        inner.core.set_reach(Reach::Refuse);
+        let inner = Stepper::prepare(integrator, system, None, integrator.words())?;
         let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
         let tolerance = sizes.tolerance.to_f64();
         Ok(AdaptiveStepper {
@@ -40,7 +38,6 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
             end: None,
             min_step: sizes.min_step,
             max_steps: sizes.max_steps,
-            reach: integrator.options.reach,
             tries: TRIES_FOR_FIRST,
             inner,
         })
@@ -67,10 +64,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     pub fn checkpoint(&mut self) -> Checkpoint {
         let mut checkpoint = self.inner.checkpoint();
         checkpoint.time_low = Exact::of(self.time_low);
-        let Memory { next, held } = self.control.memory;
+        let Memory { next } = self.control.memory;
         checkpoint.control = self.inner.variable.map(|steps| ControlMemory {
             next: Exact::of(next),
-            held: Exact::of(held),
             tries: self.tries,
             smallest: Exact::of(steps.smallest),
             largest: Exact::of(steps.largest),
@@ -103,7 +99,6 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
         let float = |x: &Exact| x.read_finite::<T>(what).map(Float::to_f64);
         self.control.memory = Memory {
             next: float(&memory.next)?,
-            held: float(&memory.held)?,
         };
         self.tries = memory.tries;
         self.inner.variable = Some(memory.variable_steps(self.tolerance)?);

@@ -107,7 +107,6 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         checkpoint.time_low = Exact::of(self.time_low);
         checkpoint.control = self.inner.variable.map(|steps| ControlMemory {
             next: Exact::of(self.density),
-            held: Exact::of(T::int(1)),
             tries: 0,
             smallest: Exact::of(steps.smallest),
             largest: Exact::of(steps.largest),

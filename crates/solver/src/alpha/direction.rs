@@ -180,10 +180,7 @@ impl<T: Float> Direction<T> {
         if !self.least.solve(&self.rows, &self.v, &mut self.d) {
             return None;
         }
-        self.slopes
-            .matrix_mut()
-            .copy_from(&(self.v_end.transpose() * &self.d));
-        self.has_slopes = self.slopes.factor().is_ok();
+        self.factor_slopes();
         self.has_slopes.then_some(work)
     }
 
@@ -238,9 +235,17 @@ impl<T: Float> Direction<T> {
                 }
             }
         }
-        self.slopes
-            .matrix_mut()
-            .copy_from(&(self.v_end.transpose() * &self.d));
+        self.factor_slopes();
+    }
+
+    /// V_endᵀ D, factorised.
+    fn factor_slopes(&mut self) {
+        let matrix = self.slopes.matrix_mut();
+        for (a, v) in self.v_end.column_iter().enumerate() {
+            for (b, d) in self.d.column_iter().enumerate() {
+                matrix[(a, b)] = v.dot(&d);
+            }
+        }
         self.has_slopes = self.slopes.factor().is_ok();
     }
 

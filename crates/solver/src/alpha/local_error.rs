@@ -66,7 +66,8 @@ impl<T: Float> LocalError<T> {
     ) -> Option<[T; 2]> {
         let stages = &mut self.stages;
         let s = stages.gauss.stages() - 1;
-        stages.choice.begin_step();
+        // Nothing is remembered: what is estimated depends on the step alone.
+        stages.forget();
         stages.iterate.begin(&stages.gauss, (y, h));
         let rows = &self.prolongation;
         stages.iterate.displace(y, |c, z| {
@@ -85,7 +86,6 @@ impl<T: Float> LocalError<T> {
             }
             stages.solve(energy, (y, h), None, counts).ok()?;
         }
-        stages.choice.end_step(stages.contraction.rate());
         let sum = |l: &[T]| l.iter().fold(T::int(0), |sum, &l| sum + l);
         let finer = stages
             .iterate

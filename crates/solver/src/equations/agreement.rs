@@ -42,7 +42,7 @@ fn compare<T: Float>(
             preconditioner,
             ..options.clone()
         };
-        let constraint = Constraint::energy(h_ref, y.len());
+        let constraint = Constraint::energy(y.len());
         let mut core = Core::new(
             h,
             h.evaluator::<T>(),
@@ -50,6 +50,7 @@ fn compare<T: Float>(
             gauss.clone(),
             vec![constraint],
         );
+        core.begin(h_ref, &y);
         let start = State::new(&y, &[]);
         let mut next = start.clone();
         let outcome = core.step(&start, T::int(0), step, &mut next);

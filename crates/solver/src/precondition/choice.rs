@@ -50,7 +50,11 @@ pub(crate) struct Choice<T: Float> {
 }
 
 impl<T: Float> Choice<T> {
-    pub(crate) fn new(wanted: Wanted, iterate: &Iterate<T>, structure: &Structure) -> Self {
+    pub(crate) fn new(
+        wanted: Wanted,
+        (gauss, iterate): (&Gauss<T>, &Iterate<T>),
+        structure: &Structure,
+    ) -> Self {
         let n = iterate.components();
         Choice {
             wanted,
@@ -64,9 +68,13 @@ impl<T: Float> Choice<T> {
             wait: 1,
             made_for: T::int(0),
             is_fresh: false,
-            diagonal: None,
-            frozen: None,
-            full: None,
+            // What may never be needed is made when it is.
+            diagonal: (wanted == Wanted::Diagonal).then(|| Diagonal::new(gauss, iterate)),
+            frozen: (wanted == Wanted::Frozen)
+                .then(|| Frozen::new(iterate, structure))
+                .flatten(),
+            full: (wanted == Wanted::Full)
+                .then(|| Full::new(gauss, iterate, structure.hessian.clone())),
             can_be_dense: iterate.stages() * iterate.unknowns() <= MOST_DENSE,
             state: vec![T::int(0); n],
             hessian: vec![T::int(0); structure.hessian.len()],
@@ -306,7 +314,10 @@ mod tests {
     fn separable() -> Hamiltonian {
         let energy = Hamiltonian::new(2, |q, p| {
             let soft = 0.5 * q[0] * q[0] + 0.1 * q[0].powi(4);
-            0.5 * (p[0] * p[0] + 0.5 * p[1] * p[1]) + soft + 8.0 * q[1] * q[1] + 0.3 * q[0] * q[1].cos()
+            0.5 * (p[0] * p[0] + 0.5 * p[1] * p[1])
+                + soft
+                + 8.0 * q[1] * q[1]
+                + 0.3 * q[0] * q[1].cos()
         });
         energy.unwrap()
     }
@@ -328,7 +339,8 @@ mod tests {
         let y = State::new(&numbers([10, 3]), &numbers([-2, 9]));
         for s in [2, 3, 6] {
             let (h, gauss) = (T::ratio(3, 10), Gauss::<T>::new(s).unwrap());
-            let mut iterate = Iterate::prepare(&gauss, 4, evaluator.kinetic(), &vec![T::int(0); s - 1]);
+            let mut iterate =
+                Iterate::prepare(&gauss, 4, evaluator.kinetic(), &vec![T::int(0); s - 1]);
             iterate.begin(&gauss, (&y, h));
             let mut contraction = Contraction::new(iterate.is_twofold());
             contraction.begin(false);
@@ -358,8 +370,14 @@ mod tests {
                     let at = (&gauss, &iterate);
                     let is_made = choice.make(at, &mut evaluator, (&y, h), &mut Counts::default());
                     let is_alone = iterate.inverse_masses().is_some();
-                    assert!(is_made == (is_alone || wanted != Wanted::Diagonal), "{wanted:?}");
-                    for (a, &b) in solve(choice.operator().filter(|_| is_made)).into_iter().zip(&plain) {
+                    assert!(
+                        is_made == (is_alone || wanted != Wanted::Diagonal),
+                        "{wanted:?}"
+                    );
+                    for (a, &b) in solve(choice.operator().filter(|_| is_made))
+                        .into_iter()
+                        .zip(&plain)
+                    {
                         let off = (a - b).abs().to_f64();
                         assert!(off <= most, "s = {s}, {held:?}, {wanted:?}: {off:e}");
                     }

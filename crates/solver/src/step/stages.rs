@@ -35,7 +35,7 @@ impl<T: Float> Stages<T> {
         let iterate = Iterate::prepare(&gauss, n, kinetic, alphas);
         Stages {
             contraction: Contraction::new(iterate.is_twofold()),
-            choice: Choice::new(preconditioner, &iterate, structure),
+            choice: Choice::new(preconditioner, (&gauss, &iterate), structure),
             polynomial: Polynomial::new(&gauss, iterate.unknowns()),
             last: None,
             iterate,
