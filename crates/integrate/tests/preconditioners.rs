@@ -1,7 +1,9 @@
 //! Preconditioners: the same solution with each of them, at different cost.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_integrate::{Certificate, Counts, Equip, Gauss, IntegrateError, Method, Preconditioner};
+use equip_integrate::{
+    Certificate, Counts, Equip, FixedStep, Gauss, IntegrateError, Method, Outcome, Preconditioner,
+};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
 
@@ -57,17 +59,20 @@ fn difference<T: Float>(a: &[T], b: &[T]) -> f64 {
     worst.to_f64()
 }
 
-/// The states of a run, or the error that ended it, and the counts.
+/// States and outcomes of a run, or the error that ended it.
+type States<T> = Result<Vec<(Vec<T>, Outcome)>, IntegrateError<T>>;
+
+/// The states of a run, and the counts.
 fn states<T: Float>(
     scene: &Instance,
-    options: &equip_integrate::FixedStep<T>,
+    options: &FixedStep<T>,
     (q, p): (&[T], &[T]),
     steps: usize,
-) -> (Result<Vec<Vec<T>>, IntegrateError<T>>, Counts) {
+) -> (States<T>, Counts) {
     let mut run = options.start(scene.hamiltonian(), q, p, T::int(0)).unwrap();
     let states = (0..steps).map(|_| {
         let view = run.advance()?;
-        Ok([view.q, view.p].concat())
+        Ok(([view.q, view.p].concat(), view.outcome))
     });
     let states = states.collect();
     (states, *run.counts())
@@ -75,7 +80,7 @@ fn states<T: Float>(
 
 /// One step with each preconditioner from every state of a run; those that converge have one y1, to so many ε.
 ///
-/// Returns how many converged on all steps.
+/// Returns how many converged on all steps; none if they are not the same.
 fn one_solution<T: Float>(setting: Setting, method: Method, starts: usize, most: f64) -> usize {
     let (name, parameters, (n, d)) = setting;
     let scene = instance(name, parameters);
@@ -83,7 +88,8 @@ fn one_solution<T: Float>(setting: Setting, method: Method, starts: usize, most:
     let (q, p) = scene.initial::<T>();
     let options = method.step(h).max_halvings(0);
     let (run, _) = states(&scene, &options, (&q, &p), starts);
-    let from: Vec<Vec<T>> = [[q, p].concat()].into_iter().chain(run.unwrap()).collect();
+    let later = run.unwrap().into_iter().map(|(y, _)| y);
+    let from: Vec<Vec<T>> = [[q, p].concat()].into_iter().chain(later).collect();
     let (mut worst, mut converged) = (0.0_f64, ALL.map(|_| true));
     for y in &from {
         let (q, p) = y.split_at(y.len() / 2);
@@ -101,55 +107,51 @@ fn one_solution<T: Float>(setting: Setting, method: Method, starts: usize, most:
             *converged &= end.is_some();
         }
         let mut found = ends.iter().flatten();
-        let first = found.next().unwrap();
-        for other in found {
-            worst = worst.max(difference(first, other) / T::EPSILON.to_f64());
+        let (first, outcome) = found.next().unwrap();
+        for (other, found) in found {
+            let off = difference(first, other) / T::EPSILON.to_f64();
+            if !(off <= most) {
+                println!("{name}, {method}: {off:.1e} ε, {outcome:?} and {found:?}");
+            }
+            worst = worst.max(off);
         }
     }
     println!("{name}, {method}, {}: {worst:.0} ε, {converged:?}", T::NAME);
-    assert!(worst <= most, "{name}, {method}: {worst} ε");
-    // ∇²H always gets there.
-    assert!(
-        converged[2] && converged[3],
-        "{name}, {method}: {converged:?}"
-    );
-    converged.iter().filter(|&&converged| converged).count()
+    if worst <= most {
+        converged.iter().filter(|&&converged| converged).count()
+    } else {
+        0
+    }
 }
 
 const SAME: f64 = 1e3;
 
-#[test]
-fn one_solution_in_f64() {
-    for method in [
-        Gauss::stages(3),
-        Gauss::stages(6),
-        Equip::stages(3),
-        Equip::stages(4),
-        Equip::stages(6),
-    ] {
+/// The scenes that do not have one solution with all four.
+fn several_solutions<T: Float>(methods: &[Method], starts: usize) -> Vec<String> {
+    let mut failed = Vec::new();
+    for &method in methods {
         for scene in SCENES {
-            assert_eq!(
-                one_solution::<f64>(scene, method, 20, SAME),
-                4,
-                "{}",
-                scene.0
-            );
+            if one_solution::<T>(scene, method, starts, SAME) != 4 {
+                failed.push(format!("{}, {method}", scene.0));
+            }
         }
     }
+    failed
+}
+
+#[test]
+fn one_solution_in_f64() {
+    let [a, b] = [3, 6].map(Gauss::stages);
+    let [c, d, e] = [3, 4, 6].map(Equip::stages);
+    let failed = several_solutions::<f64>(&[a, b, c, d, e], 20);
+    assert!(failed.is_empty(), "{failed:?}");
 }
 
 #[test]
 fn one_solution_in_double_double() {
-    for method in [Gauss::stages(4), Equip::stages(4)] {
-        for scene in SCENES {
-            assert_eq!(
-                one_solution::<DoubleDouble>(scene, method, 3, SAME),
-                4,
-                "{}",
-                scene.0
-            );
-        }
-    }
+    let methods = [Gauss::stages(4), Equip::stages(4)];
+    let failed = several_solutions::<DoubleDouble>(&methods, 3);
+    assert!(failed.is_empty(), "{failed:?}");
 }
 
 #[test]
@@ -164,7 +166,7 @@ fn one_solution_of_stiff_stages() {
     }
 }
 
-/// Distance after `steps` forwards and as many back, a step.
+/// Distance after `steps` forwards and as many back, a step. What a step has carried the next one removes: it is not carried back.
 fn there_and_back<T: Float>(setting: Setting, s: usize, steps: usize, m: Preconditioner) -> f64 {
     let (name, parameters, (n, d)) = setting;
     let scene = instance(name, parameters);
@@ -175,35 +177,49 @@ fn there_and_back<T: Float>(setting: Setting, s: usize, steps: usize, m: Precond
         q.iter().copied().chain(p.iter().map(|&p| -p)).collect()
     };
     let there = states(&scene, &options, (&q, &p), steps).0.unwrap();
-    let turned = flip(there.last().unwrap());
+    let turned = flip(&there.last().unwrap().0);
     let (q1, p1) = turned.split_at(q.len());
     let back = states(&scene, &options, (q1, p1), steps).0.unwrap();
-    let off = difference(&[q, p].concat(), &flip(back.last().unwrap())) / steps as f64;
-    println!("{name}, s = {s}, {m:?}, {}: {off:.1e} a step", T::NAME);
+    let off = difference(&[q, p].concat(), &flip(&back.last().unwrap().0)) / steps as f64;
+    let carried =
+        |states: &[(Vec<T>, Outcome)]| states.iter().filter(|(_, o)| o.is_carried()).count();
+    let carried = [carried(&there), carried(&back)];
+    println!(
+        "{name}, s = {s}, {m:?}, {}: {off:.1e} a step, {carried:?} carried",
+        T::NAME
+    );
     off
 }
 
 /// The direction of the α's is a function of the solution, the same in both directions of time.
 #[test]
 fn steps_run_backwards_alike() {
+    let mut failed = Vec::new();
     for scene in SCENES {
         for s in [3, 4, 6] {
             for m in ALL {
                 let off = there_and_back::<f64>(scene, s, 10, m);
-                assert!(off < 1e-13, "{}, s = {s}, {m:?}: {off:e}", scene.0);
+                if !(off < 1e-13) {
+                    failed.push(format!("{}, s = {s}, {m:?}: {off:.1e}", scene.0));
+                }
             }
         }
     }
+    assert!(failed.is_empty(), "{failed:?}");
 }
 
 #[test]
 fn steps_run_backwards_alike_in_double_double() {
+    let mut failed = Vec::new();
     for scene in SCENES {
         for m in [Preconditioner::Identity, Preconditioner::Frozen] {
             let off = there_and_back::<DoubleDouble>(scene, 4, 3, m);
-            assert!(off < 1e-27, "{}, {m:?}: {off:e}", scene.0);
+            if !(off < 1e-27) {
+                failed.push(format!("{}, {m:?}: {off:.1e}", scene.0));
+            }
         }
     }
+    assert!(failed.is_empty(), "{failed:?}");
 }
 
 /// Counts of 50 steps.
