@@ -67,7 +67,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             if !is_kept {
                 turns_left -= 1;
                 self.stages.iterate.keep_momenta(y);
-                let digits = rounding / farthest.max(T::int(4) * reach.needed);
+                let digits = rounding / farthest.max(T::int(4) * reach.needed) / T::int(TURNS);
                 self.take_direction(if moves == 0 {
                     digits.max(reach.needed)
                 } else {
