@@ -3,7 +3,7 @@
 use equip_scalar::Float;
 use equip_scenes::Instance;
 use equip_solver::{
-    Adaptive, Checkpoint, FixedStep, Invariant, Observer, OnNoAlpha, Run, RunFailure,
+    Adaptive, Checkpoint, FixedStep, Invariant, Observer, OnNoAlpha, Record, Run, RunFailure,
 };
 
 #[derive(Debug)]
@@ -31,6 +31,14 @@ impl<T: Float> Integrator<T> {
         match self {
             Integrator::Fixed(x) => Integrator::Fixed(x.chaos()),
             Integrator::Variable(x) => Integrator::Variable(x.chaos()),
+        }
+    }
+
+    /// The same, with dense output and all steps kept.
+    pub(crate) fn dense(self) -> Self {
+        match self {
+            Integrator::Fixed(x) => Integrator::Fixed(x.dense().record(Record::All)),
+            Integrator::Variable(x) => Integrator::Variable(x.dense().record(Record::All)),
         }
     }
 
