@@ -60,8 +60,16 @@ fn crates() -> BTreeMap<String, Crate> {
 fn rooms() -> BTreeMap<String, Crate> {
     let mut rooms = crates();
     rooms.retain(|name, _| !NOT_YET.contains(&name.as_str()));
-    for beside in ["benches/peers", "benches", "tests"] {
-        rooms.insert(beside.into(), Crate::read(&root().join(beside).join("src")));
+    let mut beside = vec![root().join("benches/peers/src"), root().join("tests/src")];
+    for entry in std::fs::read_dir(root().join("benches/src")).unwrap() {
+        let folder = entry.unwrap().path();
+        if folder.join("main.rs").exists() {
+            beside.push(folder);
+        }
+    }
+    for folder in beside {
+        let name = folder.strip_prefix(root()).unwrap().display().to_string();
+        rooms.insert(name, Crate::read(&folder));
     }
     rooms
 }
@@ -184,7 +192,7 @@ fn the_measure_measures() {
         ("b/deep.rs", "use super::B;\npub struct D;"),
         (
             "c.rs",
-            "pub struct C;\nfn f() { crate::A::new(); let _ = equip_solver::x(); }",
+            "pub struct C;\nfn f() { crate::A::new(); let _ = equip_integrate::x(); }",
         ),
     ]);
     let graph = Graph::of(&krate);

@@ -2,6 +2,7 @@
 
 mod asked;
 pub(crate) mod comparison;
+mod curve;
 pub(crate) mod finished;
 mod integrator;
 pub(crate) mod progress;
@@ -18,6 +19,7 @@ use crate::write::checkpoint::{self, Saved, Saver};
 use crate::write::csv::Mark;
 use crate::write::json;
 use comparison::Comparison;
+use curve::curve;
 use equip_integrate::{Alphas, Checkpoint, Equip, Gauss, Invariant, Method, Reach, Record, Target};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -116,7 +118,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         run,
         error,
     };
-    picture(args, h, &finished, &mut watch)?;
+    picture(args, h, integrator, &finished, &mut watch)?;
     drop(watch);
     report(args, &finished)?;
     if let Some(signal) = signals::caught()
@@ -202,6 +204,7 @@ fn resume<T: Float>(
 fn picture<T: Float>(
     args: &RunArgs,
     h: T,
+    integrator: Integrator<T>,
     finished: &Finished<'_, T>,
     watch: &mut Watch<'_, T>,
 ) -> Result<(), Fault> {
@@ -217,7 +220,13 @@ fn picture<T: Float>(
         let end = finished.run.certificate().end;
         Comparison::new(args.stages, h, finished.instance, end, progress)
     });
-    let text = draw(finished, watch, comparison.as_ref());
+    let curve = curve(
+        integrator,
+        finished.instance,
+        &finished.run,
+        components(finished.instance),
+    );
+    let text = draw(finished, watch, comparison.as_ref(), curve.as_ref());
     file.write_all(text.as_bytes())
         .map_err(|source| Fault::Write {
             path: path.clone(),

@@ -82,7 +82,7 @@ fn stopped_by(signal: &str, home: &Path, arguments: &[&str]) -> Option<i32> {
 }
 
 const LONG: [&str; 9] = [
-    "kepler", "--step", "1/50", "--until", "5000", "--every", "70", "--stages", "4",
+    "kepler", "--step", "1/50", "--until", "2500", "--every", "70", "--stages", "4",
 ];
 
 #[test]

@@ -66,8 +66,10 @@ fn scenes_are_listed_and_described() {
             "{}",
             scene.name
         );
-        let page = stdout(&["scenes", scene.name]);
-        assert!(page.contains(scene.formula) && page.contains(scene.source));
+        // Long lines are wrapped.
+        let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let page = words(&stdout(&["scenes", scene.name]));
+        assert!(page.contains(&words(scene.formula)) && page.contains(&words(scene.source)));
         assert!(
             scene
                 .parameters
@@ -300,6 +302,49 @@ fn the_plot_shows_gauss_beside_it_unless_told_not_to() {
     assert!(drawn(&[]).contains("Gauss, same steps"));
     assert!(!drawn(&["--no-compare"]).contains("Gauss"));
     assert!(!drawn(&["--method", "gauss"]).contains("same steps"));
+}
+
+/// With 8 steps a revolution a line from step to step would be an octagon, which leaves the orbit by 1 − cos(π/8) = 7.6 %.
+#[test]
+fn orbits_are_drawn_between_their_steps() {
+    let plot = file("curve.svg");
+    let arguments =
+        "run kepler --e 0 --steps-per-period 8 --stages 8 --periods 1 --no-compare --plot";
+    let arguments: Vec<&str> = arguments
+        .split(' ')
+        .chain([plot.to_str().unwrap()])
+        .collect();
+    stdout(&arguments);
+    let picture = std::fs::read_to_string(&plot).unwrap();
+    let path = picture
+        .split("<path d=\"")
+        .skip(1)
+        .map(|p| p.split('"').next().unwrap());
+    let points = |path: &str| -> Vec<(f64, f64)> {
+        let numbers = path.trim_start_matches('M').split('L').map(|point| {
+            let (x, y) = point.split_once(' ').unwrap();
+            (x.parse().unwrap(), y.parse().unwrap())
+        });
+        numbers.collect()
+    };
+    let orbit = path
+        .filter(|path| path.contains('L'))
+        .map(points)
+        .max_by_key(Vec::len)
+        .unwrap();
+    assert!(orbit.len() > 80, "{}", orbit.len());
+    let range = |x: fn(&(f64, f64)) -> f64| {
+        let (low, high) = orbit
+            .iter()
+            .map(x)
+            .fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
+        ((low + high) / 2.0, (high - low) / 2.0)
+    };
+    let ((x, radius), (y, _)) = (range(|p| p.0), range(|p| p.1));
+    for point in &orbit {
+        let off = (point.0 - x).hypot(point.1 - y) / radius - 1.0;
+        assert!(off.abs() < 0.01, "{off}");
+    }
 }
 
 /// Every element of the SVG is closed in its order, and no number in it is NaN or infinite.

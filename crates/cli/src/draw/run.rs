@@ -39,6 +39,7 @@ pub(crate) fn draw<T: Float>(
     finished: &Finished<'_, T>,
     watch: &Watch<'_, T>,
     comparison: Option<&Comparison>,
+    curve: Option<&Path>,
 ) -> String {
     let more = if watch.follows_chaos { MORE } else { 0 };
     let mut svg = Svg::new(WIDTH, HEIGHT + more);
@@ -66,7 +67,7 @@ pub(crate) fn draw<T: Float>(
     );
     match instance.view() {
         View::Profile => profile(&mut svg, watch.start.0, finished),
-        view => paths(&mut svg, instance, &watch.picture.path, &view),
+        view => paths(&mut svg, instance, (&watch.picture.path, curve), &view),
     }
     let scale = certificate
         .energy
@@ -107,8 +108,9 @@ fn left_panel(x: Axis, y: Axis) -> Panel {
     }
 }
 
-/// Paths of bodies, or the phase portrait of one degree of freedom.
-fn paths(svg: &mut Svg, instance: &Instance, path: &Path, view: &View) {
+/// Paths of bodies, or the phase portrait of one degree of freedom: a dot for each step, and the curve between them where there is one.
+fn paths(svg: &mut Svg, instance: &Instance, drawn: (&Path, Option<&Path>), view: &View) {
+    let (path, curve) = drawn;
     let count = components(instance).len() / 2;
     let plane = *view == View::PhasePlane;
     let (x, y) = match view {
@@ -116,7 +118,10 @@ fn paths(svg: &mut Svg, instance: &Instance, path: &Path, view: &View) {
         _ if count > 1 => ("x", "y"),
         _ => ("q\u{2081}", "q\u{2082}"),
     };
-    let all = || (0..count).flat_map(|i| path.pairs(i));
+    let all = || {
+        let both = curve.into_iter().chain([path]);
+        both.flat_map(|path| (0..count).flat_map(|i| path.pairs(i)))
+    };
     let unit = if plane { "" } else { instance.units().length };
     let [x, y] = [x, y].map(|what| labelled(what, unit));
     let x = Axis::around(all().map(|point| point.0), &x);
@@ -134,7 +139,13 @@ fn paths(svg: &mut Svg, instance: &Instance, path: &Path, view: &View) {
             if points.clone().count() <= FEW {
                 svg.dots(points.clone(), colour, 3.0);
             }
-            svg.polyline(points, colour, 1.2);
+            match curve {
+                Some(curve) => {
+                    let points = curve.pairs(i).map(|point| panel.at(point));
+                    svg.polyline(points, colour, 1.2);
+                }
+                None => svg.polyline(points, colour, 1.2),
+            }
         } else {
             svg.dots(points, colour, 1.6);
         }

@@ -1,7 +1,7 @@
 //! [`Integrator`]: fixed or variable steps, as the user asked, behind one set of verbs.
 
 use equip_integrate::{
-    Adaptive, Checkpoint, FixedStep, Invariant, Observer, Reach, Run, RunFailure,
+    Adaptive, Checkpoint, FixedStep, Invariant, Observer, Reach, Record, Run, RunFailure,
 };
 use equip_scalar::Float;
 use equip_scenes::Instance;
@@ -31,6 +31,14 @@ impl<T: Float> Integrator<T> {
         match self {
             Integrator::Fixed(x) => Integrator::Fixed(x.chaos()),
             Integrator::Variable(x) => Integrator::Variable(x.chaos()),
+        }
+    }
+
+    /// The same, with dense output and all steps kept.
+    pub(crate) fn dense(self) -> Self {
+        match self {
+            Integrator::Fixed(x) => Integrator::Fixed(x.dense().record(Record::All)),
+            Integrator::Variable(x) => Integrator::Variable(x.dense().record(Record::All)),
         }
     }
 
