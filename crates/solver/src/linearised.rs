@@ -108,7 +108,7 @@ impl<T: Float> Linearised<T> {
         Linearised {
             choice,
             s,
-            hessians: StageHessians::new(s, structure.hessian.clone()),
+            hessians: StageHessians::new(s, structure.hessian.to_pattern()),
             full: None,
             active: Active::Full,
             full_steps: 0,

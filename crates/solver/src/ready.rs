@@ -14,7 +14,7 @@ use crate::step::Core;
 use crate::sweep::Iterate;
 use crate::sweep_task::{Rule, SweepTask};
 use crate::sweeps::Sweeps;
-use equip_autodiff::{Evaluate, Holds, Kinetic, Pattern, RecordedEvaluator, Structure};
+use equip_autodiff::{Evaluate, HessianPattern, Holds, Kinetic, RecordedEvaluator, Structure};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
 use std::marker::PhantomData;
@@ -26,7 +26,7 @@ use std::ops::Range;
 pub(crate) struct Ready<T: Float> {
     pub(crate) step: fn(&mut Recorded<T>, (&State<T>, T, T), &mut State<T>) -> Result<Outcome, IntegrateError<T>>,
     pub(crate) find_springs: fn(&mut Recorded<T>, &Structure, (&[T], T)),
-    pub(crate) sweeps: fn((&Gauss<T>, Option<&OneMore<T>>), usize, Option<Kinetic<T>>, &[T], (Rule, &Pattern, bool)) -> Sweeps<T>,
+    pub(crate) sweeps: fn((&Gauss<T>, Option<&OneMore<T>>), usize, Option<Kinetic<T>>, &[T], (Rule, &HessianPattern, bool)) -> Sweeps<T>,
     pub(crate) newton: fn(usize, Option<&OneMore<T>>, &Structure, StageSolver, (usize, usize), u32) -> Newton<T>,
     pub(crate) begin: fn(&mut Sweeps<T>, &Gauss<T>, &SweepTask<'_, T>),
     pub(crate) begin_from_nothing: fn(&mut Iterate<T>, &Gauss<T>, (&State<T>, T)),

@@ -46,7 +46,7 @@ impl<T: Float> Simplified<T> {
     /// `None` if the tableau cannot be split.
     pub(crate) fn new(s: usize, structure: &Structure) -> Option<Self> {
         let splitting = Splitting::new(s)?;
-        let pattern = structure.hessian.clone();
+        let pattern = structure.hessian.to_pattern();
         let n = pattern.dimension();
         Some(Simplified {
             hessian: vec![T::int(0); pattern.len()],

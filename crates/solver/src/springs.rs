@@ -324,7 +324,7 @@ mod tests {
     fn found(h: &Hamiltonian, y: &[f64], step: f64, wants_alphas: bool) -> Option<Springs<f64>> {
         let gauss = Gauss::new(8).unwrap();
         let w = vec![1.0; y.len() / 2];
-        let pattern = (&h.structure().hessian, &*w, wants_alphas);
+        let pattern = (&*h.structure().hessian, &*w, wants_alphas);
         Springs::find(&gauss, &mut h.evaluator::<f64>(), pattern, (y, step)).0
     }
 

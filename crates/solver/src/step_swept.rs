@@ -110,7 +110,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             && self.start_alphas.iter().all(|&alpha| alpha == T::int(0))
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
         {
-            let pattern = (&structure.hessian, w, !self.constraints.is_empty());
+            let pattern = (&*structure.hessian, w, !self.constraints.is_empty());
             let (springs, unresolved) = Springs::find(gauss, &mut self.energy, pattern, (y, h));
             sweeps.set_springs(springs);
             self.unresolved_spring = unresolved;
@@ -132,7 +132,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if let (Some(sweeps), Some(memory)) = (&mut self.sweeps, memory)
             && let Some(w) = sweeps.iterate.kinetic.as_ref().and_then(|k| k.diagonal())
         {
-            let found = Springs::from_memory((&structure.hessian, w, h), memory)?;
+            let found = Springs::from_memory((&*structure.hessian, w, h), memory)?;
             sweeps.set_springs(found);
         }
         Ok(())

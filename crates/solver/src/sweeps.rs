@@ -38,7 +38,7 @@ use crate::springs::Springs;
 use crate::state::State;
 use crate::sweep::Iterate;
 use crate::sweep_task::{Rule, SweepTask, Trouble};
-use equip_autodiff::{Evaluate, Kinetic, Pattern};
+use equip_autodiff::{Evaluate, HessianPattern, Kinetic};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
 
@@ -93,7 +93,7 @@ impl<T: Float> Sweeps<T> {
         n: usize,
         kinetic: Option<Kinetic<T>>,
         start: &[T],
-        (rule, pattern, is_alone): (Rule, &Pattern, bool),
+        (rule, pattern, is_alone): (Rule, &HessianPattern, bool),
     ) -> Self {
         let responds = rule == Rule::Response;
         let iterate = Iterate::new(gauss, n, kinetic, start);

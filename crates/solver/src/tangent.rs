@@ -120,7 +120,7 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
         TangentMap {
             energy: system.evaluator::<T>(),
             stages: Stages::new(core.stages.gauss.clone(), n),
-            hessians: StageHessians::new(s, system.structure().hessian.clone()),
+            hessians: StageHessians::new(s, system.structure().hessian.to_pattern()),
             linearised: None,
             is_factored: false,
             turned: vec![T::int(0); s * n],
