@@ -79,7 +79,7 @@ impl<T: Float> Choice<T> {
                 .then(|| Frozen::new(iterate, structure))
                 .flatten(),
             full: (wanted == Wanted::Full)
-                .then(|| Full::new(gauss, iterate, structure.hessian.clone())),
+                .then(|| Full::new(gauss, iterate, structure.hessian.to_pattern())),
             can_be_dense: iterate.stages() * iterate.unknowns() <= MOST_DENSE,
             state: vec![T::int(0); n],
             hessian: vec![T::int(0); structure.hessian.len()],
