@@ -1,5 +1,8 @@
 //! Tuned constants of a step, each with the figure that chose it.
 
+/// Moves of the α's of one step that may fail to halve what they are to remove: where the slopes all but vanish, Broyden's correction needs some.
+pub(crate) const MOST_STALLS: u32 = 4;
+
 /// The largest floor of late loses 1 over this a step. // steps; floors swing by 30 within an oscillation of some 10 to 50 steps.
 pub(crate) const FADING: i64 = 64;
 /// α's that move, at most. // α's; further ones disturb the stages the more for the same displacement of the end point.

@@ -11,7 +11,9 @@ use crate::equations::constraint::Constraint;
 use crate::failure::Failure;
 use crate::options::Reach;
 use crate::outcome::Outcome;
-use crate::policy::{BEYOND_ERROR, BITS_A_TURN, FARTHEST, MOST_MOVES, ROUNDING, STALLED, TURNS};
+use crate::policy::{
+    BEYOND_ERROR, BITS_A_TURN, FARTHEST, MOST_MOVES, MOST_STALLS, ROUNDING, STALLED, TURNS,
+};
 use crate::step::step::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -58,7 +60,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let mut reach = self.reach((y, h), next)?;
         let rounding = T::int(ROUNDING) * T::EPSILON;
         let (mut farthest, mut since) = (T::int(0), T::INFINITY);
-        let mut last = [T::INFINITY; 2];
+        let (mut last, mut stalls) = ([T::INFINITY; 2], 0);
         // A direction that turns faster than it comes to rest is kept as it is.
         let mut turns_left = T::MANTISSA_BITS / BITS_A_TURN;
         for moves in 0..=MOST_MOVES {
@@ -90,12 +92,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 return Ok(());
             }
             // What no longer shrinks is rounding near the floor, and hopeless elsewhere.
-            if moves > 1 && !shrinks || moves == MOST_MOVES {
-                return if is_near {
-                    Ok(())
-                } else {
-                    Err(Outcome::NoSlope)
-                };
+            stalls += u32::from(moves > 1 && !shrinks);
+            if stalls > 0 && is_near {
+                return Ok(());
+            }
+            if stalls > MOST_STALLS || moves == MOST_MOVES {
+                return Err(Outcome::NoSlope);
             }
             last = [floors, of_state];
             farthest = farthest.max(of_state);
