@@ -22,63 +22,35 @@
 //! convergence (use a fixed number of iterations), and functions beyond those of [`Num`](equip_scalar::Num).
 #![forbid(unsafe_code)]
 
-mod batch;
-mod bound;
-mod check;
-mod colouring;
-mod compiled;
-mod degree;
 mod derivative;
-mod dual;
 mod energy;
 mod error;
-mod fused;
-
-mod graph;
 mod hamiltonian;
-mod hessian;
-mod in_lanes;
-mod kinetic;
 mod macros;
-mod many;
-mod one;
-mod op;
-mod order;
-mod peephole;
-mod point;
-mod ready;
-mod recorded;
-mod recorder;
+mod native;
+mod recording;
 mod replay;
-mod results;
-mod separable;
-mod sparsity;
-mod statics;
-mod straight;
-mod stretches;
+mod routes;
 mod structure;
-mod supplied;
 mod system;
-mod tangent;
-mod tape;
-mod trace;
-mod values;
 
 pub use energy::Energy;
 pub use error::BuildError;
 pub use hamiltonian::Hamiltonian;
-pub use kinetic::Kinetic;
-pub use recorded::{Recorded, RecordedEvaluator};
-pub use statics::{Static, StaticEvaluator};
-pub use structure::{HessianPattern, Pattern, Structure};
-pub use supplied::{Supplied, SuppliedEvaluator};
+pub use recording::trace::{Trace, Var};
+pub use routes::recorded::Recorded;
+pub use routes::recorded_evaluator::RecordedEvaluator;
+pub use routes::statics::{Static, StaticEvaluator};
+pub use routes::supplied::{Supplied, SuppliedEvaluator};
+pub use structure::facts::{HessianPattern, Structure};
+pub use structure::kinetic::Kinetic;
+pub use structure::pattern::Pattern;
 pub use system::{Evaluate, System};
-pub use trace::{Trace, Var};
 
 #[doc(hidden)]
 pub use equip_scalar as scalar;
 #[doc(hidden)]
-pub use fused::{Fused, Slopes};
+pub use native::fused::{Fused, Slopes};
 #[doc(hidden)]
 pub use system::Holds;
 

@@ -11,8 +11,8 @@
 //! an operation or two for each one of H, beside those of ∇H.
 
 use super::{Adjoint, Reverse};
-use crate::op::Op;
-use crate::recorder::Recorder;
+use crate::recording::op::Op;
+use crate::recording::recorder::Recorder;
 use std::collections::HashMap;
 
 /// Appends the derivatives of the node `root` by all inputs, and B; their nodes. `is_exact` says which

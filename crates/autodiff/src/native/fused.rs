@@ -1,0 +1,115 @@
+//! [`Fused`]: a computation with ∇H or ∇U in its midst, compiled together with the energy.
+//!
+//! A stage sweep of a small system is a gradient of 30 ns and a product with a matrix of 30 ns. As two
+//! kernels that hand each other numbers through memory, with lengths known when the program runs, it takes
+//! three times the sum. Here the energy calls the computation and not the other way round: the compiler sees
+//! both, and the number of components as a literal. A recorded energy is not known to the compiler, and is
+//! called as machine code from there.
+
+use crate::Energy;
+use crate::derivative::by_duals::{force, gradient};
+use equip_jit::Code;
+use equip_scalar::{Kernel, Lanes};
+use std::array::from_fn;
+
+/// ∇H of a system with C components, or ∇U of one with C positions, at groups of N points.
+#[doc(hidden)]
+pub trait Slopes<const C: usize, const N: usize> {
+    /// The derivatives at the states, each of them with every bit of the one at a single state.
+    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G];
+}
+
+/// What is to be done with the derivatives. Mark `run`, and all it calls, `#[inline(always)]`.
+#[doc(hidden)]
+pub trait Fused<const N: usize> {
+    /// Groups of points.
+    const GROUPS: usize;
+    /// What it returns.
+    type Output;
+    /// The computation.
+    fn run<const C: usize>(&mut self, slopes: &impl Slopes<C, N>) -> Self::Output;
+    /// The same for few registers, as [`Kernel::run_narrow`].
+    fn run_narrow<const C: usize>(&mut self, slopes: &impl Slopes<C, N>) -> Self::Output;
+}
+
+/// ∇U of a separable system with M positions.
+pub(crate) struct Forces<'a, E>(pub(crate) &'a E);
+
+impl<E: Energy, const M: usize, const N: usize> Slopes<M, N> for Forces<'_, E> {
+    #[inline(always)]
+    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; M]) -> [[Lanes<N>; M]; G] {
+        let mut slopes = [[Lanes::splat(0.0); M]; G];
+        for g in 0..G {
+            slopes[g] = force::<E, Lanes<N>, M>(self.0, from_fn(|c| Lanes(states[c][g])));
+        }
+        slopes
+    }
+}
+
+/// ∇H of a system with C components.
+pub(crate) struct Gradients<'a, E>(pub(crate) &'a E);
+
+impl<E: Energy, const C: usize, const N: usize> Slopes<C, N> for Gradients<'_, E> {
+    #[inline(always)]
+    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G] {
+        let mut slopes = [[Lanes::splat(0.0); C]; G];
+        for g in 0..G {
+            slopes[g] = gradient::<E, Lanes<N>, C>(self.0, from_fn(|c| Lanes(states[c][g]))).1;
+        }
+        slopes
+    }
+}
+
+/// Derivatives by machine code that was made for rows of this length.
+pub(crate) struct Called<'a>(pub(crate) &'a Code);
+
+impl<const C: usize, const N: usize> Slopes<C, N> for Called<'_> {
+    #[inline(always)]
+    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G] {
+        let mut rows = [[[0.0; N]; G]; C];
+        let (from, to) = (states.as_flattened(), rows.as_flattened_mut());
+        let count = G * N;
+        debug_assert_eq!(self.0.stride(), count);
+        self.0
+            .run(from.as_flattened(), to.as_flattened_mut(), &mut [], count);
+        from_fn(|g| from_fn(|c| Lanes(rows[c][g])))
+    }
+}
+
+/// A computation with its derivatives, of C components.
+pub(crate) struct Joined<'a, S, F, const C: usize, const N: usize> {
+    pub(crate) slopes: S,
+    pub(crate) task: &'a mut F,
+}
+
+impl<S, F, const C: usize, const N: usize> Kernel for Joined<'_, S, F, C, N>
+where
+    S: Slopes<C, N>,
+    F: Fused<N>,
+{
+    type Output = F::Output;
+
+    #[inline(always)]
+    fn run(&mut self) -> F::Output {
+        self.task.run(&self.slopes)
+    }
+
+    #[inline(always)]
+    fn run_narrow(&mut self) -> F::Output {
+        self.task.run_narrow(&self.slopes)
+    }
+}
+
+/// Runs the task with the number of components as a literal, or gives it back.
+macro_rules! fuse {
+    ($set:expr, $count:expr, $slopes:ident, $task:ident, [$($literal:literal)*]) => {
+        match $count {
+            $($literal => {
+                let mut joined = Joined::<_, _, $literal, N> { slopes: $slopes, task: $task };
+                $set.run_wide(&mut joined)
+            })*
+            _ => None,
+        }
+    };
+}
+pub(crate) use fuse;

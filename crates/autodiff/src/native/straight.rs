@@ -1,0 +1,192 @@
+//! A recording as straight-line code.
+//!
+//! From the results downwards, depth first: what a result needs is computed just before it, if no earlier one
+//! needed it, so few numbers are alive at a time. The operations are those of the replay, one by one.
+
+use crate::recording::graph::{Graph, Term};
+use crate::recording::op::{Node, Op};
+use crate::replay::order::Blocks;
+use crate::replay::tape::Tape;
+use crate::replay::values::Replay;
+use equip_jit::{Program, Value};
+use std::collections::HashMap;
+
+/// Nodes and terms of the largest graph that becomes a program: code and what it takes to make it are some
+/// hundred bytes for each.
+const LARGEST: usize = 1 << 22;
+
+/// The program of a graph whose operations are arithmetic, √ and |x| only, if it is not too large.
+pub(crate) fn straight(graph: &Graph) -> Option<Program> {
+    let is_known = |(node, &is_constant): (&Node, &bool)| is_constant || is_arithmetic(node.op);
+    let is_small = graph.nodes.len() + graph.terms.len() <= LARGEST;
+    if !is_small || !graph.nodes.iter().zip(&graph.is_constant).all(is_known) {
+        return None;
+    }
+    let mut translation = Translation {
+        graph,
+        program: Program::new(),
+        values: vec![None; graph.nodes.len()],
+        roots: HashMap::new(),
+    };
+    translation.place_constants();
+    for (row, &root) in graph.roots.iter().enumerate() {
+        let value = translation.value(root)?;
+        translation.program.result(row, value);
+    }
+    Some(translation.program)
+}
+
+fn is_arithmetic(op: Op) -> bool {
+    use Op::*;
+    matches!(
+        op,
+        Input(_)
+            | Sum(_)
+            | Add
+            | Sub
+            | Mul
+            | Square
+            | Div
+            | Neg
+            | Recip
+            | Sqrt
+            | Abs
+            | Powi(_)
+            | HalfPower(_)
+    )
+}
+
+/// What is still to be done for a result.
+#[derive(Debug, Clone, Copy)]
+enum Task {
+    /// The operation, after all it needs.
+    Need(u32),
+    /// The operation itself.
+    Do(u32),
+    /// One term of a sum.
+    Add { to: u32, term: Term },
+}
+
+struct Translation<'a> {
+    graph: &'a Graph,
+    program: Program,
+    /// Values of nodes; of sums that are not complete, what there is.
+    values: Vec<Option<Value>>,
+    /// Roots of nodes.
+    roots: HashMap<u32, Value>,
+}
+
+impl Translation<'_> {
+    /// What depends on constants only, computed as replays do.
+    fn place_constants(&mut self) {
+        let (constants, roots) = self.graph.constants_only();
+        let tape = Tape::new(&constants, Blocks::One);
+        let mut replay = Replay::<f64>::new(&tape);
+        for (node, &x) in roots.into_iter().zip(replay.run(&tape, |_| 0.0)) {
+            self.values[node as usize] = Some(self.program.constant(x));
+        }
+    }
+
+    fn value(&mut self, root: u32) -> Option<Value> {
+        let mut tasks = vec![Task::Need(root)];
+        while let Some(task) = tasks.pop() {
+            match task {
+                Task::Need(node) if self.values[node as usize].is_some() => {}
+                Task::Need(node) => self.need(node, &mut tasks),
+                Task::Do(node) => {
+                    let Node { op, a, b } = self.graph.nodes[node as usize];
+                    let (x, y) = (self.values[a as usize]?, self.values[b as usize]?);
+                    self.values[node as usize] = Some(match op {
+                        Op::Sqrt => self.root(a, x),
+                        Op::HalfPower(n) => self.half_power(a, x, n),
+                        op => self.operation(op, x, y)?,
+                    });
+                }
+                Task::Add { to, term } => {
+                    let x = self.values[term.node as usize]?;
+                    let sum = match (self.values[to as usize], term.minus) {
+                        (None, _) => x,
+                        (Some(sum), false) => self.program.add(sum, x),
+                        (Some(sum), true) => self.program.sub(sum, x),
+                    };
+                    self.values[to as usize] = Some(sum);
+                }
+            }
+        }
+        self.values[root as usize]
+    }
+
+    fn need(&mut self, node: u32, tasks: &mut Vec<Task>) {
+        let Node { op, a, b } = self.graph.nodes[node as usize];
+        match op {
+            Op::Input(k) => self.values[node as usize] = Some(self.program.input(k as usize)),
+            Op::Sum(k) => {
+                for &term in self.graph.terms[self.graph.sums[k as usize].clone()]
+                    .iter()
+                    .rev()
+                {
+                    tasks.extend([Task::Add { to: node, term }, Task::Need(term.node)]);
+                }
+            }
+            _ => {
+                tasks.push(Task::Do(node));
+                if op.arity() == 2 {
+                    tasks.push(Task::Need(b));
+                }
+                tasks.push(Task::Need(a));
+            }
+        }
+    }
+
+    fn operation(&mut self, op: Op, a: Value, b: Value) -> Option<Value> {
+        let program = &mut self.program;
+        Some(match op {
+            Op::Add => program.add(a, b),
+            Op::Sub => program.sub(a, b),
+            Op::Mul => program.mul(a, b),
+            Op::Square => program.mul(a, a),
+            Op::Div => program.div(a, b),
+            Op::Neg => program.neg(a),
+            Op::Recip => self.reciprocal(a),
+            Op::Abs => program.abs(a),
+            Op::Powi(n) => self.power(a, n),
+            _ => return None,
+        })
+    }
+
+    fn reciprocal(&mut self, x: Value) -> Value {
+        let one = self.program.constant(1.0);
+        self.program.div(one, x)
+    }
+
+    /// √x of a node, once.
+    fn root(&mut self, node: u32, x: Value) -> Value {
+        let program = &mut self.program;
+        *self.roots.entry(node).or_insert_with(|| program.sqrt(x))
+    }
+
+    /// x^(n/2) as `Scalar::powf` computes it.
+    fn half_power(&mut self, node: u32, x: Value, n: i32) -> Value {
+        let root = self.root(node, x);
+        let whole = self.power(x, n.abs() / 2);
+        let power = self.program.mul(whole, root);
+        if n < 0 { self.reciprocal(power) } else { power }
+    }
+
+    /// Squaring and multiplying from the lowest bit upwards, as over lanes.
+    fn power(&mut self, x: Value, n: i32) -> Value {
+        let mut exponent = n.unsigned_abs();
+        let (mut square, mut power) = (x, None);
+        while exponent > 0 {
+            if exponent & 1 == 1 {
+                power = Some(power.map_or(square, |power| self.program.mul(power, square)));
+            }
+            exponent >>= 1;
+            if exponent > 0 {
+                square = self.program.mul(square, square);
+            }
+        }
+        let power = power.unwrap_or_else(|| self.program.constant(1.0));
+        if n < 0 { self.reciprocal(power) } else { power }
+    }
+}

@@ -1,0 +1,269 @@
+//! [`Graph`]: the recording without what does not reach H, long sums gathered.
+//!
+//! A loop that adds n terms to H records a chain of n additions, each waiting for the one before. Where
+//! nothing else uses the partial sums, the chain becomes one operation with n operands, still added in the
+//! order the energy adds them: every bit is kept, the chain no longer forces n steps one after the other, and
+//! the analyses of structure stay linear in n.
+
+use crate::recording::op::{Curvature, Node, Op};
+use crate::recording::recorder::Operations;
+use equip_scalar::Constant;
+use std::ops::Range;
+
+/// Shortest chain of additions that becomes a sum; below, pairs of additions fit better into runs.
+const SHORTEST_SUM: u32 = 8;
+
+/// One operand of a sum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Term {
+    pub(crate) node: u32,
+    pub(crate) minus: bool,
+}
+
+/// Operations in an order in which operands stand before their users.
+#[derive(Debug)]
+pub(crate) struct Graph {
+    pub(crate) inputs: usize,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) constants: Vec<Constant>,
+    pub(crate) terms: Vec<Term>,
+    /// Entry of each sum in `terms`; the first term of a sum is never subtracted.
+    pub(crate) sums: Vec<Range<usize>>,
+    /// Nodes of the results: H alone, or derivatives.
+    pub(crate) roots: Vec<u32>,
+    /// Whether a node depends on constants only.
+    pub(crate) is_constant: Vec<bool>,
+}
+
+impl Graph {
+    pub(crate) fn new(recorder: &Operations, roots: &[u32]) -> Self {
+        let uses = count_uses(recorder, roots);
+        let chains = Chains::new(&recorder.nodes, &uses);
+        let mut graph = Graph {
+            inputs: recorder.inputs,
+            nodes: Vec::new(),
+            constants: recorder.constants.clone(),
+            terms: Vec::new(),
+            sums: Vec::new(),
+            roots: Vec::new(),
+            is_constant: Vec::new(),
+        };
+        let mut renumbered = vec![0; recorder.nodes.len()];
+        for (i, node) in recorder.nodes.iter().enumerate() {
+            let is_input = matches!(node.op, Op::Input(_));
+            if (uses[i] == 0 && !is_input) || chains.absorbed[i] {
+                continue;
+            }
+            renumbered[i] = graph.nodes.len() as u32;
+            if chains.is_sum(i) {
+                graph.push_sum(chains.terms(&recorder.nodes, i), &renumbered);
+            } else {
+                let (a, b) = (renumbered[node.a as usize], renumbered[node.b as usize]);
+                graph.push(Node { op: node.op, a, b });
+            }
+        }
+        graph.roots = roots
+            .iter()
+            .map(|&root| renumbered[root as usize])
+            .collect();
+        graph
+    }
+
+    /// Node of H, where that is the result.
+    pub(crate) fn root(&self) -> u32 {
+        self.roots[0]
+    }
+
+    /// The same operations with other results.
+    fn with_roots(&self, roots: Vec<u32>) -> Graph {
+        Graph {
+            nodes: self.nodes.clone(),
+            constants: self.constants.clone(),
+            terms: self.terms.clone(),
+            sums: self.sums.clone(),
+            is_constant: self.is_constant.clone(),
+            inputs: self.inputs,
+            roots,
+        }
+    }
+
+    /// Whether a sum of at least `terms` terms depends on the state.
+    pub(crate) fn has_sum_of(&self, terms: usize) -> bool {
+        let mut nodes = self.nodes.iter().zip(&self.is_constant);
+        nodes.any(|(node, is_constant)| match node.op {
+            Op::Sum(k) => !is_constant && self.sums[k as usize].len() >= terms,
+            _ => false,
+        })
+    }
+
+    /// What depends on constants only, all of it as results, and the nodes here of these.
+    pub(crate) fn constants_only(&self) -> (Graph, Vec<u32>) {
+        let is_constant = |&i: &u32| self.is_constant[i as usize];
+        let roots: Vec<u32> = (0..self.nodes.len() as u32).filter(is_constant).collect();
+        let others: Vec<bool> = self.is_constant.iter().map(|constant| !constant).collect();
+        let constants = self.with_roots(roots.clone());
+        (constants.without(&others, self.nodes.clone()), roots)
+    }
+
+    /// The constant exponent of an operation.
+    pub(crate) fn exponent(&self, op: Op) -> Option<Constant> {
+        match op {
+            Op::Powf(k) | Op::PowfSlope(k) => Some(self.constants[k as usize]),
+            _ => None,
+        }
+    }
+
+    /// Operands of a node.
+    pub(crate) fn operands(&self, node: usize) -> impl Iterator<Item = u32> + '_ {
+        let Node { op, a, b } = self.nodes[node];
+        let terms = match op {
+            Op::Sum(k) => self.sums[k as usize].clone(),
+            _ => 0..0,
+        };
+        let pair = [a, b].into_iter().take(op.arity());
+        pair.chain(self.terms[terms].iter().map(|term| term.node))
+    }
+
+    /// Where a node has second derivatives by its operands, constants not counted.
+    pub(crate) fn curvature(&self, node: usize) -> Curvature {
+        let Node { op, a, b } = self.nodes[node];
+        let constant = |x: u32| self.is_constant[x as usize];
+        match op.curvature() {
+            _ if self.is_constant[node] => Curvature::None,
+            Curvature::Product if constant(a) || constant(b) => Curvature::None,
+            Curvature::Quotient if constant(b) => Curvature::None,
+            curvature => curvature,
+        }
+    }
+
+    fn push_sum(&mut self, terms: impl Iterator<Item = Term>, renumbered: &[u32]) {
+        let start = self.terms.len();
+        self.terms.extend(terms.map(|t| Term {
+            node: renumbered[t.node as usize],
+            ..t
+        }));
+        self.terms[start..].reverse();
+        self.sums.push(start..self.terms.len());
+        self.push(Node {
+            op: Op::Sum(self.sums.len() as u32 - 1),
+            a: 0,
+            b: 0,
+        });
+    }
+
+    fn push(&mut self, node: Node) {
+        self.nodes.push(node);
+        let constant = match node.op {
+            Op::Input(_) => false,
+            Op::Constant(_) => true,
+            _ => self
+                .operands(self.nodes.len() - 1)
+                .all(|i| self.is_constant[i as usize]),
+        };
+        self.is_constant.push(constant);
+    }
+}
+
+/// The partial sums of chains of at least `terms` terms: operations that are done within a sum of the graph.
+pub(crate) fn partial_sums(recorder: &Operations, root: u32, terms: usize) -> Vec<bool> {
+    let chains = Chains::new(&recorder.nodes, &count_uses(recorder, &[root]));
+    let mut is_partial = vec![false; recorder.nodes.len()];
+    for i in (0..recorder.nodes.len()).rev() {
+        let is_long_sum = chains.is_sum(i) && chains.length[i] as usize >= terms;
+        if let (true, Some(c)) = (is_long_sum || is_partial[i], chains.next[i]) {
+            is_partial[c as usize] = true;
+        }
+    }
+    is_partial
+}
+
+/// How often each node is used by nodes that reach a root; being a root counts as use.
+fn count_uses(recorder: &Operations, roots: &[u32]) -> Vec<u32> {
+    let mut uses = vec![0_u32; recorder.nodes.len()];
+    roots.iter().for_each(|&root| uses[root as usize] += 1);
+    for i in (0..recorder.nodes.len()).rev() {
+        if uses[i] > 0 {
+            let Node { op, a, b } = recorder.nodes[i];
+            for operand in [a, b].into_iter().take(op.arity()) {
+                uses[operand as usize] += 1;
+            }
+        }
+    }
+    uses
+}
+
+/// Chains of additions and subtractions whose partial sums are used once.
+struct Chains {
+    /// The operand that continues the chain, if any.
+    next: Vec<Option<u32>>,
+    /// Operands of the chain from here on.
+    length: Vec<u32>,
+    /// Inside a sum that starts further up.
+    absorbed: Vec<bool>,
+}
+
+impl Chains {
+    fn new(nodes: &[Node], uses: &[u32]) -> Self {
+        let mut next = vec![None; nodes.len()];
+        let mut length = vec![1; nodes.len()];
+        for (i, node) in nodes.iter().enumerate() {
+            let candidates: &[u32] = match node.op {
+                Op::Add => &[node.a, node.b],
+                Op::Sub => &[node.a],
+                _ => continue,
+            };
+            let continues =
+                |&c: &u32| length[c as usize] > 1 && uses[c as usize] == 1 && node.a != node.b;
+            next[i] = candidates
+                .iter()
+                .copied()
+                .filter(continues)
+                .max_by_key(|&c| length[c as usize]);
+            length[i] = next[i].map_or(2, |c| length[c as usize] + 1);
+        }
+        let mut chains = Chains {
+            next,
+            length,
+            absorbed: vec![false; nodes.len()],
+        };
+        for i in (0..nodes.len()).rev() {
+            let inside = chains.absorbed[i] || (uses[i] > 0 && chains.length[i] >= SHORTEST_SUM);
+            if let (true, Some(c)) = (inside, chains.next[i]) {
+                chains.absorbed[c as usize] = true;
+            }
+        }
+        chains
+    }
+
+    fn is_sum(&self, node: usize) -> bool {
+        self.length[node] >= SHORTEST_SUM && !self.absorbed[node]
+    }
+
+    /// The operands of a sum, last first.
+    fn terms<'a>(&'a self, nodes: &'a [Node], top: usize) -> impl Iterator<Item = Term> + 'a {
+        let mut pending = None;
+        let mut at = Some(top);
+        std::iter::from_fn(move || {
+            if let Some(term) = pending.take() {
+                return Some(term);
+            }
+            let i = at?;
+            let Node { op, a, b } = nodes[i];
+            let minus = op == Op::Sub;
+            at = self.next[i].map(|c| c as usize);
+            match self.next[i] {
+                Some(c) => Some(Term {
+                    node: if c == a { b } else { a },
+                    minus,
+                }),
+                None => {
+                    pending = Some(Term {
+                        node: a,
+                        minus: false,
+                    });
+                    Some(Term { node: b, minus })
+                }
+            }
+        })
+    }
+}

@@ -1,0 +1,7 @@
+//! Operations of H as they are met, each once, and the graph of those that reach H.
+
+pub(crate) mod graph;
+pub(crate) mod op;
+pub(crate) mod peephole;
+pub(crate) mod recorder;
+pub(crate) mod trace;

@@ -1,0 +1,158 @@
+//! [`Op`]: the operations a recording consists of.
+
+/// One operation. Payloads are part of the operation, so that a run of equal operations shares them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) enum Op {
+    /// Entry of the table of constants.
+    Constant(u32),
+    /// Component of y = (q, p).
+    Input(u32),
+    /// Entry of the table of sums.
+    Sum(u32),
+    Add,
+    Sub,
+    Mul,
+    Square,
+    Div,
+    Neg,
+    Recip,
+    Sqrt,
+    Abs,
+    /// Integer power.
+    Powi(i32),
+    /// Power with a constant exponent, an entry of the table of constants.
+    Powf(u32),
+    /// Power with the exponent n/2, n odd, |n| from 3 to 15.
+    HalfPower(i32),
+    Pow,
+    Exp,
+    Ln,
+    ExpM1,
+    Ln1p,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Atan2,
+    Sinh,
+    Cosh,
+    Tanh,
+    Hypot,
+    Min,
+    Max,
+    /// The four of [`Piecewise`](equip_scalar::Piecewise), in derivatives only: −1, 0 or 1.
+    Sign,
+    /// 1 where a ≤ b, else 0.
+    AtMost,
+    /// a where b is not 0, else 0.
+    WhereNonzero,
+    /// Derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants.
+    PowfSlope(u32),
+    /// a² + b, of [`crate::recording::peephole`].
+    SquareAdd,
+    /// 1/√a, of [`crate::recording::peephole`].
+    RecipSqrt,
+}
+
+/// Where an operation has second derivatives of its own, in its operands a and b.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Curvature {
+    /// Nowhere; |x|, min and max are linear piece by piece.
+    None,
+    /// In (a, b).
+    Product,
+    /// In (a, b) and (b, b).
+    Quotient,
+    /// In every pair.
+    Full,
+}
+
+impl Op {
+    /// Number of operands; a sum keeps its own elsewhere.
+    pub(crate) fn arity(self) -> usize {
+        match self {
+            Op::Constant(_) | Op::Input(_) | Op::Sum(_) => 0,
+            Op::Add
+            | Op::Sub
+            | Op::Mul
+            | Op::Div
+            | Op::Pow
+            | Op::Atan2
+            | Op::Hypot
+            | Op::Min
+            | Op::Max
+            | Op::AtMost
+            | Op::WhereNonzero
+            | Op::PowfSlope(_)
+            | Op::SquareAdd => 2,
+            _ => 1,
+        }
+    }
+
+    /// Operations of arithmetic or calls of functions that it is.
+    pub(crate) fn count(self) -> usize {
+        match self {
+            Op::SquareAdd | Op::RecipSqrt => 2,
+            _ => 1,
+        }
+    }
+
+    /// Roundings to ε of the result that it is worth: 1, but a power is rounded for each of its
+    /// multiplications, to ε/2.
+    pub(crate) fn roundings(self) -> u32 {
+        match self {
+            Op::Powi(n) => n.unsigned_abs().div_ceil(2).max(1),
+            Op::HalfPower(n) => (n.unsigned_abs() / 2 + 2).div_ceil(2),
+            _ => 1,
+        }
+    }
+
+    /// Whether no result is less than 0, whatever the operands.
+    pub(crate) fn is_never_negative(self) -> bool {
+        match self {
+            Op::Powi(n) => n % 2 == 0,
+            Op::Square
+            | Op::Sqrt
+            | Op::HalfPower(_)
+            | Op::Abs
+            | Op::Exp
+            | Op::Cosh
+            | Op::Hypot
+            | Op::Acos => true,
+            _ => false,
+        }
+    }
+
+    /// Whether exchanging the operands leaves every bit of the result.
+    pub(crate) fn is_commutative(self) -> bool {
+        matches!(self, Op::Add | Op::Mul)
+    }
+
+    /// Second derivatives by the operands.
+    pub(crate) fn curvature(self) -> Curvature {
+        match self {
+            Op::Constant(_)
+            | Op::Input(_)
+            | Op::Sum(_)
+            | Op::Add
+            | Op::Sub
+            | Op::Neg
+            | Op::Abs
+            | Op::Min
+            | Op::Max => Curvature::None,
+            Op::Mul => Curvature::Product,
+            Op::Div => Curvature::Quotient,
+            _ => Curvature::Full,
+        }
+    }
+}
+
+/// An operation with its operands, which stand earlier. A unary operation has its operand twice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct Node {
+    pub(crate) op: Op,
+    pub(crate) a: u32,
+    pub(crate) b: u32,
+}

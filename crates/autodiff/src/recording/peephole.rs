@@ -1,0 +1,174 @@
+//! Operations of a recording that are replayed as one: a² + b and 1/√a.
+//!
+//! What replays wait for is reading operands and writing results, so an operation whose result goes nowhere
+//! else is done where it is used. Each is still rounded for itself: every bit is kept. Done after all that is
+//! to be known of the structure is known.
+
+use crate::recording::graph::{Graph, Term};
+use crate::recording::op::{Node, Op};
+use equip_scalar::Constant;
+
+/// The same graph in fewer operations.
+pub(crate) fn peephole(graph: &Graph) -> Graph {
+    let uses = count_uses(graph);
+    let mut taken = vec![false; graph.nodes.len()];
+    let mut nodes = graph.nodes.clone();
+    for (i, node) in graph.nodes.iter().enumerate() {
+        let alone = |x: u32, op: Op| {
+            graph.nodes[x as usize].op == op
+                && uses[x as usize] == 1
+                && !graph.is_constant[x as usize]
+        };
+        let Node { op, a, b } = *node;
+        let (inner, op) = match op {
+            Op::Add if a != b && alone(b, Op::Square) => (b, Op::SquareAdd),
+            Op::Add if a != b && alone(a, Op::Square) => (a, Op::SquareAdd),
+            Op::Div if graph.is_one(a) && alone(b, Op::Sqrt) => (b, Op::RecipSqrt),
+            _ => continue,
+        };
+        taken[inner as usize] = true;
+        let x = graph.nodes[inner as usize].a;
+        let other = if inner == a { b } else { a };
+        nodes[i] = match op {
+            Op::SquareAdd => Node { op, a: x, b: other },
+            _ => Node { op, a: x, b: x },
+        };
+    }
+    graph.without(&taken, nodes)
+}
+
+/// How often each node is an operand or a result.
+fn count_uses(graph: &Graph) -> Vec<u32> {
+    let mut uses = vec![0; graph.nodes.len()];
+    for i in 0..graph.nodes.len() {
+        graph.operands(i).for_each(|x| uses[x as usize] += 1);
+    }
+    graph.roots.iter().for_each(|&x| uses[x as usize] += 1);
+    uses
+}
+
+impl Graph {
+    fn is_one(&self, node: u32) -> bool {
+        match self.nodes[node as usize].op {
+            Op::Constant(k) => self.constants[k as usize] == Constant::double(1.0),
+            _ => false,
+        }
+    }
+
+    /// With these operations, less those that are `taken` out, which no other needs.
+    pub(crate) fn without(&self, taken: &[bool], nodes: Vec<Node>) -> Graph {
+        let mut renumbered = vec![0; nodes.len()];
+        let mut left = Vec::with_capacity(nodes.len());
+        let mut is_constant = Vec::with_capacity(nodes.len());
+        for (i, Node { op, a, b }) in nodes.into_iter().enumerate() {
+            if !taken[i] {
+                renumbered[i] = left.len() as u32;
+                let (a, b) = (renumbered[a as usize], renumbered[b as usize]);
+                left.push(Node { op, a, b });
+                is_constant.push(self.is_constant[i]);
+            }
+        }
+        let roots = self.roots.iter().map(|&node| renumbered[node as usize]);
+        let terms = self.terms.iter().map(|&Term { node, minus }| Term {
+            node: renumbered[node as usize],
+            minus,
+        });
+        Graph {
+            inputs: self.inputs,
+            nodes: left,
+            constants: self.constants.clone(),
+            terms: terms.collect(),
+            sums: self.sums.clone(),
+            roots: roots.collect(),
+            is_constant,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Graph, peephole};
+    use crate::derivative::differentiate;
+    use crate::recording::op::Op;
+    use crate::recording::trace::record;
+    use crate::replay::order::Blocks;
+    use crate::replay::tape::Tape;
+    use crate::replay::values::Replay;
+    use crate::{Evaluate, Hamiltonian, System, Var};
+    use equip_scalar::{DoubleDouble, Scalar};
+
+    fn potential(q: &[Var]) -> Var {
+        let r2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
+        // q₀² goes elsewhere too, and stays.
+        1.0 / r2.sqrt() + (q[0] * q[0]).exp()
+    }
+
+    #[test]
+    fn what_goes_nowhere_else_is_taken_up() {
+        let recording = record(3, |q, _| potential(q)).unwrap_or_else(|e| panic!("{e}"));
+        let graph = peephole(&Graph::new(&recording.operations, &[recording.root]));
+        let found: Vec<Op> = graph.nodes.iter().map(|node| node.op).collect();
+        let count = |op: Op| found.iter().filter(|&&x| x == op).count();
+        assert_eq!(count(Op::Square), 1);
+        assert_eq!(count(Op::SquareAdd), 2);
+        assert_eq!([Op::RecipSqrt, Op::Sqrt, Op::Div].map(count), [1, 0, 0]);
+        assert_eq!(count(Op::Add), 1);
+    }
+
+    #[test]
+    fn every_bit_is_kept() {
+        let h = Hamiltonian::new(3, |q, _| potential(q)).unwrap_or_else(|e| panic!("{e}"));
+        for k in 0..64 {
+            let q = [1.0, 2.0, 3.0].map(|x| (x + 0.37 * f64::from(k)).sin());
+            let y = [q[0], q[1], q[2], 0.0, 0.0, 0.0];
+            let r2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
+            let value = 1.0 / r2.sqrt() + (q[0] * q[0]).exp();
+            assert_eq!(h.evaluator().value(&y).to_bits(), value.to_bits(), "{q:?}");
+            let [x, y, z] = q.map(DoubleDouble::from);
+            let one = DoubleDouble::from(1.0);
+            let wide = one / <DoubleDouble as Scalar>::sqrt(x * x + y * y + z * z)
+                + <DoubleDouble as Scalar>::exp(x * x);
+            let zero = DoubleDouble::from(0.0);
+            let found = h.evaluator().value(&[x, y, z, zero, zero, zero]);
+            assert_eq!(found, wide, "{q:?}");
+        }
+    }
+
+    /// A chain whose springs share a factor, in a force that all masses feel: some results go to many blocks,
+    /// and one is a term of a sum in each.
+    #[test]
+    fn blocks_and_operations_in_one_have_the_bits_of_single_operations() {
+        let m = 400;
+        let recording = record(m, |q, _| {
+            let shared = (q[0] * q[0]).exp();
+            let r2 = q.iter().map(|&q| q * q).sum::<Var>();
+            let springs = q.windows(2).map(|q| {
+                let d = q[1] - q[0];
+                shared * (d * d) + (d * d + 0.25 * (q[0] * q[0])).sqrt()
+            });
+            springs.sum::<Var>() + q[m - 1] / r2.sqrt() + 1.0 / (q[1] * q[1] + q[2] * q[2]).sqrt()
+        })
+        .unwrap_or_else(|e| panic!("{e}"));
+        let mut recorder = recording.resume();
+        let slopes = differentiate(&mut recorder, recording.root);
+        let graph = || Graph::new(&recorder, &slopes);
+        let results = |tape: Tape| -> Vec<u64> {
+            let mut replay = Replay::<f64>::new(&tape);
+            let number = |k: usize| ((k * k + 3) as f64 * 0.37).sin();
+            let bits = |x: &f64| x.to_bits();
+            replay.run(&tape, number).iter().map(bits).collect()
+        };
+        let expected = results(Tape::new(&graph(), Blocks::One));
+        let in_blocks = Tape::new(&graph(), Blocks::InCache);
+        assert!(in_blocks.blocks.len() > 2 && in_blocks.copies.len() > 2);
+        assert_eq!(results(in_blocks), expected);
+        assert_eq!(
+            results(Tape::new(&peephole(&graph()), Blocks::One)),
+            expected
+        );
+        let both = Tape::new(&peephole(&graph()), Blocks::InCache);
+        assert!(both.operations() == Tape::new(&graph(), Blocks::One).operations());
+        assert_eq!(results(both), expected);
+        assert!(expected.iter().any(|&x| x != expected[0]));
+    }
+}

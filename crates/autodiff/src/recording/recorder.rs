@@ -1,0 +1,274 @@
+//! The recorder: every operation once.
+//!
+//! Value numbering: an operation on the same operands as an earlier one is that earlier one (operands of +
+//! and × in either order). Simplifications are those that keep every bit of every result, infinities, NaN and
+//! the sign of zero included: x·1, x/1, x − 0, x + (−0), −(−x), x·(−1) = −x, x¹, x⁰ and x·x = x².
+
+use crate::recording::op::{Node, Op};
+use equip_scalar::{Attempt, Constant, Written};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+use std::ops::Deref;
+use std::panic::Location;
+
+/// Refusals after which a loop waiting for a comparison to come true is taken to be endless.
+const PATIENCE: usize = 1 << 16;
+
+/// A constant as a key: equal bits, equal constant.
+#[derive(Debug, PartialEq, Eq, Hash)]
+enum ConstantKey {
+    Double(u64),
+    Ratio(i64, i64),
+    Decimal(&'static str),
+    Extended([u64; 4]),
+}
+
+impl From<Constant> for ConstantKey {
+    fn from(c: Constant) -> Self {
+        match c.written() {
+            Written::Double(x) => ConstantKey::Double(x.to_bits()),
+            Written::Ratio(n, d) => ConstantKey::Ratio(n, d),
+            Written::Decimal(text) => ConstantKey::Decimal(text),
+            Written::Extended(parts) => ConstantKey::Extended(parts.map(f64::to_bits)),
+        }
+    }
+}
+
+/// Most operations of a recording: places in it are 32 bits, and derivatives need some too.
+const MOST_OPERATIONS: usize = 1 << 31;
+
+/// Operations in the order they were met, inputs first.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Operations {
+    pub(crate) inputs: usize,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) constants: Vec<Constant>,
+}
+
+/// The operations of one energy, each known by what it does.
+#[derive(Debug)]
+pub(crate) struct Recorder {
+    pub(crate) id: u32,
+    operations: Operations,
+    /// There were more operations than have a place.
+    pub(crate) overflow: bool,
+    /// A variable of another recording was met.
+    pub(crate) foreign: bool,
+    /// The first attempt to look at a value.
+    pub(crate) refusal: Option<(Attempt, &'static Location<'static>)>,
+    refusals: usize,
+    known: HashMap<Node, u32, BuildHasherDefault<Mixed>>,
+    known_constants: HashMap<ConstantKey, u32>,
+}
+
+impl Deref for Recorder {
+    type Target = Operations;
+
+    fn deref(&self) -> &Operations {
+        &self.operations
+    }
+}
+
+/// The operations of one energy H, and no more: what derivatives are made of when they are first asked for.
+#[derive(Debug)]
+pub(crate) struct Recording {
+    pub(crate) root: u32,
+    pub(crate) operations: Operations,
+}
+
+impl Recording {
+    /// A recorder that has just recorded H.
+    pub(crate) fn resume(&self) -> Recorder {
+        let Operations {
+            inputs,
+            nodes,
+            constants,
+        } = &self.operations;
+        let mut recorder = Recorder::new(0, *inputs);
+        for &c in constants {
+            recorder.constant_entry(c);
+        }
+        recorder.known.reserve(nodes.len());
+        for &node in &nodes[*inputs..] {
+            recorder.node(node);
+        }
+        recorder
+    }
+}
+
+impl Recorder {
+    pub(crate) fn new(id: u32, inputs: usize) -> Self {
+        let input = |i| Node {
+            op: Op::Input(i),
+            a: 0,
+            b: 0,
+        };
+        Recorder {
+            id,
+            operations: Operations {
+                inputs,
+                nodes: (0..inputs as u32).map(input).collect(),
+                constants: Vec::new(),
+            },
+            overflow: false,
+            foreign: false,
+            refusal: None,
+            refusals: 0,
+            known: HashMap::default(),
+            known_constants: HashMap::new(),
+        }
+    }
+
+    /// What has been recorded up to the node of H.
+    pub(crate) fn finish(self, root: u32) -> Recording {
+        let mut operations = self.operations;
+        let length = (root as usize + 1).max(operations.inputs);
+        operations.nodes.truncate(length);
+        operations.nodes.shrink_to_fit();
+        Recording { root, operations }
+    }
+
+    pub(crate) fn constant(&mut self, c: Constant) -> u32 {
+        let k = self.constant_entry(c);
+        self.node(Node {
+            op: Op::Constant(k),
+            a: 0,
+            b: 0,
+        })
+    }
+
+    /// xᶜ. Half-integer powers are roots.
+    pub(crate) fn powf(&mut self, x: u32, c: Constant) -> u32 {
+        if let Some(n) = c.exact_halves() {
+            return self.half_power(x, n);
+        }
+        let k = self.constant_entry(c);
+        self.node(Node {
+            op: Op::Powf(k),
+            a: x,
+            b: x,
+        })
+    }
+
+    /// x^(n/2) for an odd n.
+    pub(crate) fn half_power(&mut self, x: u32, n: i32) -> u32 {
+        match n {
+            1 => self.apply(Op::Sqrt, x, x),
+            -1 => {
+                let root = self.apply(Op::Sqrt, x, x);
+                let one = self.constant(Constant::double(1.0));
+                self.apply(Op::Div, one, root)
+            }
+            n => self.apply(Op::HalfPower(n), x, x),
+        }
+    }
+
+    /// An operation with at most two operands; a unary one has its operand twice.
+    pub(crate) fn apply(&mut self, op: Op, a: u32, b: u32) -> u32 {
+        match op {
+            Op::Add if self.is_double(a, -0.0) => b,
+            Op::Add if self.is_double(b, -0.0) => a,
+            Op::Sub if self.is_double(b, 0.0) => a,
+            Op::Mul if self.is_double(a, 1.0) => b,
+            Op::Mul if self.is_double(b, 1.0) => a,
+            Op::Mul if self.is_double(a, -1.0) => self.apply(Op::Neg, b, b),
+            Op::Mul if self.is_double(b, -1.0) => self.apply(Op::Neg, a, a),
+            Op::Mul if a == b => self.node(Node {
+                op: Op::Square,
+                a,
+                b,
+            }),
+            Op::Div if self.is_double(b, 1.0) => a,
+            Op::Neg if self.nodes[a as usize].op == Op::Neg => self.nodes[a as usize].a,
+            Op::Powi(0) => self.constant(Constant::double(1.0)),
+            Op::Powi(1) => a,
+            Op::Powi(2) => self.node(Node {
+                op: Op::Square,
+                a,
+                b,
+            }),
+            op if op.is_commutative() => self.node(Node {
+                op,
+                a: a.min(b),
+                b: a.max(b),
+            }),
+            op => self.node(Node { op, a, b }),
+        }
+    }
+
+    /// Notes an attempt to look at a value.
+    ///
+    /// # Panics
+    /// When it comes so often that the energy must be in a loop which no answer ends.
+    pub(crate) fn refuse(&mut self, attempt: Attempt, location: &'static Location<'static>) {
+        self.refusal.get_or_insert((attempt, location));
+        self.refusals += 1;
+        assert!(
+            self.refusals < PATIENCE,
+            "the energy waits at {location} for a comparison of the state to come true, which it never does \
+             while being recorded; replace the loop by a fixed number of iterations"
+        );
+    }
+
+    fn is_double(&self, node: u32, x: f64) -> bool {
+        match self.nodes[node as usize].op {
+            Op::Constant(k) => match self.constants[k as usize].written() {
+                Written::Double(c) => c.to_bits() == x.to_bits(),
+                _ => false,
+            },
+            _ => false,
+        }
+    }
+
+    fn constant_entry(&mut self, c: Constant) -> u32 {
+        *self.known_constants.entry(c.into()).or_insert_with(|| {
+            self.operations.constants.push(c);
+            self.operations.constants.len() as u32 - 1
+        })
+    }
+
+    fn node(&mut self, node: Node) -> u32 {
+        let nodes = &mut self.operations.nodes;
+        if nodes.len() >= MOST_OPERATIONS {
+            self.overflow = true;
+            return 0;
+        }
+        *self.known.entry(node).or_insert_with(|| {
+            nodes.push(node);
+            nodes.len() as u32 - 1
+        })
+    }
+}
+
+/// The hash of rustc's own tables: words are mixed by products [rustc-hash 2]. Recordings are no hostile
+/// input.
+#[derive(Debug, Default, Clone, Copy)]
+pub(crate) struct Mixed(u64);
+
+impl Mixed {
+    fn add(&mut self, word: u64) {
+        self.0 = (self.0.wrapping_add(word)).wrapping_mul(0xf135_7aea_2e62_a9c5);
+    }
+}
+
+impl Hasher for Mixed {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.add(byte.into()));
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        self.add(word.into());
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.add(word);
+    }
+
+    fn write_usize(&mut self, word: usize) {
+        self.add(word as u64);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0.rotate_left(26)
+    }
+}

@@ -1,0 +1,266 @@
+//! Replays a tape: the values of all slots from those of the inputs.
+//!
+//! Each operation is the very function of [`Scalar`](equip_scalar::Scalar) the energy called, in its order:
+//! the result has every bit of the energy evaluated directly. Cost: one evaluation of what was recorded.
+
+use crate::recording::op::Op;
+use crate::replay::stretches::Access;
+use crate::replay::tape::{Run, Tape};
+use equip_scalar::{Constant, Float, Kernel, Piecewise};
+
+/// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of
+/// a closure: closures are not always inlined, and what is not inlined into a kernel has no vector
+/// instructions.
+macro_rules! each {
+    ($step:ident, |$x:ident, $y:ident| $f:expr) => {
+        match $step.run.access {
+            Access::Listed => listed!($step, |$x, $y| $f),
+            Access::Slices => {
+                let ([left, right], results) = $step.slices();
+                for ((result, &$x), &$y) in results.iter_mut().zip(left).zip(right) {
+                    *result = $f;
+                }
+            }
+            Access::FixedLeft => {
+                let ([left, right], results) = $step.slices();
+                let $x = left[0];
+                for (result, &$y) in results.iter_mut().zip(right) {
+                    *result = $f;
+                }
+            }
+            Access::FixedRight => {
+                let ([left, right], results) = $step.slices();
+                let $y = right[0];
+                for (result, &$x) in results.iter_mut().zip(left) {
+                    *result = $f;
+                }
+            }
+        }
+    };
+    ($step:ident, |$x:ident| $f:expr) => {
+        if $step.run.access == Access::Slices {
+            let ([left, _], results) = $step.slices();
+            for (result, &$x) in results.iter_mut().zip(left) {
+                *result = $f;
+            }
+        } else {
+            listed!($step, |$x| $f)
+        }
+    };
+}
+
+/// The same for operands that lie anywhere.
+macro_rules! listed {
+    ($step:ident, |$x:ident, $y:ident| $f:expr) => {{
+        let (operands, before, results) = $step.listed();
+        for (result, &[i, j]) in results.iter_mut().zip(operands) {
+            let ($x, $y) = (before[i as usize], before[j as usize]);
+            *result = $f;
+        }
+    }};
+    ($step:ident, |$x:ident| $f:expr) => {{
+        let (operands, before, results) = $step.listed();
+        for (result, &[i, _]) in results.iter_mut().zip(operands) {
+            let $x = before[i as usize];
+            *result = $f;
+        }
+    }};
+}
+
+const ONE: Constant = Constant::double(1.0);
+
+const fn half(n: i32) -> Constant {
+    Constant::double(0.5 * n as f64)
+}
+
+/// Computes the given runs, their operands being known. `exponents` are those of the tape, in a form
+/// that is cheap to read.
+#[rustfmt::skip]
+#[inline(always)]
+pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Constant], values: &mut [S]) {
+    for run in runs {
+        let step = Step { tape, run, values };
+        match run.op {
+            Op::Constant(_) | Op::Input(_) => {}
+            Op::Sum(k) => step.sum(k as usize),
+            Op::Add => each!(step, |x, y| x + y),
+            Op::Sub => each!(step, |x, y| x - y),
+            Op::Mul => each!(step, |x, y| x * y),
+            Op::Div => each!(step, |x, y| x / y),
+            Op::Square => each!(step, |x| x * x),
+            Op::Neg => each!(step, |x| -x),
+            Op::Recip => each!(step, |x| S::recip(x)),
+            Op::Sqrt => each!(step, |x| S::sqrt(x)),
+            Op::SquareAdd => each!(step, |x, y| x * x + y),
+            Op::RecipSqrt => each!(step, |x| S::constant(ONE) / S::sqrt(x)),
+            // A constant exponent lets the compiler unroll the multiplications.
+            Op::Powi(3) => each!(step, |x| S::powi(x, 3)),
+            Op::Powi(4) => each!(step, |x| S::powi(x, 4)),
+            Op::Powi(5) => each!(step, |x| S::powi(x, 5)),
+            Op::Powi(6) => each!(step, |x| S::powi(x, 6)),
+            Op::Powi(n) => each!(step, |x| S::powi(x, n)),
+            Op::HalfPower(3) => each!(step, |x| S::powf(x, half(3))),
+            Op::HalfPower(-3) => each!(step, |x| S::powf(x, half(-3))),
+            Op::HalfPower(n) => { let c = half(n); each!(step, |x| S::powf(x, c)) }
+            Op::Powf(k) => { let c = exponents[k as usize]; listed!(step, |x| S::powf(x, c)) }
+            Op::PowfSlope(k) => { let c = exponents[k as usize]; listed!(step, |x, f| S::powf_slope(x, f, c)) }
+            Op::Pow => listed!(step, |x, y| S::pow(x, y)),
+            Op::Abs => listed!(step, |x| S::abs(x)),
+            Op::Exp => listed!(step, |x| S::exp(x)),
+            Op::Ln => listed!(step, |x| S::ln(x)),
+            Op::ExpM1 => listed!(step, |x| S::exp_m1(x)),
+            Op::Ln1p => listed!(step, |x| S::ln_1p(x)),
+            Op::Sin => listed!(step, |x| S::sin(x)),
+            Op::Cos => listed!(step, |x| S::cos(x)),
+            Op::Tan => listed!(step, |x| S::tan(x)),
+            Op::Asin => listed!(step, |x| S::asin(x)),
+            Op::Acos => listed!(step, |x| S::acos(x)),
+            Op::Atan => listed!(step, |x| S::atan(x)),
+            Op::Atan2 => listed!(step, |y, x| S::atan2(y, x)),
+            Op::Sinh => listed!(step, |x| S::sinh(x)),
+            Op::Cosh => listed!(step, |x| S::cosh(x)),
+            Op::Tanh => listed!(step, |x| S::tanh(x)),
+            Op::Hypot => listed!(step, |x, y| S::hypot(x, y)),
+            Op::Min => listed!(step, |x, y| S::min(x, y)),
+            Op::Max => listed!(step, |x, y| S::max(x, y)),
+            Op::Sign => listed!(step, |x| S::sign(x)),
+            Op::AtMost => listed!(step, |x, y| S::at_most(x, y)),
+            Op::WhereNonzero => listed!(step, |x, y| S::where_nonzero(x, y)),
+        }
+    }
+}
+
+/// A sum by compensated summation: the errors of all additions are known [Knuth, vol. 2, 4.2.2], and added at
+/// the end. Four sums side by side, so that none waits for the other.
+pub(crate) struct CompensatedSum<'a, T> {
+    pub(crate) tape: &'a Tape,
+    pub(crate) sum: usize,
+    pub(crate) run: &'a Run,
+    pub(crate) values: &'a mut [T],
+}
+
+impl<T: Float> Kernel for CompensatedSum<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let (tape, values) = (self.tape, &mut *self.values);
+        let mut sums = Compensated::<T, 4>::zero();
+        for segment in &tape.segments[tape.sums[self.sum].clone()] {
+            let minus = segment.minus;
+            if let Some(first) = segment.first {
+                let terms = &values[first..first + segment.terms.len()];
+                let (fours, rest) = terms.as_chunks::<4>();
+                for four in fours {
+                    sums.add(four, minus);
+                }
+                for &term in rest {
+                    sums.add_to(0, term, minus);
+                }
+            } else {
+                let (fours, rest) = tape.terms[segment.terms.clone()].as_chunks::<4>();
+                for [a, b, c, d] in fours {
+                    sums.add(&[*a, *b, *c, *d].map(|slot| values[slot as usize]), minus);
+                }
+                for &slot in rest {
+                    sums.add_to(0, values[slot as usize], minus);
+                }
+            }
+        }
+        let mut total = Compensated::<T, 1>::zero();
+        for (sum, error) in sums.sum.into_iter().zip(sums.error) {
+            total.add_to(0, sum, false);
+            total.error[0] += error;
+        }
+        values[self.run.slots.start] = total.sum[0] + total.error[0];
+    }
+}
+
+/// Sums, and what they have lost.
+struct Compensated<T, const N: usize> {
+    sum: [T; N],
+    error: [T; N],
+}
+
+impl<T: Float, const N: usize> Compensated<T, N> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Compensated {
+            sum: [T::int(0); N],
+            error: [T::int(0); N],
+        }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, terms: &[T; N], minus: bool) {
+        for (i, &term) in terms.iter().enumerate() {
+            self.add_to(i, term, minus);
+        }
+    }
+
+    #[inline(always)]
+    fn add_to(&mut self, i: usize, term: T, minus: bool) {
+        let term = if minus { -term } else { term };
+        let sum = self.sum[i];
+        let total = sum + term;
+        let added = total - sum;
+        self.error[i] += (sum - (total - added)) + (term - added);
+        self.sum[i] = total;
+    }
+}
+
+/// One run with what it reads and writes.
+struct Step<'a, S> {
+    tape: &'a Tape,
+    run: &'a Run,
+    values: &'a mut [S],
+}
+
+impl<'a, S: Piecewise> Step<'a, S> {
+    /// The operands from the first ones on, and the results.
+    #[inline(always)]
+    fn slices(self) -> ([&'a [S]; 2], &'a mut [S]) {
+        let (operands, before, results) = self.listed();
+        (operands[0].map(|first| &before[first as usize..]), results)
+    }
+
+    /// Slots of the operands, all that stands before the results, and the results.
+    #[inline(always)]
+    fn listed(self) -> (&'a [[u32; 2]], &'a [S], &'a mut [S]) {
+        let (before, results) = self.values.split_at_mut(self.run.slots.start);
+        let results = &mut results[..self.run.slots.len()];
+        (&self.tape.operands[self.run.operands..], before, results)
+    }
+
+    #[inline(always)]
+    fn sum(self, k: usize) {
+        let mut total: Option<S> = None;
+        for segment in &self.tape.segments[self.tape.sums[k].clone()] {
+            let mut terms = segment.terms.clone();
+            let slot = |term: usize| match segment.first {
+                Some(first) => first + (term - segment.terms.start),
+                None => self.tape.terms[term] as usize,
+            };
+            let mut sum = match total {
+                Some(total) => total,
+                None => match terms.next() {
+                    Some(first) => self.values[slot(first)],
+                    None => continue,
+                },
+            };
+            if segment.minus {
+                for term in terms {
+                    sum = sum - self.values[slot(term)];
+                }
+            } else {
+                for term in terms {
+                    sum = sum + self.values[slot(term)];
+                }
+            }
+            total = Some(sum);
+        }
+        if let Some(total) = total {
+            self.values[self.run.slots.start] = total;
+        }
+    }
+}

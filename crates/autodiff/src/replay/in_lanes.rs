@@ -1,0 +1,101 @@
+//! [`InLanes`]: a tape replayed at many points at once, over lanes.
+//!
+//! Points are taken in groups of 8, doubles in groups of 4 where there is no room for more, and of 16 where
+//! there is and the tape is short: what it takes to find an operation is shared by more of them, and of a
+//! long tape the values would take twice the cache. Memory: as many numbers a slot of the tape as points, for
+//! each width that is used.
+
+use crate::replay::batch::Batch;
+use crate::replay::forward::forward;
+use crate::replay::tape::{Tape, Transfer};
+use crate::replay::values::Replay;
+use equip_scalar::{Float, InstructionSet, Kernel, Lanes, Pack};
+
+/// Slots of the longest tape that is replayed at 16 points at once: 64 KiB.
+const SHORT: usize = 512;
+
+/// Workspace of one tape in all widths.
+#[derive(Debug, Clone)]
+pub(crate) struct InLanes<T: Float> {
+    four: Option<Replay<T::Pack<4>>>,
+    eight: Option<Replay<T::Pack<8>>>,
+    /// Of a short tape, for doubles.
+    sixteen: Option<Replay<Lanes<16>>>,
+}
+
+impl<T: Float> InLanes<T> {
+    pub(crate) fn new(tape: &Tape) -> Self {
+        InLanes {
+            four: None,
+            eight: None,
+            sixteen: (T::IS_DOUBLE && tape.slots <= SHORT).then(|| Replay::packs(tape)),
+        }
+    }
+
+    pub(crate) fn run(&mut self, set: InstructionSet, tape: &Tape, batch: &mut Batch<T>) {
+        let sixteen = self.sixteen.as_mut().filter(|_| batch.stride == 16);
+        if let (Some(replay), Some(mut batch)) = (sixteen, batch.in_doubles()) {
+            set.run(&mut Group::<f64, 16> {
+                tape,
+                replay,
+                batch: &mut batch,
+            });
+        } else if const { T::IS_DOUBLE } && batch.stride <= 4 {
+            let replay = self.four.get_or_insert_with(|| Replay::packs(tape));
+            set.run(&mut Group::<T, 4> {
+                tape,
+                replay,
+                batch,
+            });
+        } else {
+            let replay = self.eight.get_or_insert_with(|| Replay::packs(tape));
+            set.run(&mut Group::<T, 8> {
+                tape,
+                replay,
+                batch,
+            });
+        }
+    }
+}
+
+/// A tape and the points to replay it at.
+struct Group<'a, 'b, T: Float, const L: usize> {
+    tape: &'a Tape,
+    replay: &'a mut Replay<T::Pack<L>>,
+    batch: &'a mut Batch<'b, T>,
+}
+
+impl<T: Float, const L: usize> Kernel for Group<'_, '_, T, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let Group {
+            tape,
+            replay,
+            batch,
+        } = self;
+        let stride = batch.stride;
+        let mut at = 0;
+        while at < batch.count {
+            for block in &tape.blocks {
+                for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
+                    let places = &mut replay.values[slots.clone()];
+                    for (place, k) in places.iter_mut().zip(components.clone()) {
+                        *place = Pack::load(&batch.states[k * stride..][..stride][at..]);
+                    }
+                }
+                let (values, exponents) = (&mut replay.values, &replay.exponents);
+                forward(tape, &tape.runs[block.runs.clone()], exponents, values);
+                for Transfer { components, slots } in &tape.results[block.results.clone()] {
+                    let values = &replay.values[slots.clone()];
+                    for (value, k) in values.iter().zip(components.clone()) {
+                        value.store(&mut batch.gradients[k * stride..][..stride][at..]);
+                    }
+                }
+                replay.keep(tape, block);
+            }
+            at += L;
+        }
+    }
+}

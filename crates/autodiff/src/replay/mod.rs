@@ -1,0 +1,10 @@
+//! A graph laid out as a tape, and its replay in any number.
+
+pub(crate) mod batch;
+pub(crate) mod forward;
+pub(crate) mod in_lanes;
+pub(crate) mod order;
+pub(crate) mod point;
+pub(crate) mod stretches;
+pub(crate) mod tape;
+pub(crate) mod values;

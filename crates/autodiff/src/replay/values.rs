@@ -1,0 +1,147 @@
+//! [`Replay`]: the values of all slots of a tape, in one kind of number.
+
+use crate::derivative::tangent::Tangent;
+use crate::replay::batch::Batch;
+use crate::replay::forward::{CompensatedSum, forward};
+use crate::replay::tape::{Block, Run, Tape, Transfer};
+use equip_scalar::{Constant, Float, InstructionSet, Pack, Piecewise};
+
+/// Workspace for replaying one tape. Constants, and what depends on them alone, are computed when it is made.
+#[derive(Debug, Clone)]
+pub(crate) struct Replay<S> {
+    pub(crate) values: Vec<S>,
+    pub(crate) exponents: Vec<Constant>,
+    /// Results of the last replay; not used in lanes, where they are written to their places.
+    pub(crate) results: Vec<S>,
+}
+
+impl<T: Float> Replay<T> {
+    pub(crate) fn new(tape: &Tape) -> Self {
+        let exponents: Vec<Constant> = tape
+            .exponents
+            .iter()
+            .map(|c| resolved(c.to::<T>()))
+            .collect();
+        let zero = T::int(0);
+        let mut values: Vec<T> = tape.constants.iter().map(|c| c.to()).collect();
+        values.resize(tape.slots, zero);
+        forward(tape, &tape.constant_runs, &exponents, &mut values);
+        Replay {
+            values,
+            exponents,
+            results: vec![zero; tape.components],
+        }
+    }
+
+    /// The results for the given inputs, long sums compensated.
+    pub(crate) fn run_compensated(
+        &mut self,
+        set: InstructionSet,
+        tape: &Tape,
+        input: impl Fn(usize) -> T,
+    ) -> &[T] {
+        for block in &tape.blocks {
+            self.read(tape, block, &input);
+            for run in &tape.runs[block.runs.clone()] {
+                match tape.long_sum(run) {
+                    Some(sum) => set.run(&mut CompensatedSum {
+                        tape,
+                        sum,
+                        run,
+                        values: &mut self.values,
+                    }),
+                    None => self.forward(tape, std::slice::from_ref(run)),
+                }
+            }
+            self.give(tape, block);
+            self.keep(tape, block);
+        }
+        &self.results
+    }
+
+    /// Replays at each point of a batch that stands component by component.
+    pub(crate) fn each(&mut self, tape: &Tape, batch: Batch<T>) {
+        let stride = batch.stride;
+        for i in 0..batch.count {
+            let found = self.run(tape, |k| batch.states[k * stride + i]);
+            for (row, &result) in batch.gradients.chunks_exact_mut(stride).zip(found) {
+                row[i] = result;
+            }
+        }
+    }
+}
+
+impl<T: Float, const C: usize> Replay<Tangent<T, C>> {
+    pub(crate) fn tangents(tape: &Tape) -> Self {
+        Replay::<T>::new(tape).widened(Tangent::fixed)
+    }
+}
+
+impl<S> Replay<S> {
+    pub(crate) fn packs<T: Float, const N: usize>(tape: &Tape) -> Self
+    where
+        S: Pack<T, N>,
+    {
+        Replay::<T>::new(tape).widened(S::splat)
+    }
+
+    fn widened<W>(self, wide: impl Fn(S) -> W) -> Replay<W> {
+        Replay {
+            results: self.results.into_iter().map(&wide).collect(),
+            values: self.values.into_iter().map(wide).collect(),
+            exponents: self.exponents,
+        }
+    }
+}
+
+impl<S: Piecewise> Replay<S> {
+    /// The results for the given inputs.
+    pub(crate) fn run(&mut self, tape: &Tape, input: impl Fn(usize) -> S) -> &[S] {
+        for block in &tape.blocks {
+            self.read(tape, block, &input);
+            self.forward(tape, &tape.runs[block.runs.clone()]);
+            self.give(tape, block);
+            self.keep(tape, block);
+        }
+        &self.results
+    }
+
+    /// What later blocks need.
+    #[inline(always)]
+    pub(crate) fn keep(&mut self, tape: &Tape, block: &Block) {
+        for &[from, to] in &tape.copies[block.copies.clone()] {
+            self.values[to] = self.values[from];
+        }
+    }
+
+    #[inline(always)]
+    fn read(&mut self, tape: &Tape, block: &Block, input: &impl Fn(usize) -> S) {
+        for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
+            let places = &mut self.values[slots.clone()];
+            for (place, k) in places.iter_mut().zip(components.clone()) {
+                *place = input(k);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn give(&mut self, tape: &Tape, block: &Block) {
+        for Transfer { components, slots } in &tape.results[block.results.clone()] {
+            self.results[components.clone()].copy_from_slice(&self.values[slots.clone()]);
+        }
+    }
+
+    // Once for each kind of number, not for each kind of input.
+    #[inline(never)]
+    fn forward(&mut self, tape: &Tape, runs: &[Run]) {
+        forward(tape, runs, &self.exponents, &mut self.values);
+    }
+}
+
+/// The number as the constant that is cheapest to read.
+fn resolved<T: Float>(x: T) -> Constant {
+    match x.expansion() {
+        [head, 0.0, 0.0, 0.0] => Constant::double(head),
+        parts => Constant::from_expansion(parts),
+    }
+}

@@ -1,0 +1,193 @@
+//! [`RecordedEvaluator`]: what is evaluated of a recording, in one float type.
+
+use super::derived::Derived;
+use super::many::Many;
+use super::one::One;
+use crate::Kinetic;
+use crate::derivative::hessian::DIRECTIONS;
+use crate::derivative::tangent::Tangent;
+use crate::replay::batch::Batch;
+use crate::replay::point::{check_batch, require_separable};
+use crate::replay::values::Replay;
+use equip_scalar::{Float, InstructionSet};
+use std::sync::Arc;
+
+/// Evaluates a recorded energy in the float type `T`. Workspace is allocated at the first call of a kind.
+#[derive(Debug, Clone)]
+pub struct RecordedEvaluator<T: Float> {
+    pub(super) shared: Arc<Derived>,
+    pub(super) set: InstructionSet,
+    energy: One<T>,
+    gradient: One<T>,
+    with_bound: One<T>,
+    /// ∇H, the bound and H.
+    bounded: Vec<T>,
+    single: Option<Replay<Tangent<T, 1>>>,
+    several: Option<Replay<Tangent<T, DIRECTIONS>>>,
+    pub(super) gradients: Many<T>,
+    /// Of a separable H.
+    pub(super) forces: Many<T>,
+}
+
+impl<T: Float> RecordedEvaluator<T> {
+    pub(crate) fn new(of: &Arc<Derived>) -> Self {
+        RecordedEvaluator {
+            shared: Arc::clone(of),
+            set: InstructionSet::best(),
+            energy: One::new(),
+            gradient: One::new(),
+            with_bound: One::new(),
+            bounded: Vec::new(),
+            single: None,
+            several: None,
+            gradients: Many::new(),
+            forces: Many::new(),
+        }
+    }
+
+    fn check(&self, lengths: &[usize]) {
+        let n = 2 * self.shared.structure.degrees_of_freedom;
+        assert!(
+            lengths.iter().all(|&l| l == n),
+            "a state of this system has {n} components"
+        );
+    }
+
+    pub(crate) fn value_at(&mut self, y: &[T]) -> T {
+        self.check(&[y.len()]);
+        let mut value = [T::int(0)];
+        (self.energy).run(self.set, &self.shared.energy, y, &mut value);
+        value[0]
+    }
+
+    pub(crate) fn compensated_value_at(&mut self, y: &[T]) -> T {
+        if !self.shared.has_long_sums {
+            return self.value_at(y);
+        }
+        self.check(&[y.len()]);
+        let mut value = [T::int(0)];
+        (self.energy).run_compensated(self.set, &self.shared.energy, y, &mut value);
+        value[0]
+    }
+
+    pub(crate) fn gradient_with_bound_at(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
+        self.check(&[gradient.len()]);
+        let bound = self.bound_at(y);
+        let n = y.len();
+        gradient.copy_from_slice(&self.bounded[..n]);
+        match self.shared.has_long_sums {
+            true => (self.compensated_value_at(y), bound),
+            false => (self.bounded[n + 1], bound),
+        }
+    }
+
+    pub(crate) fn bound_at(&mut self, y: &[T]) -> T {
+        self.check(&[y.len()]);
+        self.bounded.resize(y.len() + 2, T::int(0));
+        let of = self.shared.with_bound();
+        self.with_bound.run(self.set, of, y, &mut self.bounded);
+        self.bounded[y.len()]
+    }
+
+    pub(crate) fn gradients_at(&mut self, states: &[T], gradients: &mut [T], n: usize) {
+        self.check(&[n]);
+        let of = self.shared.gradient();
+        for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
+            self.gradient.run(self.set, of, y, gradient);
+        }
+    }
+
+    pub(crate) fn gradients_of(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let n = 2 * self.shared.structure.degrees_of_freedom;
+        check_batch(n, [states.len(), gradients.len()], stride, count);
+        let batch = Batch {
+            states,
+            gradients,
+            stride,
+            count,
+        };
+        (self.gradients).run(self.set, self.shared.gradient(), batch);
+    }
+
+    pub(crate) fn forces_of(
+        &mut self,
+        positions: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let structure = &self.shared.structure;
+        require_separable(structure);
+        let m = structure.degrees_of_freedom;
+        check_batch(m, [positions.len(), gradients.len()], stride, count);
+        let batch = Batch {
+            states: positions,
+            gradients,
+            stride,
+            count,
+        };
+        if let Some(of) = &self.shared.slopes().forces {
+            self.forces.run(self.set, of, batch);
+        }
+    }
+
+    pub(crate) fn kinetic_energy(&mut self) -> Option<Kinetic<T>> {
+        let shared = Arc::clone(&self.shared);
+        let structure = &shared.structure;
+        if !structure.separable || structure.degree_in_p.is_none_or(|degree| degree > 2) {
+            return None;
+        }
+        let n = 2 * structure.degrees_of_freedom;
+        let origin = vec![T::int(0); n];
+        let mut gradient = origin.clone();
+        self.gradients_at(&origin, &mut gradient, n);
+        let curvature = |v: &[T], product: &mut [T]| self.hessian_times(&origin, v, product);
+        Kinetic::new(structure, gradient, curvature)
+    }
+
+    pub(crate) fn hessian_times(&mut self, y: &[T], v: &[T], product: &mut [T]) {
+        self.check(&[y.len(), v.len(), product.len()]);
+        let tape = self.shared.gradient().one();
+        let single = (self.single).get_or_insert_with(|| Replay::tangents(tape));
+        let rows = single.run(tape, |k| Tangent {
+            value: y[k],
+            rates: [v[k]],
+        });
+        for (entry, row) in product.iter_mut().zip(rows) {
+            [*entry] = row.rates;
+        }
+    }
+
+    pub(crate) fn hessian_at(&mut self, y: &[T], entries: &mut [T]) {
+        self.check(&[y.len()]);
+        let (plan, structure) = (self.shared.plan(), &self.shared.structure);
+        let tape = self.shared.gradient().one();
+        let several = (self.several).get_or_insert_with(|| Replay::tangents(tape));
+        assert_eq!(
+            entries.len(),
+            structure.hessian.len(),
+            "one place per entry of the pattern"
+        );
+        for (sweep, pickups) in plan.sweeps().enumerate() {
+            let rows = several.run(tape, |k| {
+                let mut input = Tangent::fixed(y[k]);
+                if let Some(colour) = plan.of_column[k]
+                    && colour / DIRECTIONS == sweep
+                {
+                    input.rates[colour % DIRECTIONS] = T::int(1);
+                }
+                input
+            });
+            for pickup in pickups {
+                let row = rows[pickup.row as usize];
+                entries[pickup.entry as usize] = row.rates[pickup.direction as usize];
+            }
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Columns of ∇²H that can be computed together.
+//!
+//! Two columns without a common row can share one direction: the product of ∇²H with the sum of their unit
+//! vectors has the entries of both, side by side (Curtis, Powell, Reid 1974). Greedy in the order of the
+//! columns. Columns that are connected by rows are coloured together; where a row has all of them, every two
+//! meet, and there is nothing to search for.
+//!
+//! Cost: for each entry of a column the colours its row has so far, one by one or 64 at a time, whichever are
+//! fewer.
+
+use super::pattern::Pattern;
+
+/// A direction for every column; columns without entries have none.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Colouring {
+    pub(crate) colours: usize,
+    pub(crate) of_column: Vec<Option<usize>>,
+}
+
+impl Pattern {
+    /// Groups of columns no two of which have a row in common, with every column that has entries in one of
+    /// them: all columns of a group can be computed from one direction (Curtis, Powell, Reid 1974).
+    pub fn column_groups(&self) -> Vec<Vec<usize>> {
+        let Colouring { colours, of_column } = Colouring::new(self);
+        let mut groups = vec![Vec::new(); colours];
+        for (column, colour) in of_column.into_iter().enumerate() {
+            if let Some(colour) = colour {
+                groups[colour].push(column);
+            }
+        }
+        groups
+    }
+}
+
+impl Colouring {
+    pub(crate) fn new(pattern: &Pattern) -> Self {
+        let n = pattern.dimension();
+        let mut colouring = Colouring {
+            colours: 0,
+            of_column: vec![None; n],
+        };
+        let mut seen = Seen::new(n);
+        for component in components(pattern) {
+            let is_full = |&i: &usize| pattern.row(i).len() == component.len();
+            let every_two_meet = component.iter().any(is_full);
+            for (place, &column) in component.iter().enumerate() {
+                let colour = match every_two_meet {
+                    true => place,
+                    false => seen.first_free(pattern, column, &colouring.of_column),
+                };
+                colouring.colours = colouring.colours.max(colour + 1);
+                colouring.of_column[column] = Some(colour);
+            }
+        }
+        colouring
+    }
+}
+
+/// Columns with entries, in sets that have no row in common, ascending in each.
+fn components(pattern: &Pattern) -> Vec<Vec<usize>> {
+    let n = pattern.dimension();
+    let mut parent: Vec<usize> = (0..n).collect();
+    for i in 0..n {
+        for (_, j) in pattern.row(i) {
+            let (a, b) = (top(&mut parent, i), top(&mut parent, j));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    let mut of_top = vec![usize::MAX; n];
+    let mut components: Vec<Vec<usize>> = Vec::new();
+    for i in (0..n).filter(|&i| pattern.row(i).len() > 0) {
+        let top = top(&mut parent, i);
+        if of_top[top] == usize::MAX {
+            of_top[top] = components.len();
+            components.push(Vec::new());
+        }
+        components[of_top[top]].push(i);
+    }
+    components
+}
+
+/// The representative of a set, all on the way to it brought nearer.
+fn top(parent: &mut [usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    i
+}
+
+/// Colours that a column cannot have.
+struct Seen {
+    /// Colours of each long row, a bit each.
+    of_row: Vec<Vec<u64>>,
+    /// Those of the present column.
+    taken: Vec<u64>,
+}
+
+/// Entries of the shortest row whose colours are kept.
+const LONG: usize = 64;
+
+impl Seen {
+    fn new(n: usize) -> Self {
+        Seen {
+            of_row: vec![Vec::new(); n],
+            taken: Vec::new(),
+        }
+    }
+
+    /// The first colour that no column has which shares a row with this one.
+    fn first_free(&mut self, pattern: &Pattern, column: usize, known: &[Option<usize>]) -> usize {
+        self.taken.clear();
+        for (_, row) in pattern.row(column) {
+            if pattern.row(row).len() >= LONG {
+                self.taken
+                    .resize(self.taken.len().max(self.of_row[row].len()), 0);
+                for (taken, own) in self.taken.iter_mut().zip(&self.of_row[row]) {
+                    *taken |= own;
+                }
+            } else {
+                let colours = pattern.row(row).filter_map(|(_, other)| known[other]);
+                colours.for_each(|colour| mark(&mut self.taken, colour));
+            }
+        }
+        let word = self.taken.iter().position(|&word| word != u64::MAX);
+        let word = word.unwrap_or(self.taken.len());
+        let bits = self.taken.get(word).map_or(0, |word| word.trailing_ones());
+        let colour = 64 * word + bits as usize;
+        for (_, row) in pattern.row(column) {
+            if pattern.row(row).len() >= LONG {
+                mark(&mut self.of_row[row], colour);
+            }
+        }
+        colour
+    }
+}
+
+fn mark(bits: &mut Vec<u64>, colour: usize) {
+    bits.resize(bits.len().max(colour / 64 + 1), 0);
+    bits[colour / 64] |= 1 << (colour % 64);
+}

@@ -1,0 +1,136 @@
+//! [`Kinetic`]: the quadratic T(p) of a separable H = T(p) + U(q), as numbers.
+//!
+//! T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const, so ∇T(p) = M⁻¹ p + b without any differentiation: what an iteration that
+//! has only the positions as unknowns needs. M⁻¹ is read off ∇²H, whose lower right block is constant, and b
+//! off ∇H at p = 0.
+
+use crate::Structure;
+use crate::structure::colouring::Colouring;
+use equip_scalar::{Float, Piecewise};
+
+/// M⁻¹ and b of T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kinetic<T> {
+    shape: Shape<T>,
+    offset: Vec<T>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Shape<T> {
+    Diagonal(Vec<T>),
+    /// Entries of row i stand at `row_starts[i]..row_starts[i + 1]`.
+    Sparse {
+        row_starts: Vec<usize>,
+        entries: Vec<(usize, T)>,
+    },
+}
+
+impl<T: Float> Kinetic<T> {
+    /// Of a separable H with a quadratic T, from ∇H at the origin and ∇²H·v there, once for each colour of
+    /// ∇²T. `None` if one of these is not finite.
+    pub(crate) fn new(
+        structure: &Structure,
+        mut gradient: Vec<T>,
+        mut hessian_vector: impl FnMut(&[T], &mut [T]),
+    ) -> Option<Self> {
+        let m = structure.degrees_of_freedom;
+        let offset = gradient.split_off(m);
+        let pattern = structure.hessian.block(m..2 * m);
+        let Colouring { of_column, colours } = Colouring::new(&pattern);
+        let mut entries: Vec<(usize, T)> = pattern
+            .columns
+            .iter()
+            .map(|&column| (column, T::int(0)))
+            .collect();
+        let mut direction = vec![T::int(0); 2 * m];
+        let mut product = direction.clone();
+        for colour in 0..colours {
+            for (place, of_column) in direction[m..].iter_mut().zip(&of_column) {
+                *place = T::int(i64::from(*of_column == Some(colour)));
+            }
+            hessian_vector(&direction, &mut product);
+            // Entry and mirror entry from the same place: symmetric to the last bit.
+            for row in 0..m {
+                for (place, column) in pattern.row(row) {
+                    if of_column[row.max(column)] == Some(colour) {
+                        entries[place].1 = product[m + row.min(column)];
+                    }
+                }
+            }
+        }
+        let row_starts = pattern.row_starts;
+        let finite = |x: &T| Piecewise::is_regular(*x);
+        if !offset.iter().all(finite) || !entries.iter().all(|(_, x)| finite(x)) {
+            return None;
+        }
+        let is_diagonal = entries.len() == m && entries.iter().map(|e| e.0).eq(0..m);
+        let shape = if is_diagonal {
+            Shape::Diagonal(entries.into_iter().map(|e| e.1).collect())
+        } else {
+            Shape::Sparse {
+                row_starts,
+                entries,
+            }
+        };
+        Some(Kinetic { shape, offset })
+    }
+
+    /// The diagonal of M⁻¹, if all other entries are zero.
+    pub fn diagonal(&self) -> Option<&[T]> {
+        match &self.shape {
+            Shape::Diagonal(diagonal) => Some(diagonal),
+            Shape::Sparse { .. } => None,
+        }
+    }
+
+    /// b.
+    pub fn offset(&self) -> &[T] {
+        &self.offset
+    }
+
+    /// Columns and values of row i of M⁻¹.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, T)> + '_ {
+        let (diagonal, sparse) = match &self.shape {
+            Shape::Diagonal(diagonal) => (Some((i, diagonal[i])), [].as_slice()),
+            Shape::Sparse {
+                row_starts,
+                entries,
+            } => (None, &entries[row_starts[i]..row_starts[i + 1]]),
+        };
+        diagonal.into_iter().chain(sparse.iter().copied())
+    }
+
+    /// ∇T(p) = M⁻¹ p + b into `velocity`, both of length m.
+    pub fn velocity(&self, p: &[T], velocity: &mut [T]) {
+        self.velocities_by_component(p, velocity, 1);
+    }
+
+    /// ∇T at as many points as fit into `stride`: component c of point i stands at `c·stride + i`.
+    #[inline]
+    pub fn velocities_by_component(&self, p: &[T], velocities: &mut [T], stride: usize) {
+        let rows = velocities.chunks_exact_mut(stride).zip(&self.offset);
+        match &self.shape {
+            Shape::Diagonal(diagonal) => {
+                for (((v, &b), p), &w) in rows.zip(p.chunks_exact(stride)).zip(diagonal) {
+                    for (v, &p) in v.iter_mut().zip(p) {
+                        *v = w * p + b;
+                    }
+                }
+            }
+            Shape::Sparse {
+                row_starts,
+                entries,
+            } => {
+                for ((v, &b), range) in rows.zip(row_starts.windows(2)) {
+                    v.fill(b);
+                    for &(column, w) in &entries[range[0]..range[1]] {
+                        let p = &p[column * stride..][..stride];
+                        for (v, &p) in v.iter_mut().zip(p) {
+                            *v += w * p;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! What is known of H before any number is put in.
+
+pub(crate) mod colouring;
+pub(crate) mod degree;
+pub(crate) mod facts;
+pub(crate) mod kinetic;
+pub(crate) mod pattern;
+pub(crate) mod separable;
+pub(crate) mod sparsity;

@@ -1,0 +1,41 @@
+//! [`Pattern`]: where a symmetric matrix can have entries.
+
+/// Structural non-zeros of a symmetric matrix, row by row: both triangles, columns ascending in each row.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pattern {
+    /// Entries of row i stand at `row_starts[i]..row_starts[i + 1]`; length n + 1.
+    pub row_starts: Vec<usize>,
+    /// Column of each entry.
+    pub columns: Vec<usize>,
+}
+
+impl Pattern {
+    /// Every entry of an n×n matrix.
+    pub fn dense(n: usize) -> Self {
+        Pattern {
+            row_starts: (0..=n).map(|i| i * n).collect(),
+            columns: (0..n * n).map(|k| k % n).collect(),
+        }
+    }
+
+    /// Rows (and columns) of the matrix.
+    pub fn dimension(&self) -> usize {
+        self.row_starts.len() - 1
+    }
+
+    /// Number of structural non-zeros.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Whether the matrix is identically zero.
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty()
+    }
+
+    /// Positions (in the order of the entries) and columns of row i.
+    pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
+        let range = self.row_starts[i]..self.row_starts[i + 1];
+        range.clone().zip(self.columns[range].iter().copied())
+    }
+}

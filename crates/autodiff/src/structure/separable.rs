@@ -1,0 +1,58 @@
+//! Whether H = T(p) + U(q).
+//!
+//! Walks down from H through sums, differences, signs and constant factors; H separates if every operation
+//! that depends on both q and p is one of these. Sufficient, not necessary: (q + p)² − 2qp is not recognised.
+
+use crate::recording::graph::Graph;
+use crate::recording::op::Op;
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct Depends {
+    on_q: bool,
+    on_p: bool,
+}
+
+/// Whether H is a sum of a function of q and a function of p.
+pub(crate) fn is_separable(graph: &Graph) -> bool {
+    let m = graph.inputs / 2;
+    let mut depends: Vec<Depends> = Vec::with_capacity(graph.nodes.len());
+    for (i, node) in graph.nodes.iter().enumerate() {
+        let own = match node.op {
+            Op::Input(k) => Depends {
+                on_q: (k as usize) < m,
+                on_p: (k as usize) >= m,
+            },
+            _ => graph.operands(i).map(|x| depends[x as usize]).fold(
+                Depends {
+                    on_q: false,
+                    on_p: false,
+                },
+                |all, x| Depends {
+                    on_q: all.on_q || x.on_q,
+                    on_p: all.on_p || x.on_p,
+                },
+            ),
+        };
+        depends.push(own);
+    }
+    let mixed = |i: usize| depends[i].on_q && depends[i].on_p;
+    let mut is_term = vec![false; graph.nodes.len()];
+    is_term[graph.root() as usize] = true;
+    for i in (0..=graph.root() as usize).rev().filter(|&i| mixed(i)) {
+        if is_term[i] {
+            let node = graph.nodes[i];
+            let constant = |x: u32| graph.is_constant[x as usize];
+            let splits = match node.op {
+                Op::Add | Op::Sub | Op::Neg | Op::Sum(_) => true,
+                Op::Mul => constant(node.a) || constant(node.b),
+                Op::Div => constant(node.b),
+                _ => false,
+            };
+            if !splits {
+                return false;
+            }
+            graph.operands(i).for_each(|x| is_term[x as usize] = true);
+        }
+    }
+    true
+}
