@@ -10,6 +10,8 @@
 //! | `random.rs` | does every random Hamiltonian end well: typed, finite, the energy kept where claimed, no worse than Gauss? |
 //! | `long.rs` | does anything grow in 10⁷ steps? |
 //! | `many.rs` | are many components as cheap and as near as with Gauss, and stiff ones kept from slopes? |
+//! | `cases_step.rs` | are small inputs from outside as right and as cheap as with Gauss on the same steps? |
+//! | `cases_step_long.rs` | the same, of many steps, many components and wide numbers |
 //! | `failures.rs` | is every failure typed, with a remedy, and the state intact? |
 //! | `extremes.rs` | wild units, shifted energies, every number of stages |
 //! | `stories.rs` | energies as users write them |
@@ -25,13 +27,19 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod measure;
+mod misses;
 mod problems;
 mod random_system;
+mod reference;
 mod seeded;
+mod side_by_side;
 
 pub use measure::{
     Trend, decimal_digits, distance, largest_ratio, observed_order, relative_distance, trend,
 };
+pub use misses::{Limits, Misses, Pair, geometric_mean};
 pub use problems::{Start, double_pendulum, harmonic, henon_heiles, kepler, pendulum};
 pub use random_system::{RandomSystem, TermKind, rate};
+pub use reference::{Reference, apart, sizes};
 pub use seeded::Seeded;
+pub use side_by_side::{Made, Trial, Who};

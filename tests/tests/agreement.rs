@@ -4,9 +4,9 @@
 //! the two. Bounds are the measured digits minus half a digit.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_integrate::{Equip, Method, Outcome, Record};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
-use equip_solver::{Equip, Method, Outcome, Record};
 use equip_tests::{decimal_digits, relative_distance};
 
 /// Correct digits of a run from the start of a reference to its end.

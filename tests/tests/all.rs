@@ -2,6 +2,8 @@
 
 mod agreement;
 mod allocations;
+mod cases_step;
+mod cases_step_long;
 mod extremes;
 mod failures;
 mod growth;

@@ -1,8 +1,8 @@
 //! A step allocates nothing: the allocations of this thread are counted.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_integrate::{Alphas, Equip, Gauss, Method};
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Alphas, Equip, Gauss, Method};
 use equip_tests::{double_pendulum, kepler};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
+use equip_integrate::{Alphas, Counts, Equip, Gauss, Method, Outcome};
 use equip_scalar::{Constant, DoubleDouble, Float};
-use equip_solver::{Alphas, Counts, Equip, Gauss, Method, Outcome};
 use equip_tests::{Start, decimal_digits, distance, henon_heiles, kepler, relative_distance};
 
 /// Kepler e = 0.6 in units of length, mass and time: H = |p|²/(2M) − (L³M/τ²)/|q|.

@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_scalar::{DoubleDouble, Float, ratio};
-use equip_solver::{
-    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, MAX_STAGES, Method, OnNoAlpha,
-    Record, RunFailure,
+use equip_integrate::{
+    Alphas, Equip, FixedStep, Gauss, IntegrateError, Invariant, MAX_STAGES, Method, Reach, Record,
+    RunFailure,
 };
+use equip_scalar::{DoubleDouble, Float, ratio};
 use equip_tests::{Start, harmonic, henon_heiles, kepler};
 
 /// The failure of a Kepler run over 0..=1, with its text.
@@ -371,7 +371,7 @@ fn leaves_the_domain<T: Float>() {
             break error;
         }
     };
-    let state = |view: equip_solver::StepView<'_, T>| {
+    let state = |view: equip_integrate::StepView<'_, T>| {
         (
             view.index,
             view.time,
@@ -476,7 +476,7 @@ fn refuses<T: Float>() {
         .alphas(Alphas::Last)
         .step(T::ratio(1, 2))
         .max_halvings(0)
-        .on_no_alpha(OnNoAlpha::Refuse);
+        .reach(Reach::Refuse);
     let interval = T::int(0)..=T::int(500);
     let failure = options.integrate(&h, &q, &p, interval).unwrap_err();
     let IntegrateError::NoAdmissibleAlpha {

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Energy, Hamiltonian};
+use equip_integrate::{Counts, Equip, Gauss, Method, Outcome, Preconditioner};
 use equip_scalar::Constant;
 use equip_scenes::{Instance, energies::FputBeta};
-use equip_solver::{Counts, Equip, Gauss, Method, Outcome, StageSolver};
 use equip_tests::{Start, henon_heiles, kepler};
 
 fn counts(
@@ -12,9 +12,9 @@ fn counts(
     h: f64,
     steps: u64,
     (energy, q, p): (&Hamiltonian, &[f64], &[f64]),
-    solver: StageSolver,
+    solver: Preconditioner,
 ) -> Counts {
-    let options = method.step(h).stage_solver(solver);
+    let options = method.step(h).preconditioner(solver);
     let mut run = options.start(energy, q, p, 0.0).unwrap();
     for _ in 0..steps {
         run.advance().unwrap();
@@ -44,7 +44,7 @@ fn a_longer_chain_takes_no_more_gradients() {
             let chain = instance("fput-beta", n);
             let (q, p) = chain.initial::<f64>();
             let start = (chain.hamiltonian(), q.as_slice(), p.as_slice());
-            let c = counts(method, 0.2, 20, start, StageSolver::Sweeps);
+            let c = counts(method, 0.2, 20, start, Preconditioner::Identity);
             let gradients = per_step(c.gradients, &c);
             assert!(gradients <= most, "{method}, n = {n}: {gradients} a step");
             println!("{method}, n = {n}: {gradients:.1}");
@@ -61,7 +61,7 @@ fn more_bodies_take_no_more_gradients() {
         let (q, p) = ring.initial::<f64>();
         let start = (ring.hamiltonian(), q.as_slice(), p.as_slice());
         let h = ring.suggested_step() / 4.0;
-        let c = counts(Equip::stages(4), h, 10, start, StageSolver::Sweeps);
+        let c = counts(Equip::stages(4), h, 10, start, Preconditioner::Identity);
         let gradients = per_step(c.gradients, &c);
         // Measured 14.3, 14.4, 13.7; headroom of 1.15.
         assert!(gradients <= 16.5, "n = {n}: {gradients} a step");
@@ -85,7 +85,7 @@ fn more_stages_take_few_more_sweeps() {
         for (s, most) in [4_usize, 6, 8, 12, 16].into_iter().zip(most) {
             let start = (energy, q.as_slice(), p.as_slice());
             let method = Equip::stages(s);
-            let c = counts(method, h * s as f64, 400, start, StageSolver::Sweeps);
+            let c = counts(method, h * s as f64, 400, start, Preconditioner::Identity);
             let sweeps = per_step(c.sweeps, &c);
             assert!(sweeps <= *most, "scene {i}, s = {s}: {sweeps} a step");
         }
@@ -107,7 +107,7 @@ fn the_longest_chain_takes_no_more_gradients() {
         let q: Vec<f64> = (1..=n).map(mode).collect();
         let p = vec![0.0; n];
         let start = (&energy, q.as_slice(), p.as_slice());
-        let c = counts(Equip::stages(4), 0.2, 20, start, StageSolver::Automatic);
+        let c = counts(Equip::stages(4), 0.2, 20, start, Preconditioner::Automatic);
         println!("{n}: {c:?}");
         assert_eq!(c.outcome(Outcome::Solved) + c.newton_iterations, 0);
         per_step(c.gradients, &c)
@@ -134,7 +134,7 @@ fn a_chain_at_rest_is_swept_from_the_first_step() {
     let (instance, q, p) = at_rest(256);
     let end = |steps: u64, s: usize| {
         let options = Equip::stages(s).step(4.0 / steps as f64);
-        let options = options.stage_solver(StageSolver::Sweeps);
+        let options = options.preconditioner(Preconditioner::Identity);
         let mut run = options.start(instance.hamiltonian(), &q, &p, 0.0).unwrap();
         let mut worst = 0.0_f64;
         for _ in 0..steps {

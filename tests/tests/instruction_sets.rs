@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Hamiltonian, System};
+use equip_integrate::{Equip, Gauss, Preconditioner, Record};
 use equip_scalar::{DoubleDouble, Float, decimal, ratio};
 use equip_scenes::energies::{HenonHeiles, Kepler};
 use equip_scenes::{Instance, find};
-use equip_solver::{Equip, Gauss, Record, StageSolver};
 use std::process::Command;
 
 /// Steps of a run: enough for steps that begin from the last one, and for α's.
@@ -21,7 +21,7 @@ fn lines<T: Float, H: System>(name: &str, system: &H, scene: &Instance, h: f64, 
             ("equip", Equip::stages(s).step(step)),
             (
                 "sweeps",
-                (Equip::stages(s).step(step)).stage_solver(StageSolver::Sweeps),
+                (Equip::stages(s).step(step)).preconditioner(Preconditioner::Identity),
             ),
         ] {
             let end = T::int(STEPS) * step;

@@ -1,8 +1,8 @@
 //! Energy and quadratic invariants at every step, and what keeping them does to the trajectory.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_integrate::{Alphas, Equip, Gauss, Method, Outcome, StepView};
 use equip_scalar::{DoubleDouble, Float, ratio};
-use equip_solver::{Alphas, Equip, Gauss, Method, Outcome, StepView};
 use equip_tests::{Start, Trend, distance, henon_heiles, kepler, trend};
 
 /// What 160 steps per period of Kepler e = 0.6 over some periods show.
@@ -160,7 +160,7 @@ fn chaotic<T: Float>(alphas: Alphas, q2: &str, steps: u64) -> (u64, f64) {
         worst = worst.max(view.energy_defect.unwrap().abs().to_f64());
     }
     let counts = run.counts();
-    let carried = counts.outcome(Outcome::Carried);
+    let carried = counts.carried();
     let solved = counts.outcome(Outcome::Solved) + counts.outcome(Outcome::AtFloor);
     assert_eq!(solved + carried, steps);
     println!(

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
+use equip_integrate::{Equip, IntegrateError, Invariant, Record, Run};
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Equip, IntegrateError, Invariant, Record, Run};
 use equip_tests::{Start, distance, kepler};
 use std::f64::consts::TAU;
 

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_integrate::{Counts, Equip, Gauss, Method, Outcome};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
-use equip_solver::{Counts, Equip, Gauss, Method, Outcome};
 use equip_tests::{Start, Trend, kepler, trend};
 use std::time::Instant;
 
@@ -159,7 +159,7 @@ fn kepler_keeps_both(s: usize, steps_per_period: i32, n: u64) {
     gauss.walks_at_random();
     let equip = kepler_run(Equip::stages(s), steps_per_period, n);
     equip.keeps_both();
-    assert_eq!(equip.counts.outcome(Outcome::Carried), 0);
+    assert_eq!(equip.counts.carried(), 0);
     assert!(gauss.energy > 1e3 * equip.energy);
 }
 

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Energy, Hamiltonian, Var};
+use equip_integrate::{Counts, Equip, Gauss, Method, Outcome, Preconditioner, Record, Run};
 use equip_scalar::Constant;
 use equip_scenes::energies::FputBeta;
-use equip_solver::{Counts, Equip, Gauss, Method, Outcome, Record, Run, StageSolver};
 use equip_tests::{Seeded, distance};
 
 const MASSES: usize = 64;
@@ -44,9 +44,9 @@ fn made(
     (q, p): &(Vec<f64>, Vec<f64>),
     method: Method,
     (h, end): (f64, f64),
-    solver: StageSolver,
+    solver: Preconditioner,
 ) -> Run<f64> {
-    let options = method.step(h).stage_solver(solver).record(Record::Ends);
+    let options = method.step(h).preconditioner(solver).record(Record::Ends);
     options.integrate(energy, q, p, 0.0..=end).unwrap()
 }
 
@@ -107,9 +107,15 @@ fn a_chain_is_as_near_as_gauss_for_little_more() {
             &start,
             Equip::stages(s),
             step,
-            StageSolver::default(),
+            Preconditioner::default(),
         );
-        let gauss = made(&energy, &start, Gauss::stages(s), step, StageSolver::Sweeps);
+        let gauss = made(
+            &energy,
+            &start,
+            Gauss::stages(s),
+            step,
+            Preconditioner::Identity,
+        );
         let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
         let (c, work) = (counts(&ours), counts(&gauss).gradients);
         let work = c.gradients as f64 / work as f64;
@@ -136,9 +142,9 @@ fn twelve_masses_are_many() {
     for (masses, off, more) in [(11, 1.0, 5.0), (12, 4.0, 2.1)] {
         let (energy, start) = (chain_of(masses, 1.0), start_of(masses));
         let run = |method, h, solver| made(&energy, &start, method, (h, END), solver);
-        let exact = state(&run(Gauss::stages(16), 0.25, StageSolver::Sweeps));
-        let ours = run(Equip::stages(4), 0.2, StageSolver::default());
-        let gauss = run(Gauss::stages(4), 0.2, StageSolver::Sweeps);
+        let exact = state(&run(Gauss::stages(16), 0.25, Preconditioner::Identity));
+        let ours = run(Equip::stages(4), 0.2, Preconditioner::default());
+        let gauss = run(Gauss::stages(4), 0.2, Preconditioner::Identity);
         let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
         let (c, work) = (counts(&ours), counts(&gauss).gradients);
         let work = c.gradients as f64 / work as f64;
@@ -162,7 +168,13 @@ fn units_do_not_matter() {
         let energy = chain(unit);
         let start = (q.clone(), p.iter().map(|p| p * unit).collect());
         for method in [Gauss::stages(4), Equip::stages(4)] {
-            let run = made(&energy, &start, method, (0.25, 5.0), StageSolver::default());
+            let run = made(
+                &energy,
+                &start,
+                method,
+                (0.25, 5.0),
+                Preconditioner::default(),
+            );
             let (c, end) = (counts(&run), state(&run));
             let end: Vec<f64> = end.iter().map(|x| x / unit).collect();
             println!(
@@ -186,7 +198,7 @@ fn what_is_left_is_not_halved() {
         &start,
         Equip::stages(10),
         (0.0625, 10.0),
-        StageSolver::default(),
+        Preconditioner::default(),
     );
     let c = counts(&run);
     println!("{c:?}");
@@ -199,7 +211,7 @@ fn what_is_left_is_not_halved() {
 fn steps_near_round_off_are_whole() {
     let (energy, start) = (chain(1.0), start());
     let end = 50.0;
-    let run = |method, h| made(&energy, &start, method, (h, end), StageSolver::default());
+    let run = |method, h| made(&energy, &start, method, (h, end), Preconditioner::default());
     let exact = state(&run(Gauss::stages(16), 0.25));
     let [ours, gauss] = [Equip::stages(8), Gauss::stages(8)].map(|method| run(method, end / 90.0));
     let [error, least] = [&ours, &gauss].map(|run| distance(&state(run), &exact));
@@ -219,7 +231,7 @@ fn steps_near_round_off_are_whole() {
 fn steps_that_are_too_long_are_halved() {
     let (energy, start) = (chain(1.0), start());
     let exact = composed(2000);
-    for solver in [StageSolver::Automatic, StageSolver::Sweeps] {
+    for solver in [Preconditioner::Automatic, Preconditioner::Identity] {
         let [long, short] =
             [2.5, 1.25].map(|h| made(&energy, &start, Equip::stages(8), (h, END), solver));
         let (c, halves) = (counts(&long), counts(&short));
@@ -251,11 +263,11 @@ fn slopes_that_ruin_the_trajectory_are_not_taken() {
         let run = made(&energy, &start, method, (h, end), solver);
         (state(&run), *counts(&run))
     };
-    let (exact, _) = run(Gauss::stages(16), 1.0 / 32.0, StageSolver::Sweeps);
+    let (exact, _) = run(Gauss::stages(16), 1.0 / 32.0, Preconditioner::Identity);
     for (s, h) in [(12, 0.1), (16, 0.125)] {
-        let (gauss, _) = run(Gauss::stages(s), h, StageSolver::Sweeps);
-        let (ours, c) = run(Equip::stages(s), h, StageSolver::default());
-        let (slopes, _) = run(Equip::stages(s), h, StageSolver::Sweeps);
+        let (gauss, _) = run(Gauss::stages(s), h, Preconditioner::Identity);
+        let (ours, c) = run(Equip::stages(s), h, Preconditioner::default());
+        let (slopes, _) = run(Equip::stages(s), h, Preconditioner::Identity);
         let [gauss, ours, slopes] = [gauss, ours, slopes].map(|end| distance(&end, &exact));
         println!("s = {s}, h = {h}: {ours:.1e}, Gauss {gauss:.1e}, slopes {slopes:.1e}");
         assert!(ours < 2.0 * gauss && slopes > 10.0 * gauss);
@@ -273,7 +285,7 @@ fn stiff_motion_is_left_to_newton() {
         &start,
         Equip::stages(4),
         step,
-        StageSolver::default(),
+        Preconditioner::default(),
     );
     let c = counts(&run);
     println!("{c:?}");

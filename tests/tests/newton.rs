@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
+use equip_integrate::{Alphas, Equip, NewtonRecord, Outcome};
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Alphas, Equip, NewtonRecord, Outcome};
 use equip_tests::{Start, double_pendulum, kepler};
 
 /// Errors of the iterates: the larger of the stage correction still wanted and the energy defect (H is of size 1).

@@ -1,8 +1,8 @@
 //! Order: the printed error tables of the method, and observed orders down to errors only double-double can see.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_integrate::{Alphas, Equip, Gauss, Method, Preconditioner};
 use equip_scalar::{DoubleDouble, Float, ratio};
-use equip_solver::{Alphas, Equip, Gauss, Method, StageSolver};
 use equip_tests::{Start, distance, henon_heiles, kepler, observed_order};
 
 /// What a run of the tables shows.
@@ -221,7 +221,7 @@ fn responses_have_order_2s_in_double_double() {
     for (s, first) in [(3, 64), (4, 32), (6, 16)] {
         let error = |n: i64| {
             let step = Equip::stages(s).step(D::ratio(1, n));
-            let step = step.stage_solver(StageSolver::Responses);
+            let step = step.preconditioner(Preconditioner::Automatic);
             let mut run = step.start(&h, &q, &p, D::int(0)).unwrap();
             for _ in 0..n {
                 let defect = run.advance().unwrap().energy_defect.unwrap();

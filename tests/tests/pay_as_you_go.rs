@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
+use equip_integrate::{Alphas, Counts, Equip, Gauss, Method, Outcome};
 use equip_scalar::{Constant, DoubleDouble, Float, ratio};
-use equip_solver::{Alphas, Counts, Equip, Gauss, Method, Outcome};
 use equip_tests::{Start, decimal_digits, distance, harmonic, kepler, pendulum};
 
 const BOTH: [Alphas; 2] = [Alphas::All, Alphas::Last];

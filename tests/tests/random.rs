@@ -5,11 +5,11 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Evaluate, System};
-use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{
-    Alphas, Counts, Equip, FixedStep, Gauss, IntegrateError, Method, OnNoAlpha, Outcome,
-    RunFailure, StepView,
+use equip_integrate::{
+    Alphas, Counts, Equip, FixedStep, Gauss, IntegrateError, Method, Outcome, Reach, RunFailure,
+    StepView,
 };
+use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{RandomSystem, Seeded, rate};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -23,7 +23,7 @@ struct Case {
     system: RandomSystem,
     stages: usize,
     alphas: Alphas,
-    on_no_alpha: OnNoAlpha,
+    reach: Reach,
     max_halvings: u32,
     /// Step times the fastest rate at the start.
     h_omega: f64,
@@ -49,7 +49,7 @@ impl std::fmt::Display for Case {
         write!(
             f,
             "seed {seed}: {kind:?}, separable {separable}, m = {m}, s = {stages}, {alphas:?}, {steps} steps, h = {h:.3e}, hω = {h_omega:.1e}, halvings {max_halvings}, {:?}",
-            self.on_no_alpha
+            self.reach
         )
     }
 }
@@ -71,10 +71,10 @@ impl Case {
             } else {
                 Alphas::All
             },
-            on_no_alpha: if rng.once_in(6) {
-                OnNoAlpha::Refuse
+            reach: if rng.once_in(6) {
+                Reach::Refuse
             } else {
-                OnNoAlpha::Carry
+                Reach::WithinError
             },
             max_halvings: [3, 3, 3, 0, 1, 2][rng.below(6)],
             h_omega,
@@ -88,7 +88,7 @@ impl Case {
         Equip::stages(self.stages)
             .alphas(self.alphas)
             .step(self.h)
-            .on_no_alpha(self.on_no_alpha)
+            .reach(self.reach)
             .max_halvings(self.max_halvings)
     }
 }
@@ -235,7 +235,7 @@ fn energy_is_as_claimed(case: &Case, ran: &Ran) -> f64 {
             }
         } else {
             assert_eq!(seen.outcome, Outcome::Carried);
-            assert_eq!(case.on_no_alpha, OnNoAlpha::Carry);
+            assert_eq!(case.reach, Reach::WithinError);
         }
         assert!(
             seen.alphas.iter().all(|a| a.abs() <= 0.05 * (1.0 + 1e-12)),

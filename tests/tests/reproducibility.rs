@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{
+use equip_integrate::{
     Alphas, Counts, Equip, Family, Gauss, Invariant, Method, Record, Run, StepView,
 };
+use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, distance, double_pendulum, henon_heiles, kepler};
 use std::ops::ControlFlow;
 

@@ -1,8 +1,8 @@
 //! Stiff springs: few sweeps where the plain ones hardly contract, the same trajectory and energy, and nothing of it elsewhere.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use equip_integrate::{Equip, FixedStep, Gauss, Method, Preconditioner, Record, Run};
 use equip_scenes::Instance;
-use equip_solver::{Equip, FixedStep, Gauss, Method, Record, Run, StageSolver};
 use equip_tests::{decimal_digits, relative_distance};
 
 /// Three springs of ω = 50 in a soft chain, up to `end`.
@@ -16,7 +16,7 @@ fn chain(options: &FixedStep<f64>, end: f64) -> Run<f64> {
 }
 
 fn by_sweeps(method: Method, h: f64) -> FixedStep<f64> {
-    method.step(h).stage_solver(StageSolver::Sweeps)
+    method.step(h).preconditioner(Preconditioner::Identity)
 }
 
 /// Correct digits at t = 200, and sweeps a step; no step is left to anything else.

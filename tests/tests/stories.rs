@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{BuildError, Hamiltonian, Var};
+use equip_integrate::{Equip, IntegrateError, Outcome, Record};
 use equip_scalar::{DoubleDouble, Float, decimal, ratio};
-use equip_solver::{Equip, IntegrateError, Outcome, Record};
 use equip_tests::{Seeded, distance};
 
 #[test]

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
+use equip_integrate::{Alphas, Equip, Gauss, Method, Preconditioner};
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Alphas, Equip, Gauss, Method, StageSolver};
 use equip_tests::{Start, double_pendulum, henon_heiles, kepler};
 
 /// [steps, sweeps, Newton iterations, factorisations, ∇H, ∇²H, solves for α, halvings].
@@ -12,12 +12,12 @@ fn work<T: Float>(
     h: T,
     steps: u64,
     scene: &(Hamiltonian, Start<T>),
-    solver: StageSolver,
+    solver: Preconditioner,
 ) -> [u64; 8] {
     let (energy, start) = scene;
     let mut run = method
         .step(h)
-        .stage_solver(solver)
+        .preconditioner(solver)
         .start(energy, &start.q, &start.p, T::int(0))
         .unwrap();
     for _ in 0..steps {
@@ -43,12 +43,12 @@ fn kepler_in_f64() {
     let h = std::f64::consts::TAU / 160.0;
     let count = |method, solver| work(method, h, 1600, &scene, solver);
     let found = [
-        count(Gauss::stages(3), StageSolver::Automatic),
-        count(Gauss::stages(3), StageSolver::Newton),
-        count(Equip::stages(3), StageSolver::Automatic),
-        count(Equip::stages(3), StageSolver::Newton),
-        count(Equip::stages(3).alphas(Alphas::Last), StageSolver::Newton),
-        count(Equip::stages(4), StageSolver::Sweeps),
+        count(Gauss::stages(3), Preconditioner::Automatic),
+        count(Gauss::stages(3), Preconditioner::Full),
+        count(Equip::stages(3), Preconditioner::Automatic),
+        count(Equip::stages(3), Preconditioner::Full),
+        count(Equip::stages(3).alphas(Alphas::Last), Preconditioner::Full),
+        count(Equip::stages(4), Preconditioner::Identity),
     ];
     assert_eq!(
         found,
@@ -69,10 +69,10 @@ fn henon_heiles_in_both() {
     let scene = henon_heiles::<f64>(0.125, "0.3", "0");
     let count = |method, solver| work(method, 0.25, 400, &scene, solver);
     let found = [
-        count(Gauss::stages(6), StageSolver::Automatic),
-        count(Gauss::stages(6), StageSolver::Newton),
-        count(Equip::stages(6), StageSolver::Automatic),
-        count(Equip::stages(6), StageSolver::Newton),
+        count(Gauss::stages(6), Preconditioner::Automatic),
+        count(Gauss::stages(6), Preconditioner::Full),
+        count(Equip::stages(6), Preconditioner::Automatic),
+        count(Equip::stages(6), Preconditioner::Full),
     ];
     assert_eq!(
         found,
@@ -86,10 +86,10 @@ fn henon_heiles_in_both() {
     let scene = henon_heiles::<DoubleDouble>(DoubleDouble::ratio(1, 8), "0.3", "0");
     let count = |method, solver| work(method, DoubleDouble::ratio(1, 4), 400, &scene, solver);
     let found = [
-        count(Gauss::stages(6), StageSolver::Automatic),
-        count(Equip::stages(6), StageSolver::Automatic),
-        count(Equip::stages(6), StageSolver::Sweeps),
-        count(Equip::stages(6), StageSolver::Newton),
+        count(Gauss::stages(6), Preconditioner::Automatic),
+        count(Equip::stages(6), Preconditioner::Automatic),
+        count(Equip::stages(6), Preconditioner::Identity),
+        count(Equip::stages(6), Preconditioner::Full),
     ];
     assert_eq!(
         found,
@@ -108,10 +108,10 @@ fn double_pendulum_in_f64() {
     let scene = double_pendulum::<f64>();
     let count = |method, solver| work(method, 0.02, 200, &scene, solver);
     let found = [
-        count(Gauss::stages(4), StageSolver::Automatic),
-        count(Equip::stages(4), StageSolver::Automatic),
-        count(Equip::stages(4), StageSolver::Sweeps),
-        count(Equip::stages(4), StageSolver::Newton),
+        count(Gauss::stages(4), Preconditioner::Automatic),
+        count(Equip::stages(4), Preconditioner::Automatic),
+        count(Equip::stages(4), Preconditioner::Identity),
+        count(Equip::stages(4), Preconditioner::Full),
     ];
     assert_eq!(
         found,
@@ -128,7 +128,7 @@ fn double_pendulum_in_f64() {
 #[test]
 fn sweeps_beside_gauss() {
     let percent = |s: usize, h: f64, steps: u64, scene: &(Hamiltonian, Start<f64>)| {
-        let sweeps = |method| work(method, h, steps, scene, StageSolver::Sweeps)[1];
+        let sweeps = |method| work(method, h, steps, scene, Preconditioner::Identity)[1];
         100 * sweeps(Equip::stages(s)) / sweeps(Gauss::stages(s))
     };
     let orbit = kepler::<f64>(6);

@@ -7,10 +7,10 @@
 //! counted.
 
 use equip_autodiff::{BuildError, Energy, Hamiltonian, System};
+use equip_integrate::{Equip, Gauss, IntegrateError, Method, Preconditioner};
 use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar};
 use equip_scenes::energies::{FputBeta, HenonHeiles, Kepler, Ring};
 use equip_scenes::find;
-use equip_solver::{Equip, Gauss, IntegrateError, Method, StageSolver};
 use std::collections::BTreeSet;
 use std::error::Error;
 use std::time::Instant;
@@ -35,21 +35,21 @@ struct Row<'a> {
 }
 
 /// A method, and how its stages are solved.
-type Way = (Method, StageSolver);
+type Way = (Method, Preconditioner);
 
 /// EQUIP by sweeps.
 fn equip(stages: usize) -> Way {
-    (Equip::stages(stages), StageSolver::Sweeps)
+    (Equip::stages(stages), Preconditioner::Identity)
 }
 
 /// EQUIP with its stages solved as it comes.
 fn automatic(stages: usize) -> Way {
-    (Equip::stages(stages), StageSolver::Automatic)
+    (Equip::stages(stages), Preconditioner::Automatic)
 }
 
 /// Gauss by sweeps.
 fn gauss(stages: usize) -> Way {
-    (Gauss::stages(stages), StageSolver::Sweeps)
+    (Gauss::stages(stages), Preconditioner::Identity)
 }
 
 /// `steps` steps of size h from the start.
@@ -60,7 +60,7 @@ fn run<T: Float, H: System>(
     steps: u64,
     start: (&[T], &[T]),
 ) -> Result<Measured, IntegrateError<T>> {
-    let options = method.step(h).stage_solver(solver);
+    let options = method.step(h).preconditioner(solver);
     let mut stepper = options.start(system, start.0, start.1, T::int(0))?;
     let begun = Instant::now();
     for _ in 0..steps {

@@ -7,9 +7,9 @@
 //! [`Record::Ends`]; the error is the max norm over (q, p) at a time that is no whole number of periods, against the
 //! exact solution (Kepler) or the stored reference (Hénon–Heiles).
 
+use equip_integrate::{Equip, Gauss, Method, Record};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::{Instance, SceneError, find};
-use equip_solver::{Equip, Gauss, Method, Record};
 use std::error::Error;
 use std::time::Instant;
 

@@ -1,9 +1,9 @@
 //! The trait route at many points at once: dual numbers over lanes.
 //!
-//! Points are taken in groups of 4, so that the derivatives of a group are a handful of vector registers. The last group
-//! computes on the padding too. The code is compiled for the processors of the build only: further copies for
-//! AVX2 and AVX-512 were measured to be no faster (Kepler's forces at 8 points: 16 ns, 16 ns and 15 ns, division being the
-//! bottleneck), and each is compiled anew for every energy.
+//! Points are taken in groups of 4, so that the derivatives of a group are a handful of vector registers. The
+//! last group computes on the padding too. The code is compiled for the processors of the build only: further
+//! copies for AVX2 and AVX-512 were measured to be no faster (Kepler's forces at 8 points: 16 ns, 16 ns and
+//! 15 ns, division being the bottleneck), and each is compiled anew for every energy.
 
 use crate::Energy;
 use crate::dual::Dual;

@@ -17,7 +17,8 @@ pub(crate) struct Compiled {
 /// What code is made for: instructions, and the length of rows.
 type Layout = (InstructionSet, usize);
 
-/// Lengths of rows that code is made for: a single point, and what stages are padded to. Callers with others would have code made for each.
+/// Lengths of rows that code is made for: a single point, and what stages are padded to. Callers with others
+/// would have code made for each.
 const STRIDES: [usize; 6] = [1, 4, 8, 16, 24, 32];
 
 impl Compiled {
@@ -67,7 +68,8 @@ impl Runs {
         self.compiled.is_some() && set > InstructionSet::PORTABLE
     }
 
-    /// Runs the code at all points. `None` if there is none. It is made, or taken from the shared, at the first run of a layout.
+    /// Runs the code at all points. `None` if there is none. It is made, or taken from the shared, at the
+    /// first run of a layout.
     #[inline]
     pub(crate) fn run<T: Float>(&mut self, set: InstructionSet, mut batch: Batch<T>) -> Option<()> {
         let batch = batch.in_doubles()?;

@@ -1,15 +1,19 @@
-//! ∂H/∂y, appended to the recording of H: the reverse sweep, once and for all, on operations instead of numbers.
+//! ∂H/∂y, appended to the recording of H: the reverse sweep, once and for all, on operations instead of
+//! numbers.
 //!
-//! With w the derivative of H by a result f(x, y), every operand receives w ∂f/∂x (Griewank, Walther 2008, section
-//! 3.2). What comes out is a recording like any other: derivatives are replayed as H is, in any number, with equal
-//! operations done once, constant factors multiplied beforehand, and what only H needs left out. A recording of
-//! ∂H/∂q alone contains nothing of T(p). Powers of two wait (`twos`).
-//! Cost: one to three times the operations of H, whatever the number of inputs.
+//! With w the derivative of H by a result f(x, y), every operand receives w ∂f/∂x (Griewank, Walther 2008,
+//! section 3.2). What comes out is a recording like any other: derivatives are replayed as H is, in any
+//! number, with equal operations done once, constant factors multiplied beforehand, and what only H needs
+//! left out. A recording of ∂H/∂q alone contains nothing of T(p). Powers of two wait (`twos`). Cost: one to
+//! three times the operations of H, whatever the number of inputs.
 //!
-//! At kinks: |x| has derivative 0 at 0, hypot has (0, 0) at the origin, min and max give all to their first argument
-//! at a tie. √x has the derivative ∞ at 0. The derivative of xʸ by y is 0 where xʸ is 0.
+//! At kinks: |x| has derivative 0 at 0, hypot has (0, 0) at the origin, min and max give all to their first
+//! argument at a tie. √x has the derivative ∞ at 0. The derivative of xʸ by y is 0 where xʸ is 0.
 
+mod bound;
 mod twos;
+
+pub(crate) use bound::differentiate_with_bound;
 
 use crate::op::{Node, Op};
 use crate::recorder::Recorder;
@@ -18,26 +22,7 @@ use std::collections::HashMap;
 
 /// Appends the derivatives of the node `root` by all inputs; their nodes.
 pub(crate) fn differentiate(recorder: &mut Recorder, root: u32) -> Vec<u32> {
-    let inputs = recorder.inputs;
-    let depends = dependent(recorder, root);
-    let mut reverse = Reverse {
-        received: vec![Vec::new(); depends.len()],
-        shares: HashMap::new(),
-        depends,
-        recorder,
-    };
-    let one = reverse.number(1.0);
-    reverse.received[root as usize].push(Adjoint {
-        node: one,
-        minus: false,
-        twos: 0,
-    });
-    for node in (inputs..=root as usize).rev() {
-        if let (true, Some(w)) = (reverse.depends[node], reverse.total(node)) {
-            reverse.pass_on(node as u32, w);
-        }
-    }
-    (0..inputs).map(|i| reverse.result(i)).collect()
+    Reverse::new(recorder, root).sweep(root, |_, _| {})
 }
 
 /// Which nodes up to the root depend on inputs.
@@ -68,6 +53,36 @@ struct Reverse<'a> {
     shares: HashMap<u32, u32>,
 }
 
+impl<'a> Reverse<'a> {
+    fn new(recorder: &'a mut Recorder, root: u32) -> Self {
+        let depends = dependent(recorder, root);
+        Reverse {
+            received: vec![Vec::new(); depends.len()],
+            shares: HashMap::new(),
+            depends,
+            recorder,
+        }
+    }
+
+    /// The whole sweep. Calls `visit` with every operation that reaches H and the derivative of H by it.
+    fn sweep(&mut self, root: u32, mut visit: impl FnMut(u32, Adjoint)) -> Vec<u32> {
+        let one = self.number(1.0);
+        self.received[root as usize].push(Adjoint {
+            node: one,
+            minus: false,
+            twos: 0,
+        });
+        let inputs = self.recorder.inputs;
+        for node in (inputs..=root as usize).rev() {
+            if let (true, Some(w)) = (self.depends[node], self.total(node)) {
+                visit(node as u32, w);
+                self.pass_on(node as u32, w);
+            }
+        }
+        (0..inputs).map(|i| self.result(i)).collect()
+    }
+}
+
 impl Reverse<'_> {
     /// Gives the operands of a node their parts.
     #[rustfmt::skip]
@@ -94,6 +109,18 @@ impl Reverse<'_> {
                 let w = self.times(w, factor);
                 let power = self.apply(Op::Powi(n.saturating_sub(1)), x, x);
                 self.give_times(x, w, power);
+            }
+            Op::HalfPower(n) => {
+                let c = self.number(0.5 * f64::from(n));
+                if n > 0 {
+                    let w = self.times(w, c);
+                    let power = self.recorder.half_power(x, n - 2);
+                    self.give_times(x, w, power);
+                } else {
+                    let multiple = self.product(c, f);
+                    let slope = self.apply(Op::Div, multiple, x);
+                    self.give_times(x, w, slope);
+                }
             }
             Op::Powf(k) => {
                 if self.recorder.constants[k as usize].to::<f64>() != 0.0 {
@@ -127,7 +154,8 @@ impl Reverse<'_> {
             Op::Cosh => { let slope = self.apply(Op::Sinh, x, x); self.give_times(x, w, slope); }
             Op::Tanh => { let slope = self.square_of_sech(x); self.give_times(x, w, slope); }
             Op::Atan2 => {
-                // f is the angle of the point (y, x). Divided by the radius twice, where its square could overflow.
+                // f is the angle of the point (y, x). Divided by the radius twice, where its square could
+                // overflow.
                 let r = self.apply(Op::Hypot, y, x);
                 let by_x = self.twice_over(y, r);
                 self.give_times(x, w, by_x);
@@ -291,7 +319,8 @@ impl Reverse<'_> {
         self.fold(Op::Add, x, y)
     }
 
-    /// The operation, or its result where both are doubles and no bit of it is lost: ½ + ½ is 1, and 1·x is x.
+    /// The operation, or its result where both are doubles and no bit of it is lost: ½ + ½ is 1, and 1·x is
+    /// x.
     fn fold(&mut self, op: Op, x: u32, y: u32) -> u32 {
         match (self.double(x), self.double(y)) {
             (Some(a), Some(b)) => match exact(op, a, b) {

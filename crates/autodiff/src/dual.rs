@@ -1,8 +1,9 @@
 //! [`Dual`]: a number with N first derivatives, for floats and for lanes alike.
 //!
-//! The gradient of the trait route: each variable carries its own unit vector, each operation applies the chain rule. The
-//! value has every bit of the float's own function. Which variables a number does not depend on is known when it is
-//! compiled, so constants, the other coordinates, and momenta when only forces are asked for, cost nothing.
+//! The gradient of the trait route: each variable carries its own unit vector, each operation applies the
+//! chain rule. The value has every bit of the float's own function. Which variables a number does not depend
+//! on is known when it is compiled, so constants, the other coordinates, and momenta when only forces are
+//! asked for, cost nothing.
 //!
 //! At kinks as on the tape. √, powers and quotients of zero: a slope that is infinite times a rate
 //! that is exactly 0 is 0.
@@ -24,8 +25,9 @@ macro_rules! each_rate {
     }};
 }
 
-/// Rates of change with the variables, and a bit for each variable that there is one of; the others are zero. The compiler knows the bits before it
-/// takes the loops apart; of `Option`s in memory it takes no long loop apart at all.
+/// Rates of change with the variables, and a bit for each variable that there is one of; the others are zero.
+/// The compiler knows the bits before it takes the loops apart; of `Option`s in memory it takes no long loop
+/// apart at all.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rates<S, const N: usize> {
     of: [S; N],

@@ -4,10 +4,10 @@ use equip_scalar::{Float, Num, Scalar};
 
 /// An energy H(q, p) written once for every kind of number.
 ///
-/// What a closure cannot be: generic over the number. The compiler turns it into machine code for floats and for dual
-/// numbers, which for up to four degrees of freedom beats any tape. A comparison of the state does not
-/// compile here, as [`Num`] has none; use `.min()`, `.max()` and `.abs()`. Mark the method `#[inline(always)]`: it
-/// is compiled together with the stage sweeps then, which take half the time.
+/// What a closure cannot be: generic over the number. The compiler turns it into machine code for floats and
+/// for dual numbers, which for up to four degrees of freedom beats any tape. A comparison of the state does
+/// not compile here, as [`Num`] has none; use `.min()`, `.max()` and `.abs()`. Mark the method
+/// `#[inline(always)]`: it is compiled together with the stage sweeps then, which take half the time.
 ///
 /// The macro [`hamiltonian!`](crate::hamiltonian) writes such a type from closure-like text.
 ///

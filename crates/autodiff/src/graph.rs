@@ -1,7 +1,7 @@
 //! [`Graph`]: the recording without what does not reach H, long sums gathered.
 //!
-//! A loop that adds n terms to H records a chain of n additions, each waiting for the one before. Where nothing
-//! else uses the partial sums, the chain becomes one operation with n operands, still added in the
+//! A loop that adds n terms to H records a chain of n additions, each waiting for the one before. Where
+//! nothing else uses the partial sums, the chain becomes one operation with n operands, still added in the
 //! order the energy adds them: every bit is kept, the chain no longer forces n steps one after the other, and
 //! the analyses of structure stay linear in n.
 
@@ -136,6 +136,19 @@ impl Graph {
         };
         self.is_constant.push(constant);
     }
+}
+
+/// The partial sums of chains of at least `terms` terms: operations that are done within a sum of the graph.
+pub(crate) fn partial_sums(recorder: &Recorder, root: u32, terms: usize) -> Vec<bool> {
+    let chains = Chains::new(&recorder.nodes, &count_uses(recorder, &[root]));
+    let mut is_partial = vec![false; recorder.nodes.len()];
+    for i in (0..recorder.nodes.len()).rev() {
+        let is_long_sum = chains.is_sum(i) && chains.length[i] as usize >= terms;
+        if let (true, Some(c)) = (is_long_sum || is_partial[i], chains.next[i]) {
+            is_partial[c as usize] = true;
+        }
+    }
+    is_partial
 }
 
 /// How often each node is used by nodes that reach a root; being a root counts as use.

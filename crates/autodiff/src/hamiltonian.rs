@@ -5,8 +5,8 @@ use equip_scalar::Float;
 
 /// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any float type.
 ///
-/// The parameter says how H was given: [`Recorded`] from a closure, [`Static`](crate::Static) from a type with one
-/// generic method. An invariant is a scalar function of (q, p) as well, and is given the same way.
+/// The parameter says how H was given: [`Recorded`] from a closure, [`Static`](crate::Static) from a type
+/// with one generic method. An invariant is a scalar function of (q, p) as well, and is given the same way.
 ///
 /// ```
 /// use equip_autodiff::{Evaluate, Hamiltonian, System};

@@ -1,8 +1,8 @@
 //! [`HessianPlan`]: which directions give which entries of ∇²H.
 //!
 //! Columns are grouped by [`Colouring`]; the product of ∇²H with the sum of the unit vectors of a colour has
-//! in row i the one entry (i, j) whose column j has that colour. Entry and mirror entry are read from the same
-//! place, so the matrix is symmetric to the last bit. Cost: about four evaluations of H per colour.
+//! in row i the one entry (i, j) whose column j has that colour. Entry and mirror entry are read from the
+//! same place, so the matrix is symmetric to the last bit. Cost: about four evaluations of H per colour.
 
 use crate::Pattern;
 use crate::colouring::Colouring;

@@ -1,8 +1,8 @@
 //! [`InLanes`]: a tape replayed at many points at once, over lanes.
 //!
-//! Points are taken in groups of 8, doubles in groups of 4 where there is no room for more, and of 16 where there is and the tape is short: what it takes
-//! to find an operation is shared by more of them, and of a long tape the values would take twice the cache. Memory: 12 numbers a slot of the
-//! tape, 28 of a short one.
+//! Points are taken in groups of 8, doubles in groups of 4 where there is no room for more, and of 16 where
+//! there is and the tape is short: what it takes to find an operation is shared by more of them, and of a
+//! long tape the values would take twice the cache. Memory: 12 numbers a slot of the tape, 28 of a short one.
 
 use crate::batch::Batch;
 use crate::replay::forward;

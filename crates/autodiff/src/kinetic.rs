@@ -1,7 +1,8 @@
 //! [`Kinetic`]: the quadratic T(p) of a separable H = T(p) + U(q), as numbers.
 //!
-//! T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const, so ∇T(p) = M⁻¹ p + b without any differentiation: what an iteration that has only
-//! the positions as unknowns needs. M⁻¹ is read off ∇²H, whose lower right block is constant, and b off ∇H at p = 0.
+//! T(p) = ½ pᵀ M⁻¹ p + bᵀ p + const, so ∇T(p) = M⁻¹ p + b without any differentiation: what an iteration that
+//! has only the positions as unknowns needs. M⁻¹ is read off ∇²H, whose lower right block is constant, and b
+//! off ∇H at p = 0.
 
 use crate::{Evaluate, Structure};
 use equip_scalar::{Float, Piecewise};

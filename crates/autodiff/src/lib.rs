@@ -8,21 +8,22 @@
 //! | type, [`Hamiltonian::from_energy`] | [`Energy`], or the macro [`hamiltonian!`] | dual numbers for n ≤ 8, else the tape |
 //! | either with a gradient | [`Energy::gradient`], [`Hamiltonian::with_gradient`] | the given gradient; Hessian by the tape |
 //!
-//! Machine code is made of arithmetic, √ and |x|, for x86-64 with AVX2 or AVX-512, at the first call; all else is replayed from the tape. Every bit is the
-//! same.
+//! Machine code is made of arithmetic, √ and |x|, for x86-64 with AVX2 or AVX-512, at the first call; all
+//! else is replayed from the tape. Every bit is the same.
 //!
-//! All are a [`System`], which makes an [`Evaluate`] for each float type. The value is the same on each route to the
-//! last bit, and the same as that of the generic energy called with floats.
+//! All are a [`System`], which makes an [`Evaluate`] for each float type. The value is the same on each route
+//! to the last bit, and the same as that of the generic energy called with floats.
 //!
-//! Cost, in evaluations of H: a gradient one to three; ∇²H·v about six; ∇²H about four for every colour, with colours
-//! as many as the fullest row of ∇²H has entries, or a few more. A variable coupled with all others fills its row:
-//! then there are n colours.
+//! Cost, in evaluations of H: a gradient one to three; ∇²H·v about six; ∇²H about four for every colour, with
+//! colours as many as the fullest row of ∇²H has entries, or a few more. A variable coupled with all others
+//! fills its row: then there are n colours.
 //!
 //! Not supported: energies that branch on the state or read it out (refused when built), loops that wait for
 //! convergence (use a fixed number of iterations), and functions beyond those of [`Num`](equip_scalar::Num).
 #![forbid(unsafe_code)]
 
 mod batch;
+mod bound;
 mod check;
 mod colouring;
 mod compiled;

@@ -1,10 +1,10 @@
 //! [`hamiltonian!`](crate::hamiltonian): the static route in the words of the closure route.
 
-/// A Hamiltonian with compiled derivatives from closure-like text: `hamiltonian!(m, |q, p| H)`, or with parameters
-/// `hamiltonian!(m; parameters; |q, p| H)`.
+/// A Hamiltonian with compiled derivatives from closure-like text: `hamiltonian!(m, |q, p| H)`, or with
+/// parameters `hamiltonian!(m; parameters; |q, p| H)`.
 ///
-/// It writes a type with one generic method (see [`Energy`](crate::Energy)), which, other than a closure, sees nothing
-/// of its surroundings but its parameters. Each parameter is one of
+/// It writes a type with one generic method (see [`Energy`](crate::Energy)), which, other than a closure,
+/// sees nothing of its surroundings but its parameters. Each parameter is one of
 ///
 /// - `mu` or `mu = value`: an `f64`, [`Constant`](equip_scalar::Constant) or `DoubleDouble`; inside H it is
 ///   a number like `q[0]`, as exact as the float type H is computed in;

@@ -9,7 +9,8 @@ use crate::values::Replay;
 use equip_scalar::{Float, InstructionSet};
 use std::sync::Arc;
 
-/// By machine code; where there is none by the tape over lanes, of floats without lanes point after point. There is room only for what is done.
+/// By machine code; where there is none by the tape over lanes, of floats without lanes point after point.
+/// There is room only for what is done.
 #[derive(Debug, Clone)]
 pub(crate) struct Many<T: Float> {
     runs: Runs,

@@ -22,6 +22,8 @@ pub(crate) enum Op {
     Powi(i32),
     /// Power with a constant exponent, an entry of the table of constants.
     Powf(u32),
+    /// Power with the exponent n/2, n odd, |n| from 3 to 15.
+    HalfPower(i32),
     Pow,
     Exp,
     Ln,
@@ -94,6 +96,32 @@ impl Op {
         match self {
             Op::SquareAdd | Op::RecipSqrt => 2,
             _ => 1,
+        }
+    }
+
+    /// Roundings to ε of the result that it is worth: 1, but a power is rounded for each of its
+    /// multiplications, to ε/2.
+    pub(crate) fn roundings(self) -> u32 {
+        match self {
+            Op::Powi(n) => n.unsigned_abs().div_ceil(2).max(1),
+            Op::HalfPower(n) => (n.unsigned_abs() / 2 + 2).div_ceil(2),
+            _ => 1,
+        }
+    }
+
+    /// Whether no result is less than 0, whatever the operands.
+    pub(crate) fn is_never_negative(self) -> bool {
+        match self {
+            Op::Powi(n) => n % 2 == 0,
+            Op::Square
+            | Op::Sqrt
+            | Op::HalfPower(_)
+            | Op::Abs
+            | Op::Exp
+            | Op::Cosh
+            | Op::Hypot
+            | Op::Acos => true,
+            _ => false,
         }
     }
 

@@ -1,7 +1,8 @@
 //! Operations of a recording that are replayed as one: a² + b and 1/√a.
 //!
-//! What replays wait for is reading operands and writing results, so an operation whose result goes nowhere else is done where it is used. Each is
-//! still rounded for itself: every bit is kept. Done after all that is to be known of the structure is known.
+//! What replays wait for is reading operands and writing results, so an operation whose result goes nowhere
+//! else is done where it is used. Each is still rounded for itself: every bit is kept. Done after all that is
+//! to be known of the structure is known.
 
 use crate::graph::Graph;
 use crate::op::{Node, Op};
@@ -130,7 +131,8 @@ mod tests {
         }
     }
 
-    /// A chain whose springs share a factor, in a force that all masses feel: some results go to many blocks, and one is a term of a sum in each.
+    /// A chain whose springs share a factor, in a force that all masses feel: some results go to many blocks,
+    /// and one is a term of a sum in each.
     #[test]
     fn blocks_and_operations_in_one_have_the_bits_of_single_operations() {
         let m = 400;

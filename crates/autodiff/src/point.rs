@@ -28,8 +28,8 @@ impl<T: Float> Points<T> {
         }
     }
 
-    /// Calls `gradient` for each point of a batch that stands component by component. With fewer components than a
-    /// state has, the further ones are 0.
+    /// Calls `gradient` for each point of a batch that stands component by component. With fewer components
+    /// than a state has, the further ones are 0.
     pub(crate) fn each(
         &mut self,
         states: &[T],

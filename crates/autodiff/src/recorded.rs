@@ -1,6 +1,7 @@
 //! [`Recorded`]: the closure route. H is recorded once, on a tape, and replayed in any float type.
 
 use crate::batch::Batch;
+use crate::bound::{Bound, BoundRuns};
 use crate::compiled::{Compiled, Runs};
 use crate::derivative::differentiate;
 use crate::fused::{Fused, Joined, fuse};
@@ -37,6 +38,7 @@ struct Shared {
     gradients: Tape,
     /// ∇U, if H = T(p) + U(q).
     forces: Option<Tape>,
+    bound: Bound,
     compiled: AsCode,
     plan: HessianPlan,
     structure: Structure,
@@ -75,6 +77,7 @@ impl Recorded {
         if Replay::<f64>::new(&energy).has_nan() {
             return Err(BuildError::ConstantNotANumber);
         }
+        let bound = Bound::new(recorder.recording(root));
         let slopes = differentiate(&mut recorder, root);
         let laid_out = |roots: &[u32]| {
             let graph = Graph::new(&recorder, roots);
@@ -89,6 +92,7 @@ impl Recorded {
                 gradient: Tape::new(&gradient, Blocks::One),
                 gradients: Tape::new(&gradient, Blocks::InCache),
                 forces: forces.map(|graph| Tape::new(&graph, Blocks::InCache)),
+                bound,
                 compiled: AsCode {
                     energy: compiled_energy,
                     gradient: compiled_gradient,
@@ -131,7 +135,8 @@ impl System for Recorded {
     }
 }
 
-/// Evaluates a recorded energy in the float type `T`. All workspace is allocated when it is made, or at the first call of a kind.
+/// Evaluates a recorded energy in the float type `T`. All workspace is allocated when it is made, or at the
+/// first call of a kind.
 #[derive(Debug, Clone)]
 pub struct RecordedEvaluator<T: Float> {
     shared: Arc<Shared>,
@@ -144,6 +149,8 @@ pub struct RecordedEvaluator<T: Float> {
     gradients: Many<T>,
     /// Of a separable H.
     forces: Option<Many<T>>,
+    /// Made at the first call.
+    bound: Option<BoundRuns<T>>,
 }
 
 impl<T: Float> RecordedEvaluator<T> {
@@ -160,6 +167,7 @@ impl<T: Float> RecordedEvaluator<T> {
             several: Replay::tangents(&shared.gradient),
             gradients: Many::new(&compiled.gradient, set, &shared.gradients),
             forces: forces.map(|tape| Many::new(&compiled.forces, set, tape)),
+            bound: None,
             shared,
         }
     }
@@ -191,6 +199,25 @@ impl<T: Float> RecordedEvaluator<T> {
         } else {
             self.value_at(y)
         }
+    }
+
+    pub(crate) fn gradient_with_bound_at(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
+        self.check(&[y.len(), gradient.len()]);
+        let bound = &self.shared.bound;
+        let runs = (self.bound).get_or_insert_with(|| BoundRuns::new(bound, y.len()));
+        let (slopes, size, h) = runs.run(self.set, bound, y);
+        gradient.copy_from_slice(slopes);
+        match self.shared.energy.has_long_sums {
+            true => (self.compensated_value_at(y), size),
+            false => (h, size),
+        }
+    }
+
+    pub(crate) fn bound_at(&mut self, y: &[T]) -> T {
+        self.check(&[y.len()]);
+        let bound = &self.shared.bound;
+        let runs = (self.bound).get_or_insert_with(|| BoundRuns::new(bound, y.len()));
+        runs.run(self.set, bound, y).1
     }
 
     pub(crate) fn gradients_at(&mut self, states: &[T], gradients: &mut [T], n: usize) {
@@ -294,6 +321,13 @@ impl<T: Float> RecordedEvaluator<T> {
     }
 }
 
+impl<T: Float> RecordedEvaluator<T> {
+    /// The second number of [`gradient_with_bound`](Evaluate::gradient_with_bound).
+    pub(crate) fn bound(&mut self, y: &[T]) -> T {
+        (ready::<T>().bound)(self, y)
+    }
+}
+
 // All but what is woven into sweeps is compiled with this crate: `crate::ready`.
 impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     const IS_RECORDED: bool = true;
@@ -318,6 +352,10 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     fn gradient_with_compensated_value(&mut self, y: &[T], gradient: &mut [T]) -> T {
         self.gradients(y, gradient, y.len());
         self.compensated_value(y)
+    }
+
+    fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
+        (ready::<T>().gradient_with_bound)(self, y, gradient)
     }
 
     fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {

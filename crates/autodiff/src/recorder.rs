@@ -1,7 +1,7 @@
 //! The recorder: every operation once.
 //!
-//! Value numbering: an operation on the same operands as an earlier one is that earlier one (operands of + and ×
-//! in either order). Simplifications are those that keep every bit of every result, infinities, NaN and
+//! Value numbering: an operation on the same operands as an earlier one is that earlier one (operands of +
+//! and × in either order). Simplifications are those that keep every bit of every result, infinities, NaN and
 //! the sign of zero included: x·1, x/1, x − 0, x + (−0), −(−x), x·(−1) = −x, x¹, x⁰ and x·x = x².
 
 use crate::op::{Node, Op};
@@ -48,7 +48,41 @@ pub(crate) struct Recorder {
     known_constants: HashMap<ConstantKey, u32>,
 }
 
+/// The operations of one energy H, and no more: what derivatives are made of when they are first asked for.
+#[derive(Debug, Clone)]
+pub(crate) struct Recording {
+    pub(crate) root: u32,
+    inputs: usize,
+    nodes: Box<[Node]>,
+    constants: Box<[Constant]>,
+}
+
+impl Recording {
+    /// A recorder that has just recorded H.
+    pub(crate) fn resume(&self) -> Recorder {
+        let mut recorder = Recorder::new(0, self.inputs);
+        for &c in &self.constants {
+            recorder.constant_entry(c);
+        }
+        for &node in &self.nodes[self.inputs..] {
+            recorder.node(node);
+        }
+        recorder
+    }
+}
+
 impl Recorder {
+    /// What has been recorded up to the node of H.
+    pub(crate) fn recording(&self, root: u32) -> Recording {
+        let nodes = (root as usize + 1).max(self.inputs);
+        Recording {
+            root,
+            inputs: self.inputs,
+            nodes: self.nodes[..nodes].into(),
+            constants: self.constants.clone().into(),
+        }
+    }
+
     pub(crate) fn new(id: u32, inputs: usize) -> Self {
         let mut recorder = Recorder {
             id,
@@ -80,14 +114,30 @@ impl Recorder {
         })
     }
 
-    /// xᶜ.
+    /// xᶜ. Half-integer powers are roots.
     pub(crate) fn powf(&mut self, x: u32, c: Constant) -> u32 {
+        if let Some(n) = c.exact_halves() {
+            return self.half_power(x, n);
+        }
         let k = self.constant_entry(c);
         self.node(Node {
             op: Op::Powf(k),
             a: x,
             b: x,
         })
+    }
+
+    /// x^(n/2) for an odd n.
+    pub(crate) fn half_power(&mut self, x: u32, n: i32) -> u32 {
+        match n {
+            1 => self.apply(Op::Sqrt, x, x),
+            -1 => {
+                let root = self.apply(Op::Sqrt, x, x);
+                let one = self.constant(Constant::double(1.0));
+                self.apply(Op::Div, one, root)
+            }
+            n => self.apply(Op::HalfPower(n), x, x),
+        }
     }
 
     /// An operation with at most two operands; a unary one has its operand twice.

@@ -1,15 +1,16 @@
 //! Replays a tape: the values of all slots from those of the inputs.
 //!
-//! Each operation is the very function of [`Scalar`](equip_scalar::Scalar) the energy called, in its order: the result has
-//! every bit of the energy evaluated directly. Cost: one evaluation of what was recorded.
+//! Each operation is the very function of [`Scalar`](equip_scalar::Scalar) the energy called, in its order:
+//! the result has every bit of the energy evaluated directly. Cost: one evaluation of what was recorded.
 
 use crate::op::Op;
 use crate::stretches::Access;
 use crate::tape::{Run, Tape};
 use equip_scalar::{Constant, Float, Kernel, Piecewise};
 
-/// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of a closure:
-/// closures are not always inlined, and what is not inlined into a kernel has no vector instructions.
+/// `result = $f` for all operations of a run, `$x` and `$y` being the operands. A macro and not a function of
+/// a closure: closures are not always inlined, and what is not inlined into a kernel has no vector
+/// instructions.
 macro_rules! each {
     ($step:ident, |$x:ident, $y:ident| $f:expr) => {
         match $step.run.access {
@@ -68,6 +69,10 @@ macro_rules! listed {
 
 const ONE: Constant = Constant::double(1.0);
 
+const fn half(n: i32) -> Constant {
+    Constant::double(0.5 * n as f64)
+}
+
 /// Computes the given runs, their operands being known. `exponents` are those of the tape, in a form
 /// that is cheap to read.
 #[rustfmt::skip]
@@ -94,6 +99,9 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::Powi(5) => each!(step, |x| S::powi(x, 5)),
             Op::Powi(6) => each!(step, |x| S::powi(x, 6)),
             Op::Powi(n) => each!(step, |x| S::powi(x, n)),
+            Op::HalfPower(3) => each!(step, |x| S::powf(x, half(3))),
+            Op::HalfPower(-3) => each!(step, |x| S::powf(x, half(-3))),
+            Op::HalfPower(n) => { let c = half(n); each!(step, |x| S::powf(x, c)) }
             Op::Powf(k) => { let c = exponents[k as usize]; listed!(step, |x| S::powf(x, c)) }
             Op::PowfSlope(k) => { let c = exponents[k as usize]; listed!(step, |x, f| S::powf_slope(x, f, c)) }
             Op::Pow => listed!(step, |x, y| S::pow(x, y)),
@@ -122,8 +130,8 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
     }
 }
 
-/// A sum by compensated summation: the errors of all additions are known [Knuth, vol. 2, 4.2.2], and added at the end. Four sums side by
-/// side, so that none waits for the other.
+/// A sum by compensated summation: the errors of all additions are known [Knuth, vol. 2, 4.2.2], and added at
+/// the end. Four sums side by side, so that none waits for the other.
 pub(crate) struct CompensatedSum<'a, T> {
     pub(crate) tape: &'a Tape,
     pub(crate) sum: usize,

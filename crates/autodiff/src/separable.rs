@@ -1,7 +1,7 @@
 //! Whether H = T(p) + U(q).
 //!
-//! Walks down from H through sums, differences, signs and constant factors; H separates if every operation that
-//! depends on both q and p is one of these. Sufficient, not necessary: (q + p)² − 2qp is not recognised.
+//! Walks down from H through sums, differences, signs and constant factors; H separates if every operation
+//! that depends on both q and p is one of these. Sufficient, not necessary: (q + p)² − 2qp is not recognised.
 
 use crate::graph::Graph;
 use crate::op::Op;

@@ -1,10 +1,10 @@
 //! Which entries of ∇²H can be non-zero.
 //!
-//! Every operation with curvature couples the inputs its operands depend on: a product ab couples those of a with
-//! those of b, a quotient a/b those of b with all, a curved function all with all. The union over the operations is
-//! the pattern (cancellation is not seen). Sets of inputs are made only where they end in an operation with
-//! curvature, so a sum over all particles at the end costs nothing, and equal sets are kept once, so that
-//! a dense H does not repeat its n² couplings for each operation.
+//! Every operation with curvature couples the inputs its operands depend on: a product ab couples those of a
+//! with those of b, a quotient a/b those of b with all, a curved function all with all. The union over the
+//! operations is the pattern (cancellation is not seen). Sets of inputs are made only where they end in an
+//! operation with curvature, so a sum over all particles at the end costs nothing, and equal sets are kept
+//! once, so that a dense H does not repeat its n² couplings for each operation.
 
 use crate::Pattern;
 use crate::graph::Graph;

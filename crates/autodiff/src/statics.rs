@@ -1,9 +1,9 @@
 //! [`Static`]: the trait route. H is compiled for floats and for dual numbers.
 //!
-//! The structure comes from recording the same method on a tape. The gradient is the hand-written one if there is
-//! one, else in doubles that of dual numbers of fixed length for n = 2m = 2, 4, 6, 8, else that of the recording. The Hessian is
-//! the tape's. Measured on Kepler (n = 4): gradient 3.8 ns by hand, 5.4 ns by dual numbers, 4.8 ns a point by dual numbers
-//! over lanes, 52 ns by the tape.
+//! The structure comes from recording the same method on a tape. The gradient is the hand-written one if
+//! there is one, else in doubles that of dual numbers of fixed length for n = 2m = 2, 4, 6, 8, else that of
+//! the recording. The Hessian is the tape's. Measured on Kepler (n = 4): gradient 3.8 ns by hand, 5.4 ns by
+//! dual numbers, 4.8 ns a point by dual numbers over lanes, 52 ns by the tape.
 
 use crate::batch::{self, Batch};
 use crate::fused::{Forces, Fused, Gradients, Joined, fuse};
@@ -191,6 +191,11 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
         }
     }
 
+    fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
+        let h = self.gradient_with_compensated_value(y, gradient);
+        (h, self.tape.bound(y))
+    }
+
     #[inline]
     fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         self.check(&[n]);
@@ -310,8 +315,8 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
     }
 }
 
-/// Whether the tape over vectors is as good: what an operation costs outweighs what it costs to find it, and the energy is
-/// not compiled once more for each set of instructions.
+/// Whether the tape over vectors is as good: what an operation costs outweighs what it costs to find it, and
+/// the energy is not compiled once more for each set of instructions.
 #[inline(always)]
 fn by_tape<T: Float>() -> bool {
     T::WIDTH > 1 && !T::IS_DOUBLE

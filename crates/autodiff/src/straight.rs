@@ -1,7 +1,7 @@
 //! A recording as straight-line code.
 //!
-//! From the results downwards, depth first: what a result needs is computed just before it, if no earlier one needed it, so few
-//! numbers are alive at a time. The operations are those of the replay, one by one.
+//! From the results downwards, depth first: what a result needs is computed just before it, if no earlier one
+//! needed it, so few numbers are alive at a time. The operations are those of the replay, one by one.
 
 use crate::graph::{Graph, Term};
 use crate::op::{Node, Op};
@@ -9,8 +9,10 @@ use crate::order::Blocks;
 use crate::tape::Tape;
 use crate::values::Replay;
 use equip_jit::{Program, Value};
+use std::collections::HashMap;
 
-/// Nodes and terms of the largest graph that becomes a program: code and what it takes to make it are some hundred bytes for each.
+/// Nodes and terms of the largest graph that becomes a program: code and what it takes to make it are some
+/// hundred bytes for each.
 const LARGEST: usize = 1 << 22;
 
 /// The program of a graph whose operations are arithmetic, √ and |x| only, if it is not too large.
@@ -24,6 +26,7 @@ pub(crate) fn straight(graph: &Graph) -> Option<Program> {
         graph,
         program: Program::new(),
         values: vec![None; graph.nodes.len()],
+        roots: HashMap::new(),
     };
     translation.place_constants();
     for (row, &root) in graph.roots.iter().enumerate() {
@@ -37,7 +40,19 @@ fn is_arithmetic(op: Op) -> bool {
     use Op::*;
     matches!(
         op,
-        Input(_) | Sum(_) | Add | Sub | Mul | Square | Div | Neg | Recip | Sqrt | Abs | Powi(_)
+        Input(_)
+            | Sum(_)
+            | Add
+            | Sub
+            | Mul
+            | Square
+            | Div
+            | Neg
+            | Recip
+            | Sqrt
+            | Abs
+            | Powi(_)
+            | HalfPower(_)
     )
 }
 
@@ -57,6 +72,8 @@ struct Translation<'a> {
     program: Program,
     /// Values of nodes; of sums that are not complete, what there is.
     values: Vec<Option<Value>>,
+    /// Roots of nodes.
+    roots: HashMap<u32, Value>,
 }
 
 impl Translation<'_> {
@@ -83,8 +100,12 @@ impl Translation<'_> {
                 Task::Need(node) => self.need(node, &mut tasks),
                 Task::Do(node) => {
                     let Node { op, a, b } = self.graph.nodes[node as usize];
-                    let (a, b) = (self.values[a as usize]?, self.values[b as usize]?);
-                    self.values[node as usize] = Some(self.operation(op, a, b)?);
+                    let (x, y) = (self.values[a as usize]?, self.values[b as usize]?);
+                    self.values[node as usize] = Some(match op {
+                        Op::Sqrt => self.root(a, x),
+                        Op::HalfPower(n) => self.half_power(a, x, n),
+                        op => self.operation(op, x, y)?,
+                    });
                 }
                 Task::Add { to, term } => {
                     let x = self.values[term.node as usize]?;
@@ -132,7 +153,6 @@ impl Translation<'_> {
             Op::Div => program.div(a, b),
             Op::Neg => program.neg(a),
             Op::Recip => self.reciprocal(a),
-            Op::Sqrt => program.sqrt(a),
             Op::Abs => program.abs(a),
             Op::Powi(n) => self.power(a, n),
             _ => return None,
@@ -142,6 +162,20 @@ impl Translation<'_> {
     fn reciprocal(&mut self, x: Value) -> Value {
         let one = self.program.constant(1.0);
         self.program.div(one, x)
+    }
+
+    /// √x of a node, once.
+    fn root(&mut self, node: u32, x: Value) -> Value {
+        let program = &mut self.program;
+        *self.roots.entry(node).or_insert_with(|| program.sqrt(x))
+    }
+
+    /// x^(n/2) as `Scalar::powf` computes it.
+    fn half_power(&mut self, node: u32, x: Value, n: i32) -> Value {
+        let root = self.root(node, x);
+        let whole = self.power(x, n.abs() / 2);
+        let power = self.program.mul(whole, root);
+        if n < 0 { self.reciprocal(power) } else { power }
     }
 
     /// Squaring and multiplying from the lowest bit upwards, as over lanes.

@@ -3,7 +3,8 @@
 use crate::op::Op;
 use std::ops::Range;
 
-/// Shortest run over slices that is worth leaving a run over listed operands: to begin a run takes as long as some ten operations.
+/// Shortest run over slices that is worth leaving a run over listed operands: to begin a run takes as long as
+/// some ten operations.
 pub(crate) const SHORTEST_SLICE: usize = 16;
 
 /// How the operands of a run lie.

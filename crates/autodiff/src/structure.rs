@@ -35,8 +35,8 @@ impl Pattern {
         self.columns.is_empty()
     }
 
-    /// Groups of columns no two of which have a row in common, with every column that has entries in one of them: all
-    /// columns of a group can be computed from one direction (Curtis, Powell, Reid 1974).
+    /// Groups of columns no two of which have a row in common, with every column that has entries in one of
+    /// them: all columns of a group can be computed from one direction (Curtis, Powell, Reid 1974).
     pub fn column_groups(&self) -> Vec<Vec<usize>> {
         let Colouring { colours, of_column } = Colouring::new(self);
         let mut groups = vec![Vec::new(); colours];

@@ -127,6 +127,11 @@ where
         }
     }
 
+    fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
+        let h = self.gradient_with_compensated_value(y, gradient);
+        (h, self.tape.bound(y))
+    }
+
     fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
             if !self.supplied(y, gradient) {

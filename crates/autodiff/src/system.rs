@@ -32,17 +32,18 @@ impl<H: System> System for &H {
     }
 }
 
-/// H, ∇H and ∇²H at given states y = (q, p) of length n = 2m. Nothing is allocated by these calls, but by the first of a kind
-/// where an energy is run as machine code.
+/// H, ∇H and ∇²H at given states y = (q, p) of length n = 2m. Nothing is allocated by these calls, but by the
+/// first of a kind where an energy is run as machine code.
 ///
 /// Slices of another length are a programming error and panic.
 pub trait Evaluate<T: Float> {
-    /// Whether this is a [`RecordedEvaluator`], as [`recorded`](Self::recorded) takes for granted: a constant, so that code for the one or the other
-    /// need not be compiled.
+    /// Whether this is a [`RecordedEvaluator`], as [`recorded`](Self::recorded) takes for granted: a
+    /// constant, so that code for the one or the other need not be compiled.
     #[doc(hidden)]
     const IS_RECORDED: bool = false;
 
-    /// What holds an evaluator of this type, known to hold one of a recording: how generic code reaches what is compiled for recordings once.
+    /// What holds an evaluator of this type, known to hold one of a recording: how generic code reaches what
+    /// is compiled for recordings once.
     #[doc(hidden)]
     fn recorded<'a, H: Holds<'a>>(held: H::With<Self>) -> H::With<RecordedEvaluator<T>>
     where
@@ -58,8 +59,9 @@ pub trait Evaluate<T: Float> {
     /// ∇H(y) into `gradient` (length n); returns H(y).
     fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T;
 
-    /// H(y), the terms of long sums in it added by compensated summation: what is left of H1 − H0 is not hidden by rounding the partial sums of n
-    /// terms, which is worth some √n ε of H. Without long sums it has every bit of [`value`](Self::value).
+    /// H(y), the terms of long sums in it added by compensated summation: what is left of H1 − H0 is not
+    /// hidden by rounding the partial sums of n terms, which is worth some √n ε of H. Without long sums it
+    /// has every bit of [`value`](Self::value).
     fn compensated_value(&mut self, y: &[T]) -> T {
         self.value(y)
     }
@@ -69,6 +71,20 @@ pub trait Evaluate<T: Float> {
         self.gradient(y, gradient)
     }
 
+    /// ∇H(y) into `gradient` (length n); returns H(y) as [`compensated_value`](Self::compensated_value) does,
+    /// and the running error bound of it, without its factor ε:
+    ///
+    /// Σ_k |v_k ∂H/∂v_k| + Σ_i |y_i ∂H/∂y_i|
+    ///
+    /// in the units of H, over all operations v_k of H (as recorded, whatever the route; H is the last of
+    /// them) and all components of the state. ε times it is above what rounding makes of H, also where large
+    /// parts of H cancel. An integer power counts once for every two of its multiplications. Partial sums of
+    /// sums that are compensated are not rounded and do not count, but their terms and results do. Constants
+    /// do not count: they are rounded alike at every state.
+    ///
+    /// Costs at most about two gradients more. The first call allocates.
+    fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T);
+
     /// ∇H at several states, which stand one after the other in `states` (length s·n), as do the results.
     fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
@@ -76,9 +92,10 @@ pub trait Evaluate<T: Float> {
         }
     }
 
-    /// ∇H at `count` points at once, component by component: component c of point i stands at `c·stride + i` in `states`
-    /// (length n·stride), as in `gradients`. Places between `count` and `stride` must hold finite numbers; what is in the
-    /// result there is unspecified. Each gradient has every bit of the one [`gradient`](Self::gradient) gives.
+    /// ∇H at `count` points at once, component by component: component c of point i stands at `c·stride + i`
+    /// in `states` (length n·stride), as in `gradients`. Places between `count` and `stride` must hold finite
+    /// numbers; what is in the result there is unspecified. Each gradient has every bit of the one
+    /// [`gradient`](Self::gradient) gives.
     fn gradients_by_component(
         &mut self,
         states: &[T],
@@ -87,8 +104,8 @@ pub trait Evaluate<T: Float> {
         count: usize,
     );
 
-    /// ∇U at `count` positions of a separable H = T(p) + U(q), in the same layout with m components instead of n. Has every bit
-    /// of ∂H/∂q.
+    /// ∇U at `count` positions of a separable H = T(p) + U(q), in the same layout with m components instead
+    /// of n. Has every bit of ∂H/∂q.
     ///
     /// # Panics
     /// If H is not separable.
@@ -100,8 +117,9 @@ pub trait Evaluate<T: Float> {
         count: usize,
     );
 
-    /// Runs `task` with ∇H in it as one kernel. `None` if that is not done: an energy that is not compiled, or too long, or brings
-    /// its own gradient, has none that could be inlined; and each kernel is compiled anew for every energy, so it is done where it pays.
+    /// Runs `task` with ∇H in it as one kernel. `None` if that is not done: an energy that is not compiled,
+    /// or too long, or brings its own gradient, has none that could be inlined; and each kernel is compiled
+    /// anew for every energy, so it is done where it pays.
     #[doc(hidden)]
     #[inline(always)]
     fn fuse_gradients<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
@@ -120,7 +138,8 @@ pub trait Evaluate<T: Float> {
     /// T(p) of H = T(p) + U(q), if H is separable and T quadratic. Evaluates ∇²H once; allocates.
     fn kinetic(&mut self) -> Option<Kinetic<T>>;
 
-    /// Chooses the instructions of the two methods above, [`InstructionSet::best`] to begin with. The results are the same.
+    /// Chooses the instructions of the two methods above, [`InstructionSet::best`] to begin with. The results
+    /// are the same.
     #[doc(hidden)]
     fn set_instruction_set(&mut self, set: InstructionSet);
 

@@ -1,8 +1,8 @@
 //! [`Tangent`]: a number with its rates of change in C directions.
 //!
-//! The recording of ∇H replayed on tangents gives ∇²H·v for C vectors v at once. The value is computed by the very
-//! functions of the float below, so it has every bit of the plain replay. Derivatives at kinks are those of the
-//! that recording; the rates of selections (sign, the smaller of two) are zero.
+//! The recording of ∇H replayed on tangents gives ∇²H·v for C vectors v at once. The value is computed by the
+//! very functions of the float below, so it has every bit of the plain replay. Derivatives at kinks are those
+//! of the that recording; the rates of selections (sign, the smaller of two) are zero.
 
 use equip_scalar::{Constant, Float, Piecewise, Scalar};
 use std::array::from_fn;

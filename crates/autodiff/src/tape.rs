@@ -1,14 +1,14 @@
 //! [`Tape`]: the graph laid out for replay.
 //!
-//! The replay goes block after block of results (see [`Order`]). Within a block, operations are sorted by dependency level
-//! and, within a level, into runs of one operation, whose results stand side by side. Within a run they are
-//! sorted by their operands; where these stand side by side too, or are the same slot throughout, the run is a plain loop
-//! over slices. Measured: runs 2×, slices another 1.6×.
+//! The replay goes block after block of results (see [`Order`]). Within a block, operations are sorted by
+//! dependency level and, within a level, into runs of one operation, whose results stand side by side. Within
+//! a run they are sorted by their operands; where these stand side by side too, or are the same slot
+//! throughout, the run is a plain loop over slices. Measured: runs 2×, slices another 1.6×.
 //!
-//! Slots: constants, results of constants, what later blocks need too, then the present block, which overwrites the
-//! one before. So a replay stays in the cache however long the system is: over 8 lanes, a chain of 1024 masses takes
-//! half of the time it takes with a slot for everything. Operands always stand before results; what is kept for later blocks is
-//! copied at the end of its own.
+//! Slots: constants, results of constants, what later blocks need too, then the present block, which
+//! overwrites the one before. So a replay stays in the cache however long the system is: over 8 lanes, a
+//! chain of 1024 masses takes half of the time it takes with a slot for everything. Operands always stand
+//! before results; what is kept for later blocks is copied at the end of its own.
 
 use crate::graph::{Graph, Term};
 use crate::op::Op;
@@ -18,7 +18,7 @@ use equip_scalar::Constant;
 use std::ops::Range;
 
 /// Terms from which on rounding the partial sums of a sum is worth half of what rounding single terms is.
-const LONG: usize = 64;
+pub(crate) const LONG: usize = 64;
 
 /// Equal operations without dependence on each other.
 #[derive(Debug, Clone)]
@@ -62,7 +62,8 @@ impl Transfer {
     }
 }
 
-/// A part of the replay: inputs are read, runs are done, results are given away, and what later blocks need is kept.
+/// A part of the replay: inputs are read, runs are done, results are given away, and what later blocks need
+/// is kept.
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
     /// Entry in [`Tape::inputs`].

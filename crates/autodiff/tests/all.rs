@@ -3,7 +3,9 @@
 mod allocations;
 mod closures;
 mod common;
+mod floor;
 mod growth;
+mod half_powers;
 mod lanes;
 mod long_sums;
 mod macros;

@@ -1,4 +1,5 @@
-//! Evaluations allocate nothing, but for the first by machine code. The allocator of this program counts, for every thread by itself.
+//! Evaluations allocate nothing, but for the first by machine code. The allocator of this program counts, for
+//! every thread by itself.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System, Var, hamiltonian};
 use equip_scalar::{DoubleDouble, Float};
@@ -27,7 +28,8 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations of a first round of calls, and of a second.
+/// Allocations of a first round of calls, and of a second. The bound of rounding is made before, at its own
+/// first call.
 fn count<H: System, T: Float>(h: &H) -> [usize; 2] {
     let n = 2 * h.degrees_of_freedom();
     let y: Vec<T> = (0..n).map(|i| T::ratio(i as i64 + 1, 7)).collect();
@@ -38,6 +40,7 @@ fn count<H: System, T: Float>(h: &H) -> [usize; 2] {
     let mut slopes = batch.clone();
     let mut entries = vec![T::int(0); h.structure().hessian.len()];
     let mut evaluator = h.evaluator::<T>();
+    evaluator.gradient_with_bound(&y, &mut gradient);
     let mut round = || {
         let before = ALLOCATIONS.with(Cell::get);
         evaluator.value(&y);
@@ -50,6 +53,7 @@ fn count<H: System, T: Float>(h: &H) -> [usize; 2] {
                 evaluator.forces_by_component(&batch[..half], &mut slopes[..half], stride, count);
             }
         }
+        evaluator.gradient_with_bound(&y, &mut gradient);
         evaluator.hessian_vector(&y, &v, &mut gradient);
         evaluator.hessian(&y, &mut entries);
         ALLOCATIONS.with(Cell::get) - before

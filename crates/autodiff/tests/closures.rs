@@ -53,7 +53,8 @@ fn elementary_functions() {
     let (q, p) = (0.7_f64, 0.3_f64);
     let mut gradient = [0.0; 2];
     let value = h.evaluator::<f64>().gradient(&[q, p], &mut gradient);
-    assert_eq!(value, (q.sin() * p.exp()).powf(1.5));
+    let x = q.sin() * p.exp();
+    assert_eq!(value, x * x.sqrt());
     assert!((gradient[0] / (1.5 * value / q.tan()) - 1.0).abs() < 4.0 * f64::EPSILON);
     assert!((gradient[1] / (1.5 * value) - 1.0).abs() < 4.0 * f64::EPSILON);
 }

@@ -1,9 +1,9 @@
 //! [`Fault`]: why the program ends without success, and with which exit code.
 
 use crate::text::significant;
+use equip_integrate::IntegrateError;
 use equip_scalar::{Float, ParseFloatError};
 use equip_scenes::SceneError;
-use equip_solver::IntegrateError;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -20,11 +20,9 @@ use crate::write::csv::Mark;
 use crate::write::json;
 use comparison::Comparison;
 use curve::curve;
+use equip_integrate::{Alphas, Checkpoint, Equip, Gauss, Invariant, Method, Reach, Record, Target};
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;
-use equip_solver::{
-    Alphas, Checkpoint, Equip, Gauss, Invariant, Method, OnNoAlpha, Record, StageSolver, Target,
-};
 use finished::{EndError, Finished, end_error};
 use integrator::Integrator;
 use progress::Progress;
@@ -55,22 +53,15 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         None => h,
         Some(text) => step_for(number("--target-error", text)?, instance, method, end)?,
     };
-    // What the default costs in wide numbers is for runs that are made backwards.
-    let solver = if T::IS_DOUBLE {
-        StageSolver::Automatic
-    } else {
-        StageSolver::Responses
-    };
     let mut integrator = match &args.tolerance {
-        None => Integrator::Fixed(method.step(h).stage_solver(solver).record(Record::Ends)),
+        None => Integrator::Fixed(method.step(h).record(Record::Ends)),
         Some(text) => {
             let tolerance = number::<T>("--tolerance", text)?;
-            let steps = method.tolerance(tolerance).stage_solver(solver);
-            Integrator::Variable(steps.record(Record::Ends))
+            Integrator::Variable(method.tolerance(tolerance).record(Record::Ends))
         }
     };
     if args.refuse {
-        integrator = integrator.on_no_alpha(OnNoAlpha::Refuse);
+        integrator = integrator.reach(Reach::Refuse);
     }
     if args.lyapunov {
         integrator = integrator.chaos();

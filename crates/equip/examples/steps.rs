@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let method = Equip::stages(3)
         .step(0.25)
         .invariant(Invariant::new("angular momentum", momentum)) // not kept by this H: the certificate shows it
-        .on_no_alpha(OnNoAlpha::Refuse);
+        .reach(Reach::Refuse);
     let mut steps = method.start(&henon_heiles, &[0.0, 0.3], &[0.42, 0.0], 0.0)?;
     for step in steps.by_ref().take(10) {
         let step = step?;

@@ -22,6 +22,21 @@
 //! # }
 //! ```
 //!
+//! Many runs of one system: what does not depend on the start is made once.
+//!
+//! ```
+//! # use equip::prelude::*;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+//! let mut prepared = Equip::stages(4).step(0.1).prepare(&pendulum)?;
+//! for momentum in [0.5, 1.0, 1.5] {
+//!     let run = prepared.integrate(&[0.0], &[momentum], 0.0..=10.0)?;
+//!     assert!(run.certificate().energy_kept_on_every_step());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! The guide, page by page, and eight programs to begin with:
 #![doc = concat!("[docs](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/docs),")]
 #![doc = concat!("[examples](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/crates/equip/examples).")]
@@ -31,16 +46,17 @@
 //! | `equip-scalar` | [`scalar`] | number types: `f64`, `DoubleDouble`, constants in H |
 //! | `equip-tableau` | [`tableau`] | Gauss nodes, weights, K(α) |
 //! | `equip-autodiff` | [`autodiff`] | H → gradient, Hessian, structure |
-//! | `equip-solver` | [`solver`] | methods, steps, certificate |
+//! | `equip-solver` | [`solver`] | one step: stages, α, outcome |
+//! | `equip-integrate` | [`solver`] | methods, runs, events, checkpoints, certificate |
 //! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
 //!
 //! With the feature `serde` checkpoints can be written by it. The program `equip` is a package of its own, `equip-cli`.
 #![forbid(unsafe_code)]
 
 pub use equip_autodiff as autodiff;
+pub use equip_integrate as solver;
 pub use equip_scalar as scalar;
 pub use equip_scenes as scenes;
-pub use equip_solver as solver;
 pub use equip_tableau as tableau;
 
 pub mod prelude;

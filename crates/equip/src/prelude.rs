@@ -1,10 +1,11 @@
 //! Everything a program that integrates its own Hamiltonian needs: `use equip::prelude::*;`.
 
 pub use equip_autodiff::{BuildError, Energy, Hamiltonian, System, Var, hamiltonian};
-pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};
-pub use equip_solver::{
+pub use equip_integrate::{
     Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, ChaosIndicators, Checkpoint, Counts,
-    Direction, Equip, Event, FixedStep, Gauss, IntegrateError, Invariant, Method, Observer,
-    Occurrence, OnNoAlpha, Outcome, Record, Reversible, ReversibleStepper, Run, RunFailure,
-    StageSolver, Step, StepRule, StepView, Stepper, TangentMap, Target, Trajectory, VariableSteps,
+    Direction, Equip, Event, FixedStep, Gauss, IntegrateError, Integrator, Invariant, Method,
+    Observer, Occurrence, Outcome, Preconditioner, Prepared, Reach, Record, Reversible,
+    ReversibleStepper, Run, RunFailure, Step, StepRule, StepView, Stepper, TangentMap, Target,
+    Trajectory, VariableSteps,
 };
+pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};

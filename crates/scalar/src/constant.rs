@@ -7,7 +7,8 @@ use crate::error::ParseFloatError;
 /// An `f64` literal in a 31-digit run silently limits it to 16 digits unless it is exactly representable
 /// (`0.5`, `2.0`, `-0.75` are; `0.1` is not). [`ratio`] and [`decimal`] have no such limit.
 ///
-/// The double it is in `f64` is kept beside it: there an energy that holds it costs what one that holds an `f64` costs.
+/// The double it is in `f64` is kept beside it: there an energy that holds it costs what one that holds an
+/// `f64` costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constant {
     pub(crate) double: f64,
@@ -44,6 +45,12 @@ impl Constant {
             double: parts.iter().rev().fold(0.0, |sum, part| sum + part),
             written: Written::Extended(parts),
         }
+    }
+
+    /// The constant in `f64`.
+    #[inline(always)]
+    pub(crate) const fn to_double(self) -> f64 {
+        self.double
     }
 
     /// How it was written.

@@ -3,6 +3,7 @@
 use crate::constant::Constant;
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
+use crate::half_power::half_power;
 use crate::kernels::Lanes;
 use crate::traits::{Float, Scalar};
 
@@ -26,7 +27,10 @@ impl Scalar for f64 {
     }
     #[inline(always)]
     fn powf(x: f64, c: Constant) -> f64 {
-        f64::powf(x, c.to())
+        match c.halves::<f64>() {
+            Some(n) => half_power(x, n),
+            None => f64::powf(x, c.to()),
+        }
     }
     #[inline(always)]
     fn pow(x: f64, y: f64) -> f64 {

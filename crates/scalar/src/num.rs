@@ -8,9 +8,9 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 /// A number of unknown kind: a float, a dual number, or a variable being recorded.
 ///
-/// It has every operation of [`Scalar`] as a method, mixes with `f64`, [`Constant`] and
-/// [`DoubleDouble`] on either side, and offers no comparison and no read-out: an energy must not branch on the
-/// state. Use [`min`](Self::min), [`max`](Self::max) and [`abs`](Self::abs) for piecewise functions.
+/// It has every operation of [`Scalar`] as a method, mixes with `f64`, [`Constant`] and [`DoubleDouble`] on
+/// either side, and offers no comparison and no read-out: an energy must not branch on the state. Use
+/// [`min`](Self::min), [`max`](Self::max) and [`abs`](Self::abs) for piecewise functions.
 ///
 /// Every method costs what the wrapped type's function costs; the wrapper itself costs nothing.
 #[derive(Debug, Clone, Copy)]
@@ -69,7 +69,8 @@ impl<S: Scalar> Num<S> {
         Num(S::powi(self.0, n))
     }
 
-    /// xᶜ for a constant exponent: `r.powf(-1.5)`, `r.powf(ratio(1, 3))`.
+    /// xᶜ for a constant exponent: `r.powf(-1.5)`, `r.powf(ratio(1, 3))`. Half-integers up to 15/2 cost a
+    /// root.
     #[inline(always)]
     pub fn powf(self, c: impl Into<Constant>) -> Self {
         Num(S::powf(self.0, c.into()))

@@ -6,6 +6,7 @@ mod double_double_functions;
 mod double_double_tables;
 mod double_double_text;
 mod glue;
+mod half_power;
 mod lanes;
 
 /// A file of tests that is not named above would be left out in silence.

@@ -1,7 +1,6 @@
-//! Further quantities to watch along a run.
+//! Further quantities to watch or to keep along a run.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
-use equip_scalar::Float;
+use equip_autodiff::{Hamiltonian, System};
 
 /// A named function of the state, recorded like an energy, whose change along the run the certificate shows.
 ///
@@ -35,59 +34,5 @@ impl Invariant {
     /// Whether it is at most quadratic, and so kept for free if the flow keeps it.
     pub fn is_quadratic(&self) -> bool {
         self.function.structure().is_quadratic()
-    }
-}
-
-/// How far a quantity has strayed from its value at the start.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Defect<T> {
-    /// Name of the quantity.
-    pub name: String,
-    /// Its value at the start, in its own unit.
-    pub start: T,
-    /// Largest absolute difference from it over all steps.
-    pub max: T,
-    /// Difference at the last step.
-    pub end: T,
-}
-
-impl<T: Float> Defect<T> {
-    pub(crate) fn new(name: &str, start: T) -> Self {
-        Defect {
-            name: name.to_owned(),
-            start,
-            max: T::int(0),
-            end: T::int(0),
-        }
-    }
-
-    pub(crate) fn see(&mut self, difference: T) {
-        self.end = difference;
-        if !(difference.abs() <= self.max) {
-            self.max = difference.abs();
-        }
-    }
-}
-
-/// An invariant being watched in one float type.
-#[derive(Debug)]
-pub(crate) struct Watched<T: Float> {
-    pub(crate) defect: Defect<T>,
-    evaluator: <Hamiltonian as System>::Evaluator<T>,
-}
-
-impl<T: Float> Watched<T> {
-    pub(crate) fn new(invariant: &Invariant, y: &[T]) -> Self {
-        let mut evaluator = invariant.function.evaluator::<T>();
-        let start = evaluator.compensated_value(y);
-        Watched {
-            defect: Defect::new(&invariant.name, start),
-            evaluator,
-        }
-    }
-
-    pub(crate) fn see(&mut self, y: &[T]) {
-        let value = self.evaluator.compensated_value(y);
-        self.defect.see(value - self.defect.start);
     }
 }

@@ -1,80 +1,96 @@
 //! How a step ended, and the counts of all that was done.
 
-/// How a step ended. Every step has exactly one outcome.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// How a step ended. Every step has exactly one outcome; a step that was halved has that of its worse half.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Outcome {
-    /// α's were found that bring H back to its reference within the round-off floor.
-    Solved,
-    /// With α = 0 the energy defect was at the round-off floor already: no α was needed.
-    AtFloor,
-    /// H is at most quadratic: every member of the family keeps it, nothing to solve.
-    Quadratic,
     /// The energy was not asked for (Gauss, fixed α).
     NotAsked,
-    /// The step was halved, and H is back at its reference at its end.
-    Halved,
-    /// No admissible α: the step was made with α = 0 and its defect is left to the next step.
-    Carried,
+    /// H is at most quadratic: every member of the family keeps it, nothing to solve.
+    Quadratic,
+    /// With α = 0 the energy defect was at the round-off floor already: no α was needed.
+    AtFloor,
+    /// α's were found that bring H back to its reference within the round-off floor.
+    Solved,
+    /// Carried: no α changes the energy. The step was made with α = 0 and its defect is left to a later one, as in the next two.
+    NoSlope,
+    /// Carried: the energy would take an α beyond its bound.
+    BeyondBound,
+    /// Carried: the α's would move the end point further than the step's own error allows.
+    TooFar,
 }
 
 impl Outcome {
     /// All outcomes, in the order in which reports name them.
-    pub const ALL: [Outcome; 6] = [
-        Outcome::Solved,
-        Outcome::AtFloor,
-        Outcome::Quadratic,
+    pub const ALL: [Outcome; 7] = [
         Outcome::NotAsked,
-        Outcome::Halved,
-        Outcome::Carried,
+        Outcome::Quadratic,
+        Outcome::AtFloor,
+        Outcome::Solved,
+        Outcome::NoSlope,
+        Outcome::BeyondBound,
+        Outcome::TooFar,
     ];
 
     /// The words used for it in certificates, tables and files.
     pub fn label(self) -> &'static str {
         match self {
-            Outcome::Solved => "energy solved",
-            Outcome::AtFloor => "at the round-off floor",
-            Outcome::Quadratic => "quadratic H, nothing to do",
             Outcome::NotAsked => "energy not asked for",
-            Outcome::Halved => "step halved",
-            Outcome::Carried => "no admissible α, carried",
+            Outcome::Quadratic => "quadratic H, nothing to do",
+            Outcome::AtFloor => "at the round-off floor",
+            Outcome::Solved => "energy solved",
+            Outcome::NoSlope => "carried: no slope",
+            Outcome::BeyondBound => "carried: α beyond its bound",
+            Outcome::TooFar => "carried: end point moved too far",
         }
     }
 
     /// Whether H is at its reference at the end of the step, within the round-off floor.
     pub fn energy_kept(self) -> bool {
-        matches!(self, Outcome::Solved | Outcome::AtFloor | Outcome::Halved)
+        matches!(
+            self,
+            Outcome::Solved | Outcome::AtFloor | Outcome::Quadratic
+        )
+    }
+
+    /// Whether the defect of the step is left to a later one.
+    pub fn is_carried(self) -> bool {
+        matches!(
+            self,
+            Outcome::NoSlope | Outcome::BeyondBound | Outcome::TooFar
+        )
     }
 }
 
 /// Counts of work and outcomes. Equal runs have equal counts on every machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Counts {
-    /// Steps of the grid.
+    /// Steps made.
     pub steps: u64,
-    /// Newton iterations: stage corrections computed.
-    pub newton_iterations: u64,
-    /// Sweeps Z ← K L over all stages.
+    /// Sweeps Z ← K L over all stages without a preconditioner.
     pub sweeps: u64,
-    /// Times that sweeps were tried and the step, or half of it, was left to Newton.
+    /// Iterations with a preconditioner.
+    pub newton_iterations: u64,
+    /// Times the stages of a step were begun anew with another preconditioner.
     pub taken_over: u64,
-    /// Factorisations of the full Newton matrix, of size s·2m.
+    /// Preconditioners made of ∇²H at all stages: a dense matrix of size s·2m, s·m for H = T(p) + U(q).
     pub factorisations: u64,
-    /// Factorisations of the complex systems of simplified Newton, of size 2m, or m for separable H.
+    /// Preconditioners made of one ∇²H: ⌈s/2⌉ complex systems of size 2m, or m.
     pub simplified_factorisations: u64,
-    /// Times the one Hessian of simplified Newton was taken anew; each makes ⌈s/2⌉ of the factorisations above.
-    pub refreshes: u64,
     /// Evaluations of ∇H at one point.
     pub gradients: u64,
-    /// Evaluations of H alone: to measure an energy that is not solved for, and while α's move along slopes.
+    /// Evaluations of H alone, to measure an energy that is not solved for.
     pub energies: u64,
     /// Evaluations of ∇²H at one point.
     pub hessians: u64,
-    /// Solves for α: right-hand sides T_k L.
-    pub alpha_solves: u64,
-    /// Local errors estimated to choose between the α's: each a factorisation for one stage more, not counted above.
+    /// Directions of the α's.
+    pub directions: u64,
+    /// Moves of the α's.
+    pub alpha_moves: u64,
+    /// Local errors estimated to judge a displacement: the stages of one method more each, which are counted above.
     pub local_errors: u64,
     /// Times a step was split into two.
     pub halvings: u64,
@@ -87,7 +103,14 @@ impl Counts {
         self.outcomes[outcome as usize]
     }
 
-    pub(crate) fn record(&mut self, outcome: Outcome) {
+    /// Steps whose defect was left to later ones.
+    pub fn carried(&self) -> u64 {
+        let carried = Outcome::ALL.into_iter().filter(|o| o.is_carried());
+        carried.map(|o| self.outcome(o)).sum()
+    }
+
+    /// Counts a step that ended so.
+    pub fn record(&mut self, outcome: Outcome) {
         self.steps += 1;
         self.outcomes[outcome as usize] += 1;
     }

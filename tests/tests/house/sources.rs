@@ -165,10 +165,10 @@ impl Crate {
         let (Some(name), true) = (names.first(), depth < 4) else {
             return Some(at);
         };
-        // What the file only passes on comes from elsewhere.
+        // What the file only passes on comes from elsewhere, perhaps from another crate.
         for passed in reexports(&self.modules[at].words) {
             if passed.last() == Some(name) && passed.len() > 1 {
-                return self.resolve(at, &passed, depth + 1).or(Some(at));
+                return self.resolve(at, &passed, depth + 1);
             }
         }
         Some(at)

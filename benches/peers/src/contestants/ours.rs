@@ -19,11 +19,11 @@ pub enum Solver {
 }
 
 impl Solver {
-    fn choice(self) -> StageSolver {
+    fn choice(self) -> Preconditioner {
         match self {
-            Solver::Automatic => StageSolver::Automatic,
-            Solver::Sweeps => StageSolver::Sweeps,
-            Solver::Newton => StageSolver::Newton,
+            Solver::Automatic => Preconditioner::Automatic,
+            Solver::Sweeps => Preconditioner::Identity,
+            Solver::Newton => Preconditioner::Full,
         }
     }
 }
@@ -89,7 +89,7 @@ impl<H: System, T: Float> Ours<H, T> {
         let h = self.end / T::exact(setting);
         let integrator = Equip::stages(self.variant.stages)
             .step(h)
-            .stage_solver(self.variant.solver.choice());
+            .preconditioner(self.variant.solver.choice());
         let prepare = || integrator.start(&*self.system, &self.q, &self.p, T::int(0));
         let (seconds, state) = turn(prepare, |stepper| {
             let stepper = stepper.as_mut().map_err(|e| e.to_string())?;
@@ -105,7 +105,7 @@ impl<H: System, T: Float> Ours<H, T> {
             .tolerance(T::exact(setting))
             .record(Record::Ends)
             .max_steps(MOST_STEPS)
-            .stage_solver(self.variant.solver.choice());
+            .preconditioner(self.variant.solver.choice());
         // The start is timed with the rest: it chooses the first step.
         let (seconds, run) = turn(
             || None,

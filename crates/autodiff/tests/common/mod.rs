@@ -8,7 +8,7 @@
 )]
 
 use equip_autodiff::Energy;
-use equip_scalar::{DoubleDouble, Float, Num, Scalar, ratio};
+use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};
 
 /// xorshift64*, Vigna 2016.
 pub struct Random(pub u64);
@@ -107,5 +107,114 @@ impl Energy for Chain {
         let kinetic: Num<S> = p.iter().map(|p| p.powi(2)).sum();
         let inner: Num<S> = q.windows(2).map(|q| spring(q[1] - q[0])).sum();
         kinetic / 2.0 + inner + spring(q[0]) + spring(q[self.0 - 1])
+    }
+}
+
+/// Degrees of freedom of random programs.
+pub const PROGRAM_M: usize = 3;
+const PROGRAM_LENGTH: usize = 60;
+
+/// A straight-line program: operation number and two operands among all earlier results.
+pub struct Program {
+    steps: Vec<(usize, usize, usize)>,
+    constants: Vec<Constant>,
+}
+
+impl Program {
+    pub fn new(random: &mut Random) -> Self {
+        let constants = vec![
+            Constant::double(0.0),
+            Constant::double(-0.0),
+            Constant::double(1.0),
+            Constant::double(-1.0),
+            Constant::double(random.within(-2.0, 2.0)),
+            ratio(1, 3),
+            decimal("0.1").unwrap(),
+            Constant::from(DoubleDouble::ratio(2, 7)),
+        ];
+        let first = 2 * PROGRAM_M + constants.len();
+        let operand = |random: &mut Random, known: usize| {
+            // Mostly recent results, so that programs are deep.
+            if random.below(3) == 0 {
+                random.below(known)
+            } else {
+                known - 1 - random.below(6)
+            }
+        };
+        let steps = (first..first + PROGRAM_LENGTH)
+            .map(|known| {
+                (
+                    random.below(40),
+                    operand(random, known),
+                    operand(random, known),
+                )
+            })
+            .collect();
+        Program { steps, constants }
+    }
+
+    /// Makes constants those of doubles, and operations on constants alone operations on the state: nothing
+    /// is rounded but what depends on the state.
+    pub fn without_rounded_constants(&mut self) {
+        self.constants[4..].fill(Constant::double(0.5));
+        let first = 2 * PROGRAM_M;
+        let mut is_constant = vec![false; first];
+        is_constant.resize(first + self.constants.len(), true);
+        for (k, (_, a, b)) in self.steps.iter_mut().enumerate() {
+            if is_constant[*a] {
+                *a = k % first;
+            }
+            if is_constant[*b] && k % 3 > 0 {
+                *b = (k + 1) % first;
+            }
+            is_constant.push(false);
+        }
+    }
+}
+
+impl Energy for Program {
+    fn degrees_of_freedom(&self) -> usize {
+        PROGRAM_M
+    }
+
+    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+        let mut all: Vec<Num<S>> = q.iter().chain(p).copied().collect();
+        all.extend(self.constants.iter().map(|&c| Num::from(c)));
+        for &(operation, a, b) in &self.steps {
+            let (x, y) = (all[a], all[b]);
+            all.push(match operation {
+                0..6 => x + y,
+                6..10 => x - y,
+                10..14 => x * y,
+                14 => x / y,
+                15 => -x,
+                16 => x.recip(),
+                17 => x.sqrt(),
+                18 => x.powi(2),
+                19 => x.powi(3),
+                20 => x.powi(-2),
+                21 => x.powi(5),
+                22 => x.powf(1.5),
+                23 => x.powf(ratio(1, 3)),
+                24 => x.abs().pow(y),
+                25 => x.exp(),
+                26 => x.abs().ln(),
+                27 => x.sin(),
+                28 => x.cos(),
+                29 => x.atan2(y),
+                30 => x.hypot(y),
+                31 => x.min(y),
+                32 => x.max(y),
+                33 => x.abs(),
+                34 => x.tanh(),
+                35 => x.atan(),
+                36 => x * x,
+                37 => x.powi(0) + y.powi(1),
+                38 => x + 0.0,
+                _ => x - 0.0,
+            });
+        }
+        let last = all.len() - 1;
+        all[last] + all[last - 1] + all[last - 2]
     }
 }

@@ -1,7 +1,7 @@
 //! Options of `equip run`.
 
 use clap::{Args, ValueEnum};
-use equip_solver::MAX_STAGES;
+use equip_integrate::MAX_STAGES;
 use std::path::PathBuf;
 
 /// Heading of the options that are parameters of the scene.

@@ -1,9 +1,9 @@
 //! [`Case`]: a row of the catalogue as data, with what is expected of it.
 
 use equip_autodiff::Hamiltonian;
+use equip_integrate::Invariant;
 use equip_scalar::{Constant, Float};
 use equip_scenes::Instance;
-use equip_solver::Invariant;
 use std::error::Error;
 
 /// Why a problem could not be built.

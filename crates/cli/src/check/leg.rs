@@ -2,8 +2,8 @@
 
 use super::case::{Kind, Problem, State};
 use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_integrate::{Counts, IntegrateError, Method, Outcome, StepView};
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Counts, IntegrateError, Method, Outcome, StepView};
 use std::time::{Duration, Instant};
 
 /// A method that has not reached the end by then is stopped.

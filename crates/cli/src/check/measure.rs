@@ -5,8 +5,8 @@ use super::leg::{Leg, outcomes, run};
 use super::measured::Measured;
 use super::reference::{Cache, Truth, distance, truth};
 use super::verdict::{Verdict, judge};
+use equip_integrate::{Equip, Gauss};
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Equip, Gauss};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
@@ -99,7 +99,7 @@ fn measure<T: Float>(case: &Case, cache: &Cache) -> Result<Measured, BuildFault>
     Ok(Measured {
         steps: equip.counts.steps,
         parts: equip.counts.steps + equip.counts.halvings,
-        carried: equip.counts.outcome(equip_solver::Outcome::Carried),
+        carried: equip.counts.carried(),
         outcomes: outcomes(&equip.counts)
             .map(|(o, n)| (o.label(), n))
             .collect(),

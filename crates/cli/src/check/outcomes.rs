@@ -20,13 +20,14 @@ fn letter(label: &str) -> &'static str {
         "at the round-off floor" => "F",
         "quadratic H, nothing to do" => "Q",
         "energy not asked for" => "N",
-        "step halved" => "H",
-        "no admissible α, carried" => "C",
+        "carried: no slope" => "C",
+        "carried: α beyond its bound" => "B",
+        "carried: end point moved too far" => "D",
         _ => "?",
     }
 }
 
-/// Steps by outcome: `S 97 H 3`.
+/// Steps by outcome: `S 97 C 3`.
 pub(crate) fn outcomes(row: &Row) -> String {
     let parts = row.measured.outcomes.iter();
     let parts: Vec<_> = parts
@@ -35,8 +36,8 @@ pub(crate) fn outcomes(row: &Row) -> String {
     parts.join(" ")
 }
 
-pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off floor, H step halved, \
-    C no admissible α, carried, Q quadratic H, N energy not asked for\n\
+pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off floor, carried \
+    C without a slope, B beyond the bound of α, D beyond the reach of the end point; Q quadratic H, N energy not asked for\n\
     floors: worst |H − H_ref| in units of its round-off floor, the worse of the solver's figure and one in double-double; \
     energy: the same, absolute, EQUIP and Gauss\n\
     inv.: defect of the invariant that is off most; error: of the trajectory, relative, largest over the grid, EQUIP and \

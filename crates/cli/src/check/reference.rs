@@ -2,8 +2,8 @@
 
 use super::case::{BuildFault, Case, Judged, Problem, Reference, State};
 use super::leg::{Samples, run, stride, widen};
+use equip_integrate::{Equip, Gauss};
 use equip_scalar::{DoubleDouble, Float};
-use equip_solver::{Equip, Gauss};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -118,7 +118,7 @@ fn fine<T: Float>(
 /// The states at every `k`-th step, as far as the method gets.
 fn every<T: Float>(
     k: u64,
-    method: equip_solver::Method,
+    method: equip_integrate::Method,
     problem: &Problem,
     (q, p): &State<T>,
     h: T,

@@ -9,8 +9,8 @@ use crate::draw::growth::{Curve, draw};
 use crate::fault::Fault;
 use crate::number::number;
 use crate::run::progress::steps_of;
+use equip_integrate::{Equip, Gauss, Method, Record};
 use equip_scenes::Instance;
-use equip_solver::{Equip, Gauss, Method, Outcome, Record};
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
 use std::path::Path;
@@ -163,7 +163,7 @@ fn row(curve: &Curve) -> String {
         share(rejected),
         share(failed),
         share(c.counts.gradients),
-        c.counts.outcome(Outcome::Carried),
+        c.counts.carried(),
         c.energy.as_ref().map_or(f64::NAN, |energy| energy.max),
         c.energy_in_floors
             .map_or_else(String::new, |floors| format!("{floors:.1}")),

@@ -3,7 +3,7 @@
 use crate::args::GrowthArgs;
 use crate::draw::panel::{Axis, Panel};
 use crate::draw::svg::{Anchor, FAINT, INK, Svg};
-use equip_solver::Certificate;
+use equip_integrate::Certificate;
 
 const EQUIP: &str = "#2b6a99";
 const GAUSS: &str = "#c46b1f";

@@ -6,16 +6,14 @@ use super::methods::flow::Flow;
 use super::subject::Subject;
 use cpu_time::ThreadTime;
 use equip_autodiff::Evaluate;
+use equip_integrate::{Certificate, Equip, Gauss, Invariant, Method, Record};
 use equip_scalar::Float;
-use equip_solver::{Certificate, Equip, Gauss, Invariant, Method, Record, StageSolver};
 use equip_tableau::composition::{Composition as Scheme, KAHAN_LI, SOFRONIOU_SPALETTA, VERLET};
 
 /// A method of the report.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Contender {
     Equip(usize),
-    /// EQUIP by sweeps throughout.
-    Swept(usize),
     Gauss(usize),
     /// EQUIP with variable steps.
     Variable(usize),
@@ -26,13 +24,11 @@ pub(super) enum Contender {
 /// Which methods to run with which stages.
 pub(super) fn contenders(stages: &[usize]) -> Vec<Contender> {
     let ours = stages.iter().map(|&s| Contender::Equip(s));
-    let swept = (stages.iter().filter(|s| **s > 3)).map(|&s| Contender::Swept(s));
     let gauss = stages.iter().map(|&s| Contender::Gauss(s));
     let schemes = [VERLET, KAHAN_LI, SOFRONIOU_SPALETTA].map(Contender::Composition);
     // One is enough to see what steps of their own size are worth on a scene.
     let variable = stages.iter().filter(|s| **s == 8);
-    ours.chain(swept)
-        .chain(variable.map(|&s| Contender::Variable(s)))
+    ours.chain(variable.map(|&s| Contender::Variable(s)))
         .chain(gauss)
         .chain(schemes)
         .chain([Contender::Dop853])
@@ -57,7 +53,6 @@ impl Contender {
     pub(super) fn name(&self) -> String {
         match self {
             Contender::Equip(s) => format!("EQUIP({s})"),
-            Contender::Swept(s) => format!("EQUIP({s}) by sweeps"),
             Contender::Gauss(s) => format!("Gauss({s})"),
             Contender::Variable(s) => format!("EQUIP({s}) variable"),
             Contender::Composition(scheme) => scheme.name.into(),
@@ -67,22 +62,18 @@ impl Contender {
 
     pub(super) fn order(&self) -> usize {
         match self {
-            Contender::Equip(s)
-            | Contender::Swept(s)
-            | Contender::Variable(s)
-            | Contender::Gauss(s) => 2 * s,
+            Contender::Equip(s) | Contender::Variable(s) | Contender::Gauss(s) => 2 * s,
             Contender::Composition(scheme) => scheme.order as usize,
             Contender::Dop853 => 8,
         }
     }
 
-    /// For methods of this library: which, and how its stages are solved.
-    fn method(&self) -> Option<(Method, StageSolver)> {
+    /// For methods of this library: which.
+    fn method(&self) -> Option<Method> {
         match self {
-            Contender::Equip(s) => Some((Equip::stages(*s), StageSolver::Automatic)),
-            Contender::Swept(s) => Some((Equip::stages(*s), StageSolver::Sweeps)),
-            Contender::Gauss(s) => Some((Gauss::stages(*s), StageSolver::Automatic)),
-            Contender::Variable(s) => Some((Equip::stages(*s), StageSolver::Automatic)),
+            Contender::Equip(s) => Some(Equip::stages(*s)),
+            Contender::Gauss(s) => Some(Gauss::stages(*s)),
+            Contender::Variable(s) => Some(Equip::stages(*s)),
             _ => None,
         }
     }
@@ -94,17 +85,14 @@ impl Contender {
 
     /// Whether it keeps the energy by itself.
     pub(super) fn keeps_energy(&self) -> bool {
-        matches!(
-            self,
-            Contender::Equip(_) | Contender::Swept(_) | Contender::Variable(_)
-        )
+        matches!(self, Contender::Equip(_) | Contender::Variable(_))
     }
 
     /// Setting number `k`, from coarse to fine.
     pub(super) fn setting<T: Float>(&self, subject: &Subject<T>, k: i32) -> f64 {
         let finer = 1.4_f64.powi(k);
         match self {
-            Contender::Equip(s) | Contender::Swept(s) | Contender::Gauss(s) => {
+            Contender::Equip(s) | Contender::Gauss(s) => {
                 (subject.fewest * 4.0 / *s as f64 * finer).ceil()
             }
             // As many gradients as a coarse Gauss run makes or fewer.
@@ -173,10 +161,7 @@ impl Contender {
         let system = subject.instance.hamiltonian();
         let y = subject.start.clone();
         match self {
-            Contender::Equip(_)
-            | Contender::Swept(_)
-            | Contender::Variable(_)
-            | Contender::Gauss(_) => {
+            Contender::Equip(_) | Contender::Variable(_) | Contender::Gauss(_) => {
                 let ran = self.ours(subject, setting, true);
                 ran.map(|(outcome, y, _)| (outcome, y))
             }
@@ -229,11 +214,11 @@ impl Contender {
         setting: f64,
         watched: bool,
     ) -> Result<Ours<T>, String> {
-        let (method, solver) = self.method().ok_or("not a method of this library")?;
+        let method = self.method().ok_or("not a method of this library")?;
         if self.adapts() {
-            variable(method, solver, subject, setting, watched)
+            variable(method, subject, setting, watched)
         } else {
-            fixed(method, solver, subject, setting, watched)
+            fixed(method, subject, setting, watched)
         }
     }
 }
@@ -246,7 +231,6 @@ fn invariants<T: Float>(subject: &Subject<T>, watched: bool) -> Vec<Invariant> {
 
 fn fixed<T: Float>(
     method: Method,
-    solver: StageSolver,
     subject: &Subject<T>,
     steps: f64,
     watched: bool,
@@ -254,12 +238,11 @@ fn fixed<T: Float>(
     let (q, p) = subject.start.split_at(subject.start.len() / 2);
     let mut integrator = method
         .step(subject.end / T::exact(steps))
-        .measure_energy(watched)
-        .stage_solver(solver);
+        .measure_energy(watched);
     for invariant in invariants(subject, watched) {
         integrator = integrator.invariant(invariant);
     }
-    let fault = |e: equip_solver::IntegrateError<T>| e.to_string();
+    let fault = |e: equip_integrate::IntegrateError<T>| e.to_string();
     let begun = ThreadTime::now();
     let mut stepper = integrator
         .start(subject.instance.hamiltonian(), q, p, T::int(0))
@@ -278,7 +261,6 @@ const MOST_STEPS: u64 = 200_000;
 
 fn variable<T: Float>(
     method: Method,
-    solver: StageSolver,
     subject: &Subject<T>,
     tolerance: f64,
     watched: bool,
@@ -287,7 +269,6 @@ fn variable<T: Float>(
     let mut integrator = method
         .tolerance(T::exact(tolerance))
         .measure_energy(watched)
-        .stage_solver(solver)
         .record(Record::Ends)
         .max_steps(MOST_STEPS);
     for invariant in invariants(subject, watched) {

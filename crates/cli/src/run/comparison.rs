@@ -3,9 +3,9 @@
 use crate::draw::samples::Envelope;
 use crate::run::progress::Progress;
 use crate::run::signals;
+use equip_integrate::{Gauss, Record, StepView};
 use equip_scalar::Float;
 use equip_scenes::Instance;
-use equip_solver::{Gauss, Record, StepView};
 use std::ops::ControlFlow;
 
 /// The energy defect of the Gauss method.

@@ -1,8 +1,8 @@
 //! [`Finished`]: a run with what was found out about it afterwards.
 
+use equip_integrate::{IntegrateError, Run};
 use equip_scalar::Float;
 use equip_scenes::Instance;
-use equip_solver::{IntegrateError, Run};
 
 /// A run with what was found out about it afterwards.
 #[derive(Debug)]

@@ -1,10 +1,10 @@
 //! [`Integrator`]: fixed or variable steps, as the user asked, behind one set of verbs.
 
+use equip_integrate::{
+    Adaptive, Checkpoint, FixedStep, Invariant, Observer, Reach, Record, Run, RunFailure,
+};
 use equip_scalar::Float;
 use equip_scenes::Instance;
-use equip_solver::{
-    Adaptive, Checkpoint, FixedStep, Invariant, Observer, OnNoAlpha, Record, Run, RunFailure,
-};
 
 #[derive(Debug)]
 pub(crate) enum Integrator<T: Float> {
@@ -13,10 +13,10 @@ pub(crate) enum Integrator<T: Float> {
 }
 
 impl<T: Float> Integrator<T> {
-    pub(crate) fn on_no_alpha(self, choice: OnNoAlpha) -> Self {
+    pub(crate) fn reach(self, choice: Reach) -> Self {
         match self {
-            Integrator::Fixed(x) => Integrator::Fixed(x.on_no_alpha(choice)),
-            Integrator::Variable(x) => Integrator::Variable(x.on_no_alpha(choice)),
+            Integrator::Fixed(x) => Integrator::Fixed(x.reach(choice)),
+            Integrator::Variable(x) => Integrator::Variable(x.reach(choice)),
         }
     }
 
@@ -53,6 +53,9 @@ impl<T: Float> Integrator<T> {
         let h = instance.hamiltonian();
         let (q, p) = instance.initial::<T>();
         let interval = T::int(0)..=end;
+        if let Some(from) = from {
+            from.check_start(&q, &p, T::int(0))?;
+        }
         match (self, from) {
             (Integrator::Fixed(x), None) => x.integrate_observed(h, &q, &p, interval, observer),
             (Integrator::Fixed(x), Some(from)) => x.integrate_from(h, from, end, observer),

@@ -5,8 +5,8 @@
 //! columns, `lyapunov,megno`, empty in the first row.
 
 use crate::fault::Fault;
+use equip_integrate::ChaosIndicators;
 use equip_scalar::Float;
-use equip_solver::ChaosIndicators;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};

@@ -2,8 +2,8 @@
 
 use crate::run::finished::{EndError, Finished};
 use crate::write::csv::digits;
+use equip_integrate::{Defect, Outcome};
 use equip_scalar::Float;
-use equip_solver::{Defect, Outcome};
 use serde::Serialize;
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
@@ -41,7 +41,8 @@ struct Work {
     gradients: u64,
     hessians: u64,
     energies: u64,
-    alpha_solves: u64,
+    directions: u64,
+    alpha_moves: u64,
     halvings: u64,
 }
 
@@ -92,7 +93,6 @@ struct Document<'a> {
     invariants: Vec<Quantity>,
     outcomes: BTreeMap<&'static str, u64>,
     alpha_range: Vec<[Number; 2]>,
-    unresolved_spring: Option<Number>,
     chaos: Option<Chaos>,
     work: Work,
     end_state: AtEnd,
@@ -137,7 +137,6 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             .iter()
             .map(|&(low, high)| [Number::new(low), Number::new(high)])
             .collect(),
-        unresolved_spring: certificate.unresolved_spring.map(Number::new),
         chaos: certificate.chaos.map(|chaos| Chaos {
             lyapunov: Number::new(chaos.lyapunov),
             megno: Number::new(chaos.megno),
@@ -150,7 +149,8 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             gradients: counts.gradients,
             hessians: counts.hessians,
             energies: counts.energies,
-            alpha_solves: counts.alpha_solves,
+            directions: counts.directions,
+            alpha_moves: counts.alpha_moves,
             halvings: counts.halvings,
         },
         end_state: AtEnd {

@@ -9,6 +9,7 @@ use super::number::{DoubleDouble, dd};
 use super::transforms::{SAFE_MAX, SAFE_MIN, Word};
 use super::words::{self, Dot, Pair, Sum};
 use crate::constant::Constant;
+use crate::half_power::{half_power, half_power_slope};
 use crate::kernels::Lanes;
 use crate::traits::{Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -186,7 +187,10 @@ impl<const N: usize> Scalar for DoubleDoubles<N> {
 
     #[inline(always)]
     fn powf(x: Self, c: Constant) -> Self {
-        each(&x, |x| Scalar::powf(x, c))
+        match c.halves::<DoubleDouble>() {
+            Some(n) => half_power(x, n),
+            None => each(&x, |x| Scalar::powf(x, c)),
+        }
     }
 
     #[inline(always)]
@@ -248,6 +252,9 @@ impl<const N: usize> Piecewise for DoubleDoubles<N> {
 
     #[inline(always)]
     fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
+        if let Some(n) = c.halves::<DoubleDouble>() {
+            return half_power_slope(x, power, n);
+        }
         let (x, mut power) = (x.numbers(), power.numbers());
         for k in 0..N {
             power[k] = Piecewise::powf_slope(x[k], power[k], c);

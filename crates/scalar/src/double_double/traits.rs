@@ -6,6 +6,7 @@ use super::words;
 use crate::constant::Constant;
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
+use crate::half_power::half_power;
 use crate::traits::{Float, Scalar};
 
 float_glue!(DoubleDouble);
@@ -36,7 +37,10 @@ impl Scalar for DoubleDouble {
     }
     #[inline(always)]
     fn powf(x: Self, c: Constant) -> Self {
-        DoubleDouble::powf(x, c.to())
+        match c.halves::<DoubleDouble>() {
+            Some(n) => half_power(x, n),
+            None => DoubleDouble::powf(x, c.to()),
+        }
     }
     #[inline(always)]
     fn pow(x: Self, y: Self) -> Self {

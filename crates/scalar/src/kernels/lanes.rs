@@ -5,6 +5,7 @@
 //! [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin` over 8 lanes: 68 ns).
 
 use crate::constant::Constant;
+use crate::half_power::{half_power, half_power_slope};
 use crate::traits::{Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -128,8 +129,10 @@ impl<const N: usize> Scalar for Lanes<N> {
 
     #[inline(always)]
     fn powf(x: Self, c: Constant) -> Self {
-        let c: f64 = c.to();
-        each_lane!(|x| f64::powf(x, c))
+        match c.halves::<f64>() {
+            Some(n) => half_power(x, n),
+            None => each_lane!(|x| <f64 as Scalar>::powf(x, c)),
+        }
     }
 
     unary!(
@@ -144,7 +147,10 @@ impl<const N: usize> Piecewise for Lanes<N> {
 
     #[inline(always)]
     fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
-        each_lane!(|x, power| f64::powf_slope(x, power, c))
+        match c.halves::<f64>() {
+            Some(n) => half_power_slope(x, power, n),
+            None => each_lane!(|x, power| f64::powf_slope(x, power, c)),
+        }
     }
 
     #[inline(always)]

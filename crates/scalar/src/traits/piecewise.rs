@@ -21,10 +21,12 @@ pub trait Piecewise: Scalar {
     fn at_most(x: Self, y: Self) -> Self;
     /// x where `test` is not zero, 0 where it is, whatever x is there.
     fn where_nonzero(x: Self, test: Self) -> Self;
-    /// rate·slope, but a rate of 0 remains 0 where the slope is infinite or NaN: √(x² + y²) at a fixed origin.
+    /// rate·slope, but a rate of 0 remains 0 where the slope is infinite or NaN: √(x² + y²) at a fixed
+    /// origin.
     fn times_slope(rate: Self, slope: Self) -> Self;
-    /// The derivative c·xᶜ⁻¹ of `power` = xᶜ for a constant exponent: from the power where that is neither 0 nor infinite.
-    /// A factor 0 is 0 also before an infinite power.
+    /// The derivative c·xᶜ⁻¹ of `power` = xᶜ for a constant exponent: from the power where that is neither 0
+    /// nor infinite. Half-integer exponents up to 15/2 are those of a root. A factor 0 is 0 also before an
+    /// infinite power.
     fn powf_slope(x: Self, power: Self, c: Constant) -> Self;
     /// Whether every number in it is finite. It may decide how something is computed, never what.
     fn is_regular(x: Self) -> bool;

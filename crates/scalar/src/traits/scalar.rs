@@ -7,8 +7,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Arithmetic and elementary functions, and nothing that could make a program branch on the state.
 ///
 /// Implemented by floats, by dual numbers and by the tracing variable of the tape. All functions are
-/// associated functions without a receiver; users meet them as methods of [`Num`](crate::Num).
-/// Special cases (NaN, infinities, domains) follow `f64`: the square root of a negative number is NaN, and so on.
+/// associated functions without a receiver; users meet them as methods of [`Num`](crate::Num). Special cases
+/// (NaN, infinities, domains) follow `f64`: the square root of a negative number is NaN, and so on.
 pub trait Scalar:
     Copy
     + Debug
@@ -27,7 +27,8 @@ pub trait Scalar:
     fn sqrt(x: Self) -> Self;
     /// xⁿ for an integer n.
     fn powi(x: Self, n: i32) -> Self;
-    /// xᶜ for a constant exponent; the derivative at x = 0 is that of the power, not of exp(c ln x).
+    /// xᶜ for a constant exponent, by √x where it is a half-integer up to 15/2; the derivative at x = 0 is
+    /// that of the power, not of exp(c ln x).
     fn powf(x: Self, c: Constant) -> Self;
     /// xʸ = exp(y ln x) for a variable exponent, x > 0.
     fn pow(x: Self, y: Self) -> Self;

@@ -157,7 +157,7 @@ fn fall(all: &mut Vec<Case>) {
 #[cfg(test)]
 mod tests {
     use super::close_pass;
-    use equip_solver::Gauss;
+    use equip_integrate::Gauss;
 
     /// Measured: see the message. The pass is the point of these rows, and they start from a state that was integrated.
     #[test]

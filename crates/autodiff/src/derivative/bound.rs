@@ -1,0 +1,85 @@
+//! The running error bound of H, appended to its recording beside ∂H/∂y.
+//!
+//! Every operation v_k of H is rounded, which moves v_k by ε|v_k| and H by the derivative of H by v_k times
+//! that. Likewise rounding the state moves H by ε|y_i ∂_iH|. The sum of all these, without its factor ε, is
+//!
+//! B(y) = Σ_k r_k |v_k ∂H/∂v_k| + Σ_i |y_i ∂H/∂y_i|.
+//!
+//! The derivatives by the v_k are those of the reverse sweep, which makes them anyway. The operations are
+//! gathered by their derivative w, Σ|w|·(Σ r_k|v_k|): terms of a sum share theirs. r_k is 1, or what
+//! [`Op::roundings`] says. Partial sums of sums that are compensated are not rounded, and have r_k = 0. Cost:
+//! an operation or two for each one of H, beside those of ∇H.
+
+use super::{Adjoint, Reverse};
+use crate::op::Op;
+use crate::recorder::Recorder;
+use std::collections::HashMap;
+
+/// Appends the derivatives of the node `root` by all inputs, and B; their nodes. `is_exact` says which
+/// operations are not rounded.
+pub(crate) fn differentiate_with_bound(
+    recorder: &mut Recorder,
+    root: u32,
+    is_exact: &[bool],
+) -> (Vec<u32>, u32) {
+    let mut reverse = Reverse::new(recorder, root);
+    let mut rounded: Vec<(u32, Adjoint)> = Vec::new();
+    let slopes = reverse.sweep(root, |node, w| {
+        if !is_exact[node as usize] {
+            rounded.push((node, w));
+        }
+    });
+    rounded.extend(slopes.iter().zip(0..).map(|(&slope, input)| {
+        let w = Adjoint {
+            node: slope,
+            minus: false,
+            twos: 0,
+        };
+        (input, w)
+    }));
+    let bound = reverse.bound(&rounded);
+    (slopes, bound)
+}
+
+impl Reverse<'_> {
+    /// Σ r|v w| over pairs of an operation and the derivative by it.
+    fn bound(&mut self, rounded: &[(u32, Adjoint)]) -> u32 {
+        let mut places: HashMap<(u32, i32), usize> = HashMap::new();
+        let mut groups: Vec<(Adjoint, u32)> = Vec::new();
+        for &(node, w) in rounded {
+            if self.double(w.node) == Some(0.0) {
+                continue;
+            }
+            let size = self.rounding(node);
+            let place = *places.entry((w.node, w.twos)).or_insert(groups.len());
+            match groups.get_mut(place) {
+                Some((_, sum)) => *sum = self.sum(*sum, size),
+                None => groups.push((w, size)),
+            }
+        }
+        let mut bound = None;
+        for (w, sum) in groups {
+            let slope = self.settled(w).node;
+            let slope = self.size(slope);
+            let part = self.product(slope, sum);
+            bound = Some(bound.map_or(part, |bound| self.sum(bound, part)));
+        }
+        bound.unwrap_or_else(|| self.number(0.0))
+    }
+
+    /// r|v|.
+    fn rounding(&mut self, node: u32) -> u32 {
+        let roundings = self.recorder.nodes[node as usize].op.roundings();
+        let factor = self.number(f64::from(roundings));
+        let size = self.size(node);
+        self.product(factor, size)
+    }
+
+    fn size(&mut self, node: u32) -> u32 {
+        match self.double(node) {
+            Some(x) => self.number(x.abs()),
+            None if self.recorder.nodes[node as usize].op.is_never_negative() => node,
+            None => self.apply(Op::Abs, node, node),
+        }
+    }
+}

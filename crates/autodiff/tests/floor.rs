@@ -1,0 +1,252 @@
+//! The running error bound of H: above what rounding makes of H, also where large parts cancel, and not far
+//! above it where none do.
+#![allow(clippy::unwrap_used)]
+
+use crate::common::{
+    Chain, ChargedParticle, DoublePendulum, HenonHeiles, Kepler, Pendulum, Program, Pythagorean,
+    Random, widened,
+};
+use equip_autodiff::{Energy, Evaluate, Hamiltonian, System, Var, hamiltonian};
+use equip_scalar::{DoubleDouble, Float};
+
+const POINTS: usize = 400;
+
+/// Rounding of H in `f64`, as a part of ε times the bound.
+fn part<H: System>(energy: &H, y: &[f64]) -> f64 {
+    let exact = energy.evaluator::<DoubleDouble>().value(&widened(y));
+    let mut gradient = vec![0.0; y.len()];
+    let (h, bound) = (energy.evaluator::<f64>()).gradient_with_bound(y, &mut gradient);
+    let rounding = (DoubleDouble::exact(h) - exact).to_f64().abs();
+    if rounding == 0.0 {
+        return 0.0;
+    }
+    rounding / (f64::EPSILON * bound)
+}
+
+/// The largest part at random states of this size.
+fn largest_part<H: System>(energy: &H, size: f64) -> f64 {
+    let mut random = Random(0x5eed_0011);
+    let n = 2 * energy.degrees_of_freedom();
+    let parts = (0..POINTS).map(|_| {
+        let y: Vec<f64> = (0..n).map(|_| random.within(-size, size)).collect();
+        part(energy, &y)
+    });
+    parts.fold(0.0, f64::max)
+}
+
+fn by_closure(m: usize, energy: impl FnOnce(&[Var], &[Var]) -> Var) -> Hamiltonian {
+    Hamiltonian::new(m, energy).unwrap()
+}
+
+#[test]
+fn rounding_is_below_the_bound_and_near_it() {
+    let relativistic = |c: f64| {
+        move |q: &[Var], p: &[Var]| {
+            let p2 = p[0].powi(2) + p[1].powi(2);
+            c * (c * c + p2).sqrt() - c * c - 1.0 / q[0].hypot(q[1])
+        }
+    };
+    let offset = |q: &[Var], p: &[Var]| {
+        let h = 0.5 * (p[0].powi(2) + p[1].powi(2)) - 1.0 / (q[0].powi(2) + q[1].powi(2)).sqrt();
+        (100.0 + h) - 100.0
+    };
+    let swing = |q: &[Var], p: &[Var]| 0.5 * p[0].powi(2) + (1.0 - q[0].cos());
+    let found = [
+        ("Kepler", largest_part(&recorded(Kepler), 1.0)),
+        ("Hénon–Heiles", largest_part(&recorded(HenonHeiles), 1.0)),
+        ("pendulum", largest_part(&recorded(Pendulum), 3.0)),
+        (
+            "double pendulum",
+            largest_part(&recorded(DoublePendulum), 3.0),
+        ),
+        (
+            "charged particle",
+            largest_part(&recorded(ChargedParticle), 1.0),
+        ),
+        ("three bodies", largest_part(&recorded(Pythagorean), 3.0)),
+        ("chain of 16", largest_part(&recorded(Chain(16)), 1.0)),
+        ("chain of 100", largest_part(&recorded(Chain(100)), 1.0)),
+        ("chain of 2000", largest_part(&recorded(Chain(2000)), 1.0)),
+        ("1 − cos q", largest_part(&by_closure(1, swing), 0.01)),
+        ("1 − cos q, large", largest_part(&by_closure(1, swing), 3.0)),
+        ("(100 + H) − 100", largest_part(&by_closure(2, offset), 1.0)),
+        (
+            "c = 10",
+            largest_part(&by_closure(2, relativistic(10.0)), 1.0),
+        ),
+        (
+            "c = 137",
+            largest_part(&by_closure(2, relativistic(137.0)), 1.0),
+        ),
+        (
+            "power 12",
+            largest_part(&by_closure(1, |q, p| (q[0] + p[0]).powi(12)), 2.0),
+        ),
+        (
+            "power −7",
+            largest_part(&by_closure(1, |q, p| (q[0] + p[0]).powi(-7)), 2.0),
+        ),
+        (
+            "power 1/3",
+            largest_part(&by_closure(1, |q, p| (q[0] * q[0]).powf(0.3) + p[0]), 2.0),
+        ),
+    ];
+    for (name, part) in found {
+        assert!((0.05..0.7).contains(&part), "{name}: {part}");
+    }
+}
+
+fn recorded<E: Energy>(energy: E) -> Hamiltonian {
+    by_closure(energy.degrees_of_freedom(), |q, p| energy.energy(q, p))
+}
+
+/// Random straight-line programs of all operations.
+#[test]
+fn rounding_of_random_energies_is_below_the_bound() {
+    let mut random = Random(0x5eed_0012);
+    let (mut compared, mut largest) = (0, 0.0_f64);
+    for _ in 0..400 {
+        let mut program = Program::new(&mut random);
+        program.without_rounded_constants();
+        let Ok(h) = Hamiltonian::new(3, |q, p| program.energy(q, p)) else {
+            continue;
+        };
+        for _ in 0..8 {
+            let y: Vec<f64> = (0..6).map(|_| random.within(-2.0, 2.0)).collect();
+            let part = part(&h, &y);
+            // The bound is of first order in ε: not where rounding the operations changes their derivatives
+            // too.
+            let of = |y: &[f64]| h.evaluator().gradient_with_bound(y, &mut [0.0; 6]).1;
+            let wide = widened(&y);
+            let exact = h
+                .evaluator()
+                .gradient_with_bound(&wide, &mut wide.clone())
+                .1;
+            let is_of_first_order = (of(&y) / exact.to_f64() - 1.0).abs() < 1e-6;
+            if part.is_finite() && is_of_first_order {
+                compared += 1;
+                largest = largest.max(part);
+            }
+        }
+    }
+    assert!(compared > 1000, "only {compared} compared");
+    assert!((0.1..0.7).contains(&largest), "{largest}");
+}
+
+/// By the closed forms of the same energies that do not cancel.
+#[test]
+fn rounding_of_double_doubles_is_below_the_bound() {
+    let two = DoubleDouble::int(2);
+    let swing = by_closure(1, |q, _| 1.0 - q[0].cos());
+    let root = by_closure(1, |q, _| 10.0 * (100.0 + q[0] * q[0]).sqrt() - 100.0);
+    let mut random = Random(0x5eed_0013);
+    let mut largest = [0.0_f64; 2];
+    for _ in 0..POINTS {
+        let q = DoubleDouble::exact(random.within(0.0, 0.1)) + DoubleDouble::exact(1e-18);
+        let sine = (q / two).sin();
+        let hundred = DoubleDouble::int(100);
+        let below = (hundred + q * q).sqrt() + DoubleDouble::int(10);
+        let exact = [two * sine * sine, DoubleDouble::int(10) * q * q / below];
+        for (k, (energy, exact)) in [&swing, &root].into_iter().zip(exact).enumerate() {
+            let y = [q, DoubleDouble::int(0)];
+            let (h, bound) = energy.evaluator().gradient_with_bound(&y, &mut y.clone());
+            let part = (h - exact).abs() / (DoubleDouble::EPSILON * bound);
+            largest[k] = largest[k].max(part.to_f64());
+            let single = [q.to_f64(), 0.0];
+            let (_, near) = energy
+                .evaluator()
+                .gradient_with_bound(&single, &mut single.clone());
+            assert!((bound.to_f64() / near - 1.0).abs() < 1e-12);
+        }
+    }
+    assert!(
+        largest.iter().all(|part| (0.01..0.7).contains(part)),
+        "{largest:?}"
+    );
+}
+
+/// ½p² + (1 − cos q): p², ½p², cos q, 1 − cos q and H, then p and q.
+#[test]
+fn every_operation_counts() {
+    let h = by_closure(1, |q, p| 0.5 * p[0].powi(2) + (1.0 - q[0].cos()));
+    let (q, p) = (0.7_f64, -1.3_f64);
+    let mut gradient = [0.0; 2];
+    let (value, bound) = h.evaluator().gradient_with_bound(&[q, p], &mut gradient);
+    let parts = [
+        0.5 * p * p,
+        0.5 * p * p,
+        q.cos(),
+        1.0 - q.cos(),
+        value,
+        p * p,
+        q * q.sin(),
+    ];
+    let expected = parts.into_iter().sum::<f64>();
+    assert!((bound / expected - 1.0).abs() < 1e-14, "{bound} {expected}");
+    assert_eq!(gradient, [q.sin(), p]);
+}
+
+/// Of Σq², each term counts, H once, and each component twice; each partial sum only where the sum is not
+/// compensated.
+#[test]
+fn partial_sums_of_compensated_sums_do_not_count() {
+    let bound = |m: usize| {
+        let h = by_closure(m, |q, _| q.iter().map(|q| q.powi(2)).sum());
+        let y = [vec![1.0; m], vec![0.0; m]].concat();
+        let (h, bound) = h.evaluator().gradient_with_bound(&y, &mut y.clone());
+        assert_eq!(h, m as f64);
+        bound
+    };
+    let terms = |m: usize| 3.0 * m as f64;
+    assert_eq!(bound(4000), terms(4000) + 4000.0);
+    assert_eq!(bound(64), terms(64) + 64.0);
+    let partial: f64 = (2..=63).map(f64::from).sum();
+    assert_eq!(bound(63), terms(63) + partial);
+    assert_eq!(bound(1), terms(1));
+}
+
+/// The value and the gradient are those of the route, the bound that of the recording.
+fn same_on_route<H: System, T: Float>(energy: &H, recorded: &Hamiltonian) {
+    let n = 2 * energy.degrees_of_freedom();
+    let mut random = Random(0x5eed_0014);
+    let (mut own, mut of_recording) = (energy.evaluator::<T>(), recorded.evaluator::<T>());
+    for _ in 0..16 {
+        let y: Vec<T> = (0..n).map(|_| T::exact(random.within(-1.0, 1.0))).collect();
+        let (mut gradient, mut expected) = (y.clone(), y.clone());
+        let (h, bound) = own.gradient_with_bound(&y, &mut gradient);
+        assert_eq!(h, own.gradient_with_compensated_value(&y, &mut expected));
+        assert_eq!(gradient, expected);
+        let (h_recorded, bound_recorded) = of_recording.gradient_with_bound(&y, &mut gradient);
+        assert_eq!((h, bound), (h_recorded, bound_recorded));
+        assert!(bound > h.abs());
+    }
+}
+
+#[test]
+fn routes_have_the_bound_of_the_recording() {
+    fn both<H: System>(energy: &H, recorded: &Hamiltonian) {
+        same_on_route::<H, f64>(energy, recorded);
+        same_on_route::<H, DoubleDouble>(energy, recorded);
+    }
+    for m in [3, 5, 300] {
+        both(
+            &Hamiltonian::from_energy(Chain(m)).unwrap(),
+            &recorded(Chain(m)),
+        );
+        both(&recorded(Chain(m)), &recorded(Chain(m)));
+    }
+    both(
+        &Hamiltonian::from_energy(Kepler).unwrap(),
+        &recorded(Kepler),
+    );
+    both(
+        &Hamiltonian::from_energy(DoublePendulum).unwrap(),
+        &recorded(DoublePendulum),
+    );
+    let swing = || by_closure(1, |q, p| 0.5 * p[0] * p[0] + (1.0 - q[0].cos()));
+    let supplied = swing().with_gradient(|q, p, dq, dp| (dq[0], dp[0]) = (q[0].sin(), p[0]));
+    both(&supplied, &swing());
+    let constant = hamiltonian!(1, |_q, _p| 3.0.into()).unwrap();
+    let (h, bound) = (constant.evaluator::<f64>()).gradient_with_bound(&[1.0, 2.0], &mut [0.0; 2]);
+    assert_eq!((h, bound), (3.0, 0.0));
+}

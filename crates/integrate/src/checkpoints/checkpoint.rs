@@ -1,0 +1,259 @@
+//! [`Checkpoint`]: everything a run needs to go on as if it had never stopped, bit for bit.
+//!
+//! Numbers are kept as the bits of their parts, so double-double comes back exactly as well. With the feature
+//! `serde` a checkpoint can be written in any format serde knows; the parts are hexadecimal text.
+//!
+//! What is in it: time and state with the parts that rounding lost, the references of energy and invariants,
+//! what the solver and step control remember of the steps so far, and the certificate so far. What is not: H,
+//! and what only watches a run (observers, events, output times).
+
+use crate::checkpoints::checksum::Checksum;
+use crate::checkpoints::exact::Exact;
+use crate::checkpoints::memories::{ChaosMemory, ControlMemory};
+use crate::error::IntegrateError;
+use equip_scalar::Float;
+use equip_solver::{Counts, Outcome};
+
+/// The version of what is in a checkpoint.
+pub(crate) const FORMAT: u32 = 4;
+
+/// A run at one of its steps, from which it can be resumed bit for bit. Made by
+/// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
+/// [`AdaptiveStepper::checkpoint`](crate::AdaptiveStepper::checkpoint), read by `resume` and `integrate_from`
+/// of the same options.
+///
+/// ```
+/// use equip_autodiff::Hamiltonian;
+/// use equip_integrate::Equip;
+///
+/// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+/// let options = Equip::stages(4).step(0.1);
+/// let mut run = options.start(&pendulum, &[0.0], &[1.0], 0.0)?;
+/// run.advance()?;
+/// let mut again = options.resume(&pendulum, &run.checkpoint())?;
+/// assert_eq!(run.advance()?.q, again.advance()?.q);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct Checkpoint {
+    pub(crate) format: u32,
+    /// Name of the float type.
+    pub(crate) precision: String,
+    /// Method and options, as they have to be again.
+    pub(crate) options: Vec<(String, String)>,
+    /// H by its values, and the invariants by name and values.
+    pub(crate) energy: String,
+    pub(crate) invariants: Vec<(String, String)>,
+    /// Time and state at the start of the run.
+    pub(crate) start: Exact,
+    pub(crate) start_state: Vec<Exact>,
+    pub(crate) time: Exact,
+    pub(crate) time_low: Exact,
+    pub(crate) index: u64,
+    pub(crate) high: Vec<Exact>,
+    pub(crate) low: Vec<Exact>,
+    pub(crate) energy_reference: Exact,
+    /// Energy if it is measured, then the invariants: start, max, end of each.
+    pub(crate) defects: Vec<[Exact; 3]>,
+    pub(crate) in_floors: Option<Exact>,
+    pub(crate) floor: Option<Exact>,
+    pub(crate) alpha_range: Vec<[Exact; 2]>,
+    pub(crate) last_step: Exact,
+    pub(crate) last_outcome: Outcome,
+    pub(crate) counts: Counts,
+    pub(crate) seconds: Exact,
+    /// What the solver remembers of the steps so far.
+    pub(crate) solver: Vec<(String, Vec<Exact>)>,
+    pub(crate) control: Option<ControlMemory>,
+    /// The deviation that is followed.
+    pub(crate) chaos: Option<ChaosMemory>,
+    /// Of all of the above.
+    pub(crate) checksum: String,
+}
+
+impl Checkpoint {
+    /// Number of the step it was made after.
+    pub fn index(&self) -> u64 {
+        self.index
+    }
+
+    /// Time it was made at.
+    ///
+    /// # Errors
+    /// [`IntegrateError::CheckpointDamaged`] if it is not a number.
+    pub fn time<T: Float>(&self) -> Result<T, IntegrateError<T>> {
+        self.time.read()
+    }
+
+    /// Whether a run from (`q0`, `p0`), each of length m, at `t0` is the one it was made of.
+    ///
+    /// # Errors
+    /// [`IntegrateError::CheckpointMismatch`] with the first component that differs.
+    pub fn check_start<T: Float>(
+        &self,
+        q0: &[T],
+        p0: &[T],
+        t0: T,
+    ) -> Result<(), IntegrateError<T>> {
+        let now = std::iter::once(&t0).chain(q0).chain(p0);
+        let stored = std::iter::once(&self.start).chain(&self.start_state);
+        let names = ["start time", "start state"];
+        for (index, (now, stored)) in now.zip(stored).enumerate() {
+            let what = names[index.min(1)];
+            let stored: T = stored.read()?;
+            same(
+                what,
+                || format!("{stored:?}"),
+                || format!("{now:?}"),
+                stored == *now,
+            )?;
+        }
+        let (stored, now) = (self.start_state.len(), q0.len() + p0.len());
+        let what = "length of the state";
+        same(
+            what,
+            || stored.to_string(),
+            || now.to_string(),
+            stored == now,
+        )
+    }
+
+    /// Whether it is whole, and of a run in this float type with these options.
+    pub(crate) fn check<T: Float>(
+        &self,
+        options: &[(&'static str, String)],
+    ) -> Result<(), IntegrateError<T>> {
+        let equal = |what, stored: &str, now: &str| {
+            same(what, || stored.to_owned(), || now.to_owned(), stored == now)
+        };
+        equal("format", &self.format.to_string(), &FORMAT.to_string())?;
+        if self.checksum != self.sum() {
+            let what = "its checksum is not that of its content: it";
+            return Err(IntegrateError::CheckpointDamaged { what });
+        }
+        equal("float type", &self.precision, T::NAME)?;
+        for (what, now) in options {
+            let mut all = self.options.iter();
+            let stored = all.find(|(name, _)| name == what);
+            let stored = stored.map_or("none", |(_, value)| value.as_str());
+            equal(what, stored, now)?;
+        }
+        let (stored, now) = (self.options.len(), options.len());
+        let what = "number of options";
+        same(
+            what,
+            || stored.to_string(),
+            || now.to_string(),
+            stored == now,
+        )
+    }
+
+    /// Puts the checksum of the content on it.
+    pub(crate) fn seal(&mut self) {
+        self.checksum = self.sum();
+    }
+
+    fn sum(&self) -> String {
+        let mut sum = Checksum::new();
+        sum.count(self.format.into());
+        sum.text(&self.precision);
+        sum.text(&self.energy);
+        for (name, value) in self.options.iter().chain(&self.invariants) {
+            sum.text(name);
+            sum.text(value);
+        }
+        let [time, now, low] = [&self.start, &self.time, &self.time_low];
+        sum.numbers([
+            time,
+            now,
+            low,
+            &self.energy_reference,
+            &self.last_step,
+            &self.seconds,
+        ]);
+        for numbers in [&self.start_state, &self.high, &self.low] {
+            sum.numbers(numbers);
+        }
+        sum.count(self.index);
+        sum.numbers(self.defects.iter().flatten());
+        sum.numbers(&self.in_floors);
+        sum.numbers(&self.floor);
+        sum.numbers(self.alpha_range.iter().flatten());
+        sum.text(self.last_outcome.label());
+        let counts = &self.counts;
+        for count in [
+            counts.steps,
+            counts.sweeps,
+            counts.newton_iterations,
+            counts.taken_over,
+            counts.factorisations,
+            counts.simplified_factorisations,
+            counts.gradients,
+            counts.energies,
+            counts.hessians,
+            counts.directions,
+            counts.alpha_moves,
+            counts.local_errors,
+            counts.halvings,
+        ] {
+            sum.count(count);
+        }
+        for outcome in Outcome::ALL {
+            sum.count(counts.outcome(outcome));
+        }
+        for (name, numbers) in &self.solver {
+            sum.text(name);
+            sum.numbers(numbers);
+        }
+        if let Some(control) = &self.control {
+            sum.numbers([
+                &control.next,
+                &control.held,
+                &control.smallest,
+                &control.largest,
+            ]);
+            sum.count(control.tries.into());
+            sum.count(control.rejected);
+            sum.count(control.failed);
+        }
+        if let Some(chaos) = &self.chaos {
+            sum.numbers(std::iter::once(&chaos.start).chain(&chaos.sums));
+            sum.numbers(&chaos.deviation);
+        }
+        sum.hexadecimal()
+    }
+
+    /// Positions and momenta, rounded.
+    pub(crate) fn state<T: Float>(&self) -> Result<(Vec<T>, Vec<T>), IntegrateError<T>> {
+        let mut y = vec![T::int(0); self.high.len()];
+        Exact::read_all(&self.high, &mut y, "the state")?;
+        let p = y.split_off(y.len() / 2);
+        Ok((y, p))
+    }
+
+    /// What step control has remembered.
+    pub(crate) fn control<T: Float>(&self) -> Result<&ControlMemory, IntegrateError<T>> {
+        let what = "the memory of step control";
+        let damaged = IntegrateError::CheckpointDamaged { what };
+        self.control.as_ref().ok_or(damaged)
+    }
+}
+
+/// An error that names both values, unless they `are` the same.
+fn same<T: Float>(
+    what: &'static str,
+    stored: impl FnOnce() -> String,
+    now: impl FnOnce() -> String,
+    are: bool,
+) -> Result<(), IntegrateError<T>> {
+    if are {
+        return Ok(());
+    }
+    Err(IntegrateError::CheckpointMismatch {
+        what,
+        stored: stored(),
+        now: now(),
+    })
+}

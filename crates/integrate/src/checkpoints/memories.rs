@@ -1,0 +1,46 @@
+//! What step control and a deviation remember in a checkpoint.
+
+use crate::checkpoints::exact::Exact;
+use crate::error::IntegrateError;
+use crate::report::variable_steps::VariableSteps;
+use equip_scalar::Float;
+
+/// What step control remembers.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub(crate) struct ControlMemory {
+    pub(crate) next: Exact,
+    pub(crate) held: Exact,
+    pub(crate) tries: u32,
+    pub(crate) smallest: Exact,
+    pub(crate) largest: Exact,
+    pub(crate) rejected: u64,
+    pub(crate) failed: u64,
+}
+
+/// A deviation and what has been summed of it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub(crate) struct ChaosMemory {
+    pub(crate) start: Exact,
+    pub(crate) sums: [Exact; 3],
+    pub(crate) deviation: Vec<Exact>,
+}
+
+impl ControlMemory {
+    /// What the steps so far were.
+    pub(crate) fn variable_steps<T: Float>(
+        &self,
+        tolerance: T,
+    ) -> Result<VariableSteps<T>, IntegrateError<T>> {
+        Ok(VariableSteps {
+            tolerance,
+            smallest: self.smallest.read()?,
+            largest: self.largest.read()?,
+            rejected: self.rejected,
+            failed: self.failed,
+        })
+    }
+}

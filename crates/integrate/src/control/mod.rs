@@ -1,0 +1,6 @@
+//! Sizes of the next step.
+
+pub(crate) mod controller;
+pub(crate) mod estimate;
+pub(crate) mod first_step;
+pub(crate) mod step_density;

@@ -1,0 +1,5 @@
+//! The state between the ends of a step.
+
+pub(crate) mod piece;
+pub(crate) mod refine;
+pub(crate) mod trajectory;

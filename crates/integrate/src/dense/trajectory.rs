@@ -1,0 +1,69 @@
+//! [`Trajectory`]: a run at any time.
+
+use crate::dense::piece::Piece;
+use equip_scalar::Float;
+
+/// The trajectory of a run between its start and its end, with the accuracy of its steps. Kept by runs that
+/// were asked for it ([`FixedStep::dense`](crate::FixedStep::dense),
+/// [`Adaptive::dense`](crate::Adaptive::dense)).
+///
+/// Memory: min(2s, 32) + 2 numbers per component and step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory<T> {
+    m: usize,
+    pieces: Vec<Piece<T>>,
+    end: T,
+}
+
+impl<T: Float> Trajectory<T> {
+    pub(crate) fn new(m: usize, start: T) -> Self {
+        Trajectory {
+            m,
+            pieces: Vec::new(),
+            end: start,
+        }
+    }
+
+    pub(crate) fn add(&mut self, piece: Piece<T>) {
+        self.end = piece.time_at(T::int(1));
+        self.pieces.push(piece);
+    }
+
+    pub(crate) fn end_at(&mut self, time: T) {
+        self.end = time;
+    }
+
+    /// First and last time; equal if no step was made.
+    pub fn interval(&self) -> (T, T) {
+        let start = self.pieces.first().map_or(self.end, |piece| piece.time);
+        (start, self.end)
+    }
+
+    /// (q, p) at time `t`; `None` outside the run.
+    pub fn at(&self, t: T) -> Option<(Vec<T>, Vec<T>)> {
+        let mut y = vec![T::int(0); 2 * self.m];
+        self.at_into(t, &mut y).then(|| {
+            let p = y.split_off(self.m);
+            (y, p)
+        })
+    }
+
+    /// y = (q, p) at time `t` into `y` (length 2m); returns whether `t` is within the run. Nothing is
+    /// allocated.
+    ///
+    /// # Panics
+    /// When `y` has another length.
+    pub fn at_into(&self, t: T, y: &mut [T]) -> bool {
+        assert_eq!(y.len(), 2 * self.m, "the state has 2m components");
+        let (start, end) = self.interval();
+        if !(t >= start && t <= end) {
+            return false;
+        }
+        let after = self.pieces.partition_point(|piece| piece.time <= t);
+        let Some(piece) = after.checked_sub(1).and_then(|i| self.pieces.get(i)) else {
+            return false;
+        };
+        piece.state_at(piece.place_of(t), y);
+        true
+    }
+}

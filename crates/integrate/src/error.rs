@@ -1,0 +1,301 @@
+//! Everything that can go wrong, each with what to change.
+
+use equip_scalar::Float;
+
+/// Why an integration could not start or go on. A failed step leaves the state as it was before it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum IntegrateError<T: Float> {
+    /// The number of stages is outside what the method and the tableau allow.
+    #[error(
+        "{stages} stages asked for; this method takes {min} to {max}: change the argument of `stages`"
+    )]
+    StagesOutOfRange {
+        /// Stages asked for.
+        stages: usize,
+        /// Fewest stages the method has.
+        min: usize,
+        /// Most stages the tableau is made for.
+        max: usize,
+    },
+    /// The step is zero, negative, infinite or NaN.
+    #[error(
+        "the step is {step}; it must be positive and finite (to go back in time, flip the sign of the momenta)"
+    )]
+    StepNotPositive {
+        /// The step given.
+        step: T,
+    },
+    /// The step is lost in the rounding of the time.
+    #[error(
+        "the step {step} does not change the time {time}; take a larger step or let time start at 0"
+    )]
+    StepBelowTimeResolution {
+        /// The step given.
+        step: T,
+        /// A time of the interval at which the step vanishes.
+        time: T,
+    },
+    /// More steps than can be counted.
+    #[error(
+        "the interval takes {steps:.1e} steps of this size; take a larger step or a shorter interval"
+    )]
+    TooManySteps {
+        /// Interval divided by step.
+        steps: f64,
+    },
+    /// The interval ends before it starts or is not finite.
+    #[error(
+        "the interval {start} to {end} must be finite and run forward (to go back in time, flip the sign of the momenta)"
+    )]
+    Interval {
+        /// Start of the interval.
+        start: T,
+        /// End of the interval.
+        end: T,
+    },
+    /// A vector has the wrong length.
+    #[error("{what} has length {found}, but this Hamiltonian needs {expected}")]
+    WrongLength {
+        /// Which vector.
+        what: &'static str,
+        /// Degrees of freedom of the Hamiltonian.
+        expected: usize,
+        /// Length given.
+        found: usize,
+    },
+    /// An initial value is infinite or NaN.
+    #[error("initial value {what}[{index}] is {value}; it must be finite")]
+    InitialNotFinite {
+        /// `q0` or `p0`.
+        what: &'static str,
+        /// Component.
+        index: usize,
+        /// The value given.
+        value: T,
+    },
+    /// H or its gradient is infinite or NaN where the run starts.
+    #[error(
+        "at the initial state H or its gradient is not finite (H = {energy}); start elsewhere or check H for a division by zero, a root or a logarithm of a negative number"
+    )]
+    EnergyNotFinite {
+        /// H at the start.
+        energy: T,
+    },
+    /// An option has a value outside its range.
+    #[error("option `{option}` is {value}; it must be {expected}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// The value given.
+        value: T,
+        /// What is accepted.
+        expected: &'static str,
+    },
+    /// More quantities to keep than α's to keep them with.
+    #[error("{kept} quantities are to be kept with {alphas} free α's; take at least {} stages with all α's free, or keep fewer", kept + 1)]
+    TooFewAlphas {
+        /// Equations: the energy unless H is quadratic, and the invariants to be kept.
+        kept: usize,
+        /// Free α's of the method.
+        alphas: usize,
+    },
+    /// An output time lies outside the interval or before the one ahead of it.
+    #[error(
+        "output time {time} (number {index}) must lie in {start} to {end} and not before the one ahead of it"
+    )]
+    OutputTime {
+        /// The time given.
+        time: T,
+        /// Its place in the list.
+        index: usize,
+        /// Start of the interval.
+        start: T,
+        /// End of the interval.
+        end: T,
+    },
+    /// A checkpoint was made under other conditions.
+    #[error(
+        "the checkpoint was made with {what} {stored}, this run has {now}; resume with what it was made with, or start anew"
+    )]
+    CheckpointMismatch {
+        /// What differs.
+        what: &'static str,
+        /// What the checkpoint says.
+        stored: String,
+        /// What this run says.
+        now: String,
+    },
+    /// A checkpoint was made with another H.
+    #[error(
+        "H is not what it was when the checkpoint was made at t = {time}: give the same Hamiltonian with the same parameters, or start anew"
+    )]
+    CheckpointOtherEnergy {
+        /// Time of the checkpoint.
+        time: T,
+    },
+    /// A checkpoint cannot be read.
+    #[error("the checkpoint is damaged: {what} cannot be read; take an earlier one or start anew")]
+    CheckpointDamaged {
+        /// Which part.
+        what: &'static str,
+    },
+    /// A checkpoint was made after the shorter last step of a run.
+    #[error(
+        "the checkpoint was made at t = {time}, which is not on the grid of its steps (the last step of a run may be shorter); resume from an earlier one, or start anew from there"
+    )]
+    CheckpointOffGrid {
+        /// Time of the checkpoint.
+        time: T,
+    },
+    /// An event function changes sign too often, or its noise does.
+    #[error(
+        "the event `{event}` has more structure in the step at t = {time}, h = {step:e} than can be told from noise; give a smooth function whose rounding is small beside its changes"
+    )]
+    EventTooRough {
+        /// Name of the event.
+        event: String,
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+    },
+    /// Rounding leaves more of an error than the target that a step is asked for.
+    #[error(
+        "the error stays at {reached:e} however small the step (that of {step:e} is no worse), and {target:e} is asked for: take a larger target, a shorter interval or a number type of more digits"
+    )]
+    TargetBelowRoundOff {
+        /// The target.
+        target: T,
+        /// The smallest error of a trial.
+        reached: T,
+        /// A step that reaches it.
+        step: T,
+    },
+    /// No trial has reached the target that a step is asked for.
+    #[error(
+        "no step down to {step:e} reaches the target {target:e} (the last trial had the error {error:e}); take more stages, a larger target or a shorter interval, or variable steps"
+    )]
+    TargetNotReached {
+        /// The target.
+        target: T,
+        /// Error of the last trial.
+        error: T,
+        /// The smallest step tried.
+        step: T,
+    },
+    /// No step of which the integral rule of reversible control holds was found.
+    #[error(
+        "no size was found at t = {time} for which h Σ b_i/σ(Y_i) = ε, the last one {step:e} misses it by {miss:e}; take a smaller ε, a smoother σ, or `StepRule::Explicit`"
+    )]
+    StepRuleNotMet {
+        /// Start of the step.
+        time: T,
+        /// The size tried last.
+        step: T,
+        /// By how much of ε it misses the rule.
+        miss: T,
+    },
+    /// Step control wants a step below the smallest one allowed, or below the resolution of time.
+    #[error(
+        "the tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity of H, or the tolerance is too small: loosen it or lower `min_step`"
+    )]
+    StepBelowMinimum {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// Smallest step allowed.
+        min: T,
+    },
+    /// The run has made all the steps it may.
+    #[error(
+        "{steps} steps were made and t = {time} is reached; raise `max_steps`, loosen the tolerance or shorten the interval"
+    )]
+    StepLimit {
+        /// Steps allowed.
+        steps: u64,
+        /// Time reached.
+        time: T,
+    },
+    /// H became infinite or NaN inside a step, also after all halvings.
+    #[error(
+        "H or its derivatives are not finite inside the step at t = {time}, h = {step}, also after halving it {halvings} times; the trajectory leaves the domain of H there, or the step is too large"
+    )]
+    NotFinite {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// Halvings tried.
+        halvings: u32,
+    },
+    /// The stage equations were not solved, also after all halvings.
+    #[error(
+        "the stage equations did not converge in the step at t = {time}, h = {step}, also after halving it {halvings} times ({iterations} iterations, last correction {correction:e} relative to the state); take a smaller step"
+    )]
+    NoConvergence {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// Halvings tried.
+        halvings: u32,
+        /// Newton iterations of the last attempt.
+        iterations: u32,
+        /// Last correction, relative to the state.
+        correction: T,
+    },
+    /// The step has a solution, which has nothing to do with the motion.
+    #[error(
+        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy is off by {defect:e}, more than all terms of the energy ({scale:e}): the step is too large for them to have the solution that follows the motion; take a smaller step"
+    )]
+    Astray {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// H − H_ref at its end.
+        defect: T,
+        /// |H_ref| + Σ|∂_iH y_i| at its start.
+        scale: T,
+    },
+    /// The motion runs away to infinity, which it reaches in finite time.
+    #[error(
+        "the motion runs away to infinity: at t = {time} the position has the size {size:e} and grows by a factor within h = {step}; end the run before that time, or start where the energy is too low to escape"
+    )]
+    Escape {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// |q| there.
+        size: T,
+    },
+    /// The Newton matrix is singular, also after all halvings.
+    #[error(
+        "the Newton matrix is singular in the step at t = {time}, h = {step}, also after halving it {halvings} times; take a slightly different step"
+    )]
+    Singular {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// Halvings tried.
+        halvings: u32,
+    },
+    /// No admissible α keeps the energy, and the user asked to refuse such steps.
+    #[error(
+        "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller step, more stages, all α's, or allow the defect to be carried to the next step"
+    )]
+    NoAdmissibleAlpha {
+        /// Start of the step.
+        time: T,
+        /// Its size.
+        step: T,
+        /// H − H_ref of the step with α = 0.
+        defect: T,
+        /// What of it would be round-off.
+        floor: T,
+    },
+}

@@ -1,0 +1,52 @@
+//! Runs of energy-preserving steps for Hamiltonian systems y' = J∇H(y): step control, dense output, events,
+//! checkpoints, the tangent map and the certificate.
+//!
+//! Folders, each importing from those before it only: `error`, `method` ← `report`, `checkpoints` ← `options`
+//! ← `control`, `dense` ← `events`, `tangent` ← `steppers` (one step at a time) ← `runs` (whole intervals).
+//! The step itself is `equip-solver`'s, whose public names are given here as well.
+#![forbid(unsafe_code)]
+
+mod checkpoints;
+mod control;
+mod dense;
+mod error;
+mod events;
+mod extended;
+mod method;
+mod options;
+mod report;
+mod runs;
+mod step;
+mod steppers;
+mod tangent;
+
+pub use checkpoints::checkpoint::Checkpoint;
+pub use dense::trajectory::Trajectory;
+pub use equip_solver::{
+    Alphas, Counts, Family, Invariant, MAX_STAGES, Outcome, Preconditioner, Reach,
+};
+pub use error::IntegrateError;
+pub use extended::Extended;
+pub use method::{Equip, Gauss, Method};
+pub use options::adaptive::{Adaptive, Tolerance};
+pub use options::event::{Direction, Event, Occurrence};
+pub use options::fixed_step::{Fixed, FixedStep};
+pub use options::integrator::Integrator;
+pub use options::record::Record;
+pub use options::reversible::{Reversible, StepRule, Symmetric};
+pub use report::certificate::Certificate;
+pub use report::chaos_indicators::ChaosIndicators;
+pub use report::defect::Defect;
+pub use report::variable_steps::VariableSteps;
+pub use runs::observer::{NoObserver, Observer};
+pub use runs::prepared::Prepared;
+pub use runs::run::{Run, RunFailure};
+pub use runs::suggest::Target;
+pub use steppers::adaptive_stepper::AdaptiveStepper;
+pub use steppers::reversible_stepper::ReversibleStepper;
+pub use steppers::sizes::StepSizes;
+pub use steppers::stepper::Stepper;
+pub use steppers::view::{Step, StepView};
+pub use tangent::chaos::Chaos;
+pub use tangent::steps::Steps;
+pub use tangent::tangent_map::TangentMap;

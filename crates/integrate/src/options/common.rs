@@ -1,0 +1,149 @@
+//! What the options of all step sizes have in common, and their checks.
+
+use crate::error::IntegrateError;
+use crate::method::Method;
+use crate::options::event::Event;
+use crate::options::record::Record;
+use equip_scalar::Float;
+use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOptions};
+
+/// What has to be the same again for a checkpoint to fit: names and values.
+pub(crate) type Words = Vec<(&'static str, String)>;
+
+/// The options that do not concern the size of the steps.
+#[derive(Debug, Clone)]
+pub(crate) struct Options<T: Float> {
+    pub(crate) reach: Reach,
+    pub(crate) alpha_bound: T,
+    pub(crate) max_halvings: u32,
+    pub(crate) preconditioner: Preconditioner,
+    pub(crate) measure_energy: bool,
+    pub(crate) invariants: Vec<Invariant>,
+    pub(crate) kept: Vec<Invariant>,
+    pub(crate) record: Record,
+    pub(crate) output_times: Vec<T>,
+    pub(crate) dense: bool,
+    pub(crate) events: Vec<Event<T>>,
+    pub(crate) chaos: bool,
+}
+
+impl<T: Float> Default for Options<T> {
+    fn default() -> Self {
+        Options {
+            reach: Reach::default(),
+            alpha_bound: T::ratio(1, 20),
+            max_halvings: 3,
+            preconditioner: Preconditioner::default(),
+            measure_energy: true,
+            invariants: Vec::new(),
+            kept: Vec::new(),
+            record: Record::default(),
+            output_times: Vec::new(),
+            dense: false,
+            events: Vec::new(),
+            chaos: false,
+        }
+    }
+}
+
+impl<T: Float> Options<T> {
+    /// Checks everything that needs neither the Hamiltonian nor the sizes of the steps.
+    pub(crate) fn validate(&self, method: Method) -> Result<StepOptions<T>, IntegrateError<T>> {
+        let s = method.stages;
+        let min = method.family.fewest_stages();
+        if !(min..=MAX_STAGES).contains(&s) {
+            return Err(IntegrateError::StagesOutOfRange {
+                stages: s,
+                min,
+                max: MAX_STAGES,
+            });
+        }
+        let check = |ok: bool, option, value, expected| {
+            if ok {
+                Ok(())
+            } else {
+                Err(IntegrateError::Option {
+                    option,
+                    value,
+                    expected,
+                })
+            }
+        };
+        let bound = self.alpha_bound;
+        check(
+            bound > T::int(0) && bound.is_finite(),
+            "alpha_bound",
+            bound,
+            "positive and finite",
+        )?;
+        let int = |n: u64| T::int(i64::try_from(n).unwrap_or(i64::MAX));
+        let halvings = self.max_halvings;
+        check(
+            halvings <= 20,
+            "max_halvings",
+            int(halvings.into()),
+            "at most 20",
+        )?;
+        if let Record::Every(k) = self.record {
+            check(k > 0, "record", int(k), "Every(k) with k of 1 or more")?;
+        }
+        if let Family::FixedAlpha(alpha) = method.family {
+            let alpha = alpha.to::<T>();
+            check(alpha.is_finite(), "fixed_alpha", alpha, "finite")?;
+        }
+        Ok(StepOptions {
+            reach: self.reach,
+            alpha_bound: bound,
+            max_halvings: halvings,
+            preconditioner: self.preconditioner,
+            ..StepOptions::new(s, method.family)
+        })
+    }
+
+    /// Method and options in words.
+    pub(crate) fn words(&self, method: Method) -> Words {
+        let names = |x: &[Invariant]| {
+            let names: Vec<_> = x.iter().map(Invariant::name).collect();
+            match names.is_empty() {
+                true => "none".to_owned(),
+                false => names.join(", "),
+            }
+        };
+        let alpha = match method.family {
+            Family::FixedAlpha(alpha) => format!("{:?}", alpha.to::<T>()),
+            _ => "none".to_owned(),
+        };
+        vec![
+            ("stages", method.stages.to_string()),
+            ("method", method.family.to_string()),
+            ("fixed α", alpha),
+            ("reach", format!("{:?}", self.reach)),
+            ("alpha_bound", format!("{:?}", self.alpha_bound)),
+            ("max_halvings", self.max_halvings.to_string()),
+            ("preconditioner", format!("{:?}", self.preconditioner)),
+            ("measure_energy", self.measure_energy.to_string()),
+            ("invariants kept", names(&self.kept)),
+            ("invariants watched", names(&self.invariants)),
+        ]
+    }
+
+    /// The interval, and the output times in it.
+    pub(crate) fn check_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
+        if !(end >= start) || !start.is_finite() || !end.is_finite() {
+            return Err(IntegrateError::Interval { start, end });
+        }
+        let mut previous = start;
+        for (index, &time) in self.output_times.iter().enumerate() {
+            if !(time >= previous && time <= end) {
+                return Err(IntegrateError::OutputTime {
+                    time,
+                    index,
+                    start,
+                    end,
+                });
+            }
+            previous = time;
+        }
+        Ok(())
+    }
+}

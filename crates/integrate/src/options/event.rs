@@ -1,0 +1,118 @@
+//! [`Event`]: a function of time and state whose roots along the run are wanted.
+
+use std::fmt;
+use std::sync::Arc;
+
+/// Which way g crosses zero, in the direction of time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum Direction {
+    /// Either way.
+    #[default]
+    Both,
+    /// From negative to positive.
+    Rising,
+    /// From positive to negative.
+    Falling,
+}
+
+type Function<T> = Arc<dyn Fn(T, &[T], &[T]) -> T + Send + Sync>;
+
+/// A function g(t, q, p) whose sign changes along the run are found, between the steps as well, all of those
+/// within a step.
+///
+/// A root is where the sign changes; zero counts as positive. Two roots are told apart, and neither is
+/// missed, if g between them exceeds the rounding of g: where g only touches zero, that decides whether there
+/// are two roots or none.
+///
+/// ```
+/// use equip_autodiff::Hamiltonian;
+/// use equip_integrate::{Equip, Event};
+///
+/// let oscillator = Hamiltonian::new(1, |q, p| 0.5 * (q[0] * q[0] + p[0] * p[0]))?;
+/// let run = Equip::stages(8)
+///     .tolerance(1e-14)
+///     .event(Event::new("turning point", |_t, _q, p| p[0]).falling())
+///     .integrate(&oscillator, &[0.0], &[1.0], 0.0..=20.0)?;
+/// let times: Vec<f64> = run.events().iter().map(|event| event.time).collect();
+/// assert_eq!(times.len(), 3);
+/// assert!((times[2] - 4.5 * std::f64::consts::PI).abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Event<T> {
+    name: String,
+    function: Function<T>,
+    pub(crate) direction: Direction,
+    pub(crate) terminal: bool,
+}
+
+impl<T> Event<T> {
+    /// The roots of `function`, a smooth function (t, q, p) ↦ g.
+    pub fn new(
+        name: impl Into<String>,
+        function: impl Fn(T, &[T], &[T]) -> T + Send + Sync + 'static,
+    ) -> Self {
+        Event {
+            name: name.into(),
+            function: Arc::new(function),
+            direction: Direction::Both,
+            terminal: false,
+        }
+    }
+
+    /// Only roots where g rises.
+    #[must_use]
+    pub fn rising(mut self) -> Self {
+        self.direction = Direction::Rising;
+        self
+    }
+
+    /// Only roots where g falls.
+    #[must_use]
+    pub fn falling(mut self) -> Self {
+        self.direction = Direction::Falling;
+        self
+    }
+
+    /// The first root ends the run: its state is the last of the run.
+    #[must_use]
+    pub fn terminal(mut self) -> Self {
+        self.terminal = true;
+        self
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// g.
+    pub(crate) fn value(&self, t: T, q: &[T], p: &[T]) -> T {
+        (self.function)(t, q, p)
+    }
+}
+
+impl<T> fmt::Debug for Event<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Event")
+            .field("name", &self.name)
+            .field("direction", &self.direction)
+            .field("terminal", &self.terminal)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A root of an event function.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Occurrence<T> {
+    /// Number of the event, in the order in which they were added.
+    pub event: usize,
+    /// When.
+    pub time: T,
+    /// Positions then.
+    pub q: Vec<T>,
+    /// Momenta then.
+    pub p: Vec<T>,
+    /// Whether g rises there.
+    pub rising: bool,
+}

@@ -1,0 +1,116 @@
+//! [`Integrator`]: a method with its steps and options, ready to integrate.
+
+use crate::method::Method;
+use crate::options::common::Options;
+use crate::options::event::Event;
+use crate::options::record::Record;
+use equip_scalar::Float;
+use equip_solver::{Invariant, Preconditioner, Reach};
+
+/// A method with the sizes of its steps and with options, which are the same whatever the sizes `S` are:
+/// fixed ([`FixedStep`](crate::FixedStep)), by a tolerance ([`Adaptive`](crate::Adaptive)) or reversible
+/// ([`Reversible`](crate::Reversible)). It is checked when a run starts.
+#[derive(Debug, Clone)]
+pub struct Integrator<T: Float, S> {
+    pub(crate) method: Method,
+    pub(crate) options: Options<T>,
+    pub(crate) sizes: S,
+}
+
+impl<T: Float, S> Integrator<T, S> {
+    pub(crate) fn new(method: Method, sizes: S) -> Self {
+        Integrator {
+            method,
+            options: Options::default(),
+            sizes,
+        }
+    }
+
+    /// How far α's may move the end point of a step to keep the energy; [`Reach::WithinError`] by default. With a
+    /// tolerance it is asked only when shorter steps do not help either.
+    #[must_use]
+    pub fn reach(mut self, reach: Reach) -> Self {
+        self.options.reach = reach;
+        self
+    }
+
+    /// Largest |α_k| accepted, 0.05 by default (dimensionless; it is added to ξ_k ≈ 1/(4k)). Where a step
+    /// needs more, halving it costs less accuracy than a large α does.
+    #[must_use]
+    pub fn alpha_bound(mut self, bound: T) -> Self {
+        self.options.alpha_bound = bound;
+        self
+    }
+
+    /// How the stages are iterated; [`Preconditioner::Automatic`] by default. The solution is the same.
+    #[must_use]
+    pub fn preconditioner(mut self, preconditioner: Preconditioner) -> Self {
+        self.options.preconditioner = preconditioner;
+        self
+    }
+
+    /// Whether to evaluate H after steps that do not solve for it (Gauss, fixed α, quadratic H); on by
+    /// default.
+    #[must_use]
+    pub fn measure_energy(mut self, measure: bool) -> Self {
+        self.options.measure_energy = measure;
+        self
+    }
+
+    /// A further quantity whose defect the certificate shows.
+    #[must_use]
+    pub fn invariant(mut self, invariant: Invariant) -> Self {
+        self.options.invariants.push(invariant);
+        self
+    }
+
+    /// A further invariant to be *kept* like the energy, by the same α's: one more equation for them. For
+    /// invariants that are not quadratic; the quadratic ones are kept anyway. Needs a method that solves for
+    /// the α's, with at least as many of them as equations: s − 1 ≥ 1 + the invariants kept.
+    #[must_use]
+    pub fn keep(mut self, invariant: Invariant) -> Self {
+        self.options.kept.push(invariant);
+        self
+    }
+
+    /// Which steps the run keeps in memory; all by default.
+    #[must_use]
+    pub fn record(mut self, record: Record) -> Self {
+        self.options.record = record;
+        self
+    }
+
+    /// Times at which the state is wanted besides the grid, ascending and within the interval. Each costs one
+    /// extra step of the same method from the last grid point; the steps of the run do not change by a single
+    /// bit.
+    #[must_use]
+    pub fn output_at(mut self, times: &[T]) -> Self {
+        self.options.output_times = times.to_vec();
+        self
+    }
+
+    /// Keep dense output: [`Run::trajectory`](crate::Run::trajectory) gives the state at any time. The steps
+    /// do not change by a single bit; each costs one solve of twice as many stages more.
+    #[must_use]
+    pub fn dense(mut self) -> Self {
+        self.options.dense = true;
+        self
+    }
+
+    /// An event whose roots along the run are wanted; see [`Run::events`](crate::Run::events). The steps do
+    /// not change by a single bit; each costs one solve of twice as many stages more.
+    #[must_use]
+    pub fn event(mut self, event: Event<T>) -> Self {
+        self.options.events.push(event);
+        self
+    }
+
+    /// Carry a small deviation along: the certificate then has the largest Lyapunov exponent and MEGNO
+    /// ([`ChaosIndicators`](crate::ChaosIndicators)), and observers see them grow. The steps do not change by
+    /// a single bit; each costs s Hessians and a few sweeps more.
+    #[must_use]
+    pub fn chaos(mut self) -> Self {
+        self.options.chaos = true;
+        self
+    }
+}

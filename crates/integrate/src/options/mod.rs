@@ -1,0 +1,9 @@
+//! What a user asks for: steps, options, events.
+
+pub(crate) mod adaptive;
+pub(crate) mod common;
+pub(crate) mod event;
+pub(crate) mod fixed_step;
+pub(crate) mod integrator;
+pub(crate) mod record;
+pub(crate) mod reversible;

@@ -1,0 +1,193 @@
+//! What a run kept, measured.
+
+use crate::method::Method;
+use crate::report::chaos_indicators::ChaosIndicators;
+use crate::report::defect::Defect;
+use crate::report::variable_steps::VariableSteps;
+use equip_scalar::Float;
+use equip_solver::{Counts, Outcome};
+use std::fmt;
+
+/// The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certificate<T> {
+    /// The method.
+    pub method: Method,
+    /// The fixed step; with variable steps their mean.
+    pub step: T,
+    /// How the steps varied; `None` if they were fixed.
+    pub variable_steps: Option<VariableSteps<T>>,
+    /// Time at the start.
+    pub start: T,
+    /// Time reached.
+    pub end: T,
+    /// H at the start, H − H_ref over the run. `None` if it was not measured.
+    pub energy: Option<Defect<T>>,
+    /// Largest |H − H_ref| in units of its round-off floor, over the steps that solved for the energy.
+    pub energy_in_floors: Option<T>,
+    /// Defects of the invariants watched.
+    pub invariants: Vec<Defect<T>>,
+    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no line in the text.
+    pub alpha_range: Vec<(T, T)>,
+    /// Lyapunov exponent and MEGNO, if a deviation was followed.
+    pub chaos: Option<ChaosIndicators<T>>,
+    /// Counts of work and of outcomes.
+    pub counts: Counts,
+    /// Extra steps made for output times; their work is not in `counts`.
+    pub output_steps: u64,
+    /// Wall-clock time in seconds.
+    pub seconds: f64,
+}
+
+impl<T: Float> Certificate<T> {
+    /// Whether every step kept the energy: solved, at the floor, quadratic, or halved and then solved.
+    pub fn energy_kept_on_every_step(&self) -> bool {
+        self.counts.carried() == 0 && self.counts.outcome(Outcome::NotAsked) == 0
+    }
+}
+
+impl<T: Float> fmt::Display for Certificate<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lines = self.lines();
+        let width = lines
+            .iter()
+            .map(|(label, _)| label.chars().count())
+            .max()
+            .unwrap_or(0)
+            + 2;
+        for (i, (label, text)) in lines.iter().enumerate() {
+            let end = if i + 1 < lines.len() { "\n" } else { "" };
+            write!(f, "{label:<width$}{text}{end}")?;
+        }
+        Ok(())
+    }
+}
+
+impl<T: Float> Certificate<T> {
+    /// Label and text of every line; lines that the run does not have are left out.
+    fn lines(&self) -> Vec<(String, String)> {
+        let counts = &self.counts;
+        let mut lines = Vec::new();
+        let mut line = |label: &str, text: String| lines.push((label.to_owned(), text));
+        line("method", format!("{} in {}", self.method, T::NAME));
+        line(
+            "time",
+            format!("{} to {}", shown(self.start), shown(self.end)),
+        );
+        match &self.variable_steps {
+            None => line("steps", format!("{} of {}", counts.steps, shown(self.step))),
+            Some(steps) => {
+                let range = format!("{:.2e} to {:.2e}", steps.smallest, steps.largest);
+                line("steps", format!("{} of {range}", counts.steps));
+                line("tolerance", format!("{:.1e}", steps.tolerance));
+                let (rejected, failed) = (steps.rejected, steps.failed);
+                line(
+                    "steps refused",
+                    format!("{rejected} for their error, {failed} unsolved"),
+                );
+            }
+        }
+        if let Some(energy) = &self.energy {
+            let start = energy.start;
+            let is_plain = start.abs() >= T::ratio(1, 1000) || start == T::int(0);
+            line(
+                "energy at start",
+                if is_plain {
+                    format!("{start}")
+                } else {
+                    format!("{start:e}")
+                },
+            );
+            line(
+                "energy defect",
+                format!("max {:.2e}, end {:.2e}", energy.max, energy.end),
+            );
+        }
+        if let Some(floors) = self.energy_in_floors {
+            line("  in round-off floors", format!("max {floors:.2}"));
+        }
+        for defect in &self.invariants {
+            let label = format!("{} defect", defect.name);
+            line(
+                &label,
+                format!("max {:.2e}, end {:.2e}", defect.max, defect.end),
+            );
+        }
+        if let Some(ChaosIndicators { lyapunov, megno }) = self.chaos {
+            line(
+                "Lyapunov exponent",
+                format!("{lyapunov:.3e} per unit of time"),
+            );
+            line("MEGNO", format!("{megno:.3}"));
+        }
+        for outcome in Outcome::ALL {
+            let count = counts.outcome(outcome);
+            if count > 0 {
+                line("steps by outcome", format!("{count} {}", outcome.label()));
+            }
+        }
+        let unmoved = (T::int(0), T::int(0));
+        for (k, range) in self.alpha_range.iter().enumerate() {
+            if *range == unmoved {
+                continue;
+            }
+            let (low, high) = range;
+            line(
+                &format!("α_{} range", k + 1),
+                format!("{low:.2e} to {high:.2e}"),
+            );
+        }
+        if counts.sweeps > 0 {
+            line("sweeps", counts.sweeps.to_string());
+        }
+        if counts.newton_iterations > 0 {
+            let (full, frozen) = (counts.factorisations, counts.simplified_factorisations);
+            line(
+                "preconditioned",
+                format!(
+                    "{} iterations, {full} full and {frozen} small factorisations",
+                    counts.newton_iterations
+                ),
+            );
+        }
+        if counts.taken_over > 0 {
+            line(
+                "preconditioner changed",
+                format!("{} times", counts.taken_over),
+            );
+        }
+        if counts.directions > 0 {
+            line(
+                "directions of α",
+                format!("{}, {} moves", counts.directions, counts.alpha_moves),
+            );
+        }
+        line(
+            "evaluations",
+            format!(
+                "{} ∇H, {} ∇²H, {} H",
+                counts.gradients, counts.hessians, counts.energies
+            ),
+        );
+        if counts.local_errors > 0 {
+            line("local errors", counts.local_errors.to_string());
+        }
+        if counts.halvings > 0 {
+            line("halvings", counts.halvings.to_string());
+        }
+        if self.output_steps > 0 {
+            line("steps for output", self.output_steps.to_string());
+        }
+        line("wall-clock time", format!("{:.3} s", self.seconds));
+        lines
+    }
+}
+
+/// A time: six decimals, and as many digits where they would be zeros.
+fn shown<T: Float>(x: T) -> String {
+    if x.abs() >= T::ratio(1, 100) || x == T::int(0) {
+        format!("{x:.6}")
+    } else {
+        format!("{x:.6e}")
+    }
+}

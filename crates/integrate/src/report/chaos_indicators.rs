@@ -1,0 +1,10 @@
+//! [`ChaosIndicators`]: whether a run is regular or chaotic, in two numbers.
+
+/// What a deviation carried along tells of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChaosIndicators<T> {
+    /// λ(t), per unit of time.
+    pub lyapunov: T,
+    /// The mean of MEGNO over time.
+    pub megno: T,
+}

@@ -1,0 +1,37 @@
+//! The deviation that a whole run follows, if it was asked to.
+
+use crate::checkpoints::checkpoint::Checkpoint;
+use crate::error::IntegrateError;
+use crate::options::common::Options;
+use crate::steppers::stepper::Stepper;
+use crate::tangent::chaos::{Chaos, any_deviation};
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+
+/// What a whole run with `options` follows, if it follows anything, from its start or from the checkpoint it
+/// goes on from.
+///
+/// # Errors
+/// A checkpoint of a run that followed no deviation.
+pub(crate) fn chaos_of_run<T: Float, E: Evaluate<T>, H: System<Evaluator<T> = E>>(
+    system: &H,
+    options: &Options<T>,
+    stepper: &mut Stepper<T, E>,
+    from: Option<&Checkpoint>,
+) -> Result<Option<Chaos<T, E>>, IntegrateError<T>> {
+    if !options.chaos {
+        return Ok(None);
+    }
+    let mut chaos = Chaos::new(system, stepper, &any_deviation(stepper.y.hi.len()));
+    if let Some(from) = from {
+        let Some(memory) = &from.chaos else {
+            return Err(IntegrateError::CheckpointMismatch {
+                what: "deviation",
+                stored: "none followed".to_owned(),
+                now: "followed".to_owned(),
+            });
+        };
+        chaos.restore(memory)?;
+    }
+    Ok(Some(chaos))
+}

@@ -1,0 +1,115 @@
+//! What a run does with dense output after every step: keep it, or take the states at chosen times from it.
+
+use crate::dense::piece::Piece;
+use crate::dense::refine::Refiner;
+use crate::dense::trajectory::Trajectory;
+use crate::error::IntegrateError;
+use crate::events::watch::EventWatch;
+use crate::options::common::Options;
+use crate::runs::run::Run;
+use crate::steppers::stepper::Stepper;
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+use std::ops::ControlFlow;
+
+/// Dense output of a run; made only if something asks for it.
+#[derive(Debug)]
+pub(crate) struct DenseWatch<T: Float, E> {
+    refiner: Refiner<T, E>,
+    trajectory: Option<Trajectory<T>>,
+    events: Option<EventWatch<T>>,
+    /// Times asked for, and how many are done.
+    times: Vec<T>,
+    done: usize,
+    y: Vec<T>,
+}
+
+impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
+    /// `times` are to be served from dense output. `None` if nothing asks for it.
+    pub(crate) fn new<H: System<Evaluator<T> = E>>(
+        system: &H,
+        options: &Options<T>,
+        times: &[T],
+        stepper: &mut Stepper<T, E>,
+    ) -> Result<Option<Self>, IntegrateError<T>> {
+        if !options.dense && options.events.is_empty() && times.is_empty() {
+            return Ok(None);
+        }
+        stepper.core.keep_parts();
+        let m = system.degrees_of_freedom();
+        let preconditioner = options.preconditioner;
+        Ok(Some(DenseWatch {
+            refiner: Refiner::new(system, stepper.core.gauss(), preconditioner)?,
+            trajectory: options.dense.then(|| Trajectory::new(m, stepper.time())),
+            events: (!options.events.is_empty())
+                .then(|| EventWatch::new(&options.events, 2 * m, stepper.time())),
+            times: times.to_vec(),
+            done: 0,
+            y: vec![T::int(0); 2 * m],
+        }))
+    }
+
+    /// Sees the step that `stepper` has just made from a time whose lost part was `time_low`. Breaks with
+    /// time and state of a terminal event.
+    pub(crate) fn see(
+        &mut self,
+        stepper: &Stepper<T, E>,
+        time_low: T,
+        run: &mut Run<T>,
+    ) -> Result<ControlFlow<(T, &[T])>, IntegrateError<T>> {
+        let parts = stepper.core.parts();
+        for (i, part) in parts.iter().enumerate() {
+            let next = parts.get(i + 1);
+            let mut end = next.map_or(stepper.time(), |next| next.time);
+            let due = self.times.get(self.done).is_some_and(|&t| t < end);
+            if !due && self.trajectory.is_none() && self.events.is_none() {
+                continue;
+            }
+            let end_state = next.map_or(&stepper.y, |next| &next.start);
+            let piece = self.refiner.refine(part, time_low, end_state)?;
+            let stop = match &mut self.events {
+                Some(events) => events.see(&piece, &mut run.occurrences)?,
+                None => None,
+            };
+            if let Some(place) = stop {
+                end = piece.time_at(place);
+            }
+            self.outputs(&piece, end, run);
+            if let Some(place) = stop {
+                piece.state_at(place, &mut self.y);
+            }
+            if let Some(trajectory) = &mut self.trajectory {
+                trajectory.add(piece);
+                trajectory.end_at(end);
+            }
+            if stop.is_some() {
+                return Ok(ControlFlow::Break((end, &self.y)));
+            }
+        }
+        Ok(ControlFlow::Continue(()))
+    }
+
+    fn outputs(&mut self, piece: &Piece<T>, end: T, run: &mut Run<T>) {
+        while let Some(&time) = self.times.get(self.done).filter(|&&t| t < end) {
+            piece.state_at(piece.place_of(time), &mut self.y);
+            run.output(time, &self.y);
+            self.done += 1;
+        }
+    }
+
+    /// The outputs that are left when the run has reached its end.
+    pub(crate) fn last_outputs(&mut self, stepper: &Stepper<T, E>, run: &mut Run<T>) {
+        for &time in &self.times[self.done..] {
+            run.output(time, &stepper.y.hi);
+        }
+        self.done = self.times.len();
+        if let Some(trajectory) = &mut self.trajectory {
+            trajectory.end_at(stepper.time());
+        }
+    }
+
+    /// Hands over what was kept.
+    pub(crate) fn finish(self, run: &mut Run<T>) {
+        run.trajectory = self.trajectory;
+    }
+}

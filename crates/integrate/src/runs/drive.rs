@@ -1,0 +1,102 @@
+//! The loop of a whole run, the same for fixed and for variable steps: step → dense output and events →
+//! observer → keep.
+
+use crate::error::IntegrateError;
+use crate::options::record::Record;
+use crate::runs::dense_watch::DenseWatch;
+use crate::runs::observer::Observer;
+use crate::runs::outputs::Outputs;
+use crate::runs::run::{Run, RunFailure};
+use crate::steppers::sizes::Advance;
+use crate::steppers::view::StepView;
+use crate::tangent::chaos::Chaos;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use std::ops::ControlFlow;
+
+/// What watches a run.
+#[derive(Debug)]
+pub(crate) struct Watchers<'a, T: Float, E> {
+    pub(crate) record: Record,
+    /// Output by extra steps.
+    pub(crate) outputs: Option<Outputs<'a, T, E>>,
+    pub(crate) dense: Option<DenseWatch<T, E>>,
+    pub(crate) chaos: Option<Chaos<T, E>>,
+}
+
+/// Makes the run.
+pub(crate) fn drive<T: Float, E: Evaluate<T>>(
+    steps: &mut impl Advance<T, E>,
+    mut watchers: Watchers<'_, T, E>,
+    observer: &mut impl Observer<T>,
+) -> Result<Run<T>, RunFailure<T>> {
+    let mut run = Run::new(steps.inner());
+    match watch(steps, &mut watchers, observer, &mut run) {
+        Ok(()) => {
+            if let Some(dense) = watchers.dense {
+                dense.finish(&mut run);
+            }
+            run.finish(steps.inner());
+            Ok(run)
+        }
+        Err(error) => {
+            if let Some(dense) = watchers.dense {
+                dense.finish(&mut run);
+            }
+            Err(run.fail(error, steps.inner()))
+        }
+    }
+}
+
+fn watch<T: Float, E: Evaluate<T>>(
+    steps: &mut impl Advance<T, E>,
+    watchers: &mut Watchers<'_, T, E>,
+    observer: &mut impl Observer<T>,
+    run: &mut Run<T>,
+) -> Result<(), IntegrateError<T>> {
+    while !steps.is_done() {
+        if let (Some(outputs), Some(end)) = (&mut watchers.outputs, steps.next_time()) {
+            outputs.up_to(steps.inner(), end, run)?;
+        }
+        let time_low = steps.time_low();
+        steps.step()?;
+        let stepper = steps.inner();
+        if let Some(chaos) = &mut watchers.chaos {
+            chaos.see(stepper)?;
+            run.certificate.chaos = Some(chaos.indicators());
+        }
+        if let Some(dense) = &mut watchers.dense
+            && let ControlFlow::Break((time, y)) = dense.see(stepper, time_low, run)?
+        {
+            run.end_at(time, y, stepper);
+            return Ok(());
+        }
+        let view = StepView {
+            chaos: run.certificate.chaos,
+            ..stepper.view()
+        };
+        let mut stop = observer.step(&view) == ControlFlow::Break(());
+        if observer.wants_checkpoint() {
+            let mut checkpoint = steps.save();
+            checkpoint.chaos = watchers.chaos.as_ref().map(Chaos::memory);
+            checkpoint.seal();
+            stop |= observer.checkpoint(checkpoint) == ControlFlow::Break(());
+        }
+        let view = steps.inner().view();
+        if stop || steps.is_done() || watchers.record.keeps(view.index) {
+            run.keep(&view);
+        }
+        if stop {
+            run.stop();
+            return Ok(());
+        }
+    }
+    let stepper = steps.inner();
+    if let Some(outputs) = &mut watchers.outputs {
+        outputs.up_to(stepper, T::INFINITY, run)?;
+    }
+    if let Some(dense) = &mut watchers.dense {
+        dense.last_outputs(stepper, run);
+    }
+    Ok(())
+}

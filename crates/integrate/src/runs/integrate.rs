@@ -1,0 +1,103 @@
+//! Whole runs over an interval, with steps of any kind.
+
+use crate::checkpoints::checkpoint::Checkpoint;
+use crate::options::integrator::Integrator;
+use crate::runs::chaos_watch::chaos_of_run;
+use crate::runs::dense_watch::DenseWatch;
+use crate::runs::drive::{Watchers, drive};
+use crate::runs::observer::{NoObserver, Observer};
+use crate::runs::outputs::Outputs;
+use crate::runs::run::{Run, RunFailure};
+use crate::steppers::sizes::{Advance, StepSizes};
+use equip_autodiff::System;
+use equip_scalar::Float;
+use std::ops::RangeInclusive;
+
+impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
+    /// Integrates from (`q0`, `p0`), each of length m, over `interval`.
+    ///
+    /// Fixed steps are on the grid t0 + n h, and a last, shorter one reaches the end if h does not divide the
+    /// interval; variable ones meet the end, where a step of the proposed size would leave a sliver with two
+    /// equal ones.
+    ///
+    /// # Errors
+    /// [`RunFailure`], which carries the part that was made.
+    pub fn integrate<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        self.integrate_observed(system, q0, p0, interval, &mut NoObserver)
+    }
+
+    /// The same, with an observer that sees every step and may end the run.
+    ///
+    /// # Errors
+    /// [`RunFailure`], which carries the part that was made.
+    pub fn integrate_observed<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let (t0, t1) = interval.into_inner();
+        self.options.check_times(t0, t1)?;
+        let mut stepper = self.start(system, q0, p0, t0)?;
+        self.run(system, &mut stepper, t1, None, observer)
+    }
+
+    /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at
+    /// the checkpoint; its certificate is that of the whole. Steps are bit for bit those of the run that had
+    /// not stopped; of variable ones up to the two that meet the end, and a checkpoint made after these goes
+    /// on from there with steps of its own.
+    ///
+    /// # Errors
+    /// Those of [`resume`](Self::resume), a checkpoint that is not on the grid of fixed steps, and
+    /// [`RunFailure`].
+    pub fn integrate_from<H: System>(
+        &self,
+        system: &H,
+        checkpoint: &Checkpoint,
+        end: T,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        let mut stepper = self.resume(system, checkpoint)?;
+        self.run(system, &mut stepper, end, Some(checkpoint), observer)
+    }
+
+    /// A run of `stepper`, which has begun or been resumed, to `end`.
+    pub(crate) fn run<H: System>(
+        &self,
+        system: &H,
+        stepper: &mut S::Stepper<H::Evaluator<T>>,
+        end: T,
+        from: Option<&Checkpoint>,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
+        stepper.set_end(end)?;
+        self.options.check_times(stepper.inner().t0, end)?;
+        let now = stepper.inner().time();
+        let times = &self.options.output_times;
+        let times = &times[times.partition_point(|&t| t < now)..];
+        // Where the next time is known outputs take steps of their own, which the run must not feel.
+        let by_steps = stepper.next_time().is_some();
+        let outputs = match times {
+            [] => None,
+            _ if by_steps => Some(Outputs::new(stepper.inner().beside(self, system)?, times)),
+            _ => None,
+        };
+        let by_polynomial = if by_steps { &[] } else { times };
+        let inner = stepper.inner_mut();
+        let watchers = Watchers {
+            record: self.options.record,
+            outputs,
+            dense: DenseWatch::new(system, &self.options, by_polynomial, inner)?,
+            chaos: chaos_of_run(system, &self.options, inner, from)?,
+        };
+        drive(stepper, watchers, observer)
+    }
+}

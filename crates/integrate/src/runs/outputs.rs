@@ -1,0 +1,50 @@
+//! Output between the points of a grid.
+
+use crate::error::IntegrateError;
+use crate::runs::run::Run;
+use crate::step::make::make_step;
+use crate::steppers::stepper::Stepper;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+
+/// States at chosen times: one step of the same method from the last grid point, to each.
+#[derive(Debug)]
+pub(crate) struct Outputs<'a, T: Float, E> {
+    stepper: Stepper<T, E>,
+    times: &'a [T],
+    done: usize,
+}
+
+impl<'a, T: Float, E: Evaluate<T>> Outputs<'a, T, E> {
+    /// The steps are made by `stepper`.
+    pub(crate) fn new(stepper: Stepper<T, E>, times: &'a [T]) -> Self {
+        Outputs {
+            stepper,
+            times,
+            done: 0,
+        }
+    }
+
+    /// Makes the outputs before `end`, starting from the state that `main` has now.
+    pub(crate) fn up_to(
+        &mut self,
+        main: &Stepper<T, E>,
+        end: T,
+        run: &mut Run<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        while let Some(&time) = self.times.get(self.done).filter(|&&time| time < end) {
+            let h = time - main.time();
+            if h > T::int(0) {
+                self.stepper.core.forget();
+                let side = &mut self.stepper;
+                make_step(&mut side.core, (&main.y, main.time(), h), &mut side.y)?;
+                run.output(time, &side.y.hi);
+                run.certificate.output_steps += 1;
+            } else {
+                run.output(time, &main.y.hi);
+            }
+            self.done += 1;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,199 @@
+//! A whole run over an interval, and what it leaves.
+
+use crate::dense::trajectory::Trajectory;
+use crate::error::IntegrateError;
+use crate::options::event::Occurrence;
+use crate::report::certificate::Certificate;
+use crate::steppers::stepper::Stepper;
+use crate::steppers::view::StepView;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_solver::Outcome;
+
+/// The states a run kept, and its certificate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run<T> {
+    m: usize,
+    times: Vec<T>,
+    states: Vec<T>,
+    energy_defects: Vec<T>,
+    outcomes: Vec<Outcome>,
+    output_times: Vec<T>,
+    outputs: Vec<T>,
+    pub(crate) trajectory: Option<Trajectory<T>>,
+    pub(crate) occurrences: Vec<Occurrence<T>>,
+    ended: Option<T>,
+    stopped: bool,
+    pub(crate) certificate: Certificate<T>,
+}
+
+/// A run that ended in an error, with all that was made before it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{error}")]
+pub struct RunFailure<T: Float> {
+    /// What went wrong.
+    #[source]
+    pub error: IntegrateError<T>,
+    /// The run up to the last good step; `None` if the fault was found before the first.
+    pub partial: Option<Box<Run<T>>>,
+}
+
+impl<T: Float> From<IntegrateError<T>> for RunFailure<T> {
+    fn from(error: IntegrateError<T>) -> Self {
+        RunFailure {
+            error,
+            partial: None,
+        }
+    }
+}
+
+impl<T: Float> Run<T> {
+    pub(crate) fn new<E: Evaluate<T>>(stepper: &Stepper<T, E>) -> Self {
+        let mut run = Run {
+            m: stepper.y.hi.len() / 2,
+            times: Vec::new(),
+            states: Vec::new(),
+            energy_defects: Vec::new(),
+            outcomes: Vec::new(),
+            output_times: Vec::new(),
+            outputs: Vec::new(),
+            trajectory: None,
+            occurrences: Vec::new(),
+            ended: None,
+            stopped: false,
+            certificate: stepper.certificate(),
+        };
+        run.keep(&stepper.view());
+        run
+    }
+
+    pub(crate) fn keep(&mut self, view: &StepView<'_, T>) {
+        self.times.push(view.time);
+        self.states.extend_from_slice(view.q);
+        self.states.extend_from_slice(view.p);
+        self.energy_defects.extend(view.energy_defect);
+        self.outcomes.push(view.outcome);
+    }
+
+    /// The state at a time asked for.
+    pub(crate) fn output(&mut self, time: T, y: &[T]) {
+        self.output_times.push(time);
+        self.outputs.extend_from_slice(y);
+    }
+
+    /// An observer ends the run here.
+    pub(crate) fn stop(&mut self) {
+        self.stopped = true;
+    }
+
+    /// A terminal event ends the run within the step made last.
+    pub(crate) fn end_at<E: Evaluate<T>>(&mut self, time: T, y: &[T], stepper: &Stepper<T, E>) {
+        let (q, p) = y.split_at(self.m);
+        self.keep(&StepView {
+            time,
+            q,
+            p,
+            ..stepper.view()
+        });
+        self.ended = Some(time);
+        self.stopped = true;
+    }
+
+    pub(crate) fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
+        let (output_steps, chaos) = (self.certificate.output_steps, self.certificate.chaos);
+        let certificate = stepper.certificate();
+        self.certificate = Certificate {
+            output_steps,
+            chaos,
+            end: self.ended.unwrap_or(certificate.end),
+            ..certificate
+        };
+    }
+
+    pub(crate) fn fail<E: Evaluate<T>>(
+        mut self,
+        error: IntegrateError<T>,
+        stepper: &Stepper<T, E>,
+    ) -> RunFailure<T> {
+        if self.times.last() != Some(&stepper.time()) {
+            self.keep(&stepper.view());
+        }
+        self.finish(stepper);
+        RunFailure {
+            error,
+            partial: Some(Box::new(self)),
+        }
+    }
+
+    /// Number of states kept, the initial one included.
+    pub fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    /// A run always keeps its initial state.
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    /// Times of the states kept.
+    pub fn times(&self) -> &[T] {
+        &self.times
+    }
+
+    /// Positions of state number `i`, length m.
+    pub fn q(&self, i: usize) -> &[T] {
+        &self.states[2 * self.m * i..][..self.m]
+    }
+
+    /// Momenta of state number `i`, length m.
+    pub fn p(&self, i: usize) -> &[T] {
+        &self.states[2 * self.m * i + self.m..][..self.m]
+    }
+
+    /// The last state: time, positions, momenta.
+    pub fn last(&self) -> (T, &[T], &[T]) {
+        let i = self.len() - 1;
+        (self.times[i], self.q(i), self.p(i))
+    }
+
+    /// H − H_ref of the states kept; empty if the energy was not measured.
+    pub fn energy_defects(&self) -> &[T] {
+        &self.energy_defects
+    }
+
+    /// Outcomes of the steps that led to the states kept; that of the initial state means nothing.
+    pub fn outcomes(&self) -> &[Outcome] {
+        &self.outcomes
+    }
+
+    /// The states at the times asked for with [`FixedStep::output_at`]: time, positions, momenta.
+    pub fn outputs(&self) -> impl Iterator<Item = (T, &[T], &[T])> {
+        self.output_times
+            .iter()
+            .zip(self.outputs.chunks_exact(2 * self.m))
+            .map(|(&t, y)| {
+                let (q, p) = y.split_at(self.m);
+                (t, q, p)
+            })
+    }
+
+    /// The run at any time, if dense output was asked for.
+    pub fn trajectory(&self) -> Option<&Trajectory<T>> {
+        self.trajectory.as_ref()
+    }
+
+    /// The roots of the event functions, in the order of time.
+    pub fn events(&self) -> &[Occurrence<T>] {
+        &self.occurrences
+    }
+
+    /// Whether an observer or a terminal event ended the run before the end of the interval.
+    pub fn stopped(&self) -> bool {
+        self.stopped
+    }
+
+    /// What was kept, measured.
+    pub fn certificate(&self) -> &Certificate<T> {
+        &self.certificate
+    }
+}

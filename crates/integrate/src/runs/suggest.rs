@@ -1,0 +1,310 @@
+//! Advice on a fixed step, from H's second derivatives at the start and from trial runs.
+//!
+//! *Pace.* Linearised, y' = Ay with A = J∇²H; the largest |eigenvalue| of A is the pace ω of the fastest
+//! motion, by power iteration on A². A step turns it by the phase hω.
+//!
+//! *Target.* With order 2s errors go like h^{2s}: a trial with n steps over the interval has the error e,
+//! measured against one with 2n, and
+//!
+//! $$ n^+ = n \Big( \frac{e}{\mathrm{target}} \Big)^{1/(2s)} $$
+//!
+//! steps would meet the target. From a phase of s/4 on this is iterated until a trial has met it, as most do
+//! at the third; what is returned was tried, not extrapolated.
+//!
+//! Cost: per trial 3n steps for a trajectory, n for the energy. The interval should be one in which the
+//! motion has shown what it does, such as a period.
+
+use crate::error::IntegrateError;
+use crate::method::Gauss;
+use crate::method::Method;
+use crate::options::adaptive::Adaptive;
+use crate::options::record::Record;
+use crate::runs::run::{Run, RunFailure};
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+use equip_solver::{Family, Reach};
+use std::ops::RangeInclusive;
+
+/// Iterations for the largest eigenvalue: neighbours 5 % apart are told to 3 %.
+const POWER_ITERATIONS: u32 = 60;
+/// Most trials, …
+const MOST_TRIALS: u32 = 25;
+/// … most steps of one, and most numbers of its states.
+const MOST_STEPS: f64 = 1e6;
+const MOST_NUMBERS: f64 = 5e7;
+/// A trial that is better than the target by no more than this will do.
+const GOOD_ENOUGH: i64 = 8;
+/// Aim below the target.
+const MARGIN: f64 = 1.03;
+
+/// What a suggested step is to reach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Target<T> {
+    /// The fastest motion at the start turns by this phase in a step; 6.3 is a whole turn. Nothing is tried.
+    Phase(T),
+    /// The largest error of a position or momentum within the interval, in their units.
+    Trajectory(T),
+    /// The largest |H − H(0)| within the interval of the *Gauss* method with as many stages: what the α's of
+    /// EQUIP have to take away.
+    Energy(T),
+}
+
+impl Method {
+    /// A fixed step for this method that reaches `target` from (`q0`, `p0`) over `interval`, which it
+    /// divides.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// use equip_integrate::{Equip, Target};
+    ///
+    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+    /// let method = Equip::stages(4);
+    /// let h = method.suggest_step(&pendulum, &[0.0], &[1.5], 0.0..=10.0, Target::Trajectory(1e-9))?;
+    /// let run = method.step(h).integrate(&pendulum, &[0.0], &[1.5], 0.0..=10.0)?;
+    /// assert!(h > 0.05 && run.certificate().energy_kept_on_every_step());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A target that is not positive, one below what rounding leaves
+    /// ([`IntegrateError::TargetBelowRoundOff`]), one that no trial of reasonable length reaches
+    /// ([`IntegrateError::TargetNotReached`]), a phase where H's second derivatives vanish, and every fault
+    /// of the start.
+    pub fn suggest_step<T: Float, H: System>(
+        self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+        target: Target<T>,
+    ) -> Result<T, IntegrateError<T>> {
+        let (t0, t1) = interval.clone().into_inner();
+        let length = t1 - t0;
+        // Checks options, interval and start.
+        let options = self.step(length);
+        options.options.check_times(t0, t1)?;
+        options.start(system, q0, p0, t0)?;
+        let (name, value) = match target {
+            Target::Phase(x) => ("phase", x),
+            Target::Trajectory(x) => ("target error", x),
+            Target::Energy(x) => ("target energy", x),
+        };
+        let refused = |value, expected| IntegrateError::Option {
+            option: name,
+            value,
+            expected,
+        };
+        if !(value > T::int(0)) || !value.is_finite() {
+            return Err(refused(value, "positive and finite"));
+        }
+        let start = [q0, p0].concat();
+        let pace = pace(&mut system.evaluator::<T>(), &start);
+        if let Target::Phase(phase) = target {
+            return if pace > T::int(0) && pace.is_finite() {
+                Ok((phase / pace).min(length))
+            } else {
+                Err(refused(
+                    phase,
+                    "left out where H's second derivatives at the start vanish; give a target error",
+                ))
+            };
+        }
+        let trials = Trials {
+            method: self,
+            system,
+            start: (q0, p0),
+            interval,
+            length,
+            target,
+        };
+        let phase = T::ratio(self.stages as i64, 4);
+        let steps = (length * pace / phase).to_f64();
+        trials.search(value, if steps.is_finite() { steps } else { 1.0 })
+    }
+}
+
+/// The largest |eigenvalue| of J∇²H at `y`. Allocates: it is made once.
+fn pace<T: Float, E: Evaluate<T>>(energy: &mut E, y: &[T]) -> T {
+    let n = y.len();
+    let mut x: Vec<T> = (1..=n).map(|j| T::int(j as i64).sin()).collect();
+    let mut product = vec![T::int(0); n];
+    let mut square = T::int(0);
+    for _ in 0..POWER_ITERATIONS {
+        let size = x.iter().fold(T::int(0), |sum, &x| sum + x * x).sqrt();
+        if !(size > T::int(0)) || !size.is_finite() {
+            return T::int(0);
+        }
+        x.iter_mut().for_each(|x| *x /= size);
+        for _ in 0..2 {
+            energy.hessian_vector(y, &x, &mut product);
+            let m = n / 2;
+            for j in 0..m {
+                x[j] = product[m + j];
+                x[m + j] = -product[j];
+            }
+        }
+        square = x.iter().fold(T::int(0), |sum, &x| sum + x * x).sqrt();
+    }
+    square.sqrt()
+}
+
+/// The search for a number of steps.
+struct Trials<'a, T: Float, H> {
+    method: Method,
+    system: &'a H,
+    start: (&'a [T], &'a [T]),
+    interval: RangeInclusive<T>,
+    length: T,
+    target: Target<T>,
+}
+
+impl<T: Float, H: System> Trials<'_, T, H> {
+    fn search(&self, target: T, first: f64) -> Result<T, IntegrateError<T>> {
+        let order = 2.0 * self.method.stages as f64;
+        let (q, p) = self.start;
+        let most = MOST_STEPS.min(MOST_NUMBERS / (q.len() + p.len()) as f64);
+        // Rounding is not blamed for errors above the root of it.
+        let size = (q.iter().chain(p)).fold(T::int(0), |size, x| size.max(x.abs()));
+        let small = T::EPSILON.sqrt() * size.max(target);
+        let mut steps = first.clamp(1.0, (most / 4.0).max(1.0)).ceil();
+        // The most steps that were too few, and the fewest that were enough.
+        let (mut few, mut enough): (f64, Option<f64>) = (0.0, None);
+        let mut least: Option<(f64, T)> = None;
+        let mut last = T::INFINITY;
+        for _ in 0..MOST_TRIALS {
+            if steps > most {
+                break;
+            }
+            let error = self.error(steps)?;
+            let wanted = match error {
+                Some(error) => {
+                    last = error;
+                    let met = error <= target;
+                    if met {
+                        enough = Some(steps);
+                    } else {
+                        few = few.max(steps);
+                    }
+                    if met && error * T::int(GOOD_ENOUGH) >= target {
+                        return Ok(self.size(steps));
+                    }
+                    if !met && let Some((fewer, before)) = least {
+                        // Twice the steps and no gain: rounding.
+                        let no_gain = steps >= 2.0 * fewer && error > before / T::int(2);
+                        if no_gain && before < small {
+                            return Err(IntegrateError::TargetBelowRoundOff {
+                                target,
+                                reached: before.min(error),
+                                step: self.size(fewer),
+                            });
+                        }
+                    }
+                    if least.is_none_or(|(_, before)| error < before / T::int(2)) {
+                        least = Some((steps, error));
+                    }
+                    let law = (error / target).to_f64().powf(1.0 / order);
+                    steps * (MARGIN * law).clamp(0.25, 4.0)
+                }
+                // Not to be made at this size.
+                None => {
+                    few = few.max(steps);
+                    2.0 * steps
+                }
+            };
+            let wanted = wanted.ceil().max(few + 1.0);
+            steps = match enough {
+                Some(enough) if enough <= few + 1.0 || enough <= 1.05 * few => {
+                    return Ok(self.size(enough));
+                }
+                Some(1.0) => return Ok(self.size(1.0)),
+                Some(enough) if wanted >= enough => ((few.max(1.0) * enough).sqrt().ceil())
+                    .max(few + 1.0)
+                    .min(enough - 1.0),
+                _ => wanted,
+            };
+        }
+        match enough {
+            Some(enough) => Ok(self.size(enough)),
+            None => Err(IntegrateError::TargetNotReached {
+                target,
+                error: last,
+                step: self.size(few.max(1.0)),
+            }),
+        }
+    }
+
+    fn size(&self, steps: f64) -> T {
+        self.length / T::exact(steps)
+    }
+
+    /// The error of a trial with so many steps; none if steps of this size cannot be made.
+    fn error(&self, steps: f64) -> Result<Option<T>, IntegrateError<T>> {
+        if let Target::Energy(_) = self.target {
+            let gauss = Gauss::stages(self.method.stages);
+            let method = match self.method.family {
+                Family::FixedAlpha(_) => self.method,
+                _ => gauss,
+            };
+            let run = self.run(method, steps, Record::Ends)?;
+            return Ok(run.and_then(|run| run.certificate().energy.as_ref().map(|e| e.max)));
+        }
+        let coarse = self.run(self.method, steps, Record::All)?;
+        let Some(coarse) = coarse else {
+            return Ok(None);
+        };
+        let fine = self.run(self.method, 2.0 * steps, Record::Every(2))?;
+        let Some(fine) = fine.filter(|fine| fine.len() == coarse.len()) else {
+            return Ok(None);
+        };
+        let mut worst = T::int(0);
+        for i in 0..coarse.len() {
+            let pairs = coarse.q(i).iter().chain(coarse.p(i));
+            let pairs = pairs.zip(fine.q(i).iter().chain(fine.p(i)));
+            worst = pairs.fold(worst, |worst, (&a, &b)| worst.max((a - b).abs()));
+        }
+        Ok(worst.is_finite().then_some(worst))
+    }
+
+    /// The trial run; none if it fails on the way.
+    fn run(
+        &self,
+        method: Method,
+        steps: f64,
+        record: Record,
+    ) -> Result<Option<Run<T>>, IntegrateError<T>> {
+        let options = method.step(self.size(steps)).record(record);
+        let options = options.reach(Reach::WithinError);
+        let (q, p) = self.start;
+        match options.integrate(self.system, q, p, self.interval.clone()) {
+            Ok(run) => Ok(Some(run)),
+            Err(RunFailure {
+                partial: Some(_), ..
+            }) => Ok(None),
+            Err(failure) => Err(failure.error),
+        }
+    }
+}
+
+impl<T: Float> Adaptive<T> {
+    /// A fixed step that would have met the tolerance everywhere between `t0` and `t1`: the smallest of the
+    /// steps that the tolerance asks for there.
+    ///
+    /// # Errors
+    /// Those of [`integrate`](Self::integrate).
+    pub fn suggest_step<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+    ) -> Result<T, IntegrateError<T>> {
+        let mut integrator = self.clone();
+        integrator.options.record = Record::Ends;
+        let run = integrator
+            .integrate(system, q0, p0, interval)
+            .map_err(|failure| failure.error)?;
+        let steps = run.certificate().variable_steps;
+        Ok(steps.map_or(T::int(0), |steps| steps.smallest))
+    }
+}

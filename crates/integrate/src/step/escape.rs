@@ -1,0 +1,32 @@
+//! Tells a motion that runs away to infinity from a step that is too large.
+//!
+//! A potential that falls faster than −|q|² throws a particle to infinity in finite time t*: q ~ (t* −
+//! t)^{−β}, and no step converges that reaches beyond t*. Near it the position moves outward, is pushed
+//! outward, and grows by a factor within the very step that fails. A fall into a centre is pulled inward, a
+//! collision does not change |q| by a factor.
+//!
+//! Cost: one gradient, after a step has failed for good.
+
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+
+/// The step that fails is this part, or more, of the time in which |q| grows by a factor e.
+const SHARE: (i64, i64) = (1, 4);
+
+/// |q| at `y` if the motion from there reaches infinity within about a step of `h`.
+pub(crate) fn escapes<T: Float, E: Evaluate<T>>(energy: &mut E, y: &[T], h: T) -> Option<T> {
+    let m = y.len() / 2;
+    let mut gradient = vec![T::int(0); y.len()];
+    energy.gradient(y, &mut gradient);
+    // In units of the largest position: squares of what runs away leave the range of the float type.
+    let largest = y[..m].iter().fold(T::int(0), |a, q| a.max(q.abs()));
+    let (mut square, mut outward, mut pushed) = (T::int(0), T::int(0), T::int(0));
+    for i in 0..m {
+        let q = y[i] / largest;
+        square += q * q;
+        outward += q * (gradient[m + i] / largest);
+        pushed -= q * gradient[i];
+    }
+    let grows = h * outward >= T::ratio(SHARE.0, SHARE.1) * square;
+    (grows && pushed > T::int(0) && square.is_finite()).then(|| largest * square.sqrt())
+}

@@ -1,0 +1,78 @@
+//! What a step that was not found is called outside.
+
+use crate::error::IntegrateError;
+use crate::step::escape::escapes;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_solver::{Constraint, Core, Failure, Outcome, State};
+
+/// One step of size `h` from `y` at time `t` into `next`.
+pub(crate) fn make_step<T: Float, E: Evaluate<T>>(
+    core: &mut Core<T, E>,
+    (y, t, h): (&State<T>, T, T),
+    next: &mut State<T>,
+) -> Result<Outcome, IntegrateError<T>> {
+    core.step(y, t, h, next)
+        .map_err(|failure| error_of(core, failure))
+}
+
+/// The error of the step that has just failed.
+fn error_of<T: Float, E: Evaluate<T>>(
+    core: &mut Core<T, E>,
+    failure: Failure<T>,
+) -> IntegrateError<T> {
+    let part = core.failed_part();
+    let (time, step, halvings) = (part.time, part.step, part.max_halvings);
+    let unsolved = matches!(
+        failure,
+        Failure::NotFinite | Failure::NoConvergence { .. } | Failure::Astray { .. }
+    );
+    if unsolved {
+        let start = part.start.to_vec();
+        if let Some(size) = escapes(core.energy_mut(), &start, step) {
+            return IntegrateError::Escape { time, step, size };
+        }
+    }
+    match failure {
+        Failure::NotFinite => IntegrateError::NotFinite {
+            time,
+            step,
+            halvings,
+        },
+        Failure::Singular => IntegrateError::Singular {
+            time,
+            step,
+            halvings,
+        },
+        Failure::Astray { defect, scale } => IntegrateError::Astray {
+            time,
+            step,
+            defect,
+            scale,
+        },
+        Failure::NoConvergence {
+            iterations,
+            correction,
+        } => IntegrateError::NoConvergence {
+            time,
+            step,
+            halvings,
+            iterations,
+            correction,
+        },
+        Failure::NoAlpha => {
+            let beyond = |c: &&Constraint<T>| c.in_floors() > T::int(1);
+            let last = core.constraints().iter().rfind(beyond);
+            let (defect, floor) = match last {
+                Some(constraint) => (constraint.defect(), constraint.floor()),
+                None => (T::int(0), T::int(0)),
+            };
+            IntegrateError::NoAdmissibleAlpha {
+                time,
+                step,
+                defect,
+                floor,
+            }
+        }
+    }
+}

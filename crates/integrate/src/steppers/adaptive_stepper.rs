@@ -1,0 +1,288 @@
+//! [`AdaptiveStepper`]: a run with variable steps, one step at a time.
+//!
+//! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same
+//! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
+
+use crate::control::controller::{Control, Judgement, TRIES_FOR_ALPHA};
+use crate::control::estimate::Decay;
+use crate::control::first_step::FirstSize;
+use crate::error::IntegrateError;
+use crate::report::certificate::Certificate;
+use crate::report::variable_steps::VariableSteps;
+use crate::steppers::stepper::Stepper;
+use crate::steppers::view::{Step, StepView};
+use crate::tangent::steps::sealed::Followed;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_solver::{Core, Counts, Outcome, Reach};
+
+/// Tries of the first step.
+pub(super) const TRIES_FOR_FIRST: u32 = 20;
+/// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
+const STRETCH: i64 = 16;
+
+/// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance)
+/// without copies.
+#[derive(Debug)]
+pub struct AdaptiveStepper<T: Float, E> {
+    pub(crate) inner: Stepper<T, E>,
+    pub(super) control: Control,
+    pub(super) decay: Decay<T>,
+    pub(super) first: FirstSize<T>,
+    pub(super) first_step: Option<T>,
+    pub(super) tolerance: T,
+    /// What rounding lost of the time.
+    pub(super) time_low: T,
+    /// Where the run ends, if that is known.
+    pub(super) end: Option<T>,
+    pub(super) min_step: T,
+    pub(super) max_steps: u64,
+    pub(super) reach: Reach,
+    /// Tries of the first step made so far; all of them once it is made.
+    pub(super) tries: u32,
+}
+
+/// A size and where it leads.
+#[derive(Debug, Clone, Copy)]
+struct Place<T> {
+    h: T,
+    time: T,
+    time_low: T,
+    cut: bool,
+}
+
+impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
+    /// Makes the next step, of the size that control proposes.
+    ///
+    /// # Errors
+    /// When no step above the smallest size can be made; the state then is that before the step.
+    pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        self.advance_within(None)
+    }
+
+    /// The same, but not beyond `end`, which the last step meets exactly.
+    pub(crate) fn advance_within(
+        &mut self,
+        end: Option<T>,
+    ) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        if self.inner.counts().steps >= self.max_steps {
+            let (steps, time) = (self.max_steps, self.time());
+            return Err(IntegrateError::StepLimit { steps, time });
+        }
+        let mut size = self.control.memory.next;
+        let asked = size;
+        let mut without_alpha = 0;
+        let mut cause = None;
+        loop {
+            let place = self.place(size, end);
+            let too_small = !(place.time > self.time()) || (place.h < self.min_step && !place.cut);
+            if too_small {
+                return Err(cause.unwrap_or(IntegrateError::StepBelowMinimum {
+                    time: self.time(),
+                    step: place.h,
+                    min: self.min_step,
+                }));
+            }
+            let h = place.h.to_f64();
+            if without_alpha == TRIES_FOR_ALPHA {
+                self.inner.core.set_reach(self.reach);
+            }
+            let made = self.inner.attempt(place.h);
+            self.inner.core.set_reach(Reach::Refuse);
+            match made {
+                Ok(outcome) => {
+                    let (core, y) = (&mut self.inner.core, &self.inner.y);
+                    let estimate = self.decay.estimate(core.derivatives_by_component(), y);
+                    if self.tries < TRIES_FOR_FIRST
+                        && !place.cut
+                        && let Some(longer) = self.control.first_is_timid(h, &estimate)
+                    {
+                        self.tries += 1;
+                        self.inner.core.refuse();
+                        size = longer;
+                        continue;
+                    }
+                    let contraction = core.contraction();
+                    match self.control.judge(h, &estimate, contraction) {
+                        Judgement::Accept => {
+                            self.accept(place, outcome);
+                            return Ok(self.inner.view());
+                        }
+                        Judgement::Refuse(shorter) => {
+                            self.tries = TRIES_FOR_FIRST;
+                            self.inner.core.refuse();
+                            self.count(|steps| &mut steps.rejected);
+                            cause = None;
+                            size = shorter;
+                        }
+                    }
+                }
+                Err(error) => {
+                    let defect = match error {
+                        IntegrateError::NoAdmissibleAlpha { defect, .. } => Some(defect),
+                        _ => None,
+                    };
+                    if defect.is_some() && without_alpha == TRIES_FOR_ALPHA {
+                        return Err(error);
+                    }
+                    self.tries = TRIES_FOR_FIRST;
+                    self.count(|steps| &mut steps.failed);
+                    size = self.control.shorter(h, defect.is_some());
+                    if let Some(defect) = defect {
+                        without_alpha += 1;
+                        if self.is_inherited(defect) || without_alpha == TRIES_FOR_ALPHA {
+                            size = self.control.release(asked, without_alpha);
+                            without_alpha = TRIES_FOR_ALPHA;
+                        }
+                    }
+                    cause = Some(error);
+                }
+            }
+        }
+    }
+
+    /// Whether at least half of a defect of the energy was there before the step. A shorter step does not
+    /// mend it: the shorter it is, the less an α moves.
+    fn is_inherited(&self, defect: T) -> bool {
+        let before = self.inner.view().energy_defect;
+        before.is_some_and(|before| T::int(2) * before.abs() >= defect.abs())
+    }
+
+    fn count(&mut self, which: impl Fn(&mut VariableSteps<T>) -> &mut u64) {
+        if let Some(steps) = &mut self.inner.variable {
+            *which(steps) += 1;
+        }
+    }
+
+    /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a
+    /// sliver.
+    fn place(&self, size: f64, end: Option<T>) -> Place<T> {
+        let h = T::exact(size);
+        let (now, low) = (self.time(), self.time_low);
+        if let Some(end) = end {
+            let left = (end - now) - low;
+            let zero = T::int(0);
+            let allowed = left <= h || left.to_f64() <= self.control.most;
+            if left <= h + h / T::int(STRETCH) && allowed {
+                return Place {
+                    h: left,
+                    time: end,
+                    time_low: zero,
+                    cut: true,
+                };
+            }
+            if left < h + h {
+                return self.step_to(left / T::int(2), true);
+            }
+        }
+        self.step_to(h, false)
+    }
+
+    fn step_to(&self, h: T, cut: bool) -> Place<T> {
+        let (sum, lost) = T::two_sum(self.time(), h);
+        let (time, time_low) = T::two_sum(sum, lost + self.time_low);
+        Place {
+            h,
+            time,
+            time_low,
+            cut,
+        }
+    }
+
+    fn accept(&mut self, place: Place<T>, outcome: Outcome) {
+        self.tries = TRIES_FOR_FIRST;
+        self.time_low = place.time_low;
+        if let Some(steps) = &mut self.inner.variable {
+            steps.largest = steps.largest.max(place.h);
+            if !place.cut || steps.smallest > steps.largest {
+                steps.smallest = steps.smallest.min(place.h);
+            }
+        }
+        self.inner.accept(place.time, place.h, outcome);
+    }
+
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
+    ///
+    /// # Errors
+    /// Faults of the initial values, and an H that is not finite there.
+    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.inner.start_at(q0, p0, t0)?;
+        (self.time_low, self.end) = (T::int(0), None);
+        let first = match self.first_step {
+            Some(h) => h.to_f64(),
+            None => {
+                let Stepper { core, y, .. } = &mut self.inner;
+                self.first.size(core.energy_mut(), &y.hi)
+            }
+        };
+        self.control.begin(first);
+        self.tries = match self.first_step {
+            Some(_) => TRIES_FOR_FIRST,
+            None => 0,
+        };
+        self.inner.variable = Some(VariableSteps {
+            tolerance: self.tolerance,
+            smallest: T::INFINITY,
+            largest: T::int(0),
+            rejected: 0,
+            failed: 0,
+        });
+        Ok(())
+    }
+
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`].
+    /// The size proposed for the next step stays, and is tried at shorter ones where it does not fit.
+    ///
+    /// # Errors
+    /// Faults of the values, and an H that is not finite there.
+    pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        self.inner.move_to(q, p)
+    }
+
+    /// The step made last, or the initial state.
+    pub fn view(&self) -> StepView<'_, T> {
+        self.inner.view()
+    }
+
+    /// Time reached.
+    pub fn time(&self) -> T {
+        self.inner.time()
+    }
+
+    /// Size proposed for the next step.
+    pub fn next_step(&self) -> T {
+        T::exact(self.control.memory.next)
+    }
+
+    /// Counts so far.
+    pub fn counts(&self) -> &Counts {
+        self.inner.counts()
+    }
+
+    /// The certificate of the run so far.
+    pub fn certificate(&self) -> Certificate<T> {
+        self.inner.certificate()
+    }
+}
+
+impl<T: Float, E> Followed<T, E> for AdaptiveStepper<T, E> {
+    fn core(&self) -> &Core<T, E> {
+        &self.inner.core
+    }
+
+    fn core_mut(&mut self) -> &mut Core<T, E> {
+        &mut self.inner.core
+    }
+
+    fn time_reached(&self) -> T {
+        self.inner.time
+    }
+}
+
+impl<T: Float, E: Evaluate<T>> Iterator for AdaptiveStepper<T, E> {
+    type Item = Result<Step<T>, IntegrateError<T>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        Some(self.advance().map(|view| view.to_step()))
+    }
+}

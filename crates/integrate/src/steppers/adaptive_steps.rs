@@ -1,0 +1,137 @@
+//! Sizes by a tolerance: the stepper that makes them, and its checkpoints.
+
+use crate::checkpoints::checkpoint::Checkpoint;
+use crate::checkpoints::exact::Exact;
+use crate::checkpoints::memories::ControlMemory;
+use crate::control::controller::{Control, Memory};
+use crate::control::estimate::Decay;
+use crate::control::first_step::FirstSize;
+use crate::error::IntegrateError;
+use crate::options::adaptive::Tolerance;
+use crate::options::common::Words;
+use crate::options::integrator::Integrator;
+use crate::steppers::adaptive_stepper::{AdaptiveStepper, TRIES_FOR_FIRST};
+use crate::steppers::sizes::{Advance, StepSizes};
+use crate::steppers::stepper::Stepper;
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+use equip_solver::Reach;
+
+impl<T: Float> StepSizes<T> for Tolerance<T> {
+    type Stepper<E: Evaluate<T>> = AdaptiveStepper<T, E>;
+
+    fn stepper<H: System>(
+        integrator: &Integrator<T, Self>,
+        system: &H,
+    ) -> Result<AdaptiveStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
+        let sizes = &integrator.sizes;
+        sizes.validate(integrator.method.stages)?;
+        let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
+        inner.core.set_reach(Reach::Refuse);
+        let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
+        let tolerance = sizes.tolerance.to_f64();
+        Ok(AdaptiveStepper {
+            control: Control::new(tolerance, integrator.method.stages, most),
+            decay: Decay::new(inner.core.gauss(), n, sizes.tolerance, sizes.scales),
+            first: FirstSize::new(n),
+            first_step: sizes.first_step,
+            tolerance: sizes.tolerance,
+            time_low: T::int(0),
+            end: None,
+            min_step: sizes.min_step,
+            max_steps: sizes.max_steps,
+            reach: integrator.options.reach,
+            tries: TRIES_FOR_FIRST,
+            inner,
+        })
+    }
+
+    fn words(&self) -> Words {
+        let or =
+            |x: Option<T>, automatic: &str| x.map_or(automatic.to_owned(), |x| format!("{x:?}"));
+        let [q, p] = self.scales;
+        vec![
+            ("steps", "by a tolerance".to_owned()),
+            ("tolerance", format!("{:?}", self.tolerance)),
+            ("scale of the positions", or(q, "automatic")),
+            ("scale of the momenta", or(p, "automatic")),
+            ("first_step", or(self.first_step, "automatic")),
+            ("min_step", format!("{:?}", self.min_step)),
+            ("max_step", format!("{:?}", self.max_step)),
+        ]
+    }
+}
+
+impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
+    /// The run as it is now, to be resumed by the same options.
+    pub fn checkpoint(&mut self) -> Checkpoint {
+        let mut checkpoint = self.inner.checkpoint();
+        checkpoint.time_low = Exact::of(self.time_low);
+        let Memory { next, held } = self.control.memory;
+        checkpoint.control = self.inner.variable.map(|steps| ControlMemory {
+            next: Exact::of(next),
+            held: Exact::of(held),
+            tries: self.tries,
+            smallest: Exact::of(steps.smallest),
+            largest: Exact::of(steps.largest),
+            rejected: steps.rejected,
+            failed: steps.failed,
+        });
+        checkpoint.seal();
+        checkpoint
+    }
+}
+
+impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
+    fn inner(&self) -> &Stepper<T, E> {
+        &self.inner
+    }
+
+    fn inner_mut(&mut self) -> &mut Stepper<T, E> {
+        &mut self.inner
+    }
+
+    fn begin(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.restart(q0, p0, t0)
+    }
+
+    fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
+        self.inner.restore_from(checkpoint)?;
+        let memory = checkpoint.control()?;
+        self.time_low = checkpoint.time_low.read_finite("the time")?;
+        let what = "the memory of step control";
+        let float = |x: &Exact| x.read_finite::<T>(what).map(Float::to_f64);
+        self.control.memory = Memory {
+            next: float(&memory.next)?,
+            held: float(&memory.held)?,
+        };
+        self.tries = memory.tries;
+        self.inner.variable = Some(memory.variable_steps(self.tolerance)?);
+        Ok(())
+    }
+
+    fn save(&mut self) -> Checkpoint {
+        self.checkpoint()
+    }
+
+    fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>> {
+        self.end = Some(end);
+        Ok(())
+    }
+
+    fn is_done(&self) -> bool {
+        self.end.is_some_and(|end| !(self.time() < end))
+    }
+
+    fn step(&mut self) -> Result<(), IntegrateError<T>> {
+        self.advance_within(self.end).map(|_| ())
+    }
+
+    fn time_low(&self) -> T {
+        self.time_low
+    }
+
+    fn next_time(&self) -> Option<T> {
+        None
+    }
+}

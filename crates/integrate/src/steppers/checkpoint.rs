@@ -1,0 +1,145 @@
+//! Checkpoints of a [`Stepper`], the part that all step sizes share.
+
+use crate::checkpoints::checkpoint::{Checkpoint, FORMAT};
+use crate::checkpoints::checksum::of_function;
+use crate::checkpoints::exact::Exact;
+use crate::error::IntegrateError;
+use crate::report::defect::Watched;
+use crate::steppers::stepper::Stepper;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_solver::{Damaged, SolverMemory};
+use std::time::{Duration, Instant};
+
+impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+    /// The names of the invariants, kept and watched, and their checksums.
+    fn invariants(&mut self) -> Vec<(String, String)> {
+        let y = &self.y.hi;
+        let all = self.watched.iter_mut();
+        let named = |watched: &mut Watched<T>| {
+            let sum = of_function(watched.function_mut(), y);
+            (watched.defect.name.clone(), sum)
+        };
+        all.map(named).collect()
+    }
+
+    /// Whether H and the invariants are those of the run that `checkpoint` was made of, at whose state this
+    /// one begins.
+    pub(super) fn check_functions(
+        &mut self,
+        checkpoint: &Checkpoint,
+    ) -> Result<(), IntegrateError<T>> {
+        if of_function(self.core.energy_mut(), &self.y.hi) != checkpoint.energy {
+            let time = checkpoint.time.read()?;
+            return Err(IntegrateError::CheckpointOtherEnergy { time });
+        }
+        let stored = checkpoint.invariants.iter();
+        for ((name, now), (_, stored)) in self.invariants().iter().zip(stored) {
+            if stored != now {
+                return Err(IntegrateError::CheckpointMismatch {
+                    what: "an invariant",
+                    stored: format!("{name} as it was then"),
+                    now: "another function of that name".to_owned(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The run as it is now, to be resumed by the same options.
+    pub fn checkpoint(&mut self) -> Checkpoint {
+        let memory = self.core.memory();
+        let parts = memory.parts().iter();
+        let solver = parts
+            .map(|(name, numbers)| (name.clone(), Exact::all(numbers)))
+            .collect();
+        let energy = of_function(self.core.energy_mut(), &self.y.hi);
+        let invariants = self.invariants();
+        let words = self.fingerprint.iter();
+        let options = words.map(|(name, value)| ((*name).to_owned(), value.clone()));
+        let defects = self
+            .energy
+            .iter()
+            .chain(self.watched.iter().map(|w| &w.defect));
+        let seconds = self.begun.elapsed().as_secs_f64();
+        let mut checkpoint = Checkpoint {
+            format: FORMAT,
+            precision: T::NAME.to_owned(),
+            options: options.collect(),
+            energy,
+            invariants,
+            start_state: Exact::all(&self.start),
+            start: Exact::of(self.t0),
+            time: Exact::of(self.time),
+            time_low: Exact::default(),
+            index: self.index,
+            high: Exact::all(&self.y.hi),
+            low: Exact::all(&self.y.lo),
+            energy_reference: Exact::of(self.h_ref),
+            defects: defects
+                .map(|d| [d.start, d.max, d.end].map(Exact::of))
+                .collect(),
+            in_floors: self.in_floors.map(Exact::of),
+            floor: self.floor.map(Exact::of),
+            alpha_range: self
+                .alpha_range
+                .iter()
+                .map(|&(a, b)| [a, b].map(Exact::of))
+                .collect(),
+            last_step: Exact::of(self.last.0),
+            last_outcome: self.last.1,
+            counts: *self.core.counts(),
+            seconds: Exact::of(seconds),
+            solver,
+            control: None,
+            chaos: None,
+            checksum: String::new(),
+        };
+        checkpoint.seal();
+        checkpoint
+    }
+
+    pub(super) fn restore_from(&mut self, from: &Checkpoint) -> Result<(), IntegrateError<T>> {
+        let damaged = |what| IntegrateError::CheckpointDamaged { what };
+        Exact::read_all(&from.high, &mut self.y.hi, "the state")?;
+        Exact::read_all(&from.low, &mut self.y.lo, "the state")?;
+        Exact::read_all(&from.start_state, &mut self.start, "the start")?;
+        let mut numbers = self.y.lo.iter().chain(&self.start);
+        if !numbers.all(|x| x.is_finite()) {
+            return Err(damaged("the state"));
+        }
+        self.time = from.time.read_finite("the time")?;
+        self.index = from.index;
+        self.h_ref = from.energy_reference.read_finite("the energy")?;
+        let watched = self.watched.iter_mut().map(|w| &mut w.defect);
+        let defects: Vec<_> = self.energy.iter_mut().chain(watched).collect();
+        if defects.len() != from.defects.len() || self.alpha_range.len() != from.alpha_range.len() {
+            return Err(damaged("the defects"));
+        }
+        for (defect, [start, max, end]) in defects.into_iter().zip(&from.defects) {
+            (defect.start, defect.max, defect.end) = (start.read()?, max.read()?, end.read()?);
+        }
+        for (range, [low, high]) in self.alpha_range.iter_mut().zip(&from.alpha_range) {
+            *range = (low.read()?, high.read()?);
+        }
+        let read = |x: &Option<Exact>| x.as_ref().map(Exact::read).transpose();
+        self.in_floors = read(&from.in_floors)?;
+        self.floor = read(&from.floor)?;
+        self.last = (from.last_step.read()?, from.last_outcome);
+        *self.core.counts_mut() = from.counts;
+        let mut parts = Vec::with_capacity(from.solver.len());
+        for (name, stored) in &from.solver {
+            let numbers: Result<Vec<T>, _> = stored.iter().map(Exact::read).collect();
+            parts.push((name.clone(), numbers?));
+        }
+        self.core
+            .restore(&SolverMemory::from_parts(parts))
+            .map_err(|Damaged { what }| damaged(what))?;
+        let before =
+            Duration::try_from_secs_f64(from.seconds.read::<T>()?.to_f64()).unwrap_or_default();
+        self.begun = Instant::now()
+            .checked_sub(before)
+            .unwrap_or_else(Instant::now);
+        Ok(())
+    }
+}

@@ -1,0 +1,13 @@
+//! Runs made step by step.
+
+pub(crate) mod adaptive_stepper;
+pub(crate) mod adaptive_steps;
+pub(crate) mod checkpoint;
+pub(crate) mod fixed_steps;
+pub(crate) mod grid;
+pub(crate) mod reversible_stepper;
+pub(crate) mod reversible_steps;
+pub(crate) mod sizes;
+pub(crate) mod start;
+pub(crate) mod stepper;
+pub(crate) mod view;

@@ -1,0 +1,261 @@
+//! [`ReversibleStepper`]: a run with reversible steps, one at a time, and whole runs.
+
+use crate::control::step_density::StepDensity;
+use crate::error::IntegrateError;
+use crate::options::reversible::StepRule;
+use crate::report::certificate::Certificate;
+use crate::report::variable_steps::VariableSteps;
+use crate::steppers::stepper::Stepper;
+use crate::steppers::view::StepView;
+use crate::tangent::steps::sealed::Followed;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_solver::{Core, Outcome};
+
+/// Tries to meet the integral rule.
+const MOST_TRIES: u32 = 25;
+/// A size that meets it within so many units of the last place meets it.
+const ROUND_OFF: i64 = 16;
+
+/// A run with reversible steps that is made step by step.
+#[derive(Debug)]
+pub struct ReversibleStepper<T: Float, E> {
+    pub(crate) inner: Stepper<T, E>,
+    pub(super) sigma: StepDensity<T>,
+    pub(super) rule: StepRule,
+    pub(super) epsilon: T,
+    /// z of the last step.
+    pub(super) density: T,
+    pub(super) time_low: T,
+    pub(super) end: T,
+    /// The stages Y_i, one after the other.
+    pub(super) points: Vec<T>,
+}
+
+impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
+    /// ε G at the present state.
+    fn change(&mut self) -> Result<T, IntegrateError<T>> {
+        let (energy, counts) = self.inner.core.energy_and_counts();
+        let rate = self.sigma.rate(&self.inner.y.hi, energy, counts)?;
+        Ok(self.epsilon * rate)
+    }
+
+    /// Makes the next step.
+    ///
+    /// # Errors
+    /// When the step cannot be made, or σ or the density is no longer positive; the state then is that before
+    /// the step.
+    pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        let mut density = self.density + self.change()?;
+        let (now, low) = (self.inner.time(), self.time_low);
+        let left = (self.end - now) - low;
+        let mut h = self.epsilon / density;
+        let mut made = None;
+        if self.rule == StepRule::Integral && left > h {
+            let (met, outcome) = self.meet_rule(h)?;
+            (h, density) = (met, self.epsilon / met);
+            made = Some(outcome);
+        }
+        let cut = left <= h;
+        let h = if cut { left } else { h };
+        let (sum, lost) = T::two_sum(now, h);
+        let (time, time_low) = T::two_sum(sum, lost + low);
+        let (time, time_low) = if cut {
+            (self.end, T::int(0))
+        } else {
+            (time, time_low)
+        };
+        if !(density > T::int(0)) || !(time > now) {
+            return Err(IntegrateError::StepBelowTimeResolution { step: h, time: now });
+        }
+        let outcome = match made {
+            Some(outcome) if !cut => outcome,
+            Some(_) => {
+                self.inner.core.refuse();
+                self.inner.attempt(h)?
+            }
+            None => self.inner.attempt(h)?,
+        };
+        self.density = density;
+        self.time_low = time_low;
+        if let Some(steps) = &mut self.inner.variable {
+            steps.largest = steps.largest.max(h);
+            if !cut {
+                steps.smallest = steps.smallest.min(h);
+            }
+        }
+        self.inner.accept(time, h, outcome);
+        Ok(self.inner.view())
+    }
+
+    /// The size for which h Σ b_i/σ(Y_i) = ε, by a secant from `h`, and the outcome of the step of this size,
+    /// which is made. To round-off: what is left of the rule's error a step backwards takes as a shift in
+    /// time.
+    fn meet_rule(&mut self, h: T) -> Result<(T, Outcome), IntegrateError<T>> {
+        let mut secant = Secant {
+            h,
+            slope: T::int(1) / h,
+            last: None,
+        };
+        // α's change the stages as little as the end point: they need not be there until the size nearly is.
+        let constraints = self.inner.core.replace_constraints(Vec::new());
+        if !constraints.is_empty() {
+            let near = self.search(&mut secant, T::EPSILON.cbrt());
+            self.inner.core.replace_constraints(constraints);
+            let (_, miss) = near?;
+            self.inner.core.refuse();
+            secant.step(miss);
+        }
+        let (outcome, _) = self.search(&mut secant, T::int(ROUND_OFF) * T::EPSILON)?;
+        Ok((secant.h, outcome))
+    }
+
+    /// Makes steps until one misses the rule by at most `close` of ε or as little as rounding lets it; its
+    /// outcome and miss.
+    fn search(
+        &mut self,
+        secant: &mut Secant<T>,
+        close: T,
+    ) -> Result<(Outcome, T), IntegrateError<T>> {
+        let (near, mut before) = (T::EPSILON.cbrt(), T::INFINITY);
+        for _ in 0..MOST_TRIES {
+            let outcome = self.inner.attempt(secant.h)?;
+            let miss = secant.h * self.mean_density()? / self.epsilon - T::int(1);
+            let stagnates = miss.abs() <= near * near && miss.abs() > before / T::int(4);
+            if miss.abs() <= close || stagnates {
+                return Ok((outcome, miss));
+            }
+            before = miss.abs();
+            self.inner.core.refuse();
+            if let Some(steps) = &mut self.inner.variable {
+                steps.rejected += 1;
+            }
+            secant.step(miss);
+        }
+        Err(IntegrateError::StepRuleNotMet {
+            time: self.inner.time(),
+            step: secant.h,
+            miss: before,
+        })
+    }
+
+    /// Σ b_i/σ(Y_i) over the stages of the step just tried.
+    fn mean_density(&mut self) -> Result<T, IntegrateError<T>> {
+        let Stepper { core, y, .. } = &mut self.inner;
+        let n = y.hi.len();
+        core.stages_by_stage(y, &mut self.points);
+        let mut sum = T::int(0);
+        for (i, point) in self.points.chunks_exact(n).enumerate() {
+            let b = core.gauss().weights()[i];
+            let (energy, counts) = core.energy_and_counts();
+            sum += b * self.sigma.at(point, energy, counts)?;
+        }
+        Ok(sum)
+    }
+
+    /// Turns the momenta round: the steps from here on are the steps so far, backwards, while time goes on.
+    /// For an H that is even in p.
+    ///
+    /// # Errors
+    /// When σ is not positive.
+    pub fn turn_back(&mut self) -> Result<(), IntegrateError<T>> {
+        let change = self.change()?;
+        self.density += change;
+        let m = self.inner.y.hi.len() / 2;
+        for j in m..2 * m {
+            self.inner.y.hi[j] = -self.inner.y.hi[j];
+            self.inner.y.lo[j] = -self.inner.y.lo[j];
+        }
+        self.inner.core.forget();
+        Ok(())
+    }
+
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
+    ///
+    /// # Errors
+    /// Faults of the initial values, an H that is not finite there, and a σ that is not positive.
+    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.inner.start_at(q0, p0, t0)?;
+        (self.time_low, self.end) = (T::int(0), T::INFINITY);
+        self.inner.variable = Some(VariableSteps {
+            tolerance: self.epsilon,
+            smallest: T::INFINITY,
+            largest: T::int(0),
+            rejected: 0,
+            failed: 0,
+        });
+        self.begin_density()
+    }
+
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`].
+    /// The step density begins anew there.
+    ///
+    /// # Errors
+    /// Faults of the values, an H that is not finite there, and a σ that is not positive.
+    pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        self.inner.move_to(q, p)?;
+        self.begin_density()
+    }
+
+    /// z half a change behind the present state, so that the first whole one leads to z_{1/2}.
+    fn begin_density(&mut self) -> Result<(), IntegrateError<T>> {
+        let (energy, counts) = self.inner.core.energy_and_counts();
+        let density = (self.sigma).at(&self.inner.y.hi, energy, counts)?;
+        self.density = density - self.change()? / T::int(2);
+        Ok(())
+    }
+
+    /// The step made last, or the initial state.
+    pub fn view(&self) -> StepView<'_, T> {
+        self.inner.view()
+    }
+
+    /// Time reached.
+    pub fn time(&self) -> T {
+        self.inner.time()
+    }
+
+    /// The certificate of the run so far.
+    pub fn certificate(&self) -> Certificate<T> {
+        self.inner.certificate()
+    }
+}
+
+/// A root of the rule on the way: size, slope of what it misses, and the size and the miss before.
+#[derive(Debug)]
+struct Secant<T> {
+    h: T,
+    slope: T,
+    last: Option<(T, T)>,
+}
+
+impl<T: Float> Secant<T> {
+    /// The next size, at most twice or half the last one.
+    fn step(&mut self, miss: T) {
+        let h = self.h;
+        if let Some((size, before)) = self.last {
+            // Sizes that hardly differ tell nothing new of the slope.
+            let slope = (miss - before) / (h - size);
+            if (h - size).abs() > T::EPSILON.cbrt() * h && slope > T::int(0) {
+                self.slope = slope;
+            }
+        }
+        self.last = Some((h, miss));
+        let two = T::int(2);
+        self.h = (h - miss / self.slope).max(h / two).min(h * two);
+    }
+}
+
+impl<T: Float, E> Followed<T, E> for ReversibleStepper<T, E> {
+    fn core(&self) -> &Core<T, E> {
+        &self.inner.core
+    }
+
+    fn core_mut(&mut self) -> &mut Core<T, E> {
+        &mut self.inner.core
+    }
+
+    fn time_reached(&self) -> T {
+        self.inner.time
+    }
+}

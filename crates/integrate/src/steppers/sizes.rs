@@ -1,0 +1,109 @@
+//! [`StepSizes`]: from step sizes to the stepper that makes them.
+
+use crate::checkpoints::checkpoint::Checkpoint;
+use crate::error::IntegrateError;
+use crate::options::common::Words;
+use crate::options::integrator::Integrator;
+use crate::steppers::stepper::Stepper;
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+use std::fmt;
+
+/// How an [`Integrator`] sizes its steps: [`Fixed`](crate::Fixed), [`Tolerance`](crate::Tolerance) or
+/// [`Symmetric`](crate::Symmetric).
+pub trait StepSizes<T: Float>: Clone + fmt::Debug {
+    /// What makes the steps.
+    type Stepper<E: Evaluate<T>>: Advance<T, E>;
+
+    /// A stepper without a start: options checked, tables and workspace made.
+    #[doc(hidden)]
+    fn stepper<H: System>(
+        integrator: &Integrator<T, Self>,
+        system: &H,
+    ) -> Result<Self::Stepper<H::Evaluator<T>>, IntegrateError<T>>;
+
+    /// The sizes in words: what has to be the same again for a checkpoint to fit.
+    #[doc(hidden)]
+    fn words(&self) -> Vec<(&'static str, String)>;
+}
+
+impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
+    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step.
+    ///
+    /// # Errors
+    /// Every fault of options, steps and initial values, and an H that is not finite at the start.
+    pub fn start<H: System>(
+        &self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        t0: T,
+    ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
+        let mut stepper = S::stepper(self, system)?;
+        stepper.begin(q0, p0, t0)?;
+        Ok(stepper)
+    }
+
+    /// The run that `checkpoint` was made of, at the step where it was made. Bit for bit the same as if it
+    /// had not stopped.
+    ///
+    /// # Errors
+    /// When the checkpoint was made in another float type, with another method, other options or another H,
+    /// or is damaged; every fault of [`start`](Self::start).
+    pub fn resume<H: System>(
+        &self,
+        system: &H,
+        checkpoint: &Checkpoint,
+    ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
+        checkpoint.check::<T>(&self.words())?;
+        let mut stepper = S::stepper(self, system)?;
+        let (q, p) = checkpoint.state()?;
+        stepper.begin(&q, &p, checkpoint.start.read_finite("the start")?)?;
+        stepper.inner_mut().check_functions(checkpoint)?;
+        stepper.restore(checkpoint)?;
+        Ok(stepper)
+    }
+
+    /// Method, sizes and options in words.
+    pub(crate) fn words(&self) -> Words {
+        let mut words = self.sizes.words();
+        words.extend(self.options.words(self.method));
+        words
+    }
+}
+
+/// What steppers of all step sizes have in common, as whole runs and preparations use it.
+pub trait Advance<T: Float, E: Evaluate<T>> {
+    /// State, references and defects.
+    fn inner(&self) -> &Stepper<T, E>;
+    /// The same, to be asked for the parts of its steps.
+    fn inner_mut(&mut self) -> &mut Stepper<T, E>;
+    /// Begins anew at (`q0`, `p0`) and `t0`.
+    ///
+    /// # Errors
+    /// Faults of the start, for which the run stays as it was.
+    fn begin(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>>;
+    /// Goes on where the run of `checkpoint` was; it has begun at its state.
+    ///
+    /// # Errors
+    /// When the checkpoint is damaged.
+    fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>>;
+    /// The run as it is now.
+    fn save(&mut self) -> Checkpoint;
+    /// Steps are to meet this time from now on.
+    ///
+    /// # Errors
+    /// When they cannot.
+    fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>>;
+    /// Whether the end is reached.
+    fn is_done(&self) -> bool;
+    /// Makes the next step, up to the end.
+    ///
+    /// # Errors
+    /// When it cannot be made.
+    fn step(&mut self) -> Result<(), IntegrateError<T>>;
+    /// What rounding lost of the time.
+    fn time_low(&self) -> T;
+    /// Time at the end of the next step where that is known, and outputs before it take steps of their own.
+    fn next_time(&self) -> Option<T>;
+}

@@ -1,0 +1,176 @@
+//! A [`Stepper`] is prepared once and begun as often as wanted.
+
+use crate::error::IntegrateError;
+use crate::options::common::Words;
+use crate::options::integrator::Integrator;
+use crate::report::defect::{Defect, Watched};
+use crate::steppers::stepper::Stepper;
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+use equip_solver::{Constraint, Core, Counts, MAX_STAGES, Outcome, State};
+use equip_tableau::Gauss;
+use std::time::Instant;
+
+impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+    /// Everything but a start, for steps of size `h`, or of any size.
+    pub(super) fn prepare<H: System<Evaluator<T> = E>, S>(
+        integrator: &Integrator<T, S>,
+        system: &H,
+        h: Option<T>,
+        words: Words,
+    ) -> Result<Self, IntegrateError<T>> {
+        let (method, options) = (integrator.method, &integrator.options);
+        let settings = options.validate(method)?;
+        let (m, zero) = (system.degrees_of_freedom(), T::int(0));
+        let stages = settings.stages;
+        let gauss = Gauss::new(stages).map_err(|_| IntegrateError::StagesOutOfRange {
+            stages,
+            min: 1,
+            max: MAX_STAGES,
+        })?;
+        for invariant in options.invariants.iter().chain(&options.kept) {
+            let found = invariant.function().degrees_of_freedom();
+            if found != m {
+                return Err(IntegrateError::WrongLength {
+                    what: "an invariant",
+                    expected: m,
+                    found,
+                });
+            }
+        }
+        let has_target = settings.first_alpha.is_some() && !system.structure().is_quadratic();
+        let mut constraints = Vec::new();
+        if has_target {
+            constraints.push(Constraint::energy(2 * m));
+        }
+        let kept = options.kept.iter();
+        constraints.extend(kept.map(|i| Constraint::invariant(i, 2 * m)));
+        let free = settings.first_alpha.map_or(0, |first| stages - first);
+        if constraints.len() > free {
+            let (kept, alphas) = (constraints.len(), free);
+            return Err(IntegrateError::TooFewAlphas { kept, alphas });
+        }
+        let alphas = if constraints.is_empty() {
+            0
+        } else {
+            stages - 1
+        };
+        let measured = has_target || options.measure_energy;
+        let mut evaluator = system.evaluator::<T>();
+        let mut slope = vec![zero; 2 * m];
+        let y = State::new(&slope[..m], &slope[m..]);
+        // What an evaluator makes at its first call is made here.
+        evaluator.gradient_with_compensated_value(&y.hi, &mut slope);
+        Ok(Stepper {
+            core: Core::new(system, evaluator, settings, gauss, constraints),
+            method,
+            has_target,
+            t0: zero,
+            h,
+            h_ref: zero,
+            index: 0,
+            time: zero,
+            next: y.clone(),
+            slope,
+            grid: None,
+            measure_energy: options.measure_energy,
+            energy: measured.then(|| Defect::new("energy")),
+            in_floors: has_target.then_some(zero),
+            watched: options
+                .kept
+                .iter()
+                .chain(&options.invariants)
+                .map(Watched::new)
+                .collect(),
+            alpha_range: vec![(zero, zero); alphas],
+            last: (zero, Outcome::NotAsked),
+            floor: None,
+            variable: None,
+            begun: Instant::now(),
+            fingerprint: words,
+            start: y.hi.clone(),
+            y,
+        })
+    }
+
+    /// Another one for the same steps, at the same state.
+    pub(crate) fn beside<H: System<Evaluator<T> = E>, S>(
+        &self,
+        integrator: &Integrator<T, S>,
+        system: &H,
+    ) -> Result<Self, IntegrateError<T>> {
+        let mut other = Self::prepare(integrator, system, self.h, Words::new())?;
+        let (q, p) = self.y.hi.split_at(self.y.hi.len() / 2);
+        other.start_at(q, p, self.time)?;
+        Ok(other)
+    }
+
+    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated,
+    ///. After an error the run is as it was.
+    pub(super) fn start_at(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        if !t0.is_finite() || self.h.is_some_and(|h| t0 + h == t0) {
+            return Err(IntegrateError::StepBelowTimeResolution {
+                step: self.h.unwrap_or(T::int(1)),
+                time: t0,
+            });
+        }
+        self.move_to(q0, p0)?;
+        *self.core.counts_mut() = Counts::default();
+        (self.t0, self.time, self.index) = (t0, t0, 0);
+        self.grid = None;
+        self.start.copy_from_slice(&self.y.hi);
+        self.last = (T::int(0), Outcome::NotAsked);
+        self.alpha_range.fill((T::int(0), T::int(0)));
+        self.in_floors = self.has_target.then_some(T::int(0));
+        let watched = self.watched.iter_mut().map(|w| &mut w.defect);
+        for defect in self.energy.iter_mut().chain(watched) {
+            defect.max = T::int(0);
+        }
+        self.begun = Instant::now();
+        Ok(())
+    }
+
+    /// Puts the run at another state, at the time it has reached: the references of energy and invariants are
+    /// those of this state from now on, and nothing of the steps before is prolonged into the next one.
+    pub(super) fn move_to(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        let m = self.y.hi.len() / 2;
+        check_initial(m, q, p)?;
+        let y = &mut self.next.hi;
+        y[..m].copy_from_slice(q);
+        y[m..].copy_from_slice(p);
+        let energy = self.core.energy_mut();
+        let h_ref = energy.gradient_with_compensated_value(y, &mut self.slope);
+        if !h_ref.is_finite() || self.slope.iter().any(|g| !g.is_finite()) {
+            return Err(IntegrateError::EnergyNotFinite { energy: h_ref });
+        }
+        self.next.lo.fill(T::int(0));
+        std::mem::swap(&mut self.y, &mut self.next);
+        self.h_ref = h_ref;
+        self.floor = None;
+        self.core.begin(h_ref, &self.y.hi);
+        if let Some(energy) = &mut self.energy {
+            energy.begin(h_ref);
+        }
+        for watched in &mut self.watched {
+            watched.begin(&self.y.hi);
+        }
+        Ok(())
+    }
+}
+
+fn check_initial<T: Float>(m: usize, q0: &[T], p0: &[T]) -> Result<(), IntegrateError<T>> {
+    for (what, values) in [("q0", q0), ("p0", p0)] {
+        if values.len() != m {
+            let found = values.len();
+            return Err(IntegrateError::WrongLength {
+                what,
+                expected: m,
+                found,
+            });
+        }
+        if let Some((index, &value)) = values.iter().enumerate().find(|(_, x)| !x.is_finite()) {
+            return Err(IntegrateError::InitialNotFinite { what, index, value });
+        }
+    }
+    Ok(())
+}

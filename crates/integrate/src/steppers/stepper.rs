@@ -1,0 +1,223 @@
+//! [`Stepper`]: the run one step at a time.
+
+use crate::error::IntegrateError;
+use crate::method::Method;
+use crate::options::common::Words;
+use crate::report::certificate::Certificate;
+use crate::report::defect::{Defect, Watched};
+use crate::report::variable_steps::VariableSteps;
+use crate::step::make::make_step;
+use crate::steppers::grid::Grid;
+use crate::steppers::view::{Step, StepView};
+use crate::tangent::steps::sealed::Followed;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_solver::{Core, Counts, Outcome, State};
+use std::time::Instant;
+
+/// A run that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
+#[derive(Debug)]
+pub struct Stepper<T: Float, E> {
+    pub(crate) core: Core<T, E>,
+    pub(super) method: Method,
+    pub(super) has_target: bool,
+    pub(crate) t0: T,
+    /// Their size; none if it varies.
+    pub(super) h: Option<T>,
+    /// The grid up to the end of the run, if that is known.
+    pub(super) grid: Option<Grid<T>>,
+    /// Room for ∇H.
+    pub(super) slope: Vec<T>,
+    pub(crate) h_ref: T,
+    pub(crate) index: u64,
+    pub(crate) time: T,
+    pub(crate) y: State<T>,
+    pub(super) next: State<T>,
+    pub(super) measure_energy: bool,
+    pub(crate) energy: Option<Defect<T>>,
+    pub(crate) in_floors: Option<T>,
+    pub(crate) watched: Vec<Watched<T>>,
+    pub(crate) alpha_range: Vec<(T, T)>,
+    pub(crate) last: (T, Outcome),
+    pub(crate) floor: Option<T>,
+    /// What a run with variable steps has to say about them.
+    pub(crate) variable: Option<VariableSteps<T>>,
+    pub(crate) begun: Instant,
+    /// Method and options, for checkpoints.
+    pub(super) fingerprint: Words,
+    /// (q, p) at the start of the run.
+    pub(super) start: Vec<T>,
+}
+
+impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+    /// Makes the next step.
+    ///
+    /// # Errors
+    /// When the step cannot be made; the state then is that before the step, and may be read or stepped
+    /// again.
+    pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        let h = self.h.unwrap_or(T::int(0));
+        let time = self.t0 + T::int((self.index + 1) as i64) * h;
+        self.advance_to(time, h)
+    }
+
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready:
+    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is allocated. After an error the run is as it was.
+    ///
+    /// # Errors
+    /// Faults of the initial values, and an H that is not finite there.
+    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.start_at(q0, p0, t0)
+    }
+
+    /// Puts the run at (`q`, `p`), each of length m, at the time it has reached, as after a kick: H and the
+    /// invariants are kept at their values there from now on, and the next step is guessed from this state
+    /// alone. Counts, grid and largest defects go on. Nothing is allocated;
+    /// after an error the run is as it was.
+    ///
+    /// # Errors
+    /// Faults of the values, and an H that is not finite there.
+    pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        self.move_to(q, p)
+    }
+
+    /// Makes a step of size `h` that is taken to end at `time`.
+    pub(crate) fn advance_to(
+        &mut self,
+        time: T,
+        h: T,
+    ) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        if !(time > self.time) {
+            return Err(IntegrateError::StepBelowTimeResolution {
+                step: h,
+                time: self.time,
+            });
+        }
+        let outcome = self.attempt(h)?;
+        self.accept(time, h, outcome);
+        Ok(self.view())
+    }
+
+    /// Makes a step of size `h` that may still be refused.
+    pub(crate) fn attempt(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
+        make_step(&mut self.core, (&self.y, self.time, h), &mut self.next)
+    }
+
+    /// Takes the step made by [`attempt`](Self::attempt), which ends at `time`.
+    pub(crate) fn accept(&mut self, time: T, h: T, outcome: Outcome) {
+        std::mem::swap(&mut self.y, &mut self.next);
+        self.index += 1;
+        self.time = time;
+        self.last = (h, outcome);
+        self.core.counts_mut().record(outcome);
+        self.measure(outcome);
+    }
+
+    /// Energy, invariants and α's of the step just made.
+    fn measure(&mut self, outcome: Outcome) {
+        self.floor = None;
+        // Zero is in all of them from the beginning.
+        if !self.core.alphas_are_zero() {
+            for (range, &alpha) in self.alpha_range.iter_mut().zip(self.core.alphas()) {
+                *range = (range.0.min(alpha), range.1.max(alpha));
+            }
+        }
+        if self.has_target {
+            let residual = &self.core.constraints()[0];
+            self.floor = Some(residual.floor());
+            if let Some(energy) = &mut self.energy {
+                energy.see(residual.defect());
+            }
+            if let Some(most) = &mut self.in_floors
+                && outcome.energy_kept()
+            {
+                *most = most.max(residual.in_late_floors());
+            }
+        } else if self.measure_energy {
+            self.core.counts_mut().energies += 1;
+            let value = self.core.energy_mut().compensated_value(&self.y.hi);
+            if let Some(energy) = &mut self.energy {
+                energy.see(value - self.h_ref);
+            }
+        }
+        for watched in &mut self.watched {
+            watched.see(&self.y.hi);
+        }
+    }
+
+    /// The step made last, or the initial state.
+    pub fn view(&self) -> StepView<'_, T> {
+        let (q, p) = self.y.hi.split_at(self.y.hi.len() / 2);
+        StepView {
+            index: self.index,
+            time: self.time,
+            step: self.last.0,
+            q,
+            p,
+            energy_defect: self.energy.as_ref().map(|e| e.end),
+            energy_floor: self.floor,
+            alphas: self.core.alphas(),
+            outcome: self.last.1,
+            chaos: None,
+        }
+    }
+
+    /// Time reached.
+    pub fn time(&self) -> T {
+        self.time
+    }
+
+    /// Counts so far.
+    pub fn counts(&self) -> &Counts {
+        self.core.counts()
+    }
+
+    fn mean_step(&self) -> T {
+        let steps = i64::try_from(self.index).unwrap_or(i64::MAX);
+        (self.time - self.t0) / T::int(steps.max(1))
+    }
+
+    /// The certificate of the run so far.
+    pub fn certificate(&self) -> Certificate<T> {
+        Certificate {
+            method: self.method,
+            step: match self.h {
+                Some(h) => h,
+                None => self.mean_step(),
+            },
+            variable_steps: self.variable,
+            start: self.t0,
+            end: self.time,
+            energy: self.energy.clone(),
+            energy_in_floors: self.in_floors,
+            invariants: self.watched.iter().map(|w| w.defect.clone()).collect(),
+            alpha_range: self.alpha_range.clone(),
+            chaos: None,
+            counts: *self.core.counts(),
+            output_steps: 0,
+            seconds: self.begun.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+impl<T: Float, E> Followed<T, E> for Stepper<T, E> {
+    fn core(&self) -> &Core<T, E> {
+        &self.core
+    }
+
+    fn core_mut(&mut self) -> &mut Core<T, E> {
+        &mut self.core
+    }
+
+    fn time_reached(&self) -> T {
+        self.time
+    }
+}
+
+impl<T: Float, E: Evaluate<T>> Iterator for Stepper<T, E> {
+    type Item = Result<Step<T>, IntegrateError<T>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        Some(self.advance().map(|view| view.to_step()))
+    }
+}

@@ -1,0 +1,146 @@
+//! [`Chaos`]: is a trajectory regular or chaotic, and how much.
+//!
+//! A deviation δ is carried along and kept at length 1. From the growth ln|δ_{n+1}|/|δ_n| of each step:
+//!
+//! - the largest Lyapunov exponent, λ(t) = ln(|δ(t)|/|δ(0)|)/t → λ, zero for regular motion;
+//! - MEGNO [Cincotta & Simó, Astron. Astrophys. Suppl. 147, 2000], Y(t) = (2/t) ∫ (d ln|δ|/ds) s ds, and its
+//!   mean over time, which tends to 2 for quasi-periodic motion and to λt/2 for chaotic motion: it decides
+//!   much earlier than λ(t).
+//!
+//! The integral is a sum over the steps, the growth of each at its middle: an error of O(h²) of the growth,
+//! which does not matter here.
+
+use crate::checkpoints::exact::Exact;
+use crate::checkpoints::memories::ChaosMemory;
+use crate::error::IntegrateError;
+use crate::report::chaos_indicators::ChaosIndicators;
+use crate::tangent::steps::Steps;
+use crate::tangent::tangent_map::TangentMap;
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+
+/// Lyapunov exponent and MEGNO along a run that is made step by step;
+/// [`FixedStep::chaos`](crate::FixedStep::chaos) is the option for a whole run.
+///
+/// ```
+/// use equip_autodiff::Hamiltonian;
+/// use equip_integrate::{Chaos, Equip};
+///
+/// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+/// let mut run = Equip::stages(6).tolerance(1e-10).start(&pendulum, &[0.0], &[1.0], 0.0)?;
+/// let mut chaos = Chaos::new(&pendulum, &mut run, &[1.0, 0.0]);
+/// while run.time() < 500.0 {
+///     run.advance()?;
+///     chaos.see(&run)?;
+/// }
+/// assert!(chaos.megno() < 2.5 && chaos.lyapunov() < 0.02); // one degree of freedom is regular
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Chaos<T: Float, E> {
+    tangent: TangentMap<T, E>,
+    deviation: Vec<T>,
+    start: T,
+    time: T,
+    /// ln|δ(t)|/|δ(0)|, ∫ s d ln|δ|, ∫ Y ds.
+    growth: T,
+    weighted: T,
+    sum: T,
+}
+
+impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
+    /// Follows `run`, made of the same `system`, from now on, with a deviation of any length but zero (2m
+    /// components).
+    pub fn new<H: System<Evaluator<T> = E>>(
+        system: &H,
+        run: &mut impl Steps<T, E>,
+        deviation: &[T],
+    ) -> Self {
+        let zero = T::int(0);
+        let time = run.time_reached();
+        let mut chaos = Chaos {
+            tangent: TangentMap::new(system, run),
+            deviation: deviation.to_vec(),
+            start: time,
+            time,
+            growth: zero,
+            weighted: zero,
+            sum: zero,
+        };
+        chaos.normalise();
+        chaos
+    }
+
+    /// Sees the step that `run` made last.
+    ///
+    /// # Errors
+    /// Those of [`TangentMap::carry`].
+    pub fn see(&mut self, run: &impl Steps<T, E>) -> Result<(), IntegrateError<T>> {
+        self.tangent.carry(run, &mut self.deviation)?;
+        let growth = self.normalise().ln();
+        let (before, now) = (self.time - self.start, run.time_reached() - self.start);
+        self.growth += growth;
+        self.weighted += growth * (before + now) / T::int(2);
+        // Y at the end of the step stands for the step.
+        self.sum += T::int(2) * self.weighted / now * (now - before);
+        self.time = run.time_reached();
+        Ok(())
+    }
+
+    /// Brings δ to length 1; returns the length it had.
+    fn normalise(&mut self) -> T {
+        let squares = self.deviation.iter().fold(T::int(0), |sum, &x| sum + x * x);
+        let length = squares.sqrt();
+        self.deviation.iter_mut().for_each(|x| *x /= length);
+        length
+    }
+
+    /// λ(t), per unit of time.
+    pub fn lyapunov(&self) -> T {
+        self.growth / (self.time - self.start)
+    }
+
+    /// The mean of MEGNO over time.
+    pub fn megno(&self) -> T {
+        self.sum / (self.time - self.start)
+    }
+
+    /// λ(t) and MEGNO.
+    pub fn indicators(&self) -> ChaosIndicators<T> {
+        ChaosIndicators {
+            lyapunov: self.lyapunov(),
+            megno: self.megno(),
+        }
+    }
+
+    /// The deviation, at length 1.
+    pub fn deviation(&self) -> &[T] {
+        &self.deviation
+    }
+}
+
+/// A deviation for runs whose user gave none: no component vanishes, and none is a multiple of another.
+pub(crate) fn any_deviation<T: Float>(n: usize) -> Vec<T> {
+    (1..=n).map(|j| T::int(j as i64).sin()).collect()
+}
+
+impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
+    /// Goes on with what a checkpoint has of a deviation.
+    pub(crate) fn restore(&mut self, memory: &ChaosMemory) -> Result<(), IntegrateError<T>> {
+        Exact::read_all(&memory.deviation, &mut self.deviation, "the deviation")?;
+        self.start = memory.start.read()?;
+        let [growth, weighted, sum] = &memory.sums;
+        self.growth = growth.read()?;
+        self.weighted = weighted.read()?;
+        self.sum = sum.read()?;
+        Ok(())
+    }
+
+    pub(crate) fn memory(&self) -> ChaosMemory {
+        ChaosMemory {
+            start: Exact::of(self.start),
+            sums: [self.growth, self.weighted, self.sum].map(Exact::of),
+            deviation: Exact::all(&self.deviation),
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! Tests of the integrators, in one program: every one of them alone would compile the integrators anew.
+
+mod adaptive;
+mod beside_gauss;
+mod checkpoint;
+#[cfg(feature = "serde")]
+mod checkpoint_file;
+mod dense;
+mod events;
+mod extended;
+mod memory;
+mod preconditioners;
+mod restart;
+mod reversible;
+mod suggest;
+mod tangent;
+
+/// A file of tests that is not named above would be left out in silence.
+#[test]
+fn every_file_is_here() {
+    let here = concat!(env!("CARGO_MANIFEST_DIR"), "/tests");
+    for entry in std::fs::read_dir(here).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let name = name.trim_end_matches(".rs");
+        let line = format!("mod {name};");
+        assert!(
+            name == "all" || include_str!("all.rs").contains(&line),
+            "add `{line}` to tests/all.rs"
+        );
+    }
+}

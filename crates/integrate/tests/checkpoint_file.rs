@@ -1,0 +1,120 @@
+//! A checkpoint through a file and back.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
+
+use equip_autodiff::Hamiltonian;
+use equip_integrate::{
+    Checkpoint, Equip, IntegrateError, Integrator, Observer, StepSizes, StepView,
+};
+use equip_scalar::{DoubleDouble, Float};
+use std::ops::ControlFlow;
+
+#[test]
+fn text_and_back_is_exact() {
+    let kepler = equip_scenes::find("kepler").unwrap();
+    let kepler = kepler.instance(&[("e", "0.9")]).unwrap();
+    let (q, p) = kepler.initial::<DoubleDouble>();
+    let tolerance = DoubleDouble::decimal("1e-22").unwrap();
+    let options = Equip::stages(8).tolerance(tolerance);
+    let zero = DoubleDouble::int(0);
+    let mut run = options.start(kepler.hamiltonian(), &q, &p, zero).unwrap();
+    for _ in 0..5 {
+        run.advance().unwrap();
+    }
+    let checkpoint = run.checkpoint();
+    let text = serde_json::to_string(&checkpoint).unwrap();
+    let back: Checkpoint = serde_json::from_str(&text).unwrap();
+    assert_eq!(checkpoint, back);
+    let mut again = options.resume(kepler.hamiltonian(), &back).unwrap();
+    for _ in 0..5 {
+        let (a, b) = (run.advance().unwrap(), again.advance().unwrap());
+        assert_eq!((a.time, a.q, a.p), (b.time, b.q, b.p));
+    }
+    let damaged = text.replace("\"high\":[\"", "\"high\":[\"z");
+    let damaged: Checkpoint = serde_json::from_str(&damaged).unwrap();
+    assert!(options.resume(kepler.hamiltonian(), &damaged).is_err());
+}
+
+/// Keeps the checkpoint after the third step, and ends the run there.
+#[derive(Default)]
+struct AfterThree {
+    index: u64,
+    checkpoint: Option<Checkpoint>,
+}
+
+impl Observer<f64> for AfterThree {
+    fn step(&mut self, view: &StepView<'_, f64>) -> ControlFlow<()> {
+        self.index = view.index;
+        ControlFlow::Continue(())
+    }
+
+    fn wants_checkpoint(&mut self) -> bool {
+        self.index == 3
+    }
+
+    fn checkpoint(&mut self, checkpoint: Checkpoint) -> ControlFlow<()> {
+        self.checkpoint = Some(checkpoint);
+        ControlFlow::Break(())
+    }
+}
+
+/// Flips every bit of the text; what still is a checkpoint must not be resumed.
+fn every_flip_is_refused<S: StepSizes<f64>>(options: &Integrator<f64, S>) {
+    let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let mut keep = AfterThree::default();
+    options
+        .integrate_observed(&pendulum, &[0.3], &[1.0], 0.0..=10.0, &mut keep)
+        .unwrap();
+    let text = serde_json::to_vec(&keep.checkpoint.unwrap()).unwrap();
+    let resumed = |text: &[u8]| {
+        let checkpoint: Checkpoint = serde_json::from_slice(text).ok()?;
+        Some(options.resume(&pendulum, &checkpoint).map(|_| ()))
+    };
+    assert_eq!(resumed(&text), Some(Ok(())));
+    let mut read = 0;
+    for byte in 0..text.len() {
+        for bit in 0..8 {
+            let mut flipped = text.clone();
+            flipped[byte] ^= 1 << bit;
+            let outcome = resumed(&flipped);
+            assert_ne!(outcome, Some(Ok(())), "bit {bit} of byte {byte}");
+            read += usize::from(outcome.is_some());
+        }
+    }
+    println!(
+        "{} bytes, {read} flips are checkpoints to the reader",
+        text.len()
+    );
+    assert!(read > text.len());
+}
+
+#[test]
+fn every_flipped_bit_is_refused() {
+    every_flip_is_refused(&Equip::stages(3).step(0.25));
+    every_flip_is_refused(&Equip::stages(3).step(0.25).chaos());
+    every_flip_is_refused(&Equip::stages(4).tolerance(1e-8));
+    every_flip_is_refused(&Equip::stages(3).reversible_automatic(0.25));
+}
+
+#[test]
+fn a_part_left_out_is_refused() {
+    let options = Equip::stages(3).step(0.25);
+    let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let mut run = options.start(&pendulum, &[0.3], &[1.0], 0.0).unwrap();
+    run.advance().unwrap();
+    let whole = serde_json::to_value(run.checkpoint()).unwrap();
+    let names: Vec<String> = whole.as_object().unwrap().keys().cloned().collect();
+    for name in names {
+        let mut part = whole.clone();
+        let left_out = part.as_object_mut().unwrap().remove(&name).unwrap();
+        // What a run does not have is none, whether it is there or not.
+        if left_out.is_null() {
+            continue;
+        }
+        let Ok(checkpoint) = serde_json::from_value::<Checkpoint>(part) else {
+            continue;
+        };
+        let refused = options.resume(&pendulum, &checkpoint).unwrap_err();
+        let damaged = matches!(refused, IntegrateError::CheckpointDamaged { .. });
+        assert!(damaged, "{name}: {refused}");
+    }
+}

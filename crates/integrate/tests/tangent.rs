@@ -1,0 +1,211 @@
+//! The tangent map against finite differences, and what it says about chaos.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
+
+use equip_autodiff::Hamiltonian;
+use equip_integrate::{
+    ChaosIndicators, Checkpoint, Equip, Gauss, IntegrateError, Method, NoObserver, Observer,
+    StepView, TangentMap,
+};
+use equip_scalar::{DoubleDouble, Float};
+use std::ops::ControlFlow;
+
+fn henon_heiles(energy: &str, q2: &str, p2: &str) -> equip_scenes::Instance {
+    let values = [("energy", energy), ("q2", q2), ("p2", p2)];
+    equip_scenes::find("henon-heiles")
+        .unwrap()
+        .instance(&values)
+        .unwrap()
+}
+
+type D = DoubleDouble;
+
+#[test]
+fn it_is_the_derivative_of_the_step_map() {
+    let scene = henon_heiles("1/8", "-0.1", "0.05");
+    let (q, p) = scene.initial::<D>();
+    let h = scene.hamiltonian();
+    let tiny = D::decimal("1e-10").unwrap();
+    let step = D::decimal("0.3").unwrap();
+    let steps = 5;
+    let end = |method: Method, q: &[D], p: &[D]| {
+        let mut run = method.step(step).start(h, q, p, D::int(0)).unwrap();
+        for _ in 0..steps {
+            run.advance().unwrap();
+        }
+        [run.view().q, run.view().p].concat()
+    };
+    for (method, bound) in [(Gauss::stages(3), 1e-18), (Equip::stages(3), 2e-6)] {
+        let mut run = method.step(step).start(h, &q, &p, D::int(0)).unwrap();
+        let mut tangent = TangentMap::new(h, &mut run);
+        let mut columns: Vec<D> = (0..16).map(|i| D::int(i64::from(i % 5 == 0))).collect();
+        for _ in 0..steps {
+            run.advance().unwrap();
+            tangent.carry(&run, &mut columns).unwrap();
+        }
+        let mut worst = 0.0f64;
+        for (j, column) in columns.chunks(4).enumerate() {
+            let moved = |by: D| {
+                let mut y = [q.as_slice(), &p].concat();
+                y[j] += by;
+                end(method, &y[..2], &y[2..])
+            };
+            let (ahead, behind) = (moved(tiny), moved(-tiny));
+            for i in 0..4 {
+                let difference = (ahead[i] - behind[i]) / (D::int(2) * tiny);
+                worst = worst.max((difference - column[i]).abs().to_f64());
+            }
+        }
+        println!("{method}: {worst:.1e}");
+        // Gauss: measured 4e-21, the error of the difference. EQUIP: 2.3e-7, what ∂α/∂y adds, of the size of
+        // the step's error.
+        assert!(worst < bound);
+        // Symplectic: Ψᵀ J Ψ = J.
+        let form = |a: &[D], b: &[D]| (a[0] * b[2] + a[1] * b[3]) - (a[2] * b[0] + a[3] * b[1]);
+        for i in 0..4 {
+            for j in 0..4 {
+                let exact = i64::from(j == i + 2) - i64::from(i == j + 2);
+                let found = form(&columns[4 * i..][..4], &columns[4 * j..][..4]);
+                assert!((found - D::int(exact)).abs().to_f64() < 1e-29);
+            }
+        }
+    }
+}
+
+/// λ and MEGNO along an orbit of energy 1/8, at the times given.
+fn indicators(q2: &str, p2: &str, times: &[f64]) -> Vec<ChaosIndicators<f64>> {
+    let scene = henon_heiles("1/8", q2, p2);
+    let (q, p) = scene.initial::<f64>();
+    let mut seen = Vec::new();
+    let mut observe = |view: &StepView<'_, f64>| {
+        if times.get(seen.len()).is_some_and(|&t| view.time >= t) {
+            seen.extend(view.chaos);
+        }
+        ControlFlow::Continue(())
+    };
+    let end = times.last().unwrap();
+    let options = Equip::stages(6).tolerance(1e-9).chaos();
+    let run = options
+        .integrate_observed(scene.hamiltonian(), &q, &p, 0.0..=*end, &mut observe)
+        .unwrap();
+    assert_eq!(seen.last(), run.certificate().chaos.as_ref());
+    assert_eq!(seen.len(), times.len());
+    seen
+}
+
+#[test]
+fn order_and_chaos_of_henon_heiles() {
+    // Orbits that the literature on chaos indicators shares: x = 0, y = -0.25, px = 0.42, py = 0 is chaotic
+    // with a largest exponent of about 0.047 (Skokos, Bountis, Antonopoulos, Geometrical properties of local
+    // dynamics in Hamiltonian systems: the Generalized Alignment Index (GALI) method, Physica D 231 (2007),
+    // 4.1; Skokos, The Lyapunov characteristic exponents and their computation, Lect. Notes Phys. 790
+    // (2010)); x = 0, y = 0.483, px = 0.27898, py = 0 is quasi-periodic (tests of DynamicalSystems.jl, which
+    // have both).
+    let times = [1e3, 1e4, 5e4];
+    let chaotic = indicators("-0.25", "0", &times);
+    for (t, x) in times.iter().zip(&chaotic) {
+        println!(
+            "chaotic, t = {t:e}: {x:?}, λt/2 = {:.1}",
+            x.lyapunov * t / 2.0
+        );
+        // Measured 0.98 to 0.99, on another trajectory 1.03 and 1.07.
+        let ratio = x.megno / (x.lyapunov * t / 2.0);
+        assert!((0.8..1.25).contains(&ratio), "{ratio}");
+    }
+    // λ(t) of a chaotic orbit wanders, and any rounding leads to another one: measured 0.025 to 0.056 at t =
+    // 5·10⁴ on 16 neighbours. The mean of four is off by 16 %.
+    let neighbours = ["-0.2500000001", "-0.2500000002", "-0.2500000003"];
+    let others = neighbours.map(|q2| indicators(q2, "0", &times)[2].lyapunov);
+    let found = (others.iter().sum::<f64>() + chaotic[2].lyapunov) / 4.0;
+    println!("λ = {:.4}, neighbours {others:.4?}", chaotic[2].lyapunov);
+    assert!((found - 0.047).abs() < 0.35 * 0.047, "{found}");
+    let regular = indicators("0.483", "0", &times[..2]);
+    for (t, x) in times.iter().zip(&regular) {
+        println!("regular, t = {t:e}: {x:?}");
+        // λ falls like ln t / t: measured 0.67 and 0.73 of it. MEGNO measured 1.87 and 1.99.
+        assert!(x.lyapunov < 1.5 * t.ln() / t && (x.megno - 2.0).abs() < 0.2);
+    }
+}
+
+/// Keeps the checkpoint after step 40.
+#[derive(Default)]
+struct Keep(u64, Option<Checkpoint>);
+
+impl Observer<f64> for Keep {
+    fn step(&mut self, view: &StepView<'_, f64>) -> ControlFlow<()> {
+        self.0 = view.index;
+        ControlFlow::Continue(())
+    }
+
+    fn wants_checkpoint(&mut self) -> bool {
+        self.0 == 40
+    }
+
+    fn checkpoint(&mut self, checkpoint: Checkpoint) -> ControlFlow<()> {
+        self.1 = Some(checkpoint);
+        ControlFlow::Continue(())
+    }
+}
+
+#[test]
+fn a_followed_run_has_the_same_steps_and_is_resumed_bit_for_bit() {
+    let scene = henon_heiles("1/8", "-0.25", "0");
+    let (q, p) = scene.initial::<f64>();
+    let h = scene.hamiltonian();
+    let plain = Equip::stages(5).step(0.5);
+    let options = plain.clone().chaos();
+    let mut keep = Keep::default();
+    let whole = options
+        .integrate_observed(h, &q, &p, 0.0..=50.0, &mut keep)
+        .unwrap();
+    let alone = plain.integrate(h, &q, &p, 0.0..=50.0).unwrap();
+    assert_eq!(whole.last(), alone.last());
+    assert_eq!(alone.certificate().chaos, None);
+    let checkpoint = keep.1.unwrap();
+    let rest = options
+        .integrate_from(h, &checkpoint, 50.0, &mut NoObserver)
+        .unwrap();
+    assert!(whole.certificate().chaos.is_some());
+    assert_eq!(whole.certificate().chaos, rest.certificate().chaos);
+    // A checkpoint of a run that followed nothing has nothing to go on from.
+    let mut keep = Keep::default();
+    plain
+        .integrate_observed(h, &q, &p, 0.0..=50.0, &mut keep)
+        .unwrap();
+    let failure = options
+        .integrate_from(h, &keep.1.unwrap(), 50.0, &mut NoObserver)
+        .unwrap_err();
+    assert!(matches!(
+        failure.error,
+        IntegrateError::CheckpointMismatch {
+            what: "deviation",
+            ..
+        }
+    ));
+}
+
+#[test]
+fn steps_that_sweeps_do_not_solve_are_followed_too() {
+    // hω = 4: the linearised stages are solved by a factorisation. A quarter turn and more of the rotation,
+    // to round-off.
+    let omega = 40.0;
+    let h = Hamiltonian::new(1, move |q, p| {
+        0.5 * (p[0] * p[0] + omega * omega * q[0] * q[0])
+    })
+    .unwrap();
+    let mut run = Gauss::stages(10)
+        .step(0.1)
+        .start(&h, &[1.0], &[0.0], 0.0)
+        .unwrap();
+    let mut tangent = TangentMap::new(&h, &mut run);
+    let mut deviation = vec![1.0, 0.0];
+    for _ in 0..5 {
+        run.advance().unwrap();
+        tangent.carry(&run, &mut deviation).unwrap();
+    }
+    // The tangent map of a linear system is its step.
+    let error = (deviation[0] - run.view().q[0])
+        .abs()
+        .max((deviation[1] - run.view().p[0]).abs() / omega);
+    println!("{error:.1e}");
+    assert!(error < 1e-13);
+}

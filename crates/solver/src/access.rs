@@ -1,0 +1,282 @@
+//! What a run needs of a step, all in one place: everything public of [`Core`] and [`Constraint`] but
+//! [`Core::new`], [`Core::step`] and [`Core::forget`].
+
+use crate::equations::constraint::Constraint;
+use crate::failure::Damaged;
+use crate::memory::SolverMemory;
+use crate::options::Reach;
+use crate::outcome::Counts;
+use crate::parts::Part;
+use crate::step::step::Core;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_sweeps::State;
+use equip_tableau::Gauss;
+
+/// Where the step that failed last began, or the part of it that failed.
+#[derive(Debug, Clone, Copy)]
+pub struct FailedPart<'a, T> {
+    /// y there, length n.
+    pub start: &'a [T],
+    /// Its time.
+    pub time: T,
+    /// Size of the part.
+    pub step: T,
+    /// How often the step might have been halved.
+    pub max_halvings: u32,
+}
+
+/// What is fixed, and what has been counted.
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// Nodes and weights.
+    pub fn gauss(&self) -> &Gauss<T> {
+        &self.stages.gauss
+    }
+
+    /// n = 2m.
+    pub fn components(&self) -> usize {
+        self.stages.iterate.components()
+    }
+
+    /// H and its derivatives, for evaluations beside the steps.
+    pub fn energy_mut(&mut self) -> &mut E {
+        &mut self.energy
+    }
+
+    /// Work and outcomes so far; outcomes are recorded by the run.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// The same, to be added to.
+    pub fn counts_mut(&mut self) -> &mut Counts {
+        &mut self.counts
+    }
+
+    /// The evaluator with the counts.
+    pub fn energy_and_counts(&mut self) -> (&mut E, &mut Counts) {
+        (&mut self.energy, &mut self.counts)
+    }
+}
+
+/// The step made last.
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// α_1 … α_{s−1} of the step, or of its last part.
+    pub fn alphas(&self) -> &[T] {
+        &self.alphas
+    }
+
+    /// Whether all of them are zero.
+    pub fn alphas_are_zero(&self) -> bool {
+        self.alphas.iter().all(|&alpha| alpha == T::int(0))
+    }
+
+    /// Size h of the step, or of its last part; zero if there is none.
+    pub fn last_size(&self) -> T {
+        self.stages.last.map_or(T::int(0), |(_, h)| h)
+    }
+
+    /// L_i = h b_i J∇H(Y_i), component c of stage i at c·[`stride_for`](crate::stride_for)(s) + i.
+    pub fn derivatives_by_component(&self) -> &[T] {
+        self.stages.iterate.increments()
+    }
+
+    /// The stages Y_i of a step from `y` one after the other, blocks of length n, into `points`.
+    pub fn stages_by_stage(&mut self, y: &State<T>, points: &mut [T]) {
+        let iterate = &mut self.stages.iterate;
+        iterate.keep_momenta(y);
+        let (n, stride) = (iterate.components(), iterate.stride());
+        for (i, point) in points.chunks_exact_mut(n).enumerate() {
+            for (c, x) in point.iter_mut().enumerate() {
+                *x = iterate.points()[c * stride + i];
+            }
+        }
+    }
+
+    /// h γ_k = Σ_i P_k(c_i) L_i for k < s into `out`, blocks of length n: u'(τ) = Σ_k γ_k P_k(τ) within the step.
+    pub fn legendre_coefficients(&self, out: &mut [T]) {
+        let (gauss, iterate) = (&self.stages.gauss, &self.stages.iterate);
+        for (k, out) in out.chunks_exact_mut(iterate.components()).enumerate() {
+            let rows = iterate.increments().chunks_exact(iterate.stride());
+            for (out, row) in out.iter_mut().zip(rows) {
+                let terms = gauss.legendre(k).iter().zip(row);
+                *out = terms.fold(T::int(0), |sum, (&p, &l)| sum + p * l);
+            }
+        }
+    }
+
+    /// The parts of the step in the order of time, one if it was not halved; empty unless
+    /// [wanted](Self::keep_parts).
+    pub fn parts(&self) -> &[Part<T>] {
+        self.parts.all()
+    }
+
+    /// How the sweeps of the step contracted, if it was made by sweeps, as a power that goes like h.
+    pub fn contraction(&self) -> Option<f64> {
+        let rate = self.stages.contraction.worst();
+        // With the positions alone as unknowns a sweep is two.
+        let contraction = if self.stages.iterate.is_twofold() {
+            rate.sqrt()
+        } else {
+            rate
+        };
+        (self.stages.choice.is_identity() && contraction > 0.0).then_some(contraction)
+    }
+
+    /// What is kept by the α's: the energy first unless it needs none, then further invariants.
+    pub fn constraints(&self) -> &[Constraint<T>] {
+        &self.constraints
+    }
+
+    /// Where the step that failed last began.
+    pub fn failed_part(&self) -> FailedPart<'_, T> {
+        FailedPart {
+            start: &self.failed.0,
+            time: self.failed.1,
+            step: self.failed.2,
+            max_halvings: self.options.max_halvings,
+        }
+    }
+}
+
+/// The start of a run.
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// A run begins at `y`, length n, where the energy is `h_ref`: the steps from here on are those of a new solver.
+    /// Counts stay. Allocates nothing.
+    pub fn begin(&mut self, h_ref: T, y: &[T]) {
+        self.forget();
+        self.parts.clear();
+        self.alphas.copy_from_slice(&self.start_alphas);
+        for constraint in &mut self.constraints {
+            constraint.begin(h_ref, y);
+        }
+    }
+}
+
+/// What the next step is to do.
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// Keep the parts of every step from the next on.
+    pub fn keep_parts(&mut self) {
+        self.parts.wanted = true;
+    }
+
+    /// The step made last is refused: the next one starts where it did, and is guessed from it.
+    pub fn refuse(&mut self) {
+        if let Some((start, _)) = &mut self.stages.last {
+            *start = T::int(0);
+        }
+        self.start.fill(T::NAN);
+    }
+
+    /// The next step is guessed from these L, stage by stage, of a step of size `h` from the same state, and from
+    /// nothing else.
+    pub fn guess_from(&mut self, l: &[T], h: T) {
+        self.forget();
+        self.stages.iterate.set_increments(l);
+        self.stages.last = Some((T::int(0), h));
+    }
+
+    /// How far the α's may move the end point, from the next step on.
+    pub fn set_reach(&mut self, reach: Reach) {
+        self.options.reach = reach;
+    }
+
+    /// Puts other constraints in the place of those there are, which are returned. Without any the α's stay where they
+    /// are.
+    pub fn replace_constraints(&mut self, constraints: Vec<Constraint<T>>) -> Vec<Constraint<T>> {
+        self.start.fill(T::NAN);
+        std::mem::replace(&mut self.constraints, constraints)
+    }
+}
+
+impl<T: Float> Constraint<T> {
+    /// I at the start of the run.
+    pub fn reference(&self) -> T {
+        self.reference
+    }
+
+    /// g = I(y1) − I_ref at the end of the step.
+    pub fn defect(&self) -> T {
+        self.defect
+    }
+
+    /// Below this g is round-off: the largest floor of late.
+    pub fn floor(&self) -> T {
+        self.floor.max(self.late)
+    }
+
+    /// |g| in floors of the end of the step.
+    pub fn in_floors(&self) -> T {
+        self.defect.abs() / self.floor
+    }
+
+    /// |g| in the largest floors of late.
+    pub fn in_late_floors(&self) -> T {
+        self.defect.abs() / self.floor()
+    }
+}
+
+/// What is remembered between steps.
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// Everything the next step depends on besides state, time, size and counts.
+    pub fn memory(&mut self) -> SolverMemory<T> {
+        let mut memory = SolverMemory::from_parts(Vec::new());
+        let (start, h) = self.stages.last.unwrap_or((T::int(0), T::int(0)));
+        let mut l =
+            vec![T::int(0); self.stages.iterate.stages() * self.stages.iterate.components()];
+        self.stages.iterate.increments_by_stage(&mut l);
+        memory.put("guess", [start, h].into_iter().chain(l));
+        memory.put("alphas", self.alphas.iter().copied());
+        for (name, number) in [
+            ("references", (|c| c.reference) as fn(&Constraint<T>) -> T),
+            ("floors", |c| c.late),
+            ("defects", |c| c.start_defect),
+        ] {
+            memory.put(name, self.constraints.iter().map(number));
+        }
+        let gradients = self.constraints.iter().flat_map(|c| &c.start_gradient);
+        memory.put("gradients", self.start.iter().chain(gradients).copied());
+        memory.put("contraction", [T::exact(self.stages.contraction.rate())]);
+        self.stages.choice.save(&mut memory);
+        memory
+    }
+
+    /// Takes over what another solver of the same system and options has remembered.
+    ///
+    /// # Errors
+    /// When something is missing or does not fit; the solver is then to be thrown away.
+    pub fn restore(&mut self, memory: &SolverMemory<T>) -> Result<(), Damaged> {
+        let n = self.stages.iterate.components();
+        let mut guess = vec![T::int(0); 2 + self.stages.iterate.stages() * n];
+        memory.read("guess", &mut guess)?;
+        self.stages.iterate.set_increments(&guess[2..]);
+        self.stages.last = (guess[1] != T::int(0)).then_some((guess[0], guess[1]));
+        memory.read("alphas", &mut self.alphas)?;
+        let mut numbers = vec![T::int(0); self.constraints.len()];
+        for (name, number) in [
+            (
+                "references",
+                (|c| &mut c.reference) as fn(&mut Constraint<T>) -> &mut T,
+            ),
+            ("floors", |c| &mut c.late),
+            ("defects", |c| &mut c.start_defect),
+        ] {
+            memory.read(name, &mut numbers)?;
+            for (constraint, &x) in self.constraints.iter_mut().zip(&numbers) {
+                *number(constraint) = x;
+            }
+        }
+        let mut gradients = vec![T::int(0); n * (1 + self.constraints.len())];
+        memory.read("gradients", &mut gradients)?;
+        let (start, gradients) = gradients.split_at(n);
+        self.start.copy_from_slice(start);
+        for (constraint, gradient) in self.constraints.iter_mut().zip(gradients.chunks_exact(n)) {
+            constraint.start_gradient.copy_from_slice(gradient);
+        }
+        let [rate] = memory.numbers("contraction")?;
+        self.stages.contraction.set_rate(rate.to_f64());
+        self.stages
+            .choice
+            .restore(&self.stages.gauss, &self.stages.iterate, memory)
+    }
+}

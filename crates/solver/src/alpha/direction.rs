@@ -1,0 +1,287 @@
+//! Directions α = D t in which the α's move: a function of the solution of the stage equations, not of the way to it.
+//!
+//! | needed | from |
+//! |---|---|
+//! | X_k, by which the stages follow α_k, and u_k = ∂y1/∂α_k | [`equip_sweeps::LinearSweeps`] with r = T_k L |
+//! | u'_k = −Ψ⁻¹u_k, Ψ the tangent map of the step | the same with the end held and r = u_k |
+//! | V, ∂I_a/∂α_k, the mean over both ends | ∇I_a(y1)·u_k and −∇I_a(y0)·u'_k |
+//! | D | [`crate::alpha::least_displacement`] |
+//!
+//! Only the first [`LEADING`] of the free α's move.
+//!
+//! Cost: ∇²H at the stages, and some 6 linear sweeps of 2·[`LEADING`] right-hand sides. Nothing is allocated.
+
+use crate::alpha::least_displacement::{LeastDisplacement, dot};
+use crate::equations::constraint::Constraint;
+use crate::policy::LEADING;
+use equip_autodiff::{Evaluate, Pattern};
+use equip_linear::DenseLu;
+use equip_scalar::{Float, mix_stages};
+use equip_sweeps::{Held, Iterate, LinearSweeps, Preconditioner, State, Work};
+use equip_tableau::Gauss;
+use nalgebra::{DMatrix, DVector};
+
+/// Directions of the free α's.
+#[derive(Debug)]
+pub(crate) struct Direction<T: Float> {
+    s: usize,
+    n: usize,
+    stride: usize,
+    /// Number of the first α that moves, from 0, and how many do.
+    first: usize,
+    free: usize,
+    linear: LinearSweeps<T>,
+    /// T_k column by column.
+    t_columns: Vec<Vec<T>>,
+    /// Right-hand sides, X_k side by side, the solutions with the end held, and one T_k L.
+    rhs: Vec<T>,
+    x: Vec<T>,
+    back: Vec<T>,
+    t_l: Vec<T>,
+    /// Motion of each component in the step, and 1 over it.
+    pub(crate) motion: Vec<T>,
+    weights: Vec<T>,
+    /// 1 over the size of each component.
+    state_weights: Vec<T>,
+    /// u_k and u'_k, and both weighted one after the other.
+    ends: Vec<Vec<T>>,
+    starts: Vec<Vec<T>>,
+    rows: Vec<Vec<T>>,
+    /// V as the mean over both ends, and as it is at the end; D.
+    v: DMatrix<T>,
+    v_end: DMatrix<T>,
+    d: DMatrix<T>,
+    least: LeastDisplacement<T>,
+    /// V_endᵀ D, and t.
+    slopes: DenseLu<T>,
+    t: DVector<T>,
+    /// By how much the α's are to move.
+    pub(crate) delta: Vec<T>,
+}
+
+impl<T: Float> Direction<T> {
+    /// For α_`first` and those after it, from 1, and so many constraints.
+    pub(crate) fn new(
+        gauss: &Gauss<T>,
+        iterate: &Iterate<T>,
+        pattern: &Pattern,
+        (first, constraints): (usize, usize),
+    ) -> Self {
+        let (s, n, stride) = (iterate.stages(), iterate.components(), iterate.stride());
+        let free = (s - first).min(LEADING);
+        let zeros = |len: usize| vec![T::int(0); len];
+        let t_columns = (first..first + free).map(|k| {
+            let mut columns = zeros(s * stride);
+            for (i, row) in gauss.skew_basis(k).chunks_exact(s).enumerate() {
+                for (j, &x) in row.iter().enumerate() {
+                    columns[j * stride + i] = x;
+                }
+            }
+            columns
+        });
+        Direction {
+            s,
+            n,
+            stride,
+            first: first - 1,
+            free,
+            linear: LinearSweeps::new(gauss, iterate, pattern.clone(), free),
+            t_columns: t_columns.collect(),
+            rhs: zeros(n * free * stride),
+            x: zeros(n * free * stride),
+            back: zeros(n * free * stride),
+            t_l: zeros(n * stride),
+            motion: zeros(n),
+            weights: zeros(n),
+            state_weights: zeros(n),
+            ends: vec![zeros(n); free],
+            starts: vec![zeros(n); free],
+            rows: vec![zeros(2 * n); free],
+            v: DMatrix::zeros(free, constraints),
+            v_end: DMatrix::zeros(free, constraints),
+            d: DMatrix::zeros(free, constraints),
+            least: LeastDisplacement::new(free),
+            slopes: DenseLu::new(constraints),
+            t: DVector::zeros(constraints),
+            delta: zeros(s - 1),
+        }
+    }
+
+    /// Measures how far each component moves in the step from `y` to `next`, no less than √ε of its size.
+    pub(crate) fn measure(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
+        let rows = iterate.points().chunks_exact(self.stride);
+        let ends = y.hi.iter().zip(&next.hi);
+        let root = T::EPSILON.sqrt();
+        let inverse = |x: T| {
+            let x = T::int(1) / x;
+            if x.is_finite() { x } else { T::int(0) }
+        };
+        for (c, ((row, (&from, &to)), motion)) in rows.zip(ends).zip(&mut self.motion).enumerate() {
+            let (mut least, mut most) = (from.min(to), from.max(to));
+            for &x in &row[..self.s] {
+                (least, most) = (least.min(x), most.max(x));
+            }
+            let size = least.abs().max(most.abs());
+            *motion = (most - least) + root * size;
+            (self.weights[c], self.state_weights[c]) = (inverse(*motion), inverse(size));
+        }
+    }
+
+    /// The largest |y_c| in units of the motion.
+    pub(crate) fn largest_size(&self, y: &State<T>) -> T {
+        let sizes = y.hi.iter().zip(&self.weights);
+        sizes.fold(T::int(0), |most, (&y, &weight)| {
+            most.max((y * weight).abs())
+        })
+    }
+
+    /// Takes the directions at the solution in `iterate`, with all its stages, to a relative `tolerance` of their displacements. `None` if there are
+    /// none.
+    pub(crate) fn take<E: Evaluate<T>>(
+        &mut self,
+        (iterate, constraints): (&Iterate<T>, &[Constraint<T>]),
+        energy: &mut E,
+        tolerance: T,
+        mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
+    ) -> Option<Work> {
+        let work = self.linear.linearise(iterate, energy)?;
+        let solved = self.solve_forward(iterate, tolerance, m.as_deref_mut())
+            && self.solve_back(iterate, tolerance, m);
+        if !solved {
+            return None;
+        }
+        for (k, row) in self.rows.iter_mut().enumerate() {
+            let (end, start) = (&self.ends[k], &self.starts[k]);
+            for (c, &weight) in self.weights.iter().enumerate() {
+                row[c] = weight * end[c];
+                row[self.n + c] = weight * start[c];
+            }
+            for (a, constraint) in constraints.iter().enumerate() {
+                let at_end = dot(&constraint.gradient, end);
+                self.v_end[(k, a)] = at_end;
+                self.v[(k, a)] = at_end - dot(&constraint.start_gradient, start);
+            }
+        }
+        if !self.least.solve(&self.rows, &self.v, &mut self.d) {
+            return None;
+        }
+        self.slopes
+            .matrix_mut()
+            .copy_from(&(self.v_end.transpose() * &self.d));
+        self.slopes.factor().ok().map(|()| work)
+    }
+
+    /// From `alphas` to α = D t with the constraints, to first order, at zero, into `delta`. Returns whether that is finite.
+    pub(crate) fn aim(&mut self, alphas: &[T], constraints: &[Constraint<T>]) -> bool {
+        let moving = &alphas[self.first..][..self.free];
+        for (a, (t, constraint)) in self.t.iter_mut().zip(constraints).enumerate() {
+            let terms = moving.iter().enumerate();
+            *t = terms.fold(-constraint.defect, |sum, (k, &alpha)| {
+                sum + self.v_end[(k, a)] * alpha
+            });
+        }
+        self.slopes.solve(&mut self.t);
+        let mut is_finite = true;
+        for (k, &alpha) in moving.iter().enumerate() {
+            let terms = self.t.iter().enumerate();
+            let aim = terms.fold(T::int(0), |sum, (a, &t)| sum + self.d[(k, a)] * t);
+            let delta = aim - alpha;
+            is_finite &= delta.is_finite();
+            self.delta[self.first + k] = delta;
+        }
+        is_finite
+    }
+
+    /// How far `delta` moves the end point, in units of the motion and of the state.
+    pub(crate) fn displacement(&self) -> [T; 2] {
+        let delta = &self.delta[self.first..][..self.free];
+        let mut most = [T::int(0); 2];
+        for c in 0..self.n {
+            let terms = self.ends.iter().zip(delta);
+            let moved = terms
+                .fold(T::int(0), |sum, (u, &delta)| sum + delta * u[c])
+                .abs();
+            most[0] = most[0].max(moved * self.weights[c]);
+            most[1] = most[1].max(moved * self.state_weights[c]);
+        }
+        most
+    }
+
+    /// Moves Z with `delta`.
+    pub(crate) fn follow(&self, iterate: &mut Iterate<T>, y: &State<T>) {
+        let (free, stride) = (self.free, self.stride);
+        let delta = &self.delta[self.first..][..free];
+        iterate.displace(y, |c, z| {
+            for (k, &delta) in delta.iter().enumerate() {
+                let x = &self.x[(c * free + k) * stride..][..stride];
+                z.iter_mut().zip(x).for_each(|(z, &x)| *z += delta * x);
+            }
+        });
+    }
+
+    /// X_k and u_k.
+    fn solve_forward(
+        &mut self,
+        iterate: &Iterate<T>,
+        tolerance: T,
+        m: Option<&mut (dyn Preconditioner<T> + '_)>,
+    ) -> bool {
+        let (free, stride) = (self.free, self.stride);
+        for (k, t) in self.t_columns.iter().enumerate() {
+            mix_stages(
+                iterate.instruction_set(),
+                t,
+                iterate.increments(),
+                &mut self.t_l,
+                self.s,
+                stride,
+            );
+            for (c, t_l) in self.t_l.chunks_exact(stride).enumerate() {
+                self.rhs[(c * free + k) * stride..][..stride].copy_from_slice(t_l);
+            }
+        }
+        let sides = (self.rhs.as_slice(), self.x.as_mut_slice());
+        if !self
+            .linear
+            .solve(Held::Start, sides, (&self.weights, tolerance), iterate, m)
+        {
+            return false;
+        }
+        for (k, end) in self.ends.iter_mut().enumerate() {
+            for (c, u) in end.iter_mut().enumerate() {
+                *u = self.linear.sums()[c * free + k];
+            }
+        }
+        true
+    }
+
+    /// u'_k.
+    fn solve_back(
+        &mut self,
+        iterate: &Iterate<T>,
+        tolerance: T,
+        m: Option<&mut (dyn Preconditioner<T> + '_)>,
+    ) -> bool {
+        let (free, stride) = (self.free, self.stride);
+        for (k, end) in self.ends.iter().enumerate() {
+            for (c, &u) in end.iter().enumerate() {
+                let row = &mut self.rhs[(c * free + k) * stride..][..stride];
+                row.fill(T::int(0));
+                row[..self.s].fill(u);
+            }
+        }
+        let sides = (self.rhs.as_slice(), self.back.as_mut_slice());
+        if !self
+            .linear
+            .solve(Held::End, sides, (&self.weights, tolerance), iterate, m)
+        {
+            return false;
+        }
+        for (k, (start, end)) in self.starts.iter_mut().zip(&self.ends).enumerate() {
+            for (c, (start, &u)) in start.iter_mut().zip(end).enumerate() {
+                *start = self.linear.sums()[c * free + k] - u;
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,100 @@
+//! The local error of the step with α = 0: how far the method with one stage more comes from the same start,
+//!
+//! $$ e = y_1^{(s+1)} - y_1^{(s)} . $$
+//!
+//! Cost: about s/2 + 2 iterations with s + 1 stages, from the polynomial of the stages that are there.
+
+use crate::options::Preconditioner;
+use crate::outcome::Counts;
+use crate::step::stages::Stages;
+use equip_autodiff::{Evaluate, Kinetic, Structure};
+use equip_scalar::Float;
+use equip_sweeps::State;
+use equip_tableau::{Gauss, legendre_integrals_at};
+
+/// The method with one stage more.
+#[derive(Debug)]
+pub(crate) struct LocalError<T: Float> {
+    stages: Stages<T>,
+    /// Σ_k (∫_0^{c_i} P_k) P_k(c_j): from the L_j of s stages to the Z_i of s + 1, row by row.
+    prolongation: Vec<T>,
+}
+
+impl<T: Float> LocalError<T> {
+    /// `None` if no method has one stage more than `gauss`.
+    pub(crate) fn new(
+        gauss: &Gauss<T>,
+        structure: &Structure,
+        kinetic: Option<Kinetic<T>>,
+        preconditioner: Preconditioner,
+    ) -> Option<Self> {
+        let s = gauss.stages();
+        if s == equip_sweeps::MAX_STAGES {
+            return None;
+        }
+        let finer = Gauss::new(s + 1).ok()?;
+        let mut prolongation = vec![T::int(0); finer.stages() * s];
+        let mut integrals = vec![T::int(0); s];
+        for (row, &c) in prolongation.chunks_exact_mut(s).zip(finer.nodes()) {
+            legendre_integrals_at(c, &mut integrals);
+            for (k, &integral) in integrals.iter().enumerate() {
+                let terms = row.iter_mut().zip(gauss.legendre(k));
+                terms.for_each(|(x, &p)| *x += integral * p);
+            }
+        }
+        Some(LocalError {
+            stages: Stages::new(
+                finer,
+                structure,
+                kinetic,
+                &vec![T::int(0); s],
+                preconditioner,
+            ),
+            prolongation,
+        })
+    }
+
+    /// The largest component of e in units of `motion`, of a step of size `h` from `y` whose stages have these L, component by component with this
+    /// `stride`. `None` if it was not found.
+    pub(crate) fn estimate<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        (y, h): (&State<T>, T),
+        (l, stride): (&[T], usize),
+        motion: &[T],
+        counts: &mut Counts,
+    ) -> Option<T> {
+        let stages = &mut self.stages;
+        let s = stages.gauss.stages() - 1;
+        stages.choice.begin_step();
+        stages.iterate.begin(&stages.gauss, (y, h));
+        let rows = &self.prolongation;
+        stages.iterate.displace(y, |c, z| {
+            let l = &l[c * stride..][..s];
+            for (z, row) in z.iter_mut().zip(rows.chunks_exact(s)) {
+                *z = row
+                    .iter()
+                    .zip(l)
+                    .fold(T::int(0), |sum, (&e, &l)| sum + e * l);
+            }
+        });
+        stages.contraction.begin(!stages.choice.is_identity());
+        if stages.iterate_to_rest(energy, (y, h), counts).is_err() {
+            if !stages.choice.escalate() {
+                return None;
+            }
+            stages.solve(energy, (y, h), None, counts).ok()?;
+        }
+        stages.choice.end_step(stages.contraction.rate());
+        let sum = |l: &[T]| l.iter().fold(T::int(0), |sum, &l| sum + l);
+        let finer = stages
+            .iterate
+            .increments()
+            .chunks_exact(stages.iterate.stride());
+        let pairs = finer.zip(l.chunks_exact(stride)).zip(motion);
+        let largest = pairs.fold(T::int(0), |most, ((finer, l), &motion)| {
+            most.max((sum(&finer[..s + 1]) - sum(&l[..s])).abs() / motion)
+        });
+        largest.is_finite().then_some(largest)
+    }
+}

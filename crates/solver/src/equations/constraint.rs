@@ -1,0 +1,130 @@
+//! The second half of system (7): g = I(y1) − I_ref = 0, and the floor below which g is round-off.
+//!
+//! I is the energy, or a further invariant that is to be kept. I_ref is its value at the start of the *run*: a defect that one step leaves is removed
+//! by a later one, and does not walk at random.
+//!
+//! *Floor* (project note, section 8). With v_k the nodes of the recording of I
+//!
+//! $$ \text{floor} = \varepsilon \Big( \sum_k |v_k\,\partial I/\partial v_k| + \sum_i |y_i\,\partial_i I| \Big) + \nu \sum_i |\partial_i I|\, \sigma_i , $$
+//!
+//! ν being the rounding of stages that have settled, relative to the sizes σ of the components. Floors swing by 30 within one oscillation of a stiff
+//! spring, so a defect is judged by the largest floor of late: one that fades by [`FADING`] a step.
+
+use crate::invariant::Invariant;
+use crate::policy::FADING;
+use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_scalar::Float;
+use equip_sweeps::State;
+
+/// One equation g = 0 with what is needed to judge and to reduce g.
+#[derive(Debug)]
+pub struct Constraint<T: Float> {
+    /// `None` for the energy, which has the run's evaluator.
+    evaluator: Option<<Hamiltonian as System>::Evaluator<T>>,
+    pub(crate) reference: T,
+    /// g at the end of the step, and at its start.
+    pub(crate) defect: T,
+    pub(crate) start_defect: T,
+    /// The floor at the end of the step, and the largest of late.
+    pub(crate) floor: T,
+    pub(crate) late: T,
+    /// ∇I at the end of the step, and at its start.
+    pub(crate) gradient: Vec<T>,
+    pub(crate) start_gradient: Vec<T>,
+}
+
+impl<T: Float> Constraint<T> {
+    /// The energy, of states with `n` components; its reference is given when the run begins.
+    pub fn energy(n: usize) -> Self {
+        let zero = T::int(0);
+        Constraint {
+            evaluator: None,
+            reference: zero,
+            defect: zero,
+            start_defect: zero,
+            floor: zero,
+            late: zero,
+            gradient: vec![zero; n],
+            start_gradient: vec![zero; n],
+        }
+    }
+
+    /// A further invariant, of states with `n` components.
+    pub fn invariant(invariant: &Invariant, n: usize) -> Self {
+        Constraint {
+            evaluator: Some(invariant.function().evaluator::<T>()),
+            ..Self::energy(n)
+        }
+    }
+
+    /// A run begins at `y`, where the energy is `h_ref`: nothing of earlier steps is left.
+    pub(crate) fn begin(&mut self, h_ref: T, y: &[T]) {
+        let zero = T::int(0);
+        self.reference = match &mut self.evaluator {
+            None => h_ref,
+            Some(evaluator) => evaluator.gradient_with_compensated_value(y, &mut self.gradient),
+        };
+        self.gradient.fill(zero);
+        self.start_gradient.fill(zero);
+        (self.defect, self.start_defect, self.floor, self.late) = (zero, zero, zero, zero);
+    }
+
+    /// Evaluates I, ∇I and the floor at `y1`; ν is the rounding of the stages relative to `sizes`. Returns whether they are finite.
+    pub(crate) fn evaluate<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y1: &State<T>,
+        (nu, sizes): (T, &[T]),
+    ) -> bool {
+        let (value, bound) = match &mut self.evaluator {
+            None => energy.gradient_with_bound(&y1.hi, &mut self.gradient),
+            Some(evaluator) => evaluator.gradient_with_bound(&y1.hi, &mut self.gradient),
+        };
+        self.defect = value - self.reference;
+        // Below the smallest normal number rounding is absolute.
+        self.floor = T::EPSILON * (bound + T::MIN_POSITIVE) + nu * worth(&self.gradient, sizes);
+        value.is_finite() && self.floor.is_finite()
+    }
+
+    /// Evaluates ∇I and g at the start of a step.
+    pub(crate) fn evaluate_start<E: Evaluate<T>>(&mut self, energy: &mut E, y0: &State<T>) {
+        let value = match &mut self.evaluator {
+            None => energy.gradient_with_compensated_value(&y0.hi, &mut self.start_gradient),
+            Some(evaluator) => {
+                evaluator.gradient_with_compensated_value(&y0.hi, &mut self.start_gradient)
+            }
+        };
+        self.start_defect = value - self.reference;
+    }
+
+    /// The step was accepted: its end is the start of the next.
+    pub(crate) fn accept(&mut self) {
+        self.late = (self.late * T::ratio(FADING - 1, FADING)).max(self.floor);
+        self.start_defect = self.defect;
+        self.start_gradient.copy_from_slice(&self.gradient);
+    }
+
+    /// |I_ref| + Σ_i |∂_iI y_i| at the start `y0` of the step.
+    pub(crate) fn start_scale(&self, y0: &[T]) -> T {
+        self.reference.abs() + worth(&self.start_gradient, y0)
+    }
+
+    /// Whether g is round-off.
+    pub(crate) fn is_at_floor(&self) -> bool {
+        self.defect.abs() <= self.floor.max(self.late)
+    }
+
+    /// g that the step with α = 0 made itself, over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement that is smaller, in units of σ, makes
+    /// or removes it.
+    pub(crate) fn least_displacement(&self, of: T, sizes: &[T]) -> T {
+        let both = worth(&self.gradient, sizes) + worth(&self.start_gradient, sizes);
+        let least = T::int(2) * of.abs() / both;
+        if least.is_finite() { least } else { T::int(0) }
+    }
+}
+
+/// Σ_i |∂_iI| σ_i.
+fn worth<T: Float>(gradient: &[T], sizes: &[T]) -> T {
+    let terms = gradient.iter().zip(sizes);
+    terms.fold(T::int(0), |sum, (&g, &size)| sum + (g * size).abs())
+}

@@ -1,0 +1,292 @@
+//! Which preconditioner a step is iterated with: the cheapest that contracts.
+//!
+//! A step begins with the one that the last was made with. Where its iteration does not contract it is made anew at the present state, then the next
+//! dearer one is tried: 1 → springs → one ∇²H → ∇²H at all stages. A cheaper one that has failed is tried again after 1, 2, 4, … steps.
+
+use crate::failure::Damaged;
+use crate::memory::SolverMemory;
+use crate::options::Preconditioner as Wanted;
+use crate::outcome::Counts;
+use crate::policy::{LONGEST_WAIT, MOST_DENSE, OUTDATED};
+use crate::precondition::diagonal::Diagonal;
+use crate::precondition::frozen::Frozen;
+use crate::precondition::full::Full;
+use equip_autodiff::{Evaluate, Structure};
+use equip_scalar::Float;
+use equip_sweeps::{Iterate, Preconditioner, State};
+use equip_tableau::Gauss;
+
+/// The preconditioners, from the cheapest on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    Identity,
+    Diagonal,
+    Frozen,
+    Full,
+}
+
+const KINDS: [Kind; 4] = [Kind::Identity, Kind::Diagonal, Kind::Frozen, Kind::Full];
+
+/// The preconditioners of a method, and which of them is at work.
+#[derive(Debug)]
+pub(crate) struct Choice<T: Float> {
+    wanted: Wanted,
+    active: Kind,
+    /// Steps before a cheaper one is tried again, and how many it will be after the next failure.
+    left: u64,
+    wait: u64,
+    /// The step size that the active one was made for; zero if it was not.
+    made_for: T,
+    /// It was made in the present step.
+    is_fresh: bool,
+    diagonal: Option<Diagonal>,
+    frozen: Option<Frozen>,
+    full: Option<Full>,
+    can_be_dense: bool,
+    /// One ∇²H and the state it is taken at.
+    state: Vec<T>,
+    hessian: Vec<T>,
+    structure: Structure,
+}
+
+impl<T: Float> Choice<T> {
+    pub(crate) fn new(wanted: Wanted, iterate: &Iterate<T>, structure: &Structure) -> Self {
+        let n = iterate.components();
+        Choice {
+            wanted,
+            active: match wanted {
+                Wanted::Automatic | Wanted::Identity => Kind::Identity,
+                Wanted::Diagonal => Kind::Diagonal,
+                Wanted::Frozen => Kind::Frozen,
+                Wanted::Full => Kind::Full,
+            },
+            left: 0,
+            wait: 1,
+            made_for: T::int(0),
+            is_fresh: false,
+            diagonal: None,
+            frozen: None,
+            full: None,
+            can_be_dense: iterate.stages() * iterate.unknowns() <= MOST_DENSE,
+            state: vec![T::int(0); n],
+            hessian: vec![T::int(0); structure.hessian.len()],
+            structure: structure.clone(),
+        }
+    }
+
+    /// A step begins: perhaps with a cheaper one than the last.
+    pub(crate) fn begin_step(&mut self) {
+        self.is_fresh = false;
+        if self.wanted == Wanted::Automatic && self.active != Kind::Identity {
+            if self.left == 0 {
+                (self.active, self.made_for) = (Kind::Identity, T::int(0));
+            } else {
+                self.left -= 1;
+            }
+        }
+    }
+
+    /// A step was made, with this contraction.
+    pub(crate) fn end_step(&mut self, contraction: f64) {
+        if self.active == Kind::Identity {
+            self.wait = 1;
+        } else if contraction > OUTDATED && !self.is_fresh {
+            self.made_for = T::int(0);
+        }
+    }
+
+    /// Whether M = 1.
+    pub(crate) fn is_identity(&self) -> bool {
+        self.active == Kind::Identity
+    }
+
+    /// Sees to it that M is there for a step of size `h` from `y`, at the stages as they are. Returns whether it is.
+    pub(crate) fn make<E: Evaluate<T>>(
+        &mut self,
+        (gauss, iterate): (&Gauss<T>, &Iterate<T>),
+        energy: &mut E,
+        (y, h): (&State<T>, T),
+        counts: &mut Counts,
+    ) -> bool {
+        let is_made = self.made_for == h;
+        match self.active {
+            Kind::Identity => true,
+            Kind::Full => {
+                counts.hessians += iterate.stages() as u64;
+                counts.factorisations += 1;
+                let pattern = &self.structure.hessian;
+                let full = self
+                    .full
+                    .get_or_insert_with(|| Full::new(gauss, iterate, pattern.clone()));
+                full.linearise(
+                    iterate,
+                    energy,
+                    (y, h),
+                    (&mut self.state, &mut self.hessian),
+                );
+                self.is_fresh = true;
+                true
+            }
+            _ if is_made => true,
+            kind => {
+                counts.hessians += 1;
+                self.mean(gauss, iterate, y);
+                energy.hessian(&self.state, &mut self.hessian);
+                let is_made = if kind == Kind::Diagonal {
+                    self.make_diagonal(gauss, iterate, h)
+                } else {
+                    self.make_frozen(iterate, h, counts)
+                };
+                self.made_for = if is_made { h } else { T::int(0) };
+                self.is_fresh = true;
+                is_made
+            }
+        }
+    }
+
+    fn make_diagonal(&mut self, gauss: &Gauss<T>, iterate: &Iterate<T>, h: T) -> bool {
+        let Some(w) = iterate.inverse_masses() else {
+            return false;
+        };
+        let diagonal = self
+            .diagonal
+            .get_or_insert_with(|| Diagonal::new(gauss, iterate));
+        diagonal.find((&self.structure.hessian, &self.hessian), w, h)
+    }
+
+    fn make_frozen(&mut self, iterate: &Iterate<T>, h: T, counts: &mut Counts) -> bool {
+        if self.frozen.is_none() {
+            self.frozen = Frozen::new(iterate, &self.structure);
+        }
+        let Some(frozen) = &mut self.frozen else {
+            return false;
+        };
+        let factored = frozen.factor(&self.hessian, h, iterate.scale());
+        counts.simplified_factorisations += factored.unwrap_or(0);
+        factored.is_ok()
+    }
+
+    /// Σ_i b_i Y_i; of momenta that are no unknowns, and enter no derivative, those at the start.
+    fn mean(&mut self, gauss: &Gauss<T>, iterate: &Iterate<T>, y: &State<T>) {
+        let unknown = iterate.unknowns();
+        let rows = iterate.points().chunks_exact(iterate.stride());
+        for (c, (mean, row)) in self.state.iter_mut().zip(rows).enumerate() {
+            let terms = row.iter().zip(gauss.weights());
+            *mean = if c < unknown {
+                terms.fold(T::int(0), |sum, (&x, &b)| sum + b * x)
+            } else {
+                y.hi[c]
+            };
+        }
+    }
+
+    /// M, where it is not 1.
+    pub(crate) fn operator(&mut self) -> Option<&mut (dyn Preconditioner<T> + '_)> {
+        match self.active {
+            Kind::Identity => None,
+            Kind::Diagonal => self
+                .diagonal
+                .as_mut()
+                .map(|m| m as &mut dyn Preconditioner<T>),
+            Kind::Frozen => self
+                .frozen
+                .as_mut()
+                .map(|m| m as &mut dyn Preconditioner<T>),
+            Kind::Full => self.full.as_mut().map(|m| m as &mut dyn Preconditioner<T>),
+        }
+    }
+
+    /// Whether M is to be made anew in every iteration.
+    pub(crate) fn follows_stages(&self) -> bool {
+        self.active == Kind::Full
+    }
+
+    /// The iteration does not contract. Returns whether there is another M to begin anew with.
+    pub(crate) fn escalate(&mut self) -> bool {
+        if matches!(self.active, Kind::Diagonal | Kind::Frozen) && !self.is_fresh {
+            self.made_for = T::int(0);
+            return true;
+        }
+        if self.wanted != Wanted::Automatic {
+            return false;
+        }
+        let Some(&next) = KINDS
+            .iter()
+            .find(|&&kind| kind > self.active && self.is_possible(kind))
+        else {
+            return false;
+        };
+        if self.active == Kind::Identity {
+            self.left = self.wait;
+            self.wait = (2 * self.wait).min(LONGEST_WAIT);
+        }
+        (self.active, self.made_for, self.is_fresh) = (next, T::int(0), false);
+        true
+    }
+
+    fn is_possible(&self, kind: Kind) -> bool {
+        match kind {
+            Kind::Full => self.can_be_dense,
+            _ => true,
+        }
+    }
+
+    /// Forgets earlier steps.
+    pub(crate) fn forget(&mut self) {
+        self.made_for = T::int(0);
+        (self.left, self.wait) = (0, 1);
+        if self.wanted == Wanted::Automatic {
+            self.active = Kind::Identity;
+        }
+    }
+
+    /// What the next step depends on.
+    pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
+        memory.put_counts("preconditioner", [self.active as u64, self.left, self.wait]);
+        memory.put("preconditioner made for", [self.made_for]);
+        let doubles: Vec<f64> = match (self.active, &self.diagonal, &self.frozen) {
+            (Kind::Diagonal, Some(diagonal), _) => diagonal.memory().collect(),
+            (Kind::Frozen, _, Some(frozen)) => frozen.memory().collect(),
+            _ => Vec::new(),
+        };
+        memory.put("preconditioner made of", doubles.into_iter().map(T::exact));
+    }
+
+    /// Takes over what was saved.
+    pub(crate) fn restore(
+        &mut self,
+        gauss: &Gauss<T>,
+        iterate: &Iterate<T>,
+        memory: &SolverMemory<T>,
+    ) -> Result<(), Damaged> {
+        let what = "preconditioner";
+        let [active, left, wait] = memory.counts::<3>(what)?;
+        let active = usize::try_from(active).ok().and_then(|i| KINDS.get(i));
+        self.active = *active.ok_or(Damaged { what })?;
+        (self.left, self.wait) = (left, wait);
+        [self.made_for] = memory.numbers("preconditioner made for")?;
+        let what = "preconditioner made of";
+        let made_of = memory.find(what).ok_or(Damaged { what })?;
+        let made_of: Vec<f64> = made_of.iter().map(|x| x.to_f64()).collect();
+        if self.made_for == T::int(0) || made_of.is_empty() {
+            return Ok(());
+        }
+        match self.active {
+            Kind::Diagonal if made_of.len() % 3 == 0 => {
+                let diagonal = self
+                    .diagonal
+                    .get_or_insert_with(|| Diagonal::new(gauss, iterate));
+                diagonal.restore(&made_of);
+                Ok(())
+            }
+            Kind::Frozen if made_of.len() == self.hessian.len() + iterate.components() => {
+                if self.frozen.is_none() {
+                    self.frozen = Frozen::new(iterate, &self.structure);
+                }
+                let frozen = self.frozen.as_mut().ok_or(Damaged { what })?;
+                frozen.restore(&made_of).map_err(|_| Damaged { what })
+            }
+            _ => Err(Damaged { what }),
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! M of the one iteration Z ← Z + M⁻¹ (K(α) L(Z) − Z), but for M = 1.
+
+pub(crate) mod choice;
+pub(crate) mod diagonal;
+pub(crate) mod frozen;
+pub(crate) mod full;
+pub(crate) mod rows;
+pub(crate) mod schur;
+pub(crate) mod shifted_systems;

@@ -1,0 +1,209 @@
+//! The α's of a step whose stages are solved with α = 0 and whose constraints are not at their floors.
+//!
+//! 1. α = D t with t from the constraints, D of [`crate::alpha::direction`] at the stages as they are; Z follows, and is iterated to rest.
+//! 2. The same from the new stages, until the constraints are at their floors.
+//! 3. D is taken anew at the solution, and t with it, until that moves the end point by rounding only: α = D(Z) t then.
+//!
+//! *Admissible* (project note, section 8). |α_k| is within its bound, and the end point is within [`FARTHEST`] times the displacement that the step's own
+//! defect is worth at least, each component in units of its motion, or moved by rounding. Otherwise the step with α = 0 stands, and its defect is carried.
+
+use crate::equations::constraint::Constraint;
+use crate::failure::Failure;
+use crate::options::Reach;
+use crate::outcome::Outcome;
+use crate::policy::{FARTHEST, MOST_MOVES, ROUNDING, STALLED};
+use crate::step::step::Core;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_sweeps::State;
+
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// Solves for the α's, or puts the stages with α = 0 back. `next` is the end point, before and after.
+    pub(crate) fn keep_constraints(
+        &mut self,
+        (y, h): (&State<T>, T),
+        next: &mut State<T>,
+    ) -> Result<Outcome, Failure<T>> {
+        self.stages.iterate.keep_momenta(y);
+        self.stages.iterate.keep(&mut self.kept);
+        self.unperturbed.copy_from(next);
+        let reason = match self.move_alphas((y, h), next) {
+            Ok(()) => return Ok(Outcome::Solved),
+            Err(reason) => reason,
+        };
+        if self.options.reach == Reach::Refuse {
+            return Err(Failure::NoAlpha);
+        }
+        self.alphas.copy_from_slice(&self.start_alphas);
+        self.stages.iterate.put_back(&self.kept);
+        next.copy_from(&self.unperturbed);
+        self.evaluate_constraints(next)?;
+        Ok(reason)
+    }
+
+    /// Moves the α's until the constraints are at their floors; an error is the reason why there are no such α's.
+    ///
+    /// A direction turns with the stages, by the share that these move: it is taken anew unless that is worth less than rounding, and to the digits
+    /// that show in the end point.
+    fn move_alphas(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<(), Outcome> {
+        let mut reach = self.reach((y, h), next)?;
+        let rounding = T::int(ROUNDING) * T::EPSILON;
+        let digits = rounding / (T::int(FARTHEST) * reach.needed);
+        let (mut farthest, mut since) = (T::int(0), T::INFINITY);
+        for moves in 0..MOST_MOVES {
+            if !(farthest * since <= rounding) {
+                self.stages.iterate.keep_momenta(y);
+                self.take_direction(if moves == 0 {
+                    digits.max(reach.needed)
+                } else {
+                    digits
+                })?;
+                since = T::int(0);
+            }
+            let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
+            if !direction.aim(&self.alphas, &self.constraints) {
+                return Err(Outcome::NoSlope);
+            }
+            let [of_motion, of_state] = direction.displacement();
+            // What no longer shrinks near the floor is rounding.
+            let most = T::int(if of_state <= rounding || moves > MOST_MOVES / 2 {
+                STALLED
+            } else {
+                1
+            });
+            if (of_state <= rounding || moves > 0 && farthest * since <= rounding)
+                && self.constraints.iter().all(|c| c.in_floors() <= most)
+            {
+                return Ok(());
+            }
+            farthest = farthest.max(of_state);
+            since += of_motion;
+            self.move_once((y, h), next)?;
+            self.check_displacement((y, h), next, &mut reach)?;
+        }
+        Err(Outcome::NoSlope)
+    }
+
+    /// The farthest that the end point may be moved. An error if no α's that stay within it can keep the constraints.
+    fn reach(&mut self, (y, h): (&State<T>, T), next: &State<T>) -> Result<Bounds<T>, Outcome> {
+        let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
+        direction.measure(&self.stages.iterate, y, next);
+        let least = |of: fn(&Constraint<T>) -> T| {
+            let worth = |c: &Constraint<T>| c.least_displacement(of(c), &direction.motion);
+            self.constraints
+                .iter()
+                .fold(T::int(0), |most, c| most.max(worth(c)))
+        };
+        let needed = least(|c| c.defect);
+        let mut reach = Bounds {
+            needed,
+            most: T::int(FARTHEST) * least(|c| c.defect - c.start_defect),
+            has_error: self.options.reach == Reach::Always,
+        };
+        if reach.has_error {
+            reach.most = T::INFINITY;
+        }
+        let rounding = T::int(ROUNDING) * T::EPSILON * direction.largest_size(next);
+        if needed > reach.most.max(rounding) && !self.extend((y, h), &mut reach, needed) {
+            return Err(Outcome::TooFar);
+        }
+        Ok(reach)
+    }
+
+    /// Estimates the local error, once in a step. Returns whether the end point may be moved so `far` by it.
+    fn extend(&mut self, step: (&State<T>, T), reach: &mut Bounds<T>, far: T) -> bool {
+        if std::mem::replace(&mut reach.has_error, true) {
+            return false;
+        }
+        if let (Some(local_error), Some(direction)) = (&mut self.local_error, &self.direction) {
+            let l = (self.kept.increments(), self.stages.iterate.stride());
+            let counts = &mut self.counts;
+            counts.local_errors += 1;
+            let error = local_error.estimate(&mut self.energy, step, l, &direction.motion, counts);
+            reach.most = reach
+                .most
+                .max(T::int(FARTHEST) * error.unwrap_or(T::int(0)));
+        }
+        far <= reach.most
+    }
+
+    fn take_direction(&mut self, tolerance: T) -> Result<(), Outcome> {
+        let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
+        let eps = T::EPSILON;
+        let best = if T::IS_DOUBLE {
+            eps.sqrt() / T::int(ROUNDING)
+        } else {
+            T::int(ROUNDING) * eps
+        };
+        let tolerance = tolerance.max(best).min(T::ratio(1, 1000));
+        let m = self.stages.choice.operator();
+        let of = (&self.stages.iterate, self.constraints.as_slice());
+        let work = direction.take(of, &mut self.energy, tolerance, m);
+        self.counts.directions += 1;
+        let work = work.ok_or(Outcome::NoSlope)?;
+        self.counts.gradients += work.gradients;
+        self.counts.hessians += work.hessians;
+        Ok(())
+    }
+
+    /// Moves the α's, lets Z follow and iterates it to rest.
+    fn move_once(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<(), Outcome> {
+        let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
+        let delta = direction.delta.iter();
+        self.alphas
+            .iter_mut()
+            .zip(delta)
+            .for_each(|(alpha, &delta)| *alpha += delta);
+        let bound = self.options.alpha_bound;
+        if !self.alphas.iter().all(|alpha| alpha.abs() <= bound) {
+            return Err(Outcome::BeyondBound);
+        }
+        self.counts.alpha_moves += 1;
+        let stages = &mut self.stages;
+        stages.iterate.set_alphas(&self.alphas);
+        direction.follow(&mut stages.iterate, y);
+        stages.contraction.disturb();
+        let solved = stages.iterate_to_rest(&mut self.energy, (y, h), &mut self.counts);
+        solved.map_err(|_| Outcome::BeyondBound)?;
+        stages.iterate.end_point(y, next);
+        self.evaluate_constraints(next)
+            .map_err(|_| Outcome::BeyondBound)
+    }
+
+    /// Whether the end point is within reach of the one with α = 0, but for rounding.
+    fn check_displacement(
+        &mut self,
+        step: (&State<T>, T),
+        next: &State<T>,
+        reach: &mut Bounds<T>,
+    ) -> Result<(), Outcome> {
+        let direction = self.direction.as_ref().ok_or(Outcome::NoSlope)?;
+        let rounding = T::int(FARTHEST * ROUNDING) * T::EPSILON;
+        let ends = next
+            .hi
+            .iter()
+            .zip(&self.unperturbed.hi)
+            .zip(&direction.motion);
+        let far = ends.fold(T::int(0), |most, ((&end, &before), &motion)| {
+            let moved = (end - before).abs();
+            if moved <= rounding * end.abs() {
+                most
+            } else {
+                most.max(moved / motion)
+            }
+        });
+        if far <= reach.most || self.extend(step, reach, far) {
+            Ok(())
+        } else {
+            Err(Outcome::TooFar)
+        }
+    }
+}
+
+/// How far the end point has to be moved at least to keep the constraints, and how far it may be, in units of the motion.
+struct Bounds<T> {
+    needed: T,
+    most: T,
+    /// The local error has been asked for.
+    has_error: bool,
+}

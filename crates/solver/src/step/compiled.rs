@@ -1,0 +1,54 @@
+//! What is compiled once, with this crate: the step of recorded energies, in `f64` and double-double ([`equip_scalar::ready!`]). The step of an
+//! energy that is a type is compiled with that.
+
+use crate::failure::Failure;
+use crate::outcome::Outcome;
+use crate::step::step::Core;
+use equip_autodiff::{Evaluate, Holds, RecordedEvaluator};
+use equip_scalar::Float;
+use equip_sweeps::State;
+use std::marker::PhantomData;
+
+/// A core with the evaluator of a recording.
+type Recorded<T> = Core<T, RecordedEvaluator<T>>;
+
+/// The function, as it is called.
+#[rustfmt::skip]
+#[allow(clippy::type_complexity)] // Signatures are what they are.
+struct Ready<T: Float> {
+    step: fn(&mut Recorded<T>, (&State<T>, T, T), &mut State<T>) -> Result<Outcome, Failure<T>>,
+}
+
+impl<T: Float> Ready<T> {
+    const HERE: Self = Ready { step: Core::make };
+}
+
+equip_scalar::ready!(Ready);
+
+/// A core with an evaluator of any type.
+struct InCore<T>(PhantomData<T>);
+
+impl<'a, T: Float> Holds<'a> for InCore<T> {
+    type With<E: 'a> = &'a mut Core<T, E>;
+}
+
+impl<T: Float, E: Evaluate<T>> Core<T, E> {
+    /// One step of size `h` from `y` at time `t` into `next`. `y` is not changed, whatever happens.
+    ///
+    /// # Errors
+    /// [`Failure`] when the stages do not converge, however often the step is halved, and when a defect would be left that is refused.
+    pub fn step(
+        &mut self,
+        y: &State<T>,
+        t: T,
+        h: T,
+        next: &mut State<T>,
+    ) -> Result<Outcome, Failure<T>> {
+        // Constant, so that nothing is compiled for recordings but the call.
+        if const { E::IS_RECORDED } {
+            (ready::<T>().step)(E::recorded::<InCore<T>>(self), (y, t, h), next)
+        } else {
+            self.make((y, t, h), next)
+        }
+    }
+}

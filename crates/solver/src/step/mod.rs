@@ -1,0 +1,6 @@
+//! One step: initial guess → stages → α → accept → update.
+
+pub(crate) mod alphas;
+pub(crate) mod compiled;
+pub(crate) mod stages;
+pub(crate) mod step;

@@ -1,0 +1,126 @@
+//! The stages of a method: Z ← Z + M⁻¹ (K(α) L(Z) − Z) from a guess until Z is at rest.
+
+use crate::failure::Failure;
+use crate::options::Preconditioner;
+use crate::outcome::Counts;
+use crate::policy::MOST_ITERATIONS;
+use crate::precondition::choice::Choice;
+use equip_autodiff::{Evaluate, Kinetic, Structure};
+use equip_scalar::Float;
+use equip_sweeps::{Contraction, Iterate, Polynomial, Progress, State};
+use equip_tableau::Gauss;
+
+/// The stages, and what finds them.
+#[derive(Debug)]
+pub(crate) struct Stages<T: Float> {
+    pub(crate) gauss: Gauss<T>,
+    pub(crate) iterate: Iterate<T>,
+    pub(crate) contraction: Contraction<T>,
+    pub(crate) choice: Choice<T>,
+    polynomial: Polynomial<T>,
+    /// Where the next step starts in the last (0 or 1), and the size of that, if the next is guessed from its polynomial.
+    pub(crate) last: Option<(T, T)>,
+}
+
+impl<T: Float> Stages<T> {
+    /// With the α's that a step starts from.
+    pub(crate) fn new(
+        gauss: Gauss<T>,
+        structure: &Structure,
+        kinetic: Option<Kinetic<T>>,
+        alphas: &[T],
+        preconditioner: Preconditioner,
+    ) -> Self {
+        let n = structure.hessian.dimension();
+        let iterate = Iterate::prepare(&gauss, n, kinetic, alphas);
+        Stages {
+            contraction: Contraction::new(iterate.is_twofold()),
+            choice: Choice::new(preconditioner, &iterate, structure),
+            polynomial: Polynomial::new(&gauss, iterate.unknowns()),
+            last: None,
+            iterate,
+            gauss,
+        }
+    }
+
+    /// Forgets the last step.
+    pub(crate) fn forget(&mut self) {
+        self.last = None;
+        self.choice.forget();
+        self.contraction = Contraction::new(self.iterate.is_twofold());
+    }
+
+    /// Z of a step of size `h` from `y`, from the polynomial of the last step, or from Z = 0; `known` is ∇H at `y`.
+    pub(crate) fn solve<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        (y, h): (&State<T>, T),
+        known: Option<&[T]>,
+        counts: &mut Counts,
+    ) -> Result<(), Failure<T>> {
+        let mut last = self.last.take();
+        loop {
+            match last.take().filter(|_| self.choice.is_identity()) {
+                Some((start, size)) => {
+                    let polynomial = (&mut self.polynomial, start, size);
+                    (self.iterate).begin_from_last(&self.gauss, (y, h), polynomial, known);
+                }
+                None => self.iterate.begin(&self.gauss, (y, h)),
+            }
+            self.contraction.begin(!self.choice.is_identity());
+            let solved = self.iterate_to_rest(energy, (y, h), counts);
+            if solved.is_ok() || !self.choice.escalate() {
+                return solved;
+            }
+            counts.taken_over += 1;
+        }
+    }
+
+    /// Iterates with the α's as they are, from Z as it is.
+    pub(crate) fn iterate_to_rest<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        (y, h): (&State<T>, T),
+        counts: &mut Counts,
+    ) -> Result<(), Failure<T>> {
+        let s = self.iterate.stages() as u64;
+        let (mut iterations, mut is_made) = (0, false);
+        while iterations < MOST_ITERATIONS {
+            let is_old = self.choice.follows_stages() && !self.contraction.is_near();
+            if is_old || !is_made {
+                let at = (&self.gauss, &self.iterate);
+                if !self.choice.make(at, energy, (y, h), counts) {
+                    return Err(Failure::Singular);
+                }
+                is_made = true;
+            }
+            let is_identity = self.choice.is_identity();
+            let (progress, made) = match self.choice.operator() {
+                None => self.iterate.sweep(energy, y, &mut self.contraction),
+                Some(m) => self.iterate.sweep_with(energy, y, &mut self.contraction, m),
+            };
+            iterations += made;
+            counts.gradients += u64::from(made) * s;
+            let of = if is_identity {
+                &mut counts.sweeps
+            } else {
+                &mut counts.newton_iterations
+            };
+            *of += u64::from(made);
+            match progress {
+                Progress::Settled => return Ok(()),
+                Progress::Contracts => {}
+                Progress::Diverges => break,
+            }
+        }
+        let correction = T::exact(self.contraction.change());
+        Err(if correction.is_finite() {
+            Failure::NoConvergence {
+                iterations,
+                correction,
+            }
+        } else {
+            Failure::NotFinite
+        })
+    }
+}

@@ -1,0 +1,265 @@
+//! How far an iteration Z ← Z + M⁻¹(K L(Z) − Z) is from its solution, by how its changes of Z shrink.
+//!
+//! With changes Δ_n of Z relative to the sizes of the components and a contraction ρ = Δ_n/Δ_{n−1} the error that the last one leaves is
+//!
+//! $$ \frac{\rho}{1-\rho}\,\Delta_n, \qquad \frac{\sqrt\rho}{1-\rho}\,\Delta_n $$
+//!
+//! in the end point: the second where one sweep goes from the positions to the momenta and back, of which the end point has had the first half only.
+//! ρ is the worst seen in the step; preconditioned iterations do not begin as they end, so of these it is the worse of the last two.
+//!
+//! The iteration goes on until that error is ε/64 or the changes no longer shrink.
+
+use crate::policy::{ALLOWANCE, BEST, FAR, NOISY, ROUNDING, SETTLED, SLOW, STILL};
+use equip_scalar::Float;
+use std::marker::PhantomData;
+
+/// What a change of Z says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// The iteration goes on.
+    Contracts,
+    /// Z solves the equations to rounding.
+    Settled,
+    /// The changes do not shrink.
+    Diverges,
+}
+
+/// Changes of Z so far, and what follows from them.
+#[derive(Debug)]
+pub struct Contraction<T> {
+    is_twofold: bool,
+    is_preconditioned: bool,
+    /// ρ, carried from step to step.
+    rate: f64,
+    /// The worst contraction seen in the step, zero if none was.
+    worst: f64,
+    /// The last one.
+    last: f64,
+    /// Δ_n, and the same without its rounding.
+    change: f64,
+    left: f64,
+    /// The next change is not to be compared with the last.
+    is_apart: bool,
+    /// The largest change that still contracts on the whole.
+    allowed: f64,
+    slow: u32,
+    still: u32,
+    is_settled: bool,
+    float: PhantomData<T>,
+}
+
+impl<T: Float> Contraction<T> {
+    /// Of sweeps through positions and momenta in turn, or of all components at once.
+    pub fn new(is_twofold: bool) -> Self {
+        Contraction {
+            is_twofold,
+            is_preconditioned: false,
+            rate: 0.5,
+            worst: 0.0,
+            last: 0.0,
+            change: f64::INFINITY,
+            left: f64::INFINITY,
+            is_apart: true,
+            allowed: f64::INFINITY,
+            slow: 0,
+            still: 0,
+            is_settled: false,
+            float: PhantomData,
+        }
+    }
+
+    /// An iteration begins, with M = I or another M.
+    pub fn begin(&mut self, is_preconditioned: bool) {
+        self.is_preconditioned = is_preconditioned;
+        self.rate = (self.rate / 2.0).max(BEST);
+        (self.worst, self.last) = (0.0, 0.0);
+        (self.change, self.left) = (f64::INFINITY, f64::INFINITY);
+        (self.slow, self.still) = (0, 0);
+        (self.is_apart, self.is_settled) = (true, false);
+        self.allowed = f64::INFINITY;
+    }
+
+    /// Something else has moved Z: the next change is not to be compared with the last.
+    pub fn disturb(&mut self) {
+        self.is_apart = true;
+        (self.slow, self.still) = (0, 0);
+        self.is_settled = false;
+        self.allowed = f64::INFINITY;
+    }
+
+    /// A sweep has changed Z by `change`; of sizes that were measured anew since the last one `is_remeasured`.
+    #[inline(always)]
+    pub fn observe(&mut self, change: f64, is_remeasured: bool) -> Progress {
+        let eps = T::EPSILON.to_f64();
+        let rounding = if self.is_preconditioned {
+            eps.sqrt()
+        } else {
+            ROUNDING * eps
+        };
+        let last = self.change;
+        let compares = !self.is_apart;
+        self.is_apart = is_remeasured;
+        self.allowed = if self.allowed.is_finite() {
+            SLOW * self.allowed
+        } else {
+            ALLOWANCE * change
+        };
+        if compares && last > ROUNDING * eps {
+            let ratio = change / last;
+            self.slow = if ratio > SLOW { self.slow + 1 } else { 0 };
+            if last <= FAR {
+                let before = if self.is_preconditioned {
+                    self.last
+                } else {
+                    self.worst
+                };
+                (self.worst, self.last) = (ratio.max(before), ratio);
+                let kept = if self.is_preconditioned {
+                    BEST
+                } else {
+                    self.rate
+                };
+                self.rate = self.worst.max(kept).min(0.9);
+            }
+        }
+        self.left = if compares && change <= NOISY * eps {
+            change.min(self.left * self.rate)
+        } else {
+            change
+        };
+        self.change = change;
+        let is_small = change <= rounding;
+        let grows = self.slow > 1 && change > 2.0 * last;
+        let is_behind = change > self.allowed && !is_remeasured;
+        if !change.is_finite() || (!is_small && (self.slow >= STILL || grows || is_behind)) {
+            return Progress::Diverges;
+        }
+        let stagnates = is_small && compares && change > last / 2.0;
+        self.still = if stagnates { self.still + 1 } else { 0 };
+        let error = self.error();
+        let is_known = compares || self.worst > 0.0 || (change <= 4.0 * eps && !is_remeasured);
+        self.is_settled = (is_known && error <= eps / SETTLED)
+            || (stagnates && error <= eps)
+            || self.still >= STILL;
+        if self.is_settled {
+            Progress::Settled
+        } else {
+            Progress::Contracts
+        }
+    }
+
+    /// Error of the end point that the last sweep has left.
+    #[inline(always)]
+    pub fn error(&self) -> f64 {
+        self.left * self.tail()
+    }
+
+    #[inline(always)]
+    fn tail(&self) -> f64 {
+        let share = if self.is_twofold {
+            self.rate.sqrt()
+        } else {
+            self.rate
+        };
+        share / (1.0 - self.rate)
+    }
+
+    /// Rounding at the end point, of an iteration that has settled.
+    pub fn noise(&self) -> f64 {
+        if self.is_preconditioned {
+            self.change
+        } else {
+            self.change * self.tail().min(1.0)
+        }
+    }
+
+    /// The next change of Z, as far as can be told.
+    #[inline(always)]
+    pub fn next_change(&self) -> f64 {
+        self.left * self.rate
+    }
+
+    /// The last change of Z.
+    pub fn change(&self) -> f64 {
+        self.change
+    }
+
+    /// The last change is so small that what is linearised at these stages is as good as at the solution.
+    pub fn is_near(&self) -> bool {
+        self.change <= T::EPSILON.to_f64().cbrt()
+    }
+
+    /// The last change is of the size of a component or so.
+    pub fn is_far(&self) -> bool {
+        self.change > FAR
+    }
+
+    /// The worst contraction of the step, zero if none was seen.
+    pub fn worst(&self) -> f64 {
+        self.worst
+    }
+
+    /// ρ, which the next step begins from.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Sets ρ as it was kept.
+    pub fn set_rate(&mut self, rate: f64) {
+        self.rate = rate.clamp(0.0, 0.9);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Changes that shrink by a known factor settle where the geometric series says, and not before.
+    #[test]
+    fn a_geometric_series_settles_when_its_tail_is_below_rounding() {
+        for ratio in [0.5, 0.1, 1e-2] {
+            let mut contraction = Contraction::<f64>::new(false);
+            contraction.begin(false);
+            let (mut change, mut made) = (1e-3, 0);
+            while contraction.observe(change, false) == Progress::Contracts {
+                change *= ratio;
+                made += 1;
+                assert!(made < 80);
+            }
+            let tail = change * ratio / (1.0 - ratio);
+            assert!(tail <= f64::EPSILON / 16.0, "ratio {ratio}: {tail:e}");
+            assert!(
+                tail / ratio / ratio > f64::EPSILON / 1e3,
+                "ratio {ratio}: {tail:e}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_does_not_shrink_diverges_unless_it_is_rounding() {
+        let mut contraction = Contraction::<f64>::new(true);
+        contraction.begin(false);
+        let seen: Vec<_> = [1e-3, 9e-4, 8.5e-4, 8e-4]
+            .map(|x| contraction.observe(x, false))
+            .to_vec();
+        assert_eq!(seen[3], Progress::Diverges);
+        contraction.begin(false);
+        assert_eq!(contraction.observe(1e-3, false), Progress::Contracts);
+        assert_eq!(contraction.observe(f64::NAN, false), Progress::Diverges);
+        contraction.begin(false);
+        let seen = [1e-8, 1e-13, 2e-15, 2e-15, 2e-15, 2e-15].map(|x| contraction.observe(x, false));
+        assert!(seen.contains(&Progress::Settled), "{seen:?}");
+    }
+
+    /// A move of Z by something else is not a contraction.
+    #[test]
+    fn what_else_moves_z_is_not_compared() {
+        let mut contraction = Contraction::<f64>::new(false);
+        contraction.begin(false);
+        contraction.observe(1e-2, false);
+        contraction.observe(1e-3, false);
+        contraction.disturb();
+        contraction.observe(0.1, false);
+        assert_eq!(contraction.worst(), 0.1);
+    }
+}

@@ -1,0 +1,133 @@
+//! The sweep of any H: Z ← K L with L = h b J∇H, all components.
+
+use crate::convergence::again::Again;
+use crate::forms::form::{Mix, Moved, Step};
+use crate::forms::fused::{Small, change, numbers, rows_of};
+use crate::layout::conjugate::conjugate;
+use crate::layout::row::{Row, difference, literal, placed, rows, rows_mut, times};
+use crate::matrix::parity::{Blocks, Parts};
+use crate::matrix::product::Mixes;
+use equip_autodiff::Slopes;
+use equip_scalar::{Float, Kernel, Lanes};
+use std::array::from_fn;
+use std::ops::Range;
+
+pub(crate) struct Whole<'a, T>(pub(crate) Step<'a, T>);
+
+impl<T: Float> Kernel for Whole<'_, T> {
+    type Output = T;
+
+    #[inline(always)]
+    fn run(&mut self) -> T {
+        self.mix()
+    }
+}
+
+/// h b J∇H of one component for a group of stages, from the gradient.
+#[inline(always)]
+fn slope<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N], negative: bool) -> [T; N] {
+    let l = times(hb, gradient);
+    if negative { l.map(|x| -x) } else { l }
+}
+
+impl<'a, T: Float> Whole<'a, T> {
+    #[inline(always)]
+    pub(crate) fn in_doubles(self) -> Option<Whole<'a, f64>> {
+        self.0.in_doubles().map(Whole)
+    }
+}
+
+impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
+    type Sixteen = Blocks<Parts<T>>;
+    type There = Blocks<&'a Parts<T>>;
+
+    #[inline(always)]
+    fn sixteen(k: &'a [T]) -> Self::Sixteen {
+        Blocks::of(k)
+    }
+
+    #[inline(always)]
+    fn there(k: &'a [T]) -> Self::There {
+        Blocks::at(k)
+    }
+
+    #[inline(always)]
+    fn step(&mut self) -> &mut Step<'a, T> {
+        &mut self.0
+    }
+
+    #[inline(always)]
+    fn unknowns(&self) -> usize {
+        self.0.hi.len()
+    }
+
+    #[inline(always)]
+    fn block<const G: usize, const N: usize>(
+        &mut self,
+        k: &impl Mixes<T, G, N>,
+        block: Range<usize>,
+        change: &mut Moved<N>,
+    ) {
+        let step = &mut self.0;
+        let hb: Row<T, G, N> = *literal(rows(step.hb).first());
+        let gradients = rows::<T, G, N>(step.gradients);
+        let l = rows_mut::<T, G, N>(step.l);
+        let folded = &mut rows_mut::<T, G, N>(step.folded)[..block.len()];
+        for c in block.clone() {
+            let (from, negative) = conjugate(c, step.hi.len());
+            let row: Row<T, G, N> = from_fn(|g| slope(&hb[g], &gradients[from][g], negative));
+            k.put(&row, &mut folded[c - block.start]);
+            l[c] = row;
+        }
+        step.advance(k, block, change);
+    }
+
+    #[inline(always)]
+    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<N>) {
+        let mut step = self.0.views::<N>();
+        let groups = step.hb.len();
+        let (from, negative) = conjugate(c, step.hi.len());
+        for g in 0..groups {
+            step.l[c * groups + g] =
+                slope(&step.hb[g], &step.gradients[from * groups + g], negative);
+        }
+        step.advance(c, change);
+    }
+}
+
+impl<'a> Small<'a> for Whole<'a, f64> {
+    #[inline(always)]
+    fn kernel<const C: usize, const G: usize, const N: usize>(
+        &mut self,
+        gradients: &impl Slopes<C, N>,
+        k: &impl Mixes<f64, G, N>,
+        _again: &mut impl Again<f64>,
+    ) -> f64 {
+        let step = &mut self.0;
+        let slopes: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));
+        let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
+        let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
+        let (l, z) = (rows_of::<C, G, N>(step.l), rows_of::<C, G, N>(step.z));
+        let points = rows_of::<C, G, N>(step.points);
+        let kept = rows_of::<C, G, N>(step.gradients);
+        let folded = rows_of::<C, G, N>(step.folded);
+
+        for c in 0..C {
+            let (from, negative) = conjugate(c, C);
+            let row: Row<f64, G, N> = from_fn(|g| slope(&hb[g], &slopes[g][from].0, negative));
+            folded[c] = k.folded(&row);
+            l[c] = row;
+            kept[c] = from_fn(|g| slopes[g][c].0);
+        }
+        let mut by = [[[0.0; N]; G]; C];
+        for c in 0..C {
+            let moved = k.product(&folded[c]);
+            points[c] = from_fn(|g| placed(hi[c], lo[c], &moved[g]));
+            for g in 0..G {
+                by[c][g] = difference(&moved[g], &z[c][g]);
+            }
+            z[c] = moved;
+        }
+        change(&by, numbers(step.inverse_scale))
+    }
+}

@@ -1,0 +1,7 @@
+//! The forms of one fixed-point iteration.
+
+pub(crate) mod form;
+pub(crate) mod full;
+pub(crate) mod fused;
+pub(crate) mod incremental;
+pub(crate) mod separable;

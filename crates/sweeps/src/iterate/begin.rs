@@ -1,0 +1,78 @@
+//! How a step begins: at Z = 0, or from the polynomial of the last step's stage derivatives.
+
+use crate::extrapolation::gradients::{Foretell, Resolve, Sizes};
+use crate::extrapolation::polynomial::Polynomial;
+use crate::iterate::iterate::Iterate;
+use crate::layout::state::State;
+use equip_scalar::Float;
+use equip_tableau::Gauss;
+use std::ops::Range;
+
+impl<T: Float> Iterate<T> {
+    /// A step of size `h` begins at `y` with Z = 0.
+    pub(crate) fn begin_at_rest(&mut self, gauss: &Gauss<T>, (y, h): (&State<T>, T)) {
+        self.set_step(gauss, h);
+        let len = self.unknowns() * self.stride;
+        self.z[..len].fill(T::int(0));
+        self.place(y);
+        self.measure(y, 0..self.unknowns());
+        (self.is_measured, self.is_incremental, self.is_of_l) = (false, false, true);
+    }
+
+    /// A step of size `h` begins at `y`, `ratio` times as long as the last, with the stages that the polynomial of the last step leads to; `known`
+    /// is ∇H at `y`.
+    pub(crate) fn begin_from_polynomial(
+        &mut self,
+        gauss: &Gauss<T>,
+        (y, h, ratio): (&State<T>, T, T),
+        polynomial: &Polynomial<T>,
+        known: Option<&[T]>,
+    ) {
+        self.set_step(gauss, h);
+        std::mem::swap(&mut self.l, &mut self.l_before);
+        (self.is_measured, self.is_incremental, self.is_of_l) = (true, false, true);
+        self.has_momenta = true;
+        let wanted = self.unknowns();
+        self.set.run(&mut Foretell {
+            prolongation: polynomial.view(),
+            l: &self.l_before,
+            known,
+            gradients: &mut self.gradients,
+            hb: &self.hb,
+            ratio,
+            m: self.n / 2,
+            wanted,
+            s: self.s,
+        });
+        self.mix(y);
+        self.measure(y, 0..self.n);
+    }
+
+    pub(crate) fn set_step(&mut self, gauss: &Gauss<T>, h: T) {
+        if self.h != h {
+            self.h = h;
+            for (hb, &b) in self.hb.iter_mut().zip(gauss.weights()) {
+                *hb = h * b;
+            }
+        }
+        if std::mem::take(&mut self.k_has_moved) {
+            self.k.copy_from_slice(&self.k_start);
+        }
+    }
+
+    /// Measures components by their stages.
+    pub(crate) fn measure(&mut self, y: &State<T>, components: Range<usize>) {
+        let stride = self.stride;
+        self.set.run(&mut Sizes {
+            hi: &y.hi[components.clone()],
+            points: &self.points[components.start * stride..components.end * stride],
+            scale: &mut self.scale[components.clone()],
+            s: self.s,
+        });
+        self.set.run(&mut Resolve {
+            scale: &mut self.scale,
+            inverse: &mut self.inverse_scale,
+            components,
+        });
+    }
+}

@@ -1,0 +1,43 @@
+//! What depends on the float type alone, compiled once with this crate for `f64` and double-double ([`equip_scalar::ready!`]).
+
+use crate::extrapolation::polynomial::Polynomial;
+use crate::iterate::iterate::Iterate;
+use crate::layout::state::State;
+use equip_scalar::Float;
+use equip_tableau::Gauss;
+use std::ops::Range;
+
+/// The functions, each as it is called.
+#[rustfmt::skip]
+#[allow(clippy::type_complexity)] // Signatures are what they are.
+pub(crate) struct Ready<T: Float> {
+    pub(crate) iterate: fn(&Gauss<T>, usize, Option<equip_autodiff::Kinetic<T>>, &[T]) -> Iterate<T>,
+    pub(crate) at_rest: fn(&mut Iterate<T>, &Gauss<T>, (&State<T>, T)),
+    pub(crate) from_polynomial: fn(&mut Iterate<T>, &Gauss<T>, (&State<T>, T, T), &Polynomial<T>, Option<&[T]>),
+    pub(crate) polynomial: fn(&mut Polynomial<T>, equip_scalar::InstructionSet, [T; 3], bool),
+    pub(crate) mix: fn(&mut Iterate<T>, &State<T>) -> T,
+    pub(crate) measure: fn(&mut Iterate<T>, &State<T>, Range<usize>),
+    pub(crate) make_momenta: fn(&mut Iterate<T>, &State<T>),
+    pub(crate) advance: fn(&Iterate<T>, &State<T>, &mut State<T>),
+    pub(crate) fill_k: fn(&mut Iterate<T>, &[T]),
+    pub(crate) keep_z: fn(&mut Iterate<T>),
+    pub(crate) add_kept: fn(&mut Iterate<T>, &State<T>) -> T,
+}
+
+impl<T: Float> Ready<T> {
+    const HERE: Self = Ready {
+        iterate: Iterate::new,
+        at_rest: Iterate::begin_at_rest,
+        from_polynomial: Iterate::begin_from_polynomial,
+        polynomial: Polynomial::make,
+        mix: Iterate::mix,
+        measure: Iterate::measure,
+        make_momenta: Iterate::make_momenta,
+        advance: Iterate::advance,
+        fill_k: Iterate::fill_k,
+        keep_z: Iterate::keep_z,
+        add_kept: Iterate::add_kept,
+    };
+}
+
+equip_scalar::ready!(Ready);

@@ -1,0 +1,8 @@
+//! The stages and their iteration.
+
+pub(crate) mod begin;
+pub(crate) mod compiled;
+pub(crate) mod iterate;
+pub(crate) mod moved;
+pub(crate) mod precondition;
+pub(crate) mod sweep;

@@ -1,0 +1,189 @@
+//! One sweep, all stages at once: Z ← K(α) L(Z), or Z ← Z + M⁻¹ (K(α) L(Z) − Z).
+
+use crate::convergence::again::{Again, InDoubles, Once, Row};
+use crate::convergence::contraction::{Contraction, Progress};
+use crate::extrapolation::polynomial::Polynomial;
+use crate::forms::fused::{OneGroup, TwoGroups};
+use crate::iterate::compiled::ready;
+use crate::iterate::iterate::{Form, Iterate};
+use crate::iterate::precondition::{Held, Preconditioner};
+use crate::layout::row::{HALF, has_pairs};
+use crate::layout::state::State;
+use equip_autodiff::{Evaluate, Kinetic};
+use equip_scalar::Float;
+use equip_tableau::Gauss;
+use std::marker::PhantomData;
+
+impl<T: Float> Iterate<T> {
+    /// For n components; `alphas` are those a step starts from.
+    pub fn prepare(gauss: &Gauss<T>, n: usize, kinetic: Option<Kinetic<T>>, alphas: &[T]) -> Self {
+        (ready::<T>().iterate)(gauss, n, kinetic, alphas)
+    }
+
+    /// A step of size `h` begins at `y` with Z = 0 and the α's to start from.
+    pub fn begin(&mut self, gauss: &Gauss<T>, step: (&State<T>, T)) {
+        (ready::<T>().at_rest)(self, gauss, step);
+    }
+
+    /// A step of size `h` begins at `y`, where the last one began (`start` = 0) or ended (1), which had the size `last`; `known` is ∇H at `y`.
+    pub fn begin_from_last(
+        &mut self,
+        gauss: &Gauss<T>,
+        (y, h): (&State<T>, T),
+        (polynomial, start, last): (&mut Polynomial<T>, T, T),
+        known: Option<&[T]>,
+    ) {
+        let ready = ready::<T>();
+        let ratio = h / last;
+        (ready.polynomial)(polynomial, self.set, [start, ratio, last], known.is_some());
+        (ready.from_polynomial)(self, gauss, (y, h, ratio), polynomial, known);
+    }
+
+    /// y1 = y0 + Σ L_i, compensated.
+    pub fn end_point(&self, y: &State<T>, next: &mut State<T>) {
+        (ready::<T>().advance)(self, y, next);
+    }
+
+    /// Sees to it that the stages of all components are there.
+    pub fn keep_momenta(&mut self, y: &State<T>) {
+        (ready::<T>().make_momenta)(self, y);
+    }
+
+    /// From now on with K of these α's.
+    pub fn set_alphas(&mut self, alphas: &[T]) {
+        (ready::<T>().fill_k)(self, alphas);
+    }
+
+    /// One sweep from the step's start `y`, or as many incremental ones as leave others to come. Returns what the last change of Z says, and how many
+    /// sweeps were made; each has evaluated the gradient at s points.
+    pub fn sweep<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y: &State<T>,
+        contraction: &mut Contraction<T>,
+    ) -> (Progress, u32) {
+        let measures =
+            !self.is_measured || contraction.is_far() && contraction.next_change().is_finite();
+        let mut row = Row::new(contraction);
+        let can_be = self
+            .twofold
+            .as_ref()
+            .is_some_and(|t| t.get(self.k_has_moved, self.h).is_some());
+        self.is_incremental = can_be && self.is_of_l && !measures && row.is_next();
+        self.has_momenta = measures;
+        let change = if self.is_incremental {
+            self.run(energy, y, &mut row)
+        } else {
+            self.run(energy, y, &mut Once)
+        };
+        self.is_of_l = true;
+        let made = row.made;
+        if let Some(progress) = row.progress {
+            return (progress, made);
+        }
+        let remeasured = measures && !self.is_measured;
+        if measures {
+            (ready::<T>().measure)(self, y, 0..self.n);
+            self.is_measured = true;
+        }
+        let progress = contraction.observe(change.to_f64(), remeasured);
+        // What an incremental sweep leaves has no L.
+        let progress = match progress {
+            Progress::Settled if self.is_incremental => Progress::Contracts,
+            progress => progress,
+        };
+        (progress, made)
+    }
+
+    /// One sweep, and M⁻¹ applied to what it changes.
+    pub fn sweep_with<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y: &State<T>,
+        contraction: &mut Contraction<T>,
+        m: &mut dyn Preconditioner<T>,
+    ) -> (Progress, u32) {
+        let ready = ready::<T>();
+        self.is_incremental = false;
+        self.has_momenta = true;
+        (ready.keep_z)(self);
+        self.evaluate(energy);
+        (ready.mix)(self, y);
+        m.apply(Held::Start, self.subtract_kept(), 1);
+        let change = (ready.add_kept)(self, y);
+        let was_measured = self.is_measured;
+        if !was_measured || contraction.is_far() {
+            (ready.measure)(self, y, 0..self.n);
+            self.is_measured = true;
+        }
+        (contraction.observe(change.to_f64(), !was_measured), 1)
+    }
+
+    /// Sweeps of one form, by one kernel where there is one. Returns the last change.
+    #[inline(always)]
+    fn run<E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y: &State<T>,
+        again: &mut impl Again<T>,
+    ) -> T {
+        let fused = if T::IS_DOUBLE {
+            match self.stride {
+                4 => self.fuse::<4, E>(energy, y, again),
+                8 => self.fuse::<8, E>(energy, y, again),
+                16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y, again),
+                _ => None,
+            }
+        } else {
+            None
+        };
+        fused.unwrap_or_else(|| {
+            loop {
+                self.evaluate(energy);
+                let change = (ready::<T>().mix)(self, y);
+                if !again.again(change) {
+                    return change;
+                }
+            }
+        })
+    }
+
+    /// The whole sweep as one kernel, if there is one for this energy in this float type.
+    #[inline(always)]
+    fn fuse<const N: usize, E: Evaluate<T>>(
+        &mut self,
+        energy: &mut E,
+        y: &State<T>,
+        again: &mut impl Again<T>,
+    ) -> Option<T> {
+        let two_groups = has_pairs::<T>(self.s);
+        macro_rules! fused {
+            ($method:ident, $task:expr, $again:expr) => {{
+                let task = $task.in_doubles()?;
+                if two_groups {
+                    energy.$method::<HALF, _>(&mut TwoGroups(task, $again))?
+                } else {
+                    energy.$method::<N, _>(&mut OneGroup(task, $again))?
+                }
+            }};
+        }
+        let change = match self.form(y) {
+            Form::Full(task) => fused!(fuse_gradients, task, Once),
+            Form::Separable(task) => fused!(fuse_forces, task, Once),
+            Form::Incremental(task) => fused!(fuse_forces, task, InDoubles(again, PhantomData)),
+        };
+        Some(T::exact(change))
+    }
+
+    /// ∇H, or ∇U, at the stages.
+    fn evaluate<E: Evaluate<T>>(&mut self, energy: &mut E) {
+        let (s, stride) = (self.s, self.stride);
+        let len = self.unknowns() * stride;
+        let (points, gradients) = (&self.points[..len], &mut self.gradients[..len]);
+        if self.kinetic.is_some() {
+            energy.forces_by_component(points, gradients, stride, s);
+        } else {
+            energy.gradients_by_component(points, gradients, stride, s);
+        }
+    }
+}

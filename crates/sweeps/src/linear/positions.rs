@@ -1,0 +1,213 @@
+//! For H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p: the momenta put in, the positions are what is solved for,
+//!
+//! $$ X_q = R + h w\, (K B K)\, \delta L_p, \qquad R = r_q + K h B w\, r_p, \qquad \delta L_p = -h B\, \nabla^2 U\, X_q , $$
+//!
+//! and with the other end held K − 1 1ᵀ in place of K. At the end Σ δL_q = h w (Σ b r_p + κ·δL_p), κ = Kᵀ b.
+//!
+//! Cost: a sweep of one side nnz(∇²U)·s + m s² products.
+
+use crate::iterate::iterate::Iterate;
+use crate::iterate::precondition::Held;
+use crate::layout::row::{add, by_groups, fused, fused_each, scaled, stride_for, times};
+use crate::linear::stage_hessians::StageHessians;
+use crate::matrix::twofold::add_product;
+use equip_scalar::{Float, InstructionSet, Kernel, Pack, mix_stages};
+use equip_tableau::Gauss;
+
+/// For each end that may be held, and each row of X_q.
+#[derive(Debug)]
+pub(crate) struct Positions<T> {
+    /// K B K, column by column.
+    twofold: [Vec<T>; 2],
+    /// κ.
+    kappa: [Vec<T>; 2],
+    /// R.
+    rest: Vec<T>,
+    /// Σ h b w r_p.
+    drift: Vec<T>,
+}
+
+impl<T: Float> Positions<T> {
+    /// For so many `rows`, `k` being K for each end.
+    pub(crate) fn new(gauss: &Gauss<T>, k: &[Vec<T>; 2], rows: usize) -> Self {
+        let stride = stride_for::<T>(gauss.stages());
+        let twofold = |k: &Vec<T>| {
+            let mut product = vec![T::int(0); stride * stride];
+            add_product(InstructionSet::best(), k, gauss, &mut product);
+            product
+        };
+        let kappa = |k: &Vec<T>| {
+            let columns = k.chunks_exact(stride);
+            let weighed = columns.map(|column| {
+                let pairs = column.iter().zip(gauss.weights());
+                pairs.fold(T::int(0), |sum, (&k, &b)| sum + k * b)
+            });
+            weighed.collect()
+        };
+        Positions {
+            twofold: k.each_ref().map(twofold),
+            kappa: k.each_ref().map(kappa),
+            rest: vec![T::int(0); rows * stride],
+            drift: vec![T::int(0); rows],
+        }
+    }
+}
+
+/// A sweep of several sides, of T(p) + U(q).
+pub(crate) struct Sides<'a, T: Float> {
+    pub(crate) hessians: &'a StageHessians<T>,
+    /// K column by column, for the end that is held.
+    pub(crate) k: &'a [T],
+    pub(crate) held: Held,
+    /// K δL, and δL.
+    pub(crate) mixed: &'a mut [T],
+    pub(crate) dl: &'a mut [T],
+    pub(crate) sums: &'a mut [T],
+}
+
+impl<T: Float> Positions<T> {
+    /// R, and X as it is before the forces change.
+    pub(crate) fn begin(&mut self, of: Sides<'_, T>, r: &[T], x: &mut [T], iterate: &Iterate<T>) {
+        let (r_q, r_p) = r.split_at(r.len() / 2);
+        let (dl, mixed) = (&mut of.dl[..r_p.len()], &mut of.mixed[..r_p.len()]);
+        let rest = &mut self.rest[..r_q.len()];
+        iterate.set.run(&mut Drift {
+            hb: &iterate.hb,
+            w: iterate.inverse_masses().unwrap_or_default(),
+            r_p,
+            dl,
+            sums: &mut self.drift,
+        });
+        mix_stages(iterate.set, of.k, dl, mixed, iterate.s, iterate.stride);
+        for ((x, &r), &z) in rest.iter_mut().zip(r_q).zip(&*mixed) {
+            *x = r + z;
+        }
+        x[..rest.len()].copy_from_slice(rest);
+    }
+
+    /// X_q of one sweep more, and the sums of its δL.
+    pub(crate) fn sweep(&self, of: Sides<'_, T>, x: &mut [T], iterate: &Iterate<T>) {
+        let (half, m) = (x.len() / 2, iterate.n / 2);
+        let sides = half / (m * iterate.stride);
+        let dl = &mut of.dl[half..2 * half];
+        of.hessians.times((0, m), m, (x, sides), dl);
+        let mixed = &mut of.mixed[..half];
+        let twofold = &self.twofold[of.held as usize];
+        mix_stages(iterate.set, twofold, dl, mixed, iterate.s, iterate.stride);
+        iterate.set.run(&mut Place {
+            h: iterate.h,
+            w: iterate.inverse_masses().unwrap_or_default(),
+            rest: &self.rest,
+            mixed,
+            x: &mut x[..half],
+            dl,
+            kappa: &self.kappa[of.held as usize],
+            drift: &self.drift,
+            sums: of.sums,
+        });
+    }
+}
+
+/// h b w r_p, and its sums.
+struct Drift<'a, T> {
+    hb: &'a [T],
+    w: &'a [T],
+    r_p: &'a [T],
+    dl: &'a mut [T],
+    sums: &'a mut [T],
+}
+
+impl<T: Float> Kernel for Drift<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        by_groups!(T, self.hb.len(), self);
+    }
+}
+
+impl<T: Float> Drift<'_, T> {
+    #[inline(always)]
+    fn groups<const N: usize>(&mut self, groups: usize) {
+        let (hb, r_p) = (self.hb.as_chunks::<N>().0, self.r_p.as_chunks::<N>().0);
+        let dl = self.dl.as_chunks_mut::<N>().0;
+        let sides = r_p.len() / (groups * self.w.len());
+        let w = self.w.iter().flat_map(|w| std::iter::repeat_n(w, sides));
+        let rows = dl.chunks_exact_mut(groups).zip(r_p.chunks_exact(groups));
+        for (((dl, r_p), sum), &w) in rows.zip(&mut *self.sums).zip(w) {
+            let mut total = [T::int(0); N];
+            for g in 0..groups {
+                dl[g] = scaled(&times(&hb[g], &r_p[g]), w);
+                add(&mut total, &dl[g]);
+            }
+            *sum = folded(&total);
+        }
+    }
+}
+
+/// X_q = R + h w Z, and the sums of δL.
+struct Place<'a, T> {
+    h: T,
+    w: &'a [T],
+    rest: &'a [T],
+    /// Z.
+    mixed: &'a [T],
+    x: &'a mut [T],
+    /// Of the momenta.
+    dl: &'a [T],
+    kappa: &'a [T],
+    drift: &'a [T],
+    sums: &'a mut [T],
+}
+
+impl<T: Float> Kernel for Place<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        by_groups!(T, self.kappa.len(), self);
+    }
+}
+
+impl<T: Float> Place<'_, T> {
+    #[inline(always)]
+    fn groups<const N: usize>(&mut self, groups: usize) {
+        let kappa = self.kappa.as_chunks::<N>().0;
+        let (rest, mixed) = (self.rest.as_chunks::<N>().0, self.mixed.as_chunks::<N>().0);
+        let (x, dl) = (self.x.as_chunks_mut::<N>().0, self.dl.as_chunks::<N>().0);
+        let sides = x.len() / (groups * self.w.len());
+        let (by_q, by_p) = self.sums.split_at_mut(x.len() / groups);
+        let to = x.chunks_exact_mut(groups).zip(by_q.iter_mut().zip(by_p));
+        let from = (rest.chunks_exact(groups).zip(mixed.chunks_exact(groups)))
+            .zip(dl.chunks_exact(groups).zip(self.drift));
+        let w = self.w.iter().flat_map(|w| std::iter::repeat_n(w, sides));
+        for (((x, (by_q, by_p)), ((rest, mixed), (dl, &drift))), &w) in to.zip(from).zip(w) {
+            let by = self.h * w;
+            let (mut moved, mut pushed) = (times(&kappa[0], &dl[0]), dl[0]);
+            for g in 1..groups {
+                moved = fused_each(&kappa[g], &dl[g], &moved);
+                add(&mut pushed, &dl[g]);
+            }
+            for g in 0..groups {
+                x[g] = fused(&mixed[g], by, &rest[g]);
+            }
+            *by_q = drift + by * folded(&moved);
+            *by_p = folded(&pushed);
+        }
+    }
+}
+
+/// The sum of all lanes, half against half.
+#[inline(always)]
+fn folded<T: Float, const N: usize>(lanes: &[T; N]) -> T {
+    let fours = lanes.as_chunks::<4>().0;
+    let four = match fours {
+        [a, b] => (T::Pack::<4>::of(a) + T::Pack::<4>::of(b)).numbers(),
+        [a] => *a,
+        _ => return lanes[0],
+    };
+    let [a, b, c, d] = four;
+    let two = T::Pack::<2>::of(&[a, b]) + T::Pack::<2>::of(&[c, d]);
+    let [a, b] = two.numbers();
+    a + b
+}

@@ -1,0 +1,216 @@
+//! K(α) for sweeps: column by column, padded with zeros, and made anew whenever the α's move.
+//!
+//! K(α)_ij = ½ + U_ij, U = U(0) + Σ_k α_k T_k. As in `Gauss::skew_into` ½ + |U_ij| is rounded and the smaller one of the pair is 1 minus that, so that K_ij +
+//! K_ji = 1 to the last bit. U is antisymmetric to the last bit, so each of the two is found without the other, and all
+//! entries at once: s² products for each α_k ≠ 0, in vector instructions.
+
+use crate::MAX_STAGES;
+use crate::layout::aligned::{Aligned, Places};
+use crate::layout::row::{HALF, add, has_pairs, scaled, stride_for};
+use crate::matrix::parity::fill;
+use equip_scalar::{Float, InstructionSet, Kernel, Pack, Piecewise, Scalar};
+use equip_tableau::Gauss;
+
+/// U(0) and the T_k, laid out as K is: column by column, or as P and Q of [`crate::matrix::parity`].
+#[derive(Debug)]
+pub(crate) struct Columns<T> {
+    unperturbed: Aligned<T>,
+    /// T_1 … T_{s−1}, one behind the other; none for α = 0 alone.
+    basis: Aligned<T>,
+    /// ½ and 1 where K has an entry, 0 in the padding; none for P and Q, which are made of U alone.
+    half_and_one: Option<[Aligned<T>; 2]>,
+    /// Numbers before the columns that are all padding.
+    used: usize,
+}
+
+impl<T: Float> Columns<T> {
+    /// For any α's, or for α = 0 alone.
+    pub(crate) fn new(gauss: &Gauss<T>, any_alphas: bool) -> Self {
+        let (s, mut places) = (gauss.stages(), Places::default());
+        let stride = stride_for::<T>(s);
+        let by_pairs = has_pairs::<T>(s);
+        let lay_out = |entries: &[T], x: &mut [T]| {
+            let entry = |i: usize, j: usize| entries[i * s + j];
+            if by_pairs {
+                fill(entry, x);
+                return;
+            }
+            for j in 0..s {
+                for i in 0..s {
+                    x[j * stride + i] = entry(i, j);
+                }
+            }
+        };
+        let len = length_of::<T>(s);
+        let mut laid_out = |entries: &[T]| {
+            let mut x = places.zeros(len);
+            lay_out(entries, &mut x);
+            x
+        };
+        let mut u = vec![T::int(0); s * s];
+        gauss.antisymmetric_into(&vec![T::int(0); s - 1], &mut u);
+        let unperturbed = laid_out(&u);
+        let half_and_one =
+            (!by_pairs).then(|| [T::ratio(1, 2), T::int(1)].map(|x| laid_out(&vec![x; s * s])));
+        let mut basis = places.zeros(if any_alphas { (s - 1) * len } else { 0 });
+        for (k, x) in basis.chunks_exact_mut(len).enumerate() {
+            lay_out(gauss.skew_basis(k + 1), x);
+        }
+        Columns {
+            unperturbed,
+            basis,
+            half_and_one,
+            used: if by_pairs { len } else { s * stride },
+        }
+    }
+
+    /// K(α) into `k`, whose last columns, if they are padding, stay as they are.
+    pub(crate) fn fill(&self, set: InstructionSet, alphas: &[T], k: &mut [T]) {
+        set.run(&mut Fill {
+            columns: self,
+            alphas,
+            k,
+        });
+    }
+}
+
+/// K(0) and −K(0)ᵀ = K(0) − 1 1ᵀ, column by column: the step from its start, and from its end.
+pub(crate) fn both_ways<T: Float>(gauss: &Gauss<T>) -> [Vec<T>; 2] {
+    let s = gauss.stages();
+    let stride = stride_for::<T>(s);
+    let zeros = |len: usize| vec![T::int(0); len];
+    let (mut k, mut back) = (zeros(stride * stride), zeros(stride * stride));
+    gauss.skew_columns_into(&zeros(s - 1), stride, &mut k);
+    for j in 0..s {
+        for i in 0..s {
+            back[j * stride + i] = -k[i * stride + j];
+        }
+    }
+    [k, back]
+}
+
+/// Numbers that K, or P and Q, take.
+pub(crate) fn length_of<T: Float>(s: usize) -> usize {
+    if has_pairs::<T>(s) {
+        return 2 * HALF * HALF;
+    }
+    let stride = stride_for::<T>(s);
+    stride * stride
+}
+
+struct Fill<'a, T> {
+    columns: &'a Columns<T>,
+    alphas: &'a [T],
+    k: &'a mut [T],
+}
+
+impl<T: Float> Kernel for Fill<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        // Strides are multiples of it.
+        if const { T::WIDTH == 1 } {
+            self.packs::<1>();
+        } else if T::IS_DOUBLE {
+            self.packs::<4>();
+        } else {
+            self.packs::<8>();
+        }
+    }
+}
+
+impl<T: Float> Fill<'_, T> {
+    #[inline(always)]
+    fn packs<const N: usize>(&mut self) {
+        let (columns, used) = (self.columns, self.columns.used);
+        let (unperturbed, k) = (&columns.unperturbed[..used], &mut self.k[..used]);
+        let basis = columns.basis.chunks_exact(columns.unperturbed.len());
+        let moved = basis
+            .zip(self.alphas)
+            .filter(|&(_, &alpha)| alpha != T::int(0));
+        if T::IS_DOUBLE {
+            k.copy_from_slice(unperturbed);
+            for (basis, &alpha) in moved {
+                for (u, t) in k.as_chunks_mut::<N>().0.iter_mut().zip(basis.as_chunks().0) {
+                    add(u, &scaled(t, alpha));
+                }
+            }
+        } else {
+            // As one dot product, which is the same sum in doubles.
+            let mut terms = [(unperturbed, T::int(1)); MAX_STAGES];
+            let mut count = 1;
+            for (basis, &alpha) in moved {
+                terms[count] = (basis, alpha);
+                count += 1;
+            }
+            let k = k.as_chunks_mut::<N>().0;
+            match count {
+                ..=4 => dots::<T, N, 4>(&terms[..count], k),
+                _ => dots::<T, N, MAX_STAGES>(&terms[..count], k),
+            }
+        }
+        let k = k.as_chunks_mut::<N>().0;
+        if let Some([half, one]) = &columns.half_and_one {
+            let constants = half.as_chunks().0.iter().zip(one.as_chunks().0);
+            for (k, (half, one)) in k.iter_mut().zip(constants) {
+                let u = T::Pack::of(k);
+                let large = T::Pack::of(half) + T::Pack::abs(u);
+                let small = T::Pack::of(one) - large;
+                let takes_large = T::Pack::at_most(T::Pack::splat(T::int(0)), u);
+                *k = T::Pack::choose(takes_large, large, small).numbers();
+            }
+        }
+    }
+}
+
+/// Σ of at most C matrices, each times its factor.
+#[inline(always)]
+fn dots<T: Float, const N: usize, const C: usize>(terms: &[(&[T], T)], to: &mut [[T; N]]) {
+    let mut factors = [T::int(0); C];
+    let mut packs = [[T::Pack::splat(T::int(0))]; C];
+    for (factor, term) in factors.iter_mut().zip(terms) {
+        *factor = term.1;
+    }
+    for (at, u) in to.iter_mut().enumerate() {
+        for (pack, (matrix, _)) in packs.iter_mut().zip(terms) {
+            *pack = [T::Pack::of(&matrix.as_chunks().0[at])];
+        }
+        *u = T::Pack::dot(&packs[..terms.len()], 0, &factors).numbers();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use equip_scalar::DoubleDouble;
+
+    fn entries_are_those_of_the_tableau<T: Float>() {
+        for s in 1..=20 {
+            let gauss = Gauss::<T>::new(s).unwrap_or_else(|e| panic!("{e}"));
+            let (columns, stride) = (Columns::new(&gauss, true), stride_for::<T>(s));
+            let alphas: Vec<T> = (1..s as i64).map(|k| T::ratio(k * k - 3 * k, 7)).collect();
+            for set in InstructionSet::available() {
+                let mut k = vec![T::int(0); length_of::<T>(s)];
+                k[..columns.used].fill(T::NAN);
+                columns.fill(set, &alphas, &mut k);
+                if has_pairs::<T>(s) {
+                    let (p, q) = k.split_at(HALF * HALF);
+                    for (i, j) in (0..HALF).flat_map(|i| (0..HALF).map(move |j| (i, j))) {
+                        assert!(p[j * HALF + i] == -q[i * HALF + j], "s = {s}, {set:?}");
+                    }
+                    continue;
+                }
+                let mut expected = vec![T::int(0); stride * stride];
+                gauss.skew_columns_into(&alphas, stride, &mut expected);
+                assert!(k == expected, "s = {s}, {set:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn entries_of_k_have_the_bits_of_the_tableau() {
+        entries_are_those_of_the_tableau::<f64>();
+        entries_are_those_of_the_tableau::<DoubleDouble>();
+    }
+}

@@ -1,0 +1,339 @@
+//! K B K, B = diag(b), of the method with α = 0: what two products with K do to the forces.
+//!
+//! [`crate::forms::incremental`] moves Z by it where other sweeps have K twice, and is to differ from them by no more than rounding the result: Z of all drafts
+//! of a step together is that of these sweeps then, though it was far off in the first of them. So K is taken as it is read, which is not the same in all
+//! layouts: ½ + U rounded, or ½ and U apart ([`crate::matrix::parity`]), and K B K is summed in double-double. With K of the other layout, 5e-17 off, angular momentum of
+//! Kepler's problem grows by 2e-17 a step.
+//!
+//! Of α's that have moved it is made in the float type itself, h included: what is left to the sweeps then is small.
+//!
+//! Cost: s³ products, of doubles in double-double where α = 0.
+
+use crate::MAX_STAGES;
+use crate::layout::aligned::{Aligned, Places};
+use crate::layout::row::{has_pairs, rows, stride_for};
+use crate::matrix::parity::parts;
+use crate::matrix::product::{Mixes, Packed, product_any};
+use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
+use equip_tableau::Gauss;
+
+/// What drafts are made with.
+#[derive(Debug)]
+pub(crate) struct Twice<T> {
+    /// K B K.
+    start: Aligned<T>,
+    moved: Option<Moved<T>>,
+}
+
+impl<T: Float> Twice<T> {
+    /// `k` is K as sweeps read it; with or without room for that of α's that move.
+    pub(crate) fn new(
+        set: InstructionSet,
+        gauss: &Gauss<T>,
+        k: &[T],
+        (moves, places): (bool, &mut Places),
+    ) -> Self {
+        Twice {
+            start: as_read(set, gauss, k, places),
+            moved: moves.then(|| Moved::new(gauss.stages(), places)),
+        }
+    }
+
+    /// The α's have moved: `k` is another, h b as it was.
+    pub(crate) fn follow(&mut self, set: InstructionSet, k: &[T], (hb, s): (&[T], usize)) {
+        if let Some(moved) = &mut self.moved {
+            moved.make(set, k, (hb, s));
+        }
+    }
+
+    /// h K B K in two factors, if it is known.
+    pub(crate) fn get(&self, has_moved: bool, h: T) -> Option<(&[T], T)> {
+        if has_moved {
+            self.moved.as_ref().map(|m| (&*m.twice, T::int(1)))
+        } else {
+            Some((&self.start, h))
+        }
+    }
+}
+
+/// h K(α) B K(α) column by column, and K(α) for it.
+#[derive(Debug)]
+struct Moved<T> {
+    columns: Aligned<T>,
+    twice: Aligned<T>,
+}
+
+impl<T: Float> Moved<T> {
+    fn new(s: usize, places: &mut Places) -> Self {
+        let stride = stride_for::<T>(s);
+        Moved {
+            columns: places.zeros(s * stride),
+            twice: places.zeros(stride * stride),
+        }
+    }
+
+    fn make(&mut self, set: InstructionSet, k: &[T], (hb, s): (&[T], usize)) {
+        let stride = stride_for::<T>(s);
+        for (j, column) in self.columns.chunks_exact_mut(stride).enumerate() {
+            for (i, x) in column.iter_mut().enumerate().take(s) {
+                *x = if has_pairs::<T>(s) {
+                    let [p, q] = parts(k, i, j);
+                    T::ratio(1, 2) + (p + q)
+                } else {
+                    k[j * stride + i]
+                };
+            }
+        }
+        self.twice.fill(T::int(0));
+        set.run(&mut Product {
+            k: &self.columns,
+            b: &hb[..s],
+            stride,
+            twice: &mut self.twice,
+        });
+    }
+}
+
+/// K B K column by column; `k` is K as sweeps read it.
+fn as_read<T: Float>(
+    set: InstructionSet,
+    gauss: &Gauss<T>,
+    k: &[T],
+    places: &mut Places,
+) -> Aligned<T> {
+    let s = gauss.stages();
+    let stride = stride_for::<T>(s);
+    let mut twice = places.zeros(stride * stride);
+    let doubles = (T::as_doubles(gauss.weights()), T::as_doubles(k));
+    let (Some(b), Some(k), Some(to)) = (doubles.0, doubles.1, T::as_doubles_mut(&mut twice)) else {
+        return of(set, gauss, places);
+    };
+    let exact = |x: f64| DoubleDouble::exact(x);
+    let entry = |i: usize, j: usize| {
+        if !has_pairs::<f64>(s) {
+            return exact(k[j * stride + i]);
+        }
+        let [p, q] = parts(k, i, j).map(exact);
+        exact(0.5) + p + q
+    };
+    let width = s.next_multiple_of(8);
+    let mut columns = vec![exact(0.0); s * width];
+    for (j, column) in columns.chunks_exact_mut(width).enumerate() {
+        for (i, x) in column.iter_mut().enumerate().take(s) {
+            *x = entry(i, j);
+        }
+    }
+    set.run(&mut Exactly {
+        columns: &columns,
+        b,
+        width,
+        stride,
+        twice: to,
+    });
+    twice
+}
+
+/// K B K column by column, of K by columns, in the same float type.
+pub(crate) fn of<T: Float>(
+    set: InstructionSet,
+    gauss: &Gauss<T>,
+    places: &mut Places,
+) -> Aligned<T> {
+    let s = gauss.stages();
+    let stride = stride_for::<T>(s);
+    let mut k = vec![T::int(0); s * stride];
+    gauss.skew_columns_into(&vec![T::int(0); s - 1], stride, &mut k);
+    let mut twice = places.zeros(stride * stride);
+    add_product(set, &k, gauss, &mut twice);
+    twice
+}
+
+/// K B K of any K, which stands column by column, added to `twice`.
+pub(crate) fn add_product<T: Float>(
+    set: InstructionSet,
+    k: &[T],
+    gauss: &Gauss<T>,
+    twice: &mut [T],
+) {
+    set.run(&mut Product {
+        k,
+        b: gauss.weights(),
+        stride: stride_for::<T>(gauss.stages()),
+        twice,
+    });
+}
+
+struct Product<'a, T> {
+    k: &'a [T],
+    b: &'a [T],
+    stride: usize,
+    twice: &'a mut [T],
+}
+
+impl<T: Float> Kernel for Product<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let columns = self.k.chunks_exact(self.stride);
+        for (to, from) in (self.twice.chunks_exact_mut(self.stride)).zip(columns.clone()) {
+            for ((column, &x), &b) in columns.clone().zip(from).zip(self.b) {
+                let x = b * x;
+                for (to, &k) in to.iter_mut().zip(column) {
+                    *to += k * x;
+                }
+            }
+        }
+    }
+}
+
+struct Exactly<'a> {
+    /// K, columns of this width.
+    columns: &'a [DoubleDouble],
+    b: &'a [f64],
+    width: usize,
+    stride: usize,
+    twice: &'a mut [f64],
+}
+
+impl Kernel for Exactly<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        match self.width {
+            8 => self.packed::<1>(),
+            16 => self.packed::<2>(),
+            _ => self.any(),
+        }
+    }
+}
+
+impl Exactly<'_> {
+    /// Up to 16 stages.
+    #[inline(always)]
+    fn packed<const G: usize>(&mut self) {
+        let k = Packed::<DoubleDouble, G, 8, 16>::of(rows(self.columns), self.b.len());
+        let columns = self.columns.chunks_exact(self.width);
+        for (to, column) in self.twice.chunks_exact_mut(self.stride).zip(columns) {
+            let mut row = [[DoubleDouble::exact(0.0); 8]; G];
+            weigh(column, self.b, row.as_flattened_mut());
+            round(k.product(&row).as_flattened(), to);
+        }
+    }
+
+    #[inline(always)]
+    fn any(&mut self) {
+        let (s, groups) = (self.b.len(), self.width / 8);
+        let k = self.columns.as_chunks::<8>().0;
+        let columns = self.columns.chunks_exact(self.width);
+        for (to, column) in self.twice.chunks_exact_mut(self.stride).zip(columns) {
+            let mut row = [[DoubleDouble::exact(0.0); 8]; MAX_STAGES / 8];
+            weigh(column, self.b, row.as_flattened_mut());
+            for (g, to) in to.chunks_mut(8).enumerate() {
+                round(&product_any(k, &row[..groups], g, s), to);
+            }
+        }
+    }
+}
+
+/// B times a column.
+#[inline(always)]
+fn weigh(column: &[DoubleDouble], b: &[f64], to: &mut [DoubleDouble]) {
+    for ((to, &x), &b) in to.iter_mut().zip(column).zip(b) {
+        *to = x * DoubleDouble::exact(b);
+    }
+}
+
+#[inline(always)]
+fn round(from: &[DoubleDouble], to: &mut [f64]) {
+    for (to, x) in to.iter_mut().zip(from) {
+        *to = x.to_f64();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::row::HALF;
+    use crate::matrix::coefficients::{Columns, length_of};
+    use crate::matrix::parity::Blocks;
+    use crate::matrix::product::Mixes;
+
+    /// K L in double-double, K as sweeps read it.
+    fn mixed(k: &[f64], s: usize, l: &[DoubleDouble]) -> Vec<DoubleDouble> {
+        let zero = DoubleDouble::exact(0.0);
+        if has_pairs::<f64>(s) {
+            let k: Vec<_> = k.iter().map(|&x| DoubleDouble::exact(x)).collect();
+            let mut row = [[zero; HALF]; 2];
+            row.as_flattened_mut().copy_from_slice(l);
+            return Blocks::of(&k).mixed(&mut row).as_flattened().to_vec();
+        }
+        let stride = stride_for::<f64>(s);
+        let entry = |i: usize, j: usize| DoubleDouble::exact(k[j * stride + i]);
+        (0..s)
+            .map(|i| (0..s).fold(zero, |sum, j| sum + entry(i, j) * l[j]))
+            .collect()
+    }
+
+    /// To half a unit in the last place, what two products with K do to each unit vector, B between them.
+    #[test]
+    fn it_is_two_products_rounded_once() {
+        for s in [2, 3, 4, 5, 8, 9, 15, 16, 17, 24, 32] {
+            let gauss = Gauss::<f64>::new(s).unwrap();
+            let stride = stride_for::<f64>(s);
+            for set in InstructionSet::available() {
+                let mut k = vec![0.0; length_of::<f64>(s)];
+                Columns::new(&gauss, true).fill(set, &vec![0.0; s - 1], &mut k);
+                let found = as_read(set, &gauss, &k, &mut Places::default());
+                for j in 0..s {
+                    let mut l = vec![DoubleDouble::exact(0.0); s];
+                    l[j] = DoubleDouble::exact(1.0);
+                    let mut l = mixed(&k, s, &l);
+                    for (l, &b) in l.iter_mut().zip(gauss.weights()) {
+                        *l *= DoubleDouble::exact(b);
+                    }
+                    for (i, x) in mixed(&k, s, &l).into_iter().enumerate() {
+                        let found = found[j * stride + i];
+                        let off = (x - DoubleDouble::exact(found)).to_f64().abs();
+                        let half = 0.5 * (found.abs().next_up() - found.abs());
+                        assert!(off <= half + 1e-30, "s = {s}, {set:?}: {off:e}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// As two products with K(α), h B between them, in all layouts of K.
+    #[test]
+    fn moved_alphas_have_theirs() {
+        for s in [3, 4, 8, 9, 16, 20, 32] {
+            let gauss = Gauss::<f64>::new(s).unwrap();
+            let stride = stride_for::<f64>(s);
+            let alphas: Vec<f64> = (1..s).map(|k| 0.02 / k as f64).collect();
+            let mut hb = vec![0.0; stride];
+            for (hb, &b) in hb.iter_mut().zip(gauss.weights()) {
+                *hb = 0.3 * b;
+            }
+            let mut columns = vec![0.0; s * stride];
+            gauss.skew_columns_into(&alphas, stride, &mut columns);
+            let entry = |i: usize, j: usize| columns[j * stride + i];
+            for set in InstructionSet::available() {
+                let mut k = vec![0.0; length_of::<f64>(s)];
+                Columns::new(&gauss, true).fill(set, &alphas, &mut k);
+                let mut moved = Moved::new(s, &mut Places::default());
+                moved.make(set, &k, (&hb, s));
+                for (place, &found) in moved.twice.iter().enumerate() {
+                    let (i, j) = (place % stride, place / stride);
+                    let twice = if i < s && j < s {
+                        (0..s).map(|l| entry(i, l) * hb[l] * entry(l, j)).sum()
+                    } else {
+                        0.0
+                    };
+                    let off: f64 = found - twice;
+                    assert!(off.abs() < 2e-16, "s = {s}, {set:?}, ({i}, {j}): {off:e}");
+                }
+            }
+        }
+    }
+}

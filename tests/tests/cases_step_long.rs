@@ -1,0 +1,224 @@
+//! Cases from outside of many steps, stiff or many components, or wide numbers, beside Gauss on the same steps.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
+
+use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
+use equip_scalar::{DoubleDouble, Float};
+use equip_scenes::find;
+use equip_tests::{Limits, Misses, Reference, Trial, Who, rate, trend};
+
+/// Stiff springs at every h ω: three times Gauss's time and error, of the slow components, and no error exit.
+#[test]
+fn a_stiff_linear_part() {
+    let mut misses = Misses::default();
+    for (omega, s, h, steps) in [
+        ("500", 32, 0.05, 200),
+        ("500", 16, 0.02, 500),
+        ("50", 16, 0.2, 50),
+        ("50", 24, 0.25, 40),
+        ("50", 32, 0.5, 20),
+        ("5000", 8, 0.5, 4),
+    ] {
+        let fpu = find("fpu").unwrap().instance(&[("omega", omega)]).unwrap();
+        let (q, p) = fpu.initial::<f64>();
+        let y = [q.as_slice(), &p].concat();
+        let hamiltonian = fpu.hamiltonian();
+        let wanted = (rate(hamiltonian, &y), 1e-9);
+        let end = h * steps as f64;
+        let reference = Reference::solve::<f64>(hamiltonian, &y, &[end], wanted).unwrap();
+        let trial = Trial {
+            hamiltonian,
+            q: &q,
+            p: &p,
+            stages: s,
+        };
+        let pair = [Who::Equip, Who::Gauss].map(|who| trial.steps(who, (h, steps), |_, _, _| ()));
+        let what = format!("fpu, omega = {omega}, s = {s}, h = {h}");
+        let slow = [0, 1, 2, 6, 7, 8];
+        let limits = Limits::ORDINARY;
+        misses.beside_gauss_in(&what, &pair, (&y, &reference), &slow, limits);
+        if let [Ok(equip), Ok(gauss)] = &pair {
+            let again = trial.steps(Who::Equip, (h, steps), |_, _, _| ());
+            let seconds = again.map_or(f64::NAN, |made| made.seconds.min(equip.seconds));
+            misses.most(&format!("{what}, time"), seconds / gauss.seconds, 3.0);
+        }
+    }
+    misses.end();
+}
+
+/// Samples of a quadratic invariant along a run of EQUIP, less its value at the start, computed in double-double.
+fn defects(trial: Trial<'_, f64>, invariant: &Hamiltonian, h: f64, steps: u64) -> Vec<f64> {
+    let mut evaluator = invariant.evaluator::<DoubleDouble>();
+    let mut value = |q: &[f64], p: &[f64]| {
+        let y: Vec<_> = q.iter().chain(p).map(|&x| DoubleDouble::exact(x)).collect();
+        evaluator.value(&y)
+    };
+    let first = value(trial.q, trial.p);
+    let mut found = vec![0.0];
+    let every = (steps / 1000) | 1;
+    let each = |index: u64, q: &[f64], p: &[f64]| {
+        if index.is_multiple_of(every) {
+            found.push((value(q, p) - first).to_f64());
+        }
+    };
+    trial.steps(Who::Equip, (h, steps), each).unwrap();
+    found
+}
+
+/// Quadratic invariants: rounding as a random walk, nothing linear.
+#[test]
+fn no_drift_of_quadratic_invariants() {
+    let mut misses = Misses::default();
+    let cases: [(&str, &[(&str, &str)], f64, u64); 3] = [
+        ("kepler", &[("e", "0.3")], 0.1, 1_000_000),
+        ("charged-particle", &[], 0.3, 300_000),
+        ("dnls", &[], 0.1, 30_000),
+    ];
+    for (name, parameters, h, steps) in cases {
+        let scene = find(name).unwrap().instance(parameters).unwrap();
+        let (q, p) = scene.initial::<f64>();
+        let trial = Trial {
+            hamiltonian: scene.hamiltonian(),
+            q: &q,
+            p: &p,
+            stages: 4,
+        };
+        let quadratic = scene.invariants().iter().find(|i| i.is_at_most_quadratic());
+        let found = defects(trial, &quadratic.unwrap().quantity, h, steps);
+        let trend = trend(&found);
+        let last = found[found.len() - 1];
+        println!("{name}: {last:.2e} at the end of {steps} steps, {trend:?}");
+        let slope = trend.slope.abs() / trend.random_walk.max(f64::MIN_POSITIVE);
+        misses.most(&format!("{name}, trend over a random walk's"), slope, 2.0);
+    }
+    misses.end();
+}
+
+/// One step that asks for an α may not turn all later ones over to Newton.
+#[test]
+fn a_chain_of_1024_by_tolerance() {
+    let mut misses = Misses::default();
+    let chain = find("fput-beta").unwrap();
+    let chain = chain.instance(&[("n", "1024")]).unwrap();
+    let (q, p) = chain.initial::<f64>();
+    let trial = Trial {
+        hamiltonian: chain.hamiltonian(),
+        q: &q,
+        p: &p,
+        stages: 8,
+    };
+    let [equip, gauss] =
+        [Who::Equip, Who::Gauss].map(|who| trial.tolerance(who, 1e-12, 100.0).unwrap());
+    println!("{} and {} steps", equip.steps, gauss.steps);
+    misses.most("work", equip.work() / gauss.work(), 2.0);
+    misses.most("time", equip.seconds / gauss.seconds, 2.0);
+    misses.end();
+}
+
+/// A gyration of h ω = 0.5 is resolved; at h ω = 8 the certificate says that it is not, for little more than
+/// Gauss's time.
+#[test]
+fn steps_over_a_gyration() {
+    let mut misses = Misses::default();
+    let scale = 2.0 * 0.01 * 0.01;
+    let hamiltonian = Hamiltonian::new(2, |q, p| {
+        let across = (1.0 + q[0] * q[0]) * q[1] * q[1] + p[1] * p[1];
+        0.5 * p[0] * p[0] + across / scale
+    })
+    .unwrap();
+    let trial = Trial {
+        hamiltonian: &hamiltonian,
+        q: &[0.0, 0.01],
+        p: &[1.0, 0.0],
+        stages: 4,
+    };
+    let run = |who, h: f64| {
+        let steps = (5.0 / h).round() as u64;
+        trial.steps(who, (h, steps), |_, _, _| ())
+    };
+    let off = |state: &[f64]| {
+        let (x, u) = (state[0] - 0.850144844850949, state[2] + 0.829123215838473);
+        x.abs().max(u.abs())
+    };
+    let resolved = [Who::Equip, Who::Gauss].map(|who| run(who, 5e-5).unwrap());
+    println!("Gauss, h omega = 0.5: {:.2e}", off(&resolved[1].state));
+    misses.most("error, h omega = 0.5", off(&resolved[0].state), 1e-7);
+    let work = resolved[0].work() / resolved[1].work();
+    misses.most("work, h omega = 0.5", work, 4.0);
+    let coarse = [Who::Equip, Who::Gauss].map(|who| run(who, 8e-4).unwrap());
+    let time = coarse[0].seconds / coarse[1].seconds;
+    misses.most("time, h omega = 8", time, 3.0);
+    misses.most(
+        "work, h omega = 8",
+        coarse[0].work() / coarse[1].work(),
+        4.0,
+    );
+    let silent = f64::from(u8::from(!coarse[0].says_unresolved));
+    misses.most("certificates silent about h omega = 8", silent, 0.0);
+    misses.end();
+}
+
+/// Three equal masses on one figure eight (Chenciner, Montgomery, Annals of Mathematics 152, 2000).
+fn figure_eight() -> (Hamiltonian, Vec<DoubleDouble>, Vec<DoubleDouble>) {
+    let hamiltonian = Hamiltonian::new(6, |q, p| {
+        let kinetic: Var = p.iter().map(|&p| 0.5 * p * p).sum();
+        let pairs = [(0, 1), (0, 2), (1, 2)].map(|(a, b): (usize, usize)| {
+            let (x, y) = (q[2 * a] - q[2 * b], q[2 * a + 1] - q[2 * b + 1]);
+            1.0 / (x * x + y * y).sqrt()
+        });
+        kinetic - (pairs[0] + pairs[1] + pairs[2])
+    });
+    let read = |texts: [&str; 6]| texts.map(|x| DoubleDouble::decimal(x).unwrap()).to_vec();
+    let q = [
+        "0.97000436",
+        "-0.24308753",
+        "-0.97000436",
+        "0.24308753",
+        "0",
+        "0",
+    ];
+    let p = [
+        "0.466203685",
+        "0.43236573",
+        "0.466203685",
+        "0.43236573",
+        "-0.93240737",
+        "-0.86473146",
+    ];
+    (hamiltonian.unwrap(), read(q), read(p))
+}
+
+/// Double-double by a tolerance of 1e-24, in CPU time.
+#[test]
+fn wide_numbers_cost_little_more_than_gauss() {
+    let mut misses = Misses::default();
+    let mut cases = Vec::new();
+    for (name, end) in [("outer-solar-system", 3000), ("dnls", 2), ("fpu", 1)] {
+        let scene = find(name).unwrap().instance(&[]).unwrap();
+        let (q, p) = scene.initial::<DoubleDouble>();
+        cases.push((name, scene.hamiltonian().clone(), q, p, end));
+    }
+    let (hamiltonian, q, p) = figure_eight();
+    cases.push(("figure eight", hamiltonian, q, p, 2));
+    for (name, hamiltonian, q, p, end) in &cases {
+        let trial = Trial {
+            hamiltonian,
+            q,
+            p,
+            stages: 8,
+        };
+        let tolerance = DoubleDouble::decimal("1e-24").unwrap();
+        let run = |who| {
+            trial
+                .tolerance(who, tolerance, DoubleDouble::int(*end))
+                .unwrap()
+        };
+        let (gauss, equip) = (run(Who::Gauss), run(Who::Equip));
+        let seconds = run(Who::Gauss).seconds.min(gauss.seconds);
+        println!(
+            "{name}: {} and {} steps, {seconds:.3} s",
+            equip.steps, gauss.steps
+        );
+        misses.most(&format!("{name}, time"), equip.seconds / seconds, 6.0);
+    }
+    misses.end();
+}
