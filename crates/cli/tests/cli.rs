@@ -66,8 +66,10 @@ fn scenes_are_listed_and_described() {
             "{}",
             scene.name
         );
-        let page = stdout(&["scenes", scene.name]);
-        assert!(page.contains(scene.formula) && page.contains(scene.source));
+        // Long lines are wrapped.
+        let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let page = words(&stdout(&["scenes", scene.name]));
+        assert!(page.contains(&words(scene.formula)) && page.contains(&words(scene.source)));
         assert!(
             scene
                 .parameters

@@ -156,9 +156,12 @@ pub(super) fn whole(low: u64, high: u64) -> impl Fn(&str) -> Result<u64, String>
     }
 }
 
-/// Numbers of stages that some method takes.
+/// Reads a number of stages; which of them a method takes is known by the method.
 pub(super) fn stages(text: &str) -> Result<usize, String> {
-    whole(1, MAX_STAGES as u64)(text).map(|stages| stages as usize)
+    match text.trim().parse() {
+        Ok(stages) if stages >= 1 => Ok(stages),
+        _ => Err(format!("a whole number from 1 to {MAX_STAGES}")),
+    }
 }
 
 fn pair(text: &str) -> Result<(String, String), &'static str> {
