@@ -4,8 +4,10 @@ use crate::contestant::{Contestant, Ending, Leg, Task, run};
 use equip_tests::apart;
 use std::time::Duration;
 
-/// What kind of a step it is, judged by Gauss's own error and by h·ω, ω the fastest frequency along the
-/// motion.
+/// Steps of a run.
+pub(crate) const STEPS: u64 = 40;
+
+/// What kind of a step it is, judged by Gauss's own error and by h·ω, ω the fastest frequency along the motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Regime {
     /// Gauss's error is at most 1e-3 of the motion.

@@ -17,7 +17,7 @@ mod scenes;
 mod summary;
 mod svg;
 
-use cell::{Cell, Patience, Truth};
+use cell::{Cell, Patience, STEPS, Truth};
 use clap::Parser;
 use contestant::Task;
 use motion::Motion;
@@ -63,8 +63,6 @@ const QUICK_STAGES: [usize; 8] = [2, 3, 4, 6, 8, 12, 16, 32];
 /// Step sizes of a scene.
 const SIZES: usize = 12;
 const QUICK_SIZES: [usize; 6] = [0, 2, 4, 6, 8, 11];
-/// Steps of a run.
-const STEPS: u64 = 40;
 /// Stages and number of the step size, for random starts.
 const SETTINGS: [(usize, usize); 3] = [(4, 3), (6, 5), (8, 7)];
 

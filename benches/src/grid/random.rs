@@ -1,7 +1,6 @@
 //! Judges that nothing was tuned on: random Hamiltonians, starts, stages and steps, each from its seed.
 
-use crate::STEPS;
-use crate::cell::{Cell, Patience, Truth};
+use crate::cell::{Cell, Patience, STEPS, Truth};
 use crate::contestant::Task;
 use crate::motion::Motion;
 use equip_scalar::DoubleDouble;

@@ -6,37 +6,8 @@
 //!
 //! As √, it is NaN at −∞, and keeps the sign of −0 where n = ±1.
 
-use crate::constant::{Constant, Written};
-use crate::traits::{Float, Scalar};
-
-/// Largest |n| of x^(n/2): beyond, rounding adds up, and exp(c ln x) is as good.
-const LARGEST: i32 = 15;
-
-impl Constant {
-    /// The odd n for which it is n/2 in the float type `T`, with |n| ≤ 15.
-    #[inline(always)]
-    pub(crate) fn halves<T: Float>(self) -> Option<i32> {
-        let double = self.to_double();
-        let n = (2.0 * double) as i32;
-        let is_half = n & 1 == 1 && n.abs() <= LARGEST && f64::from(n) == 2.0 * double;
-        (is_half && (T::IS_DOUBLE || self.to::<T>() == T::exact(double))).then_some(n)
-    }
-
-    /// The odd n for which it is n/2 in every float type, with |n| ≤ 15.
-    #[doc(hidden)]
-    pub fn exact_halves(self) -> Option<i32> {
-        let n = self.halves::<f64>()?;
-        let is_exact = match self.written() {
-            Written::Double(_) => true,
-            Written::Ratio(above, below) => {
-                2 * i128::from(above) == i128::from(n) * i128::from(below)
-            }
-            Written::Extended(parts) => parts[1..] == [0.0; 3],
-            Written::Decimal(_) => false,
-        };
-        is_exact.then_some(n)
-    }
-}
+use crate::constant::Constant;
+use crate::traits::Scalar;
 
 /// x^(n/2) for an odd n.
 #[inline(always)]
