@@ -116,9 +116,14 @@ impl<T: Float> Direction<T> {
         }
     }
 
-    /// Measures how far each component moves in the step from `y` to `next`, no less than √ε of its size.
-    pub(crate) fn measure(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
+    /// Forgets what the last step has taught of the slopes.
+    pub(crate) fn begin(&mut self) {
         self.correction.fill(T::int(0));
+    }
+
+    /// Measures how far each component moves in the step from `y` to `next`, no less than √ε of its size. A direction is measured with the stages it
+    /// is taken at: the step made backwards ends there too, and not where it would with α = 0.
+    pub(crate) fn measure(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
         let rows = iterate.points().chunks_exact(self.stride);
         let ends = y.hi.iter().zip(&next.hi);
         let root = T::EPSILON.sqrt();

@@ -68,11 +68,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 turns_left -= 1;
                 self.stages.iterate.keep_momenta(y);
                 let digits = rounding / farthest.max(T::int(4) * reach.needed) / T::int(TURNS);
-                self.take_direction(if moves == 0 {
+                let digits = if moves == 0 {
                     digits.max(reach.needed)
                 } else {
                     digits
-                })?;
+                };
+                self.take_direction(digits, (y, next))?;
                 since = T::int(0);
             }
             let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
@@ -111,6 +112,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// The farthest that the end point may be moved. An error if no α's that stay within it can keep the constraints.
     fn reach(&mut self, (y, h): (&State<T>, T), next: &State<T>) -> Result<Bounds<T>, Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
+        direction.begin();
         direction.measure(&self.stages.iterate, y, next);
         let least = |units: &[T], of: fn(&Constraint<T>) -> T| {
             let worth = |c: &Constraint<T>| c.least_displacement(of(c), units);
@@ -159,8 +161,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         reach.holds(far)
     }
 
-    fn take_direction(&mut self, tolerance: T) -> Result<(), Outcome> {
+    fn take_direction(
+        &mut self,
+        tolerance: T,
+        (y, next): (&State<T>, &State<T>),
+    ) -> Result<(), Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
+        direction.measure(&self.stages.iterate, y, next);
         let best = T::int(ROUNDING) * T::EPSILON;
         let tolerance = tolerance.max(best).min(T::ratio(1, 1000));
         let m = self.stages.choice.operator();
