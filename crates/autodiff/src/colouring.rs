@@ -2,7 +2,11 @@
 //!
 //! Two columns without a common row can share one direction: the product of ∇²H with the sum of their unit
 //! vectors has the entries of both, side by side (Curtis, Powell, Reid 1974). Greedy in the order of the
-//! columns. Cost: the sum over the rows of their squared numbers of entries.
+//! columns. Columns that are connected by rows are coloured together; where a row has all of them, every two
+//! meet, and there is nothing to search for.
+//!
+//! Cost: for each entry of a column the colours its row has so far, one by one or 64 at a time, whichever are
+//! fewer.
 
 use crate::Pattern;
 
@@ -16,33 +20,107 @@ pub(crate) struct Colouring {
 impl Colouring {
     pub(crate) fn new(pattern: &Pattern) -> Self {
         let n = pattern.dimension();
-        let length = |i: usize| pattern.row_starts[i + 1] - pattern.row_starts[i];
-        let used = (0..n).filter(|&i| length(i) > 0).count();
-        // A full row makes every two columns meet: nothing to search for.
-        let full_row = (0..n).any(|i| used > 0 && length(i) == used);
-        let mut of_column: Vec<Option<usize>> = vec![None; n];
-        let mut colours = 0;
-        let mut seen_by = Vec::new();
-        for column in (0..n).filter(|&i| length(i) > 0) {
-            let colour = if full_row {
-                colours
-            } else {
-                for (_, row) in pattern.row(column) {
-                    for colour in pattern.row(row).filter_map(|(_, other)| of_column[other]) {
-                        seen_by[colour] = column;
-                    }
-                }
-                seen_by
-                    .iter()
-                    .position(|&by| by != column)
-                    .unwrap_or(colours)
-            };
-            if colour == colours {
-                colours += 1;
-                seen_by.push(usize::MAX);
+        let mut colouring = Colouring {
+            colours: 0,
+            of_column: vec![None; n],
+        };
+        let mut seen = Seen::new(n);
+        for component in components(pattern) {
+            let is_full = |&i: &usize| pattern.row(i).len() == component.len();
+            let every_two_meet = component.iter().any(is_full);
+            for (place, &column) in component.iter().enumerate() {
+                let colour = match every_two_meet {
+                    true => place,
+                    false => seen.first_free(pattern, column, &colouring.of_column),
+                };
+                colouring.colours = colouring.colours.max(colour + 1);
+                colouring.of_column[column] = Some(colour);
             }
-            of_column[column] = Some(colour);
         }
-        Colouring { colours, of_column }
+        colouring
     }
+}
+
+/// Columns with entries, in sets that have no row in common, ascending in each.
+fn components(pattern: &Pattern) -> Vec<Vec<usize>> {
+    let n = pattern.dimension();
+    let mut parent: Vec<usize> = (0..n).collect();
+    for i in 0..n {
+        for (_, j) in pattern.row(i) {
+            let (a, b) = (top(&mut parent, i), top(&mut parent, j));
+            parent[a.max(b)] = a.min(b);
+        }
+    }
+    let mut of_top = vec![usize::MAX; n];
+    let mut components: Vec<Vec<usize>> = Vec::new();
+    for i in (0..n).filter(|&i| pattern.row(i).len() > 0) {
+        let top = top(&mut parent, i);
+        if of_top[top] == usize::MAX {
+            of_top[top] = components.len();
+            components.push(Vec::new());
+        }
+        components[of_top[top]].push(i);
+    }
+    components
+}
+
+/// The representative of a set, all on the way to it brought nearer.
+fn top(parent: &mut [usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    i
+}
+
+/// Colours that a column cannot have.
+struct Seen {
+    /// Colours of each long row, a bit each.
+    of_row: Vec<Vec<u64>>,
+    /// Those of the present column.
+    taken: Vec<u64>,
+}
+
+/// Entries of the shortest row whose colours are kept.
+const LONG: usize = 64;
+
+impl Seen {
+    fn new(n: usize) -> Self {
+        Seen {
+            of_row: vec![Vec::new(); n],
+            taken: Vec::new(),
+        }
+    }
+
+    /// The first colour that no column has which shares a row with this one.
+    fn first_free(&mut self, pattern: &Pattern, column: usize, known: &[Option<usize>]) -> usize {
+        self.taken.clear();
+        for (_, row) in pattern.row(column) {
+            if pattern.row(row).len() >= LONG {
+                self.taken
+                    .resize(self.taken.len().max(self.of_row[row].len()), 0);
+                for (taken, own) in self.taken.iter_mut().zip(&self.of_row[row]) {
+                    *taken |= own;
+                }
+            } else {
+                let colours = pattern.row(row).filter_map(|(_, other)| known[other]);
+                colours.for_each(|colour| mark(&mut self.taken, colour));
+            }
+        }
+        let word = self.taken.iter().position(|&word| word != u64::MAX);
+        let word = word.unwrap_or(self.taken.len());
+        let bits = self.taken.get(word).map_or(0, |word| word.trailing_ones());
+        let colour = 64 * word + bits as usize;
+        for (_, row) in pattern.row(column) {
+            if pattern.row(row).len() >= LONG {
+                mark(&mut self.of_row[row], colour);
+            }
+        }
+        colour
+    }
+}
+
+fn mark(bits: &mut Vec<u64>, colour: usize) {
+    bits.resize(bits.len().max(colour / 64 + 1), 0);
+    bits[colour / 64] |= 1 << (colour % 64);
 }

@@ -55,17 +55,12 @@ pub(crate) struct Runs {
 
 impl Runs {
     /// For this float type, of which only `f64` has code.
-    pub(crate) fn new<T: Float>(compiled: &Option<Arc<Compiled>>) -> Self {
+    pub(crate) fn new<T: Float>(compiled: impl FnOnce() -> Option<Arc<Compiled>>) -> Self {
         Runs {
-            compiled: compiled.clone().filter(|_| T::IS_DOUBLE),
+            compiled: if T::IS_DOUBLE { compiled() } else { None },
             codes: Vec::new(),
             scratch: Vec::new(),
         }
-    }
-
-    /// Whether these instructions have code, which the system may still forbid.
-    pub(crate) fn has_code(&self, set: InstructionSet) -> bool {
-        self.compiled.is_some() && set > InstructionSet::PORTABLE
     }
 
     /// Runs the code at all points. `None` if there is none. It is made, or taken from the shared, at the
@@ -124,8 +119,8 @@ mod tests {
     use std::sync::Arc;
 
     fn compiled(energy: fn(&[Var], &[Var]) -> Var) -> Option<Arc<Compiled>> {
-        let (recorder, root) = record(1, energy).unwrap_or_else(|e| panic!("{e}"));
-        Compiled::new(&Graph::new(&recorder, &[root]))
+        let recording = record(1, energy).unwrap_or_else(|e| panic!("{e}"));
+        Compiled::new(&Graph::new(&recording.operations, &[recording.root]))
     }
 
     fn runs(runs: &mut Runs, set: InstructionSet, stride: usize) -> bool {
@@ -145,7 +140,7 @@ mod tests {
     #[test]
     fn arithmetic_is_run_as_machine_code() {
         let compiled = compiled(|q, p| q[0].powi(3) + p[0]);
-        let mut own = Runs::new::<f64>(&compiled);
+        let mut own = Runs::new::<f64>(|| compiled.clone());
         for set in InstructionSet::available() {
             let has_code = set.min(InstructionSet::best()) > InstructionSet::PORTABLE;
             for stride in [1, 4, 8, 16, 24, 32] {
@@ -154,7 +149,7 @@ mod tests {
             assert!(!runs(&mut own, set, 3) && !runs(&mut own, set, 12));
         }
         assert!(own.codes.len() <= 6 * InstructionSet::available().count());
-        let mut clone = Runs::new::<f64>(&compiled);
+        let mut clone = Runs::new::<f64>(|| compiled.clone());
         let set = InstructionSet::best();
         let (first, second) = (own.without_scratch(set, 8), clone.without_scratch(set, 8));
         match (first, second) {
@@ -169,7 +164,7 @@ mod tests {
         let arithmetic = compiled(|q, p| q[0] * p[0]);
         let has_code = InstructionSet::best() > InstructionSet::PORTABLE;
         assert_eq!(arithmetic.is_some(), has_code);
-        let mut runs = Runs::new::<DoubleDouble>(&arithmetic);
+        let mut runs = Runs::new::<DoubleDouble>(|| arithmetic.clone());
         let (one, mut value) = (DoubleDouble::from(1.0), [DoubleDouble::from(0.0)]);
         let batch = Batch {
             states: &[one, one],

@@ -10,6 +10,23 @@ pub enum BuildError {
     #[error("the number of degrees of freedom is 0; give the number of positions, at least 1")]
     NoDegreesOfFreedom,
 
+    /// More degrees of freedom than a recording has places for.
+    #[error(
+        "{m} degrees of freedom are more than the 2^29 of which a recording has places; \
+         write the energy with fewer, or integrate independent parts one by one"
+    )]
+    TooManyDegreesOfFreedom {
+        /// Degrees of freedom asked for.
+        m: usize,
+    },
+
+    /// More operations than a recording has places for.
+    #[error(
+        "the energy has more than the 2^31 operations of which a recording has places; \
+         leave out what is too small to matter, such as forces between distant particles"
+    )]
+    TooManyOperations,
+
     /// The energy compared the state with something.
     #[error(
         "the energy compares the state at {location}, but it is recorded once and replayed at every state; \
@@ -43,6 +60,13 @@ pub enum BuildError {
          roots of constants such as 0/0"
     )]
     ConstantNotANumber,
+
+    /// A constant of the energy is infinite.
+    #[error(
+        "a constant of the energy is infinite; check the parameters captured by it, and quotients and powers \
+         of constants such as 1/0, and leave out bounds that are infinite"
+    )]
+    ConstantInfinite,
 
     /// The supplied gradient is not the gradient of the energy.
     #[error(

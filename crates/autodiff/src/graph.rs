@@ -6,7 +6,7 @@
 //! the analyses of structure stay linear in n.
 
 use crate::op::{Curvature, Node, Op};
-use crate::recorder::Recorder;
+use crate::recorder::Operations;
 use equip_scalar::Constant;
 use std::ops::Range;
 
@@ -36,7 +36,7 @@ pub(crate) struct Graph {
 }
 
 impl Graph {
-    pub(crate) fn new(recorder: &Recorder, roots: &[u32]) -> Self {
+    pub(crate) fn new(recorder: &Operations, roots: &[u32]) -> Self {
         let uses = count_uses(recorder, roots);
         let chains = Chains::new(&recorder.nodes, &uses);
         let mut graph = Graph {
@@ -75,7 +75,7 @@ impl Graph {
     }
 
     /// The same operations with other results.
-    pub(crate) fn with_roots(&self, roots: Vec<u32>) -> Graph {
+    fn with_roots(&self, roots: Vec<u32>) -> Graph {
         Graph {
             nodes: self.nodes.clone(),
             constants: self.constants.clone(),
@@ -84,6 +84,32 @@ impl Graph {
             is_constant: self.is_constant.clone(),
             inputs: self.inputs,
             roots,
+        }
+    }
+
+    /// Whether a sum of at least `terms` terms depends on the state.
+    pub(crate) fn has_sum_of(&self, terms: usize) -> bool {
+        let mut nodes = self.nodes.iter().zip(&self.is_constant);
+        nodes.any(|(node, is_constant)| match node.op {
+            Op::Sum(k) => !is_constant && self.sums[k as usize].len() >= terms,
+            _ => false,
+        })
+    }
+
+    /// What depends on constants only, all of it as results, and the nodes here of these.
+    pub(crate) fn constants_only(&self) -> (Graph, Vec<u32>) {
+        let is_constant = |&i: &u32| self.is_constant[i as usize];
+        let roots: Vec<u32> = (0..self.nodes.len() as u32).filter(is_constant).collect();
+        let others: Vec<bool> = self.is_constant.iter().map(|constant| !constant).collect();
+        let constants = self.with_roots(roots.clone());
+        (constants.without(&others, self.nodes.clone()), roots)
+    }
+
+    /// The constant exponent of an operation.
+    pub(crate) fn exponent(&self, op: Op) -> Option<Constant> {
+        match op {
+            Op::Powf(k) | Op::PowfSlope(k) => Some(self.constants[k as usize]),
+            _ => None,
         }
     }
 
@@ -139,7 +165,7 @@ impl Graph {
 }
 
 /// The partial sums of chains of at least `terms` terms: operations that are done within a sum of the graph.
-pub(crate) fn partial_sums(recorder: &Recorder, root: u32, terms: usize) -> Vec<bool> {
+pub(crate) fn partial_sums(recorder: &Operations, root: u32, terms: usize) -> Vec<bool> {
     let chains = Chains::new(&recorder.nodes, &count_uses(recorder, &[root]));
     let mut is_partial = vec![false; recorder.nodes.len()];
     for i in (0..recorder.nodes.len()).rev() {
@@ -152,7 +178,7 @@ pub(crate) fn partial_sums(recorder: &Recorder, root: u32, terms: usize) -> Vec<
 }
 
 /// How often each node is used by nodes that reach a root; being a root counts as use.
-fn count_uses(recorder: &Recorder, roots: &[u32]) -> Vec<u32> {
+fn count_uses(recorder: &Operations, roots: &[u32]) -> Vec<u32> {
     let mut uses = vec![0_u32; recorder.nodes.len()];
     roots.iter().for_each(|&root| uses[root as usize] += 1);
     for i in (0..recorder.nodes.len()).rev() {

@@ -34,7 +34,8 @@ impl Hamiltonian<Recorded> {
     ///
     /// # Errors
     /// [`BuildError`] if m = 0, if the closure compares the state or reads a number out of it, if it uses
-    /// variables of another recording, or if a constant is NaN.
+    /// variables of another recording, if a constant is NaN or infinite, or if there are more degrees of
+    /// freedom or operations than a recording has places for.
     ///
     /// # Panics
     /// If the closure panics, and if it waits in an endless loop for a comparison of the state to come true.

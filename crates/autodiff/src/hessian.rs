@@ -33,31 +33,35 @@ pub(crate) struct HessianPlan {
 impl HessianPlan {
     pub(crate) fn new(pattern: &Pattern) -> Self {
         let Colouring { colours, of_column } = Colouring::new(pattern);
-        let mut by_colour: Vec<(usize, Pickup)> = Vec::with_capacity(pattern.len());
-        for i in 0..pattern.dimension() {
-            for (entry, j) in pattern.row(i) {
-                if let Some(colour) = of_column[i.max(j)] {
-                    let direction = (colour % DIRECTIONS) as u32;
-                    let row = i.min(j) as u32;
-                    by_colour.push((
-                        colour / DIRECTIONS,
-                        Pickup {
-                            entry: entry as u32,
-                            row,
-                            direction,
-                        },
-                    ));
-                }
-            }
+        let colour_of = |i: usize, j: usize| of_column[i.max(j)].unwrap_or(0);
+        let entries = || (0..pattern.dimension()).flat_map(|i| pattern.row(i).map(move |e| (i, e)));
+        let mut sweeps = vec![0..0; colours.div_ceil(DIRECTIONS)];
+        for (i, (_, j)) in entries() {
+            sweeps[colour_of(i, j) / DIRECTIONS].end += 1;
         }
-        by_colour.sort_by_key(|&(sweep, _)| sweep);
-        let mut sweeps = Vec::new();
-        let mut start = 0;
-        for group in by_colour.chunk_by(|x, y| x.0 == y.0) {
-            sweeps.push(start..start + group.len());
-            start += group.len();
+        let mut end = 0;
+        for sweep in &mut sweeps {
+            // Empty; the pickups are put in one by one.
+            let start = end;
+            end += sweep.end;
+            *sweep = start..start;
         }
-        let pickups = by_colour.into_iter().map(|(_, pickup)| pickup).collect();
+        let nowhere = Pickup {
+            entry: 0,
+            row: 0,
+            direction: 0,
+        };
+        let mut pickups = vec![nowhere; pattern.len()];
+        for (i, (entry, j)) in entries() {
+            let colour = colour_of(i, j);
+            let sweep = &mut sweeps[colour / DIRECTIONS];
+            pickups[sweep.end] = Pickup {
+                entry: entry as u32,
+                row: i.min(j) as u32,
+                direction: (colour % DIRECTIONS) as u32,
+            };
+            sweep.end += 1;
+        }
         HessianPlan {
             colours,
             of_column,

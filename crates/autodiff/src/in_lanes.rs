@@ -2,7 +2,8 @@
 //!
 //! Points are taken in groups of 8, doubles in groups of 4 where there is no room for more, and of 16 where
 //! there is and the tape is short: what it takes to find an operation is shared by more of them, and of a
-//! long tape the values would take twice the cache. Memory: 12 numbers a slot of the tape, 28 of a short one.
+//! long tape the values would take twice the cache. Memory: as many numbers a slot of the tape as points, for
+//! each width that is used.
 
 use crate::batch::Batch;
 use crate::replay::forward;
@@ -16,8 +17,8 @@ const SHORT: usize = 512;
 /// Workspace of one tape in all widths.
 #[derive(Debug, Clone)]
 pub(crate) struct InLanes<T: Float> {
-    four: Replay<T::Pack<4>>,
-    eight: Replay<T::Pack<8>>,
+    four: Option<Replay<T::Pack<4>>>,
+    eight: Option<Replay<T::Pack<8>>>,
     /// Of a short tape, for doubles.
     sixteen: Option<Replay<Lanes<16>>>,
 }
@@ -25,8 +26,8 @@ pub(crate) struct InLanes<T: Float> {
 impl<T: Float> InLanes<T> {
     pub(crate) fn new(tape: &Tape) -> Self {
         InLanes {
-            four: Replay::packs(tape),
-            eight: Replay::packs(tape),
+            four: None,
+            eight: None,
             sixteen: (T::IS_DOUBLE && tape.slots <= SHORT).then(|| Replay::packs(tape)),
         }
     }
@@ -40,14 +41,14 @@ impl<T: Float> InLanes<T> {
                 batch: &mut batch,
             });
         } else if const { T::IS_DOUBLE } && batch.stride <= 4 {
-            let replay = &mut self.four;
+            let replay = self.four.get_or_insert_with(|| Replay::packs(tape));
             set.run(&mut Group::<T, 4> {
                 tape,
                 replay,
                 batch,
             });
         } else {
-            let replay = &mut self.eight;
+            let replay = self.eight.get_or_insert_with(|| Replay::packs(tape));
             set.run(&mut Group::<T, 8> {
                 tape,
                 replay,

@@ -4,6 +4,7 @@
 //! has only the positions as unknowns needs. M⁻¹ is read off ∇²H, whose lower right block is constant, and b
 //! off ∇H at p = 0.
 
+use crate::colouring::Colouring;
 use crate::{Evaluate, Structure};
 use equip_scalar::{Float, Piecewise};
 
@@ -25,7 +26,7 @@ enum Shape<T> {
 }
 
 impl<T: Float> Kinetic<T> {
-    /// `None` if H is not separable, or T not known to be quadratic, or not finite.
+    /// Cost: ∇H once, and ∇²H·v for each colour of ∇²T. `None` if H is not separable, or T not known to be quadratic, or not finite.
     pub(crate) fn new<E: Evaluate<T>>(structure: &Structure, evaluator: &mut E) -> Option<Self> {
         if !structure.separable || structure.degree_in_p.is_none_or(|degree| degree > 2) {
             return None;
@@ -35,15 +36,29 @@ impl<T: Float> Kinetic<T> {
         let mut gradient = origin.clone();
         evaluator.gradient(&origin, &mut gradient);
         let offset = gradient.split_off(m);
-        let mut hessian = vec![T::int(0); structure.hessian.len()];
-        evaluator.hessian(&origin, &mut hessian);
-        let mut row_starts = vec![0];
-        let mut entries = Vec::new();
-        for row in m..2 * m {
-            let own = structure.hessian.row(row);
-            entries.extend(own.map(|(place, column)| (column - m, hessian[place])));
-            row_starts.push(entries.len());
+        let pattern = structure.hessian.block(m..2 * m);
+        let Colouring { of_column, colours } = Colouring::new(&pattern);
+        let mut entries: Vec<(usize, T)> = pattern
+            .columns
+            .iter()
+            .map(|&column| (column, T::int(0)))
+            .collect();
+        let (mut direction, mut product) = (origin.clone(), origin.clone());
+        for colour in 0..colours {
+            for (place, of_column) in direction[m..].iter_mut().zip(&of_column) {
+                *place = T::int(i64::from(*of_column == Some(colour)));
+            }
+            evaluator.hessian_vector(&origin, &direction, &mut product);
+            // Entry and mirror entry from the same place: symmetric to the last bit.
+            for row in 0..m {
+                for (place, column) in pattern.row(row) {
+                    if of_column[row.max(column)] == Some(colour) {
+                        entries[place].1 = product[m + row.min(column)];
+                    }
+                }
+            }
         }
+        let row_starts = pattern.row_starts;
         let finite = |x: &T| Piecewise::is_regular(*x);
         if !offset.iter().all(finite) || !entries.iter().all(|(_, x)| finite(x)) {
             return None;

@@ -4,13 +4,13 @@
 //! else is done where it is used. Each is still rounded for itself: every bit is kept. Done after all that is
 //! to be known of the structure is known.
 
-use crate::graph::Graph;
+use crate::graph::{Graph, Term};
 use crate::op::{Node, Op};
 use equip_scalar::Constant;
 
 /// The same graph in fewer operations.
-pub(crate) fn peephole(graph: Graph) -> Graph {
-    let uses = count_uses(&graph);
+pub(crate) fn peephole(graph: &Graph) -> Graph {
+    let uses = count_uses(graph);
     let mut taken = vec![false; graph.nodes.len()];
     let mut nodes = graph.nodes.clone();
     for (i, node) in graph.nodes.iter().enumerate() {
@@ -56,7 +56,7 @@ impl Graph {
     }
 
     /// With these operations, less those that are `taken` out, which no other needs.
-    pub(crate) fn without(mut self, taken: &[bool], nodes: Vec<Node>) -> Graph {
+    pub(crate) fn without(&self, taken: &[bool], nodes: Vec<Node>) -> Graph {
         let mut renumbered = vec![0; nodes.len()];
         let mut left = Vec::with_capacity(nodes.len());
         let mut is_constant = Vec::with_capacity(nodes.len());
@@ -68,16 +68,19 @@ impl Graph {
                 is_constant.push(self.is_constant[i]);
             }
         }
-        for node in self.roots.iter_mut() {
-            *node = renumbered[*node as usize];
-        }
-        for term in &mut self.terms {
-            term.node = renumbered[term.node as usize];
-        }
+        let roots = self.roots.iter().map(|&node| renumbered[node as usize]);
+        let terms = self.terms.iter().map(|&Term { node, minus }| Term {
+            node: renumbered[node as usize],
+            minus,
+        });
         Graph {
+            inputs: self.inputs,
             nodes: left,
+            constants: self.constants.clone(),
+            terms: terms.collect(),
+            sums: self.sums.clone(),
+            roots: roots.collect(),
             is_constant,
-            ..self
         }
     }
 }
@@ -102,8 +105,8 @@ mod tests {
 
     #[test]
     fn what_goes_nowhere_else_is_taken_up() {
-        let (recorder, root) = record(3, |q, _| potential(q)).unwrap_or_else(|e| panic!("{e}"));
-        let graph = peephole(Graph::new(&recorder, &[root]));
+        let recording = record(3, |q, _| potential(q)).unwrap_or_else(|e| panic!("{e}"));
+        let graph = peephole(&Graph::new(&recording.operations, &[recording.root]));
         let found: Vec<Op> = graph.nodes.iter().map(|node| node.op).collect();
         let count = |op: Op| found.iter().filter(|&&x| x == op).count();
         assert_eq!(count(Op::Square), 1);
@@ -136,7 +139,7 @@ mod tests {
     #[test]
     fn blocks_and_operations_in_one_have_the_bits_of_single_operations() {
         let m = 400;
-        let (mut recorder, root) = record(m, |q, _| {
+        let recording = record(m, |q, _| {
             let shared = (q[0] * q[0]).exp();
             let r2 = q.iter().map(|&q| q * q).sum::<Var>();
             let springs = q.windows(2).map(|q| {
@@ -146,7 +149,8 @@ mod tests {
             springs.sum::<Var>() + q[m - 1] / r2.sqrt() + 1.0 / (q[1] * q[1] + q[2] * q[2]).sqrt()
         })
         .unwrap_or_else(|e| panic!("{e}"));
-        let slopes = differentiate(&mut recorder, root);
+        let mut recorder = recording.resume();
+        let slopes = differentiate(&mut recorder, recording.root);
         let graph = || Graph::new(&recorder, &slopes);
         let results = |tape: Tape| -> Vec<u64> {
             let mut replay = Replay::<f64>::new(&tape);
@@ -159,10 +163,10 @@ mod tests {
         assert!(in_blocks.blocks.len() > 2 && in_blocks.copies.len() > 2);
         assert_eq!(results(in_blocks), expected);
         assert_eq!(
-            results(Tape::new(&peephole(graph()), Blocks::One)),
+            results(Tape::new(&peephole(&graph()), Blocks::One)),
             expected
         );
-        let both = Tape::new(&peephole(graph()), Blocks::InCache);
+        let both = Tape::new(&peephole(&graph()), Blocks::InCache);
         assert!(both.operations() == Tape::new(&graph(), Blocks::One).operations());
         assert_eq!(results(both), expected);
         assert!(expected.iter().any(|&x| x != expected[0]));

@@ -1,26 +1,28 @@
-//! [`Recorded`]: the closure route. H is recorded once, on a tape, and replayed in any float type.
+//! [`Recorded`]: the closure route. H is recorded once, and replayed in any float type. What is derived from the
+//! recording is made when it is first asked for.
 
 use crate::batch::Batch;
-use crate::bound::{Bound, BoundRuns};
-use crate::compiled::{Compiled, Runs};
+use crate::bound::with_bound;
 use crate::derivative::differentiate;
 use crate::fused::{Fused, Joined, fuse};
 use crate::graph::Graph;
 use crate::hessian::{DIRECTIONS, HessianPlan};
 use crate::many::Many;
+use crate::one::One;
 use crate::order::Blocks;
-use crate::peephole::peephole;
 use crate::point::{check_batch, require_separable};
 use crate::ready::ready;
-use crate::recorder::Recorder;
+use crate::recorder::Recording;
+use crate::results::Results;
+use crate::structure::HessianPattern;
 use crate::system::Holds;
 use crate::tangent::Tangent;
-use crate::tape::Tape;
+use crate::tape::{LONG, Tape};
 use crate::trace::record;
 use crate::values::Replay;
-use crate::{BuildError, Evaluate, Kinetic, Structure, System, Var, degree, separable, sparsity};
+use crate::{BuildError, Evaluate, Kinetic, Structure, System, Var, degree, separable};
 use equip_scalar::{Float, InstructionSet};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// An energy recorded from a closure; made by [`Hamiltonian::new`](crate::Hamiltonian::new).
 #[derive(Debug, Clone)]
@@ -31,25 +33,55 @@ pub struct Recorded {
 /// What evaluators in all float types share.
 #[derive(Debug)]
 struct Shared {
-    energy: Tape,
-    /// All n components of ∇H.
-    gradient: Tape,
-    /// The same for many points.
-    gradients: Tape,
-    /// ∇U, if H = T(p) + U(q).
-    forces: Option<Tape>,
-    bound: Bound,
-    compiled: AsCode,
-    plan: HessianPlan,
+    recording: Recording,
+    energy: Results,
+    /// H has a sum that is worth compensating.
+    has_long_sums: bool,
+    slopes: OnceLock<Slopes>,
+    with_bound: OnceLock<Results>,
+    plan: OnceLock<HessianPlan>,
     structure: Structure,
 }
 
-/// The recordings that can be machine code.
+/// The derivatives of H.
 #[derive(Debug)]
-struct AsCode {
-    energy: Option<Arc<Compiled>>,
-    gradient: Option<Arc<Compiled>>,
-    forces: Option<Arc<Compiled>>,
+struct Slopes {
+    /// All n components of ∇H.
+    gradient: Results,
+    /// ∇U, if H = T(p) + U(q).
+    forces: Option<Results>,
+}
+
+impl Shared {
+    fn slopes(&self) -> &Slopes {
+        self.slopes.get_or_init(|| {
+            let Structure {
+                separable,
+                degrees_of_freedom: m,
+                ..
+            } = self.structure;
+            let mut recorder = self.recording.resume();
+            let slopes = differentiate(&mut recorder, self.recording.root);
+            let results = |roots: &[u32]| Results::new(Arc::new(Graph::new(&recorder, roots)));
+            Slopes {
+                gradient: results(&slopes),
+                forces: separable.then(|| results(&slopes[..m])),
+            }
+        })
+    }
+
+    fn gradient(&self) -> &Results {
+        &self.slopes().gradient
+    }
+
+    /// ∇H, the bound of rounding and H.
+    fn with_bound(&self) -> &Results {
+        self.with_bound.get_or_init(|| with_bound(&self.recording))
+    }
+
+    fn plan(&self) -> &HessianPlan {
+        (self.plan).get_or_init(|| HessianPlan::new(&self.structure.hessian))
+    }
 }
 
 impl Recorded {
@@ -57,70 +89,72 @@ impl Recorded {
         m: usize,
         energy: impl FnOnce(&[Var], &[Var]) -> Var,
     ) -> Result<Self, BuildError> {
-        let (recorder, root) = record(m, energy)?;
-        Recorded::of(m, recorder, root)
+        Recorded::of(m, record(m, energy)?)
     }
 
     /// Compiled once, and not for every closure.
-    fn of(m: usize, mut recorder: Recorder, root: u32) -> Result<Self, BuildError> {
-        let graph = Graph::new(&recorder, &[root]);
-        let structure = Structure {
-            degrees_of_freedom: m,
-            separable: separable::is_separable(&graph),
-            degree: degree::degree(&graph, 0..2 * m),
-            degree_in_q: degree::degree(&graph, 0..m),
-            degree_in_p: degree::degree(&graph, m..2 * m),
-            hessian: sparsity::hessian_pattern(&graph),
-        };
-        let compiled_energy = Compiled::new(&graph);
-        let energy = Tape::new(&peephole(graph), Blocks::One);
-        if Replay::<f64>::new(&energy).has_nan() {
-            return Err(BuildError::ConstantNotANumber);
-        }
-        let bound = Bound::new(recorder.recording(root));
-        let slopes = differentiate(&mut recorder, root);
-        let laid_out = |roots: &[u32]| {
-            let graph = Graph::new(&recorder, roots);
-            (Compiled::new(&graph), peephole(graph))
-        };
-        let (compiled_gradient, gradient) = laid_out(&slopes);
-        let forces = structure.separable.then(|| laid_out(&slopes[..m]));
-        let (compiled_forces, forces) = forces.unzip();
+    fn of(m: usize, recording: Recording) -> Result<Self, BuildError> {
+        let graph = Arc::new(Graph::new(&recording.operations, &[recording.root]));
+        check_constants(&graph)?;
         Ok(Recorded {
             shared: Arc::new(Shared {
-                energy,
-                gradient: Tape::new(&gradient, Blocks::One),
-                gradients: Tape::new(&gradient, Blocks::InCache),
-                forces: forces.map(|graph| Tape::new(&graph, Blocks::InCache)),
-                bound,
-                compiled: AsCode {
-                    energy: compiled_energy,
-                    gradient: compiled_gradient,
-                    forces: compiled_forces.flatten(),
+                recording,
+                has_long_sums: graph.has_sum_of(LONG),
+                structure: Structure {
+                    degrees_of_freedom: m,
+                    separable: separable::is_separable(&graph),
+                    degree: degree::degree(&graph, 0..2 * m),
+                    degree_in_q: degree::degree(&graph, 0..m),
+                    degree_in_p: degree::degree(&graph, m..2 * m),
+                    hessian: HessianPattern::new(Arc::clone(&graph)),
                 },
-                plan: HessianPlan::new(&structure.hessian),
-                structure,
+                energy: Results::new(graph),
+                slopes: OnceLock::new(),
+                with_bound: OnceLock::new(),
+                plan: OnceLock::new(),
             }),
         })
     }
 
     pub(crate) fn colours(&self) -> usize {
-        self.shared.plan.colours
+        self.shared.plan().colours
     }
 
     pub(crate) fn operations(&self) -> usize {
-        self.shared.energy.operations()
+        self.shared.energy.one().operations()
     }
 
     /// Whether H has a sum that is worth compensating.
     #[inline]
     pub(crate) fn has_long_sums(&self) -> bool {
-        self.shared.energy.has_long_sums
+        self.shared.has_long_sums
     }
 
     pub(crate) fn gradient_operations(&self) -> usize {
-        self.shared.gradient.operations()
+        self.shared.gradient().one().operations()
     }
+}
+
+/// Refuses constants, and what is computed of them alone, that are NaN or infinite.
+fn check_constants(graph: &Graph) -> Result<(), BuildError> {
+    let (constants, _) = graph.constants_only();
+    let tape = Tape::new(&constants, Blocks::One);
+    let numbers = Replay::<f64>::new(&tape);
+    let exponents = graph
+        .nodes
+        .iter()
+        .filter_map(|node| graph.exponent(node.op));
+    let exponents = exponents.map(|c| c.to::<f64>());
+    let mut all = numbers.values.iter().copied().chain(exponents);
+    let mut found = Ok(());
+    if let Some(x) = all.find(|x| !x.is_finite()) {
+        found = Err(if x.is_nan() || all.any(f64::is_nan) {
+            BuildError::ConstantNotANumber
+        } else {
+            BuildError::ConstantInfinite
+        });
+    }
+    found
 }
 
 impl System for Recorded {
@@ -135,40 +169,36 @@ impl System for Recorded {
     }
 }
 
-/// Evaluates a recorded energy in the float type `T`. All workspace is allocated when it is made, or at the
-/// first call of a kind.
+/// Evaluates a recorded energy in the float type `T`. Workspace is allocated at the first call of a kind.
 #[derive(Debug, Clone)]
 pub struct RecordedEvaluator<T: Float> {
     shared: Arc<Shared>,
     set: InstructionSet,
-    energy: Replay<T>,
-    energy_as_code: Runs,
-    gradient: Replay<T>,
-    single: Replay<Tangent<T, 1>>,
-    several: Replay<Tangent<T, DIRECTIONS>>,
+    energy: One<T>,
+    gradient: One<T>,
+    with_bound: One<T>,
+    /// ∇H, the bound and H.
+    bounded: Vec<T>,
+    single: Option<Replay<Tangent<T, 1>>>,
+    several: Option<Replay<Tangent<T, DIRECTIONS>>>,
     gradients: Many<T>,
     /// Of a separable H.
-    forces: Option<Many<T>>,
-    /// Made at the first call.
-    bound: Option<BoundRuns<T>>,
+    forces: Many<T>,
 }
 
 impl<T: Float> RecordedEvaluator<T> {
     pub(crate) fn new(of: &Recorded) -> Self {
-        let shared = Arc::clone(&of.shared);
-        let (compiled, set) = (&shared.compiled, InstructionSet::best());
-        let forces = shared.forces.as_ref();
         RecordedEvaluator {
-            set,
-            energy: Replay::new(&shared.energy),
-            energy_as_code: Runs::new::<T>(&compiled.energy),
-            gradient: Replay::new(&shared.gradient),
-            single: Replay::tangents(&shared.gradient),
-            several: Replay::tangents(&shared.gradient),
-            gradients: Many::new(&compiled.gradient, set, &shared.gradients),
-            forces: forces.map(|tape| Many::new(&compiled.forces, set, tape)),
-            bound: None,
-            shared,
+            shared: Arc::clone(&of.shared),
+            set: InstructionSet::best(),
+            energy: One::new(),
+            gradient: One::new(),
+            with_bound: One::new(),
+            bounded: Vec::new(),
+            single: None,
+            several: None,
+            gradients: Many::new(),
+            forces: Many::new(),
         }
     }
 
@@ -183,51 +213,44 @@ impl<T: Float> RecordedEvaluator<T> {
     pub(crate) fn value_at(&mut self, y: &[T]) -> T {
         self.check(&[y.len()]);
         let mut value = [T::int(0)];
-        let batch = Batch::one(y, &mut value);
-        if self.energy_as_code.run(self.set, batch).is_some() {
-            return value[0];
-        }
-        let tape = &self.shared.energy;
-        self.energy.run(tape, |k| y[k])[0]
+        (self.energy).run(self.set, &self.shared.energy, y, &mut value);
+        value[0]
     }
 
     pub(crate) fn compensated_value_at(&mut self, y: &[T]) -> T {
-        self.check(&[y.len()]);
-        let tape = &self.shared.energy;
-        if tape.has_long_sums {
-            self.energy.run_compensated(self.set, tape, |k| y[k])[0]
-        } else {
-            self.value_at(y)
+        if !self.shared.has_long_sums {
+            return self.value_at(y);
         }
+        self.check(&[y.len()]);
+        let mut value = [T::int(0)];
+        (self.energy).run_compensated(self.set, &self.shared.energy, y, &mut value);
+        value[0]
     }
 
     pub(crate) fn gradient_with_bound_at(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
-        self.check(&[y.len(), gradient.len()]);
-        let bound = &self.shared.bound;
-        let runs = (self.bound).get_or_insert_with(|| BoundRuns::new(bound, y.len()));
-        let (slopes, size, h) = runs.run(self.set, bound, y);
-        gradient.copy_from_slice(slopes);
-        match self.shared.energy.has_long_sums {
-            true => (self.compensated_value_at(y), size),
-            false => (h, size),
+        self.check(&[gradient.len()]);
+        let bound = self.bound_at(y);
+        let n = y.len();
+        gradient.copy_from_slice(&self.bounded[..n]);
+        match self.shared.has_long_sums {
+            true => (self.compensated_value_at(y), bound),
+            false => (self.bounded[n + 1], bound),
         }
     }
 
     pub(crate) fn bound_at(&mut self, y: &[T]) -> T {
         self.check(&[y.len()]);
-        let bound = &self.shared.bound;
-        let runs = (self.bound).get_or_insert_with(|| BoundRuns::new(bound, y.len()));
-        runs.run(self.set, bound, y).1
+        self.bounded.resize(y.len() + 2, T::int(0));
+        let of = self.shared.with_bound();
+        self.with_bound.run(self.set, of, y, &mut self.bounded);
+        self.bounded[y.len()]
     }
 
     pub(crate) fn gradients_at(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         self.check(&[n]);
-        let tape = &self.shared.gradient;
+        let of = self.shared.gradient();
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
-            let batch = Batch::one(y, gradient);
-            if self.gradients.run_code(self.set, batch).is_none() {
-                gradient.copy_from_slice(self.gradient.run(tape, |k| y[k]));
-            }
+            self.gradient.run(self.set, of, y, gradient);
         }
     }
 
@@ -246,7 +269,7 @@ impl<T: Float> RecordedEvaluator<T> {
             stride,
             count,
         };
-        self.gradients.run(self.set, &self.shared.gradients, batch);
+        (self.gradients).run(self.set, self.shared.gradient(), batch);
     }
 
     pub(crate) fn forces_of(
@@ -256,9 +279,7 @@ impl<T: Float> RecordedEvaluator<T> {
         stride: usize,
         count: usize,
     ) {
-        let Shared {
-            structure, forces, ..
-        } = &*self.shared;
+        let structure = &self.shared.structure;
         require_separable(structure);
         let m = structure.degrees_of_freedom;
         check_batch(m, [positions.len(), gradients.len()], stride, count);
@@ -268,8 +289,8 @@ impl<T: Float> RecordedEvaluator<T> {
             stride,
             count,
         };
-        if let (Some(tape), Some(many)) = (forces, &mut self.forces) {
-            many.run(self.set, tape, batch);
+        if let Some(of) = &self.shared.slopes().forces {
+            self.forces.run(self.set, of, batch);
         }
     }
 
@@ -280,8 +301,9 @@ impl<T: Float> RecordedEvaluator<T> {
 
     pub(crate) fn hessian_times(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.check(&[y.len(), v.len(), product.len()]);
-        let tape = &self.shared.gradient;
-        let rows = self.single.run(tape, |k| Tangent {
+        let tape = self.shared.gradient().one();
+        let single = (self.single).get_or_insert_with(|| Replay::tangents(tape));
+        let rows = single.run(tape, |k| Tangent {
             value: y[k],
             rates: [v[k]],
         });
@@ -292,19 +314,16 @@ impl<T: Float> RecordedEvaluator<T> {
 
     pub(crate) fn hessian_at(&mut self, y: &[T], entries: &mut [T]) {
         self.check(&[y.len()]);
-        let Shared {
-            gradient: tape,
-            plan,
-            structure,
-            ..
-        } = &*self.shared;
+        let (plan, structure) = (self.shared.plan(), &self.shared.structure);
+        let tape = self.shared.gradient().one();
+        let several = (self.several).get_or_insert_with(|| Replay::tangents(tape));
         assert_eq!(
             entries.len(),
             structure.hessian.len(),
             "one place per entry of the pattern"
         );
         for (sweep, pickups) in plan.sweeps().enumerate() {
-            let rows = self.several.run(tape, |k| {
+            let rows = several.run(tape, |k| {
                 let mut input = Tangent::fixed(y[k]);
                 if let Some(colour) = plan.of_column[k]
                     && colour / DIRECTIONS == sweep
@@ -386,7 +405,7 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     fn fuse_gradients<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
         let n = 2 * self.shared.structure.degrees_of_freedom;
         let stride = F::GROUPS * N;
-        let slopes = self.gradients.called(self.set, stride)?;
+        let slopes = (self.gradients).called(self.set, self.shared.gradient(), stride)?;
         fuse!(self.set, n, slopes, task, [2 4])
     }
 
@@ -394,7 +413,8 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
         let m = self.shared.structure.degrees_of_freedom;
         let stride = F::GROUPS * N;
-        let slopes = self.forces.as_mut()?.called(self.set, stride)?;
+        let of = self.shared.slopes().forces.as_ref()?;
+        let slopes = self.forces.called(self.set, of, stride)?;
         fuse!(self.set, m, slopes, task, [1 2 3 4])
     }
 

@@ -7,6 +7,8 @@
 use crate::op::{Node, Op};
 use equip_scalar::{Attempt, Constant, Written};
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+use std::ops::Deref;
 use std::panic::Location;
 
 /// Refusals after which a loop waiting for a comparison to come true is taken to be endless.
@@ -32,39 +34,62 @@ impl From<Constant> for ConstantKey {
     }
 }
 
-/// The operations of one energy in the order they were met, inputs first.
-#[derive(Debug)]
-pub(crate) struct Recorder {
-    pub(crate) id: u32,
+/// Most operations of a recording: places in it are 32 bits, and derivatives need some too.
+const MOST_OPERATIONS: usize = 1 << 31;
+
+/// Operations in the order they were met, inputs first.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Operations {
     pub(crate) inputs: usize,
     pub(crate) nodes: Vec<Node>,
     pub(crate) constants: Vec<Constant>,
+}
+
+/// The operations of one energy, each known by what it does.
+#[derive(Debug)]
+pub(crate) struct Recorder {
+    pub(crate) id: u32,
+    operations: Operations,
+    /// There were more operations than have a place.
+    pub(crate) overflow: bool,
     /// A variable of another recording was met.
     pub(crate) foreign: bool,
     /// The first attempt to look at a value.
     pub(crate) refusal: Option<(Attempt, &'static Location<'static>)>,
     refusals: usize,
-    known: HashMap<Node, u32>,
+    known: HashMap<Node, u32, BuildHasherDefault<Mixed>>,
     known_constants: HashMap<ConstantKey, u32>,
 }
 
+impl Deref for Recorder {
+    type Target = Operations;
+
+    fn deref(&self) -> &Operations {
+        &self.operations
+    }
+}
+
 /// The operations of one energy H, and no more: what derivatives are made of when they are first asked for.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(crate) struct Recording {
     pub(crate) root: u32,
-    inputs: usize,
-    nodes: Box<[Node]>,
-    constants: Box<[Constant]>,
+    pub(crate) operations: Operations,
 }
 
 impl Recording {
     /// A recorder that has just recorded H.
     pub(crate) fn resume(&self) -> Recorder {
-        let mut recorder = Recorder::new(0, self.inputs);
-        for &c in &self.constants {
+        let Operations {
+            inputs,
+            nodes,
+            constants,
+        } = &self.operations;
+        let mut recorder = Recorder::new(0, *inputs);
+        for &c in constants {
             recorder.constant_entry(c);
         }
-        for &node in &self.nodes[self.inputs..] {
+        recorder.known.reserve(nodes.len());
+        for &node in &nodes[*inputs..] {
             recorder.node(node);
         }
         recorder
@@ -72,37 +97,35 @@ impl Recording {
 }
 
 impl Recorder {
-    /// What has been recorded up to the node of H.
-    pub(crate) fn recording(&self, root: u32) -> Recording {
-        let nodes = (root as usize + 1).max(self.inputs);
-        Recording {
-            root,
-            inputs: self.inputs,
-            nodes: self.nodes[..nodes].into(),
-            constants: self.constants.clone().into(),
-        }
-    }
-
     pub(crate) fn new(id: u32, inputs: usize) -> Self {
-        let mut recorder = Recorder {
+        let input = |i| Node {
+            op: Op::Input(i),
+            a: 0,
+            b: 0,
+        };
+        Recorder {
             id,
-            inputs,
-            nodes: Vec::new(),
-            constants: Vec::new(),
+            operations: Operations {
+                inputs,
+                nodes: (0..inputs as u32).map(input).collect(),
+                constants: Vec::new(),
+            },
+            overflow: false,
             foreign: false,
             refusal: None,
             refusals: 0,
-            known: HashMap::new(),
+            known: HashMap::default(),
             known_constants: HashMap::new(),
-        };
-        for i in 0..inputs as u32 {
-            recorder.node(Node {
-                op: Op::Input(i),
-                a: 0,
-                b: 0,
-            });
         }
-        recorder
+    }
+
+    /// What has been recorded up to the node of H.
+    pub(crate) fn finish(self, root: u32) -> Recording {
+        let mut operations = self.operations;
+        let length = (root as usize + 1).max(operations.inputs);
+        operations.nodes.truncate(length);
+        operations.nodes.shrink_to_fit();
+        Recording { root, operations }
     }
 
     pub(crate) fn constant(&mut self, c: Constant) -> u32 {
@@ -199,15 +222,53 @@ impl Recorder {
 
     fn constant_entry(&mut self, c: Constant) -> u32 {
         *self.known_constants.entry(c.into()).or_insert_with(|| {
-            self.constants.push(c);
-            self.constants.len() as u32 - 1
+            self.operations.constants.push(c);
+            self.operations.constants.len() as u32 - 1
         })
     }
 
     fn node(&mut self, node: Node) -> u32 {
+        let nodes = &mut self.operations.nodes;
+        if nodes.len() >= MOST_OPERATIONS {
+            self.overflow = true;
+            return 0;
+        }
         *self.known.entry(node).or_insert_with(|| {
-            self.nodes.push(node);
-            self.nodes.len() as u32 - 1
+            nodes.push(node);
+            nodes.len() as u32 - 1
         })
+    }
+}
+
+/// The hash of rustc's own tables: words are mixed by products [rustc-hash 2]. Recordings are no hostile
+/// input.
+#[derive(Debug, Default, Clone, Copy)]
+pub(crate) struct Mixed(u64);
+
+impl Mixed {
+    fn add(&mut self, word: u64) {
+        self.0 = (self.0.wrapping_add(word)).wrapping_mul(0xf135_7aea_2e62_a9c5);
+    }
+}
+
+impl Hasher for Mixed {
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.add(byte.into()));
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        self.add(word.into());
+    }
+
+    fn write_u64(&mut self, word: u64) {
+        self.add(word);
+    }
+
+    fn write_usize(&mut self, word: usize) {
+        self.add(word as u64);
+    }
+
+    fn finish(&self) -> u64 {
+        self.0.rotate_left(26)
     }
 }

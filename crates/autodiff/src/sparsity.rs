@@ -10,13 +10,14 @@ use crate::Pattern;
 use crate::graph::Graph;
 use crate::op::{Curvature, Op};
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::rc::Rc;
 
-/// The pattern of ∇²H.
-pub(crate) fn hessian_pattern(graph: &Graph) -> Pattern {
+/// The block of ∇²H with these rows and columns, counted from 0.
+pub(crate) fn hessian_pattern(graph: &Graph, variables: Range<usize>) -> Pattern {
     let wanted = wanted(graph);
     let mut sets = Sets::default();
-    let mut rows = Rows::new(graph.inputs);
+    let mut rows = Rows::new(variables.len());
     let mut dependence: Vec<u32> = Vec::with_capacity(graph.nodes.len());
     let mut coupled: HashSet<(u32, u32)> = HashSet::new();
     for (i, node) in graph.nodes.iter().enumerate() {
@@ -25,7 +26,10 @@ pub(crate) fn hessian_pattern(graph: &Graph) -> Pattern {
             _ => (dependence[node.a as usize], dependence[node.b as usize]),
         };
         let own = match node.op {
-            Op::Input(k) => sets.intern(vec![k]),
+            Op::Input(k) if variables.contains(&(k as usize)) => {
+                sets.intern(vec![k - variables.start as u32])
+            }
+            Op::Input(_) => Sets::EMPTY,
             _ if !wanted[i] => Sets::EMPTY,
             Op::Sum(_) => {
                 let terms: Vec<u32> = graph.operands(i).map(|x| dependence[x as usize]).collect();
@@ -34,13 +38,13 @@ pub(crate) fn hessian_pattern(graph: &Graph) -> Pattern {
             _ => sets.union(a, b),
         };
         dependence.push(own);
-        let couplings: Vec<(u32, u32)> = match graph.curvature(i) {
-            Curvature::None => Vec::new(),
-            Curvature::Product => vec![(a, b)],
-            Curvature::Quotient => vec![(a, b), (b, b)],
-            Curvature::Full => vec![(a, a), (a, b), (b, b)],
+        let couplings: &[(u32, u32)] = match graph.curvature(i) {
+            Curvature::None => &[],
+            Curvature::Product => &[(a, b)],
+            Curvature::Quotient => &[(a, b), (b, b)],
+            Curvature::Full => &[(a, a), (a, b), (b, b)],
         };
-        for (a, b) in couplings {
+        for &(a, b) in couplings {
             if coupled.insert((a.min(b), a.max(b))) {
                 rows.couple(sets.get(a), sets.get(b));
             }

@@ -79,12 +79,7 @@ struct Translation<'a> {
 impl Translation<'_> {
     /// What depends on constants only, computed as replays do.
     fn place_constants(&mut self) {
-        let graph = self.graph;
-        let is_constant = |&i: &u32| graph.is_constant[i as usize];
-        let roots: Vec<u32> = (0..graph.nodes.len() as u32).filter(is_constant).collect();
-        let others: Vec<bool> = graph.is_constant.iter().map(|constant| !constant).collect();
-        let constants = graph.with_roots(roots.clone());
-        let constants = constants.without(&others, graph.nodes.clone());
+        let (constants, roots) = self.graph.constants_only();
         let tape = Tape::new(&constants, Blocks::One);
         let mut replay = Replay::<f64>::new(&tape);
         for (node, &x) in roots.into_iter().zip(replay.run(&tape, |_| 0.0)) {

@@ -1,6 +1,11 @@
 //! What is known of H before any number is put in.
 
 use crate::colouring::Colouring;
+use crate::graph::Graph;
+use crate::sparsity;
+use std::fmt;
+use std::ops::{Deref, Range};
+use std::sync::{Arc, OnceLock};
 
 /// Structural non-zeros of a symmetric matrix, row by row: both triangles, columns ascending in each row.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -49,9 +54,64 @@ impl Pattern {
     }
 
     /// Positions (in the order of the entries) and columns of row i.
-    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
+    pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
         let range = self.row_starts[i]..self.row_starts[i + 1];
         range.clone().zip(self.columns[range].iter().copied())
+    }
+}
+
+/// The pattern of ∇²H, found when it is first asked for: of n bodies it has n² entries. It is a [`Pattern`]
+/// by dereference.
+#[derive(Clone)]
+pub struct HessianPattern {
+    energy: Arc<Graph>,
+    found: Arc<OnceLock<Pattern>>,
+}
+
+impl HessianPattern {
+    pub(crate) fn new(energy: Arc<Graph>) -> Self {
+        HessianPattern {
+            energy,
+            found: Arc::default(),
+        }
+    }
+
+    /// Rows (and columns) of the matrix, without finding the pattern.
+    pub fn dimension(&self) -> usize {
+        self.energy.inputs
+    }
+
+    /// A copy of the pattern.
+    pub fn to_pattern(&self) -> Pattern {
+        (**self).clone()
+    }
+
+    /// The block of these rows and columns, counted from 0, without finding the rest.
+    pub(crate) fn block(&self, variables: Range<usize>) -> Pattern {
+        sparsity::hessian_pattern(&self.energy, variables)
+    }
+}
+
+impl Deref for HessianPattern {
+    type Target = Pattern;
+
+    fn deref(&self) -> &Pattern {
+        self.found.get_or_init(|| self.block(0..self.dimension()))
+    }
+}
+
+impl PartialEq for HessianPattern {
+    fn eq(&self, other: &Self) -> bool {
+        **self == **other
+    }
+}
+
+impl fmt::Debug for HessianPattern {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.debug_struct("HessianPattern")
+            .field("dimension", &self.dimension())
+            .field("found", &self.found.get())
+            .finish()
     }
 }
 
@@ -69,7 +129,7 @@ pub struct Structure {
     /// Degree in p with q held fixed.
     pub degree_in_p: Option<u32>,
     /// Entries of ∇²H that can be non-zero.
-    pub hessian: Pattern,
+    pub hessian: HessianPattern,
 }
 
 impl Structure {

@@ -33,7 +33,7 @@ impl<H: System> System for &H {
 }
 
 /// H, ∇H and ∇²H at given states y = (q, p) of length n = 2m. Nothing is allocated by these calls, but by the
-/// first of a kind where an energy is run as machine code.
+/// first of a kind.
 ///
 /// Slices of another length are a programming error and panic.
 pub trait Evaluate<T: Float> {
@@ -135,7 +135,7 @@ pub trait Evaluate<T: Float> {
         None
     }
 
-    /// T(p) of H = T(p) + U(q), if H is separable and T quadratic. Evaluates ∇²H once; allocates.
+    /// T(p) of H = T(p) + U(q), if H is separable and T quadratic. Evaluates ∇²T once; allocates.
     fn kinetic(&mut self) -> Option<Kinetic<T>>;
 
     /// Chooses the instructions of the two methods above, [`InstructionSet::best`] to begin with. The results

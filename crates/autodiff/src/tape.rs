@@ -15,6 +15,7 @@ use crate::op::Op;
 use crate::order::{Blocks, Order};
 use crate::stretches::{Access, Placement, SHORTEST_SLICE, next_slice, split, stretch};
 use equip_scalar::Constant;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Terms from which on rounding the partial sums of a sum is worth half of what rounding single terms is.
@@ -139,6 +140,8 @@ struct Layout<'a> {
     graph: &'a Graph,
     order: Order,
     tape: Tape,
+    /// Entry in `exponents` of each constant that is one.
+    exponents: HashMap<u32, u32>,
     /// Slot of each node placed so far; that of an input is its slot in the present block.
     slot: Vec<u32>,
     /// Next slot: of constants, then of the present block.
@@ -169,6 +172,7 @@ impl<'a> Layout<'a> {
                 sums: vec![0..0; graph.sums.len()],
             },
             slot: vec![0; nodes],
+            exponents: HashMap::new(),
             next: 0,
         }
     }
@@ -181,13 +185,14 @@ impl<'a> Layout<'a> {
             }
         }
         self.next = self.tape.constants.len();
-        for level in self.in_order(true) {
-            self.place(level, true);
+        let (in_order, levels) = self.in_order(true);
+        for level in levels {
+            self.place(&in_order[level], true);
         }
         let mut next_kept = self.next;
         let first_passing = next_kept + self.order.is_kept.iter().filter(|&&kept| kept).count();
         self.tape.slots = first_passing;
-        let levels = self.in_order(false);
+        let (in_order, levels) = self.in_order(false);
         let mut next_level = levels.into_iter().peekable();
         for block in 0..self.order.count {
             self.next = first_passing;
@@ -202,9 +207,13 @@ impl<'a> Layout<'a> {
                     self.next += 1;
                 }
             }
-            while let Some(level) = next_level.next_if(|level| self.order.blocks[level[0]] == block)
-            {
-                kept.extend(level.iter().filter(|&&i| self.order.is_kept[i]));
+            while let Some(level) = next_level.next_if(|level| {
+                let first = in_order[level.start] as usize;
+                self.order.blocks[first] == block
+            }) {
+                let level = &in_order[level];
+                let level_kept = level.iter().map(|&i| i as usize);
+                kept.extend(level_kept.filter(|&i| self.order.is_kept[i]));
                 self.place(level, false);
             }
             for &k in &self.order.results[block as usize] {
@@ -230,23 +239,28 @@ impl<'a> Layout<'a> {
         self.tape
     }
 
-    /// Operations by block and level, those that depend on constants only or the others.
-    fn in_order(&self, constant: bool) -> Vec<Vec<usize>> {
+    /// Operations by block and level, those that depend on constants only or the others; and where each level is.
+    fn in_order(&self, constant: bool) -> (Vec<u32>, Vec<Range<usize>>) {
         let nodes = self.graph.nodes.iter().enumerate();
         let wanted = nodes.filter(|(i, node)| {
             let is_leaf = matches!(node.op, Op::Constant(_) | Op::Input(_));
             !is_leaf && self.graph.is_constant[*i] == constant
         });
-        let mut wanted: Vec<usize> = wanted.map(|(i, _)| i).collect();
+        let mut wanted: Vec<u32> = wanted.map(|(i, _)| i as u32).collect();
         let block = |i: usize| if constant { 0 } else { self.order.blocks[i] };
-        let key = |&i: &usize| (block(i), self.order.levels[i]);
+        let key = |&i: &u32| (block(i as usize), self.order.levels[i as usize]);
         wanted.sort_by_key(key);
-        let groups = wanted.chunk_by(|x, y| key(x) == key(y));
-        groups.map(<[usize]>::to_vec).collect()
+        let mut levels: Vec<Range<usize>> = Vec::new();
+        for level in wanted.chunk_by(|x, y| key(x) == key(y)) {
+            let start = levels.last().map_or(0, |last| last.end);
+            levels.push(start..start + level.len());
+        }
+        (wanted, levels)
     }
 
-    fn place(&mut self, level: Vec<usize>, constant: bool) {
-        let mut placements: Vec<Placement> = level.into_iter().map(|i| self.placement(i)).collect();
+    fn place(&mut self, level: &[u32], constant: bool) {
+        let placement = |&i: &u32| self.placement(i as usize);
+        let mut placements: Vec<Placement> = level.iter().map(placement).collect();
         placements.sort_unstable();
         for group in placements.chunk_by(|x, y| x.0 == y.0) {
             for (range, access) in split(group) {
@@ -254,7 +268,10 @@ impl<'a> Layout<'a> {
                 self.next = slots.end;
                 let operands = self.tape.operands.len();
                 for (&(_, left, right, node), slot) in group[range].iter().zip(slots.clone()) {
-                    debug_assert!((left.max(right) as usize) < slots.start);
+                    assert!(
+                        (left.max(right) as usize) < slots.start,
+                        "operands stand first"
+                    );
                     self.slot[node] = slot as u32;
                     self.tape.operands.push([left, right]);
                 }
@@ -297,12 +314,10 @@ impl<'a> Layout<'a> {
     }
 
     fn exponent(&mut self, k: u32) -> u32 {
-        let c = self.graph.constants[k as usize];
-        let known = self.tape.exponents.iter().position(|&e| e == c);
-        known.unwrap_or_else(|| {
-            self.tape.exponents.push(c);
-            self.tape.exponents.len() - 1
-        }) as u32
+        *self.exponents.entry(k).or_insert_with(|| {
+            self.tape.exponents.push(self.graph.constants[k as usize]);
+            self.tape.exponents.len() as u32 - 1
+        })
     }
 
     fn place_terms(&mut self, sum: usize) {

@@ -2,7 +2,7 @@
 
 use crate::BuildError;
 use crate::op::Op;
-use crate::recorder::Recorder;
+use crate::recorder::{self, Recorder};
 use equip_scalar::{Attempt, Constant, Num, Recording, Scalar};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -31,6 +31,9 @@ pub struct Trace {
 /// Recording number of a variable made where nothing is recorded.
 const NOWHERE: u32 = 0;
 
+/// Most degrees of freedom: components of the state take a quarter of the places of a recording.
+const MOST: usize = 1 << 29;
+
 thread_local! {
     /// Recordings under way; an energy may build another Hamiltonian inside, hence more than one.
     static RECORDERS: RefCell<Vec<Recorder>> = const { RefCell::new(Vec::new()) };
@@ -45,11 +48,11 @@ impl Drop for Guard {
     }
 }
 
-/// Calls the energy once with m positions and m momenta; the recording and the node of the result.
+/// Calls the energy once with m positions and m momenta.
 pub(crate) fn record(
     m: usize,
     energy: impl FnOnce(&[Var], &[Var]) -> Var,
-) -> Result<(Recorder, u32), BuildError> {
+) -> Result<recorder::Recording, BuildError> {
     let (id, y) = begin(m)?;
     let guard = Guard;
     let Num(result) = energy(&y[..m], &y[m..]);
@@ -61,6 +64,9 @@ fn begin(m: usize) -> Result<(u32, Vec<Var>), BuildError> {
     static LAST: AtomicU32 = AtomicU32::new(NOWHERE);
     if m == 0 {
         return Err(BuildError::NoDegreesOfFreedom);
+    }
+    if m > MOST {
+        return Err(BuildError::TooManyDegreesOfFreedom { m });
     }
     let id = LAST.fetch_add(1, Ordering::Relaxed).wrapping_add(1).max(1);
     let variable = |node| Trace {
@@ -74,7 +80,7 @@ fn begin(m: usize) -> Result<(u32, Vec<Var>), BuildError> {
     ))
 }
 
-fn end(id: u32, result: Trace) -> Result<(Recorder, u32), BuildError> {
+fn end(id: u32, result: Trace) -> Result<recorder::Recording, BuildError> {
     let recorder = RECORDERS
         .with_borrow_mut(Vec::pop)
         .ok_or(BuildError::ForeignVariable)?;
@@ -83,10 +89,13 @@ fn end(id: u32, result: Trace) -> Result<(Recorder, u32), BuildError> {
         Some((Attempt::ReadOut, location)) => return Err(BuildError::ReadOut { location }),
         None => {}
     }
+    if recorder.overflow {
+        return Err(BuildError::TooManyOperations);
+    }
     if recorder.foreign || result.recording != id {
         return Err(BuildError::ForeignVariable);
     }
-    Ok((recorder, result.node))
+    Ok(recorder.finish(result.node))
 }
 
 /// Appends to the innermost recording; operands of any other make it fail when it ends.

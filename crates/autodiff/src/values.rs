@@ -33,13 +33,6 @@ impl<T: Float> Replay<T> {
         }
     }
 
-    /// Whether a constant is NaN.
-    pub(crate) fn has_nan(&self) -> bool {
-        let exponents = self.exponents.iter().map(|c| c.to());
-        let mut constants = self.values.iter().copied().chain(exponents);
-        constants.any(|x: T| Float::is_nan(x))
-    }
-
     /// The results for the given inputs, long sums compensated.
     pub(crate) fn run_compensated(
         &mut self,

@@ -13,6 +13,7 @@ mod operations;
 mod random;
 mod refused;
 mod routes;
+mod size;
 
 /// A file of tests that is not named above would be left out in silence.
 #[test]

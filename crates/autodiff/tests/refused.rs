@@ -190,3 +190,22 @@ fn constants_that_are_not_numbers() {
     let built = Hamiltonian::new(1, |q, _| q[0].powf(nan));
     assert!(matches!(built, Err(BuildError::ConstantNotANumber)));
 }
+
+#[test]
+fn constants_that_are_infinite() {
+    let infinite = |built: Result<Hamiltonian, _>| {
+        assert!(matches!(built, Err(BuildError::ConstantInfinite)));
+    };
+    infinite(Hamiltonian::new(1, |q, _| q[0] * f64::INFINITY));
+    infinite(Hamiltonian::new(1, |q, _| q[0].min(f64::NEG_INFINITY)));
+    infinite(Hamiltonian::new(1, |q, _| q[0] + Var::from(1.0) / 0.0));
+    infinite(Hamiltonian::new(1, |q, _| {
+        (Var::from(800.0).exp()).recip() + q[0]
+    }));
+    infinite(Hamiltonian::new(1, |q, _| q[0].powf(f64::INFINITY)));
+    // NaN is the worse of the two.
+    let both = Hamiltonian::new(1, |q, _| q[0] * f64::INFINITY + f64::NAN);
+    assert!(matches!(both, Err(BuildError::ConstantNotANumber)));
+    // What does not reach H does not matter.
+    assert!(Hamiltonian::new(1, |q, _| (q[0] * f64::INFINITY, q[0]).1).is_ok());
+}

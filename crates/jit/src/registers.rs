@@ -161,7 +161,7 @@ impl Allocation {
         let register = self.free_register(keep);
         self.hold(register, x);
         let memory = self.memory[x as usize];
-        debug_assert!(memory.is_some(), "a value is in a register or in memory");
+        assert!(memory.is_some(), "a value is in a register or in memory");
         let load = memory.map(|memory| Instruction::Load(register, memory));
         self.instructions.extend(load);
         register
@@ -199,7 +199,7 @@ impl Allocation {
         let candidates = held.filter_map(|(register, &x)| Some((register, x?)));
         let candidates = candidates.filter(|(_, x)| !keep.contains(x));
         let farthest = candidates.max_by_key(|&(_, x)| self.next_use[x as usize]);
-        debug_assert!(farthest.is_some(), "there are more registers than operands");
+        assert!(farthest.is_some(), "there are more registers than operands");
         let (register, x) = farthest.unwrap_or_default();
         if self.memory[x as usize].is_none() {
             let slot = self.free_slots.pop().unwrap_or_else(|| {

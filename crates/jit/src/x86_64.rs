@@ -239,7 +239,10 @@ impl Assembler {
             registers::Instruction::Binary(op, to, left, right) => {
                 let (code, to, left) = (v.binary(op), v.register(to), v.register(left));
                 let reads_more = matches!((v, op), (Vectors::One, Binary::And | Binary::Xor));
-                debug_assert!(!reads_more || matches!(right, Source::Register(_)));
+                assert!(
+                    !reads_more || matches!(right, Source::Register(_)),
+                    "no more is read than there is"
+                );
                 match right {
                     Source::Register(right) => {
                         Instruction::with3(code, to, left, v.register(right))

@@ -44,7 +44,7 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
     pub fn new<H: System<Evaluator<T> = E>>(system: &H, gauss: Gauss<T>) -> Self {
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let zeros = |len: usize| vec![T::int(0); len];
-        let pattern = system.structure().hessian.clone();
+        let pattern = system.structure().hessian.to_pattern();
         let iterate = Iterate::prepare(&gauss, n, None, &zeros(s - 1));
         let len = n * iterate.stride();
         StepTangent {

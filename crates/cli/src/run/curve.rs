@@ -2,9 +2,9 @@
 
 use crate::draw::samples::Path;
 use crate::run::integrator::Integrator;
+use equip_integrate::{NoObserver, Run};
 use equip_scalar::Float;
 use equip_scenes::Instance;
-use equip_integrate::{NoObserver, Run};
 
 /// Up to this many steps a line from step to step would show its corners.
 pub(crate) const FEW: u64 = 1500;

@@ -77,7 +77,7 @@ impl<T: Float> StepDensity<T> {
                 });
             }
             None => {
-                let pattern = system.structure().hessian.clone();
+                let pattern = system.structure().hessian.to_pattern();
                 Source::Automatic {
                     entries: vec![zero; pattern.len()],
                     pattern,

@@ -38,10 +38,11 @@ pub(crate) struct Direction<T: Float> {
     x: Vec<T>,
     back: Vec<T>,
     t_l: Vec<T>,
-    /// Motion of each component in the step, that of the component of its group (positions, momenta) that moves most, and 1 over the first.
+    /// Motion of each component in the step with α = 0, and that of the component of its group (positions, momenta) that moves most.
     pub(crate) motion: [Vec<T>; 2],
+    /// Motion of each component in the step as it is, 1 over it, and 1 over the size of the component.
+    moved: Vec<T>,
     weights: Vec<T>,
-    /// 1 over the size of each component.
     state_weights: Vec<T>,
     /// u_k and u'_k, and both weighted one after the other.
     ends: Vec<Vec<T>>,
@@ -97,6 +98,7 @@ impl<T: Float> Direction<T> {
             back: zeros(n * free * stride),
             t_l: zeros(n * stride),
             motion: [zeros(n), zeros(n)],
+            moved: zeros(n),
             weights: zeros(n),
             state_weights: zeros(n),
             ends: vec![zeros(n); free],
@@ -116,14 +118,20 @@ impl<T: Float> Direction<T> {
         }
     }
 
-    /// Forgets what the last step has taught of the slopes.
-    pub(crate) fn begin(&mut self) {
+    /// A step begins its α's, at the solution in `iterate` from `y` to `next` with α = 0.
+    pub(crate) fn begin(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
         self.correction.fill(T::int(0));
+        self.weigh(iterate, y, next);
+        let [own, group] = &mut self.motion;
+        own.copy_from_slice(&self.moved);
+        let m = self.n / 2;
+        for (group, own) in group.chunks_exact_mut(m).zip(own.chunks_exact(m)) {
+            group.fill(own.iter().fold(T::int(0), |most, &x| most.max(x)));
+        }
     }
 
-    /// Measures how far each component moves in the step from `y` to `next`, no less than √ε of its size. A direction is measured with the stages it
-    /// is taken at: the step made backwards ends there too, and not where it would with α = 0.
-    pub(crate) fn measure(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
+    /// Measures how far each component moves in the step from `y` to `next`, no less than √ε of its size, by which displacements are weighed.
+    pub(crate) fn weigh(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
         let rows = iterate.points().chunks_exact(self.stride);
         let ends = y.hi.iter().zip(&next.hi);
         let root = T::EPSILON.sqrt();
@@ -131,19 +139,14 @@ impl<T: Float> Direction<T> {
             let x = T::int(1) / x;
             if x.is_finite() { x } else { T::int(0) }
         };
-        let [own, group] = &mut self.motion;
-        for (c, ((row, (&from, &to)), motion)) in rows.zip(ends).zip(&mut *own).enumerate() {
+        for (c, (row, (&from, &to))) in rows.zip(ends).enumerate() {
             let (mut least, mut most) = (from.min(to), from.max(to));
             for &x in &row[..self.s] {
                 (least, most) = (least.min(x), most.max(x));
             }
             let size = least.abs().max(most.abs());
-            *motion = (most - least) + root * size;
-            (self.weights[c], self.state_weights[c]) = (inverse(*motion), inverse(size));
-        }
-        let m = self.n / 2;
-        for (group, own) in group.chunks_exact_mut(m).zip(own.chunks_exact(m)) {
-            group.fill(own.iter().fold(T::int(0), |most, &x| most.max(x)));
+            self.moved[c] = (most - least) + root * size;
+            (self.weights[c], self.state_weights[c]) = (inverse(self.moved[c]), inverse(size));
         }
     }
 

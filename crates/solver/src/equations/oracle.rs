@@ -98,7 +98,8 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         for _ in 0..30 {
             let (_, end_gradient, _) = self.defect(&at.end);
             let gradients = [&start_gradient, &end_gradient];
-            let Some((d, slope)) = self.direction(gauss, (y, h), &at, gradients, &units[0]) else {
+            let [own, _] = motion(y, &at);
+            let Some((d, slope)) = self.direction(gauss, (y, h), &at, gradients, &own) else {
                 return carried(Outcome::NoSlope);
             };
             let along = slope

@@ -79,7 +79,7 @@ impl<T: Float> Choice<T> {
                 .then(|| Frozen::new(iterate, structure))
                 .flatten(),
             full: (wanted == Wanted::Full)
-                .then(|| Full::new(gauss, iterate, structure.hessian.clone())),
+                .then(|| Full::new(gauss, iterate, structure.hessian.to_pattern())),
             can_be_dense: iterate.stages() * iterate.unknowns() <= MOST_DENSE,
             state: vec![T::int(0); n],
             hessian: vec![T::int(0); structure.hessian.len()],
@@ -134,7 +134,7 @@ impl<T: Float> Choice<T> {
                 let pattern = &self.structure.hessian;
                 let full = self
                     .full
-                    .get_or_insert_with(|| Full::new(gauss, iterate, pattern.clone()));
+                    .get_or_insert_with(|| Full::new(gauss, iterate, pattern.to_pattern()));
                 full.linearise(
                     iterate,
                     energy,
@@ -360,7 +360,7 @@ mod tests {
                     *x = T::ratio(((7 * k + i * i) % 11) as i64 - 5, 3);
                 }
             }
-            let mut linear = LinearSweeps::new(&gauss, &iterate, pattern.clone(), sides);
+            let mut linear = LinearSweeps::new(&gauss, &iterate, pattern.to_pattern(), sides);
             assert!(linear.linearise_exactly(&iterate, &mut evaluator).is_some());
             let weights = [T::int(1); 4];
             for held in [Held::Start, Held::End] {

@@ -37,7 +37,7 @@ impl Frozen {
         let (s, n) = (iterate.stages(), iterate.components());
         let schur = Schur::new(s)?;
         let systems = || {
-            let pattern = structure.hessian.clone();
+            let pattern = structure.hessian.to_pattern();
             ShiftedSystems::new(pattern, structure.separable, schur.blocks.len())
         };
         Some(Frozen {

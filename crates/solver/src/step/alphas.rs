@@ -73,7 +73,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 } else {
                     digits
                 };
-                self.take_direction(digits, (y, next))?;
+                self.take_direction((y, next), digits)?;
                 since = T::int(0);
             }
             let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
@@ -112,8 +112,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// The farthest that the end point may be moved. An error if no α's that stay within it can keep the constraints.
     fn reach(&mut self, (y, h): (&State<T>, T), next: &State<T>) -> Result<Bounds<T>, Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
-        direction.begin();
-        direction.measure(&self.stages.iterate, y, next);
+        direction.begin(&self.stages.iterate, y, next);
         let least = |units: &[T], of: fn(&Constraint<T>) -> T| {
             let worth = |c: &Constraint<T>| c.least_displacement(of(c), units);
             self.constraints
@@ -163,11 +162,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
     fn take_direction(
         &mut self,
-        tolerance: T,
         (y, next): (&State<T>, &State<T>),
+        tolerance: T,
     ) -> Result<(), Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
-        direction.measure(&self.stages.iterate, y, next);
+        direction.weigh(&self.stages.iterate, y, next);
         let best = T::int(ROUNDING) * T::EPSILON;
         let tolerance = tolerance.max(best).min(T::ratio(1, 1000));
         let m = self.stages.choice.operator();

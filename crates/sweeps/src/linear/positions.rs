@@ -256,7 +256,7 @@ mod tests {
                 }
             }
             let mut both = [&whole, &iterate].map(|of| {
-                let mut linear = LinearSweeps::new(&gauss, of, pattern.clone(), sides);
+                let mut linear = LinearSweeps::new(&gauss, of, pattern.to_pattern(), sides);
                 assert!(linear.linearise_exactly(&iterate, &mut evaluator).is_some());
                 linear
             });

@@ -1,0 +1,48 @@
+//! [`One`]: a recording at a single point.
+
+use crate::batch::Batch;
+use crate::compiled::Runs;
+use crate::results::Results;
+use crate::values::Replay;
+use equip_scalar::{Float, InstructionSet};
+
+/// By machine code, or by the tape where there is none. There is room only for what is done.
+#[derive(Debug, Clone)]
+pub(crate) struct One<T> {
+    runs: Option<Runs>,
+    replay: Option<Replay<T>>,
+}
+
+impl<T: Float> One<T> {
+    pub(crate) fn new() -> Self {
+        One {
+            runs: None,
+            replay: None,
+        }
+    }
+
+    /// The results at y.
+    pub(crate) fn run(&mut self, set: InstructionSet, of: &Results, y: &[T], results: &mut [T]) {
+        let runs = (self.runs).get_or_insert_with(|| Runs::new::<T>(|| of.compiled().clone()));
+        if runs.run(set, Batch::one(y, results)).is_none() {
+            let tape = of.one();
+            results.copy_from_slice(self.replay(of).run(tape, |k| y[k]));
+        }
+    }
+
+    /// The results at y, long sums compensated.
+    pub(crate) fn run_compensated(
+        &mut self,
+        set: InstructionSet,
+        of: &Results,
+        y: &[T],
+        results: &mut [T],
+    ) {
+        let tape = of.one();
+        results.copy_from_slice(self.replay(of).run_compensated(set, tape, |k| y[k]));
+    }
+
+    fn replay(&mut self, of: &Results) -> &mut Replay<T> {
+        self.replay.get_or_insert_with(|| Replay::new(of.one()))
+    }
+}

@@ -1,0 +1,45 @@
+//! [`Results`]: the results of a recording in every form they are evaluated in, each made when it is first asked for.
+
+use crate::compiled::Compiled;
+use crate::graph::Graph;
+use crate::order::Blocks;
+use crate::peephole::peephole;
+use crate::tape::Tape;
+use std::sync::{Arc, OnceLock};
+
+/// A graph, and what it is evaluated by. Shared by the evaluators of all float types.
+#[derive(Debug)]
+pub(crate) struct Results {
+    pub(crate) graph: Arc<Graph>,
+    one: OnceLock<Tape>,
+    many: OnceLock<Tape>,
+    compiled: OnceLock<Option<Arc<Compiled>>>,
+}
+
+impl Results {
+    pub(crate) fn new(graph: Arc<Graph>) -> Self {
+        Results {
+            graph,
+            one: OnceLock::new(),
+            many: OnceLock::new(),
+            compiled: OnceLock::new(),
+        }
+    }
+
+    /// The tape for single points.
+    pub(crate) fn one(&self) -> &Tape {
+        let tape = || Tape::new(&peephole(&self.graph), Blocks::One);
+        self.one.get_or_init(tape)
+    }
+
+    /// The tape for many points at once.
+    pub(crate) fn many(&self) -> &Tape {
+        let tape = || Tape::new(&peephole(&self.graph), Blocks::InCache);
+        self.many.get_or_init(tape)
+    }
+
+    /// Machine code, if there is any.
+    pub(crate) fn compiled(&self) -> &Option<Arc<Compiled>> {
+        self.compiled.get_or_init(|| Compiled::new(&self.graph))
+    }
+}
