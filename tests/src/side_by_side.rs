@@ -4,7 +4,7 @@
 use crate::Start;
 use cpu_time::ThreadTime;
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Certificate, Equip, Gauss, Method, Outcome, Record};
+use equip_integrate::{Certificate, Equip, Gauss, Method, Record};
 use equip_scalar::Float;
 
 /// Who makes the steps.

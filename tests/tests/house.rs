@@ -192,7 +192,7 @@ fn the_measure_measures() {
         ("b/deep.rs", "use super::B;\npub struct D;"),
         (
             "c.rs",
-            "pub struct C;\nfn f() { crate::A::new(); let _ = equip_integrate::x(); }",
+            "pub struct C;\nfn f() { crate::A::new(); let _ = equip_solver::x(); }",
         ),
     ]);
     let graph = Graph::of(&krate);

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System};
-use equip_integrate::{Counts, Equip, Gauss, Method, Outcome};
+use equip_integrate::{Counts, Equip, Gauss, Method};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
 use equip_tests::{Start, Trend, kepler, trend};

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Equip, Gauss, Method, Preconditioner};
+use equip_integrate::{Gauss, Method, Preconditioner};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, double_pendulum};
 
@@ -41,8 +41,8 @@ fn sweeps_fail((energy, start): &(Hamiltonian, Start<f64>), h: f64) {
 
 #[test]
 fn on_a_stiff_spring() {
-    // hω = 10, 50 and 1000.
-    for (n, d) in [(1, 100), (1, 20), (1, 1)] {
+    // hω = 10 and 50: measured 4.90 and 5.83, in double-double 5.17 and 6.17.
+    for (n, d) in [(1, 100), (1, 20)] {
         let h = f64::ratio(n, d);
         sweeps_fail(&spring_pendulum(), h);
         let double = iterations(Gauss::stages(4), &spring_pendulum(), h);
@@ -54,15 +54,8 @@ fn on_a_stiff_spring() {
 
 #[test]
 fn on_the_double_pendulum() {
-    let h = 0.5;
-    sweeps_fail(&double_pendulum(), h);
-    let double = iterations(Gauss::stages(4), &double_pendulum(), h);
-    let wide = iterations(
-        Gauss::stages(4),
-        &double_pendulum(),
-        DoubleDouble::ratio(1, 2),
-    );
+    let double = iterations(Gauss::stages(4), &double_pendulum(), 0.2);
+    let h = DoubleDouble::ratio(1, 5);
+    let wide = iterations(Gauss::stages(4), &double_pendulum(), h);
     assert!(double <= 8.0 && wide <= double + 3.0);
-    let double = iterations(Equip::stages(4), &double_pendulum(), 0.2);
-    assert!(double <= 8.0);
 }

@@ -75,7 +75,7 @@ impl Symbolic {
     }
 
     /// Number of structural non-zeros.
-    pub fn len(&self) -> usize {
+    pub fn non_zeros(&self) -> usize {
         self.rows.len()
     }
 

@@ -268,7 +268,7 @@ fn sparse(pattern: &Pattern, reduced: bool, systems: usize) -> Option<Factors> {
     }
     let symbolic = Symbolic::new(starts, rows)?;
     Some(Factors::Sparse {
-        entries: vec![Complex::new(0.0, 0.0); symbolic.len()],
+        entries: vec![Complex::new(0.0, 0.0); symbolic.non_zeros()],
         lus: (0..systems)
             .map(|_| SparseLu::new(symbolic.dimension()))
             .collect(),

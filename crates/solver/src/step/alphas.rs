@@ -40,6 +40,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.stages.iterate.put_back(&self.kept);
         next.copy_from(&self.unperturbed);
         self.evaluate_constraints(next)?;
+        // What no α's bring down near the floors is rounding.
+        let worst = |most: T, c: &Constraint<T>| most.max(c.in_late_floors());
+        if self.constraints.iter().fold(T::int(0), worst) <= T::int(STALLED) {
+            return Ok(Outcome::AtFloor);
+        }
         // A defect beyond the energy itself is that of a solution which does not follow the motion.
         let energy = &self.constraints[0];
         let (defect, scale) = (

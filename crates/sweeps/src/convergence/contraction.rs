@@ -130,7 +130,9 @@ impl<T: Float> Contraction<T> {
         self.change = change;
         let is_small = change <= rounding;
         let grows = self.slow > 1 && change > 2.0 * last;
-        let is_behind = change > self.allowed && !is_remeasured;
+        // From afar the second change of Newton's iteration may be many times the first.
+        let is_behind =
+            change > self.allowed && !is_remeasured && (self.slow > 1 || !self.is_preconditioned);
         if !change.is_finite() || (!is_small && (self.slow >= STILL || grows || is_behind)) {
             return Progress::Diverges;
         }
