@@ -99,8 +99,10 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
         }
         if method == "EQUIP(4)" {
             // Energy at round-off where the motion is followed to 1e-3: measured 3.1e-14 at most, headroom of 10.
-            let is_kept = |row: &&Vec<String>| number(row, 6) > 1e-3 || number(row, 7) < 3e-13;
-            assert!(rows.iter().all(is_kept), "{rows:?}");
+            let is_kept = rows
+                .iter()
+                .all(|row| number(row, 6) > 1e-3 || number(row, 7) < 3e-13);
+            assert!(is_kept, "{rows:?}");
         }
     }
 

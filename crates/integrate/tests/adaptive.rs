@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Equip, Gauss, IntegrateError, Method, Outcome, Record, Run};
+use equip_integrate::{Equip, Gauss, IntegrateError, Method, Record, Run};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
 

@@ -71,6 +71,6 @@ impl<T: Float> SolverMemory<T> {
 /// A number that is a count.
 pub(crate) fn as_count<T: Float>(number: T) -> Option<u64> {
     let count = number.to_f64();
-    let whole = count >= 0.0 && count < 9.1e15 && count.fract() == 0.0;
+    let whole = (0.0..9.1e15).contains(&count) && count.fract() == 0.0;
     (whole && T::exact(count) == number).then_some(count as u64)
 }

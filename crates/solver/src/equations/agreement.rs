@@ -75,7 +75,10 @@ fn compare<T: Float>(
     expected.outcome
 }
 
-fn systems() -> Vec<(&'static str, Hamiltonian, Vec<f64>, Vec<(usize, f64)>)> {
+/// Name, energy, start, and stages with the size of the step.
+type Case = (&'static str, Hamiltonian, Vec<f64>, Vec<(usize, f64)>);
+
+fn systems() -> Vec<Case> {
     let kepler = Hamiltonian::new(2, |q, p| {
         0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
     });

@@ -235,8 +235,7 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         let lu = factor(&matrix(gauss, &vec![T::int(0); s - 1]), &b, n)?;
         let solve = |mut x: DVector<T>| {
             lu.solve(&mut x);
-            let sum = (0..s).fold(DVector::zeros(n), |sum, i| sum + &b[i] * x.rows(i * n, n));
-            sum
+            (0..s).fold(DVector::zeros(n), |sum, i| sum + &b[i] * x.rows(i * n, n))
         };
         // Ψ, column by column: how the end moves with the start.
         let mut psi = DenseLu::new(n);

@@ -291,7 +291,7 @@ impl<T: Float> Choice<T> {
             return Ok(());
         }
         match self.active {
-            Kind::Diagonal if made_of.len() % 3 == 0 => {
+            Kind::Diagonal if made_of.len().is_multiple_of(3) => {
                 let diagonal = self
                     .diagonal
                     .get_or_insert_with(|| Diagonal::new(gauss, iterate));

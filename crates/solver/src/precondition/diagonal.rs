@@ -143,26 +143,26 @@ impl<T: Float> Preconditioner<T> for Diagonal {
                 let at = (spring.c * sides + side) * stride;
                 let at_p = ((spring.c + self.m) * sides + side) * stride;
                 if has_momenta {
-                    for i in 0..s {
+                    for (i, x) in x.iter_mut().enumerate().take(s) {
                         let drift = product(&self.a, &rows[at_p..][..s], sign * spring.drift, i);
-                        x[i] = rows[at + place(i)] + drift;
+                        *x = rows[at + place(i)] + drift;
                     }
-                    for i in 0..s {
-                        rows[at + place(i)] = x[i];
+                    for (i, &x) in x.iter().enumerate().take(s) {
+                        rows[at + place(i)] = x;
                     }
                 }
-                for i in 0..s {
-                    x[i] = product(&spring.inverse, &rows[at..][..s], 1.0, i);
+                for (i, x) in x.iter_mut().enumerate().take(s) {
+                    *x = product(&spring.inverse, &rows[at..][..s], 1.0, i);
                 }
-                for i in 0..s {
-                    rows[at + place(i)] = x[i];
+                for (i, &x) in x.iter().enumerate().take(s) {
+                    rows[at + place(i)] = x;
                 }
                 if has_momenta {
-                    for i in 0..s {
-                        x[i] = product(&self.a, &rows[at..][..s], sign * spring.push, i);
+                    for (i, x) in x.iter_mut().enumerate().take(s) {
+                        *x = product(&self.a, &rows[at..][..s], sign * spring.push, i);
                     }
-                    for i in 0..s {
-                        rows[at_p + place(i)] -= x[i];
+                    for (i, &x) in x.iter().enumerate().take(s) {
+                        rows[at_p + place(i)] -= x;
                     }
                 }
             }

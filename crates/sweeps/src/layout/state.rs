@@ -55,7 +55,7 @@ impl<T: Float> State<T> {
         }
     }
 
-    /// The same for increments stored component by component as for [`crate::forms::form`], the places from `s` on being zero: floats that have
+    /// The same for increments stored component by component as for `form`, the places from `s` on being zero: floats that have
     /// vectors add up half against half, so that the chain of additions is short.
     pub fn advance_by_component(
         &self,
