@@ -107,8 +107,8 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
     }
 
     let times = std::fs::read_to_string(out.join("times.csv")).unwrap();
-    // 3 EQUIP, 3 by sweeps, 1 with variable steps, 3 Gauss, 3 compositions, DOP853; 4 targets; a header.
-    assert_eq!(times.lines().count(), 1 + 14 * 4);
+    // 3 EQUIP, 1 with variable steps, 3 Gauss, 3 compositions, DOP853; 4 targets; a header.
+    assert_eq!(times.lines().count(), 1 + 11 * 4);
     assert!(
         times
             .lines()
