@@ -104,7 +104,8 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
                 .full
                 .get_or_insert_with(|| Full::new(&self.gauss, &self.iterate, self.pattern.clone()));
             let room = (self.state.as_mut_slice(), self.hessian.as_mut_slice());
-            full.linearise(&self.iterate, &mut self.energy, (&self.start, self.h), room);
+            full.linearise(&self.iterate, &mut self.energy, (&self.start, self.h), room)
+                .map_err(|_| Failure::Singular)?;
             self.is_preconditioned = true;
         }
         if self.is_preconditioned && !self.solve() {

@@ -1,8 +1,11 @@
-//! The local error of the step with α = 0: how far the method with one stage more comes from the same start,
+//! The local error of the step with α = 0: how far the method with two stages more comes from the same start,
 //!
-//! $$ e = y_1^{(s+1)} - y_1^{(s)} . $$
+//! $$ e = y_1^{(s+2)} - y_1^{(s)} . $$
 //!
-//! Cost: about s/2 + 2 iterations with s + 1 stages, from the polynomial of the stages that are there.
+//! One stage more would not do: the stability function of s stages is (−1)^s at infinity, so that fast motion which a step passes over differs
+//! in sign between s and s + 1, and e would be that motion instead of the error of the slow one.
+//!
+//! Cost: about s/2 + 2 iterations with s + 2 stages, from the polynomial of the stages that are there.
 
 use crate::options::Preconditioner;
 use crate::outcome::Counts;
@@ -12,16 +15,19 @@ use equip_scalar::Float;
 use equip_sweeps::State;
 use equip_tableau::{Gauss, legendre_integrals_at};
 
-/// The method with one stage more.
+/// Stages of the finer method beyond those of the method itself: an even number.
+const MORE: usize = 2;
+
+/// The method with [`MORE`] stages more.
 #[derive(Debug)]
 pub(crate) struct LocalError<T: Float> {
     stages: Stages<T>,
-    /// Σ_k (∫_0^{c_i} P_k) P_k(c_j): from the L_j of s stages to the Z_i of s + 1, row by row.
+    /// Σ_k (∫_0^{c_i} P_k) P_k(c_j): from the L_j of s stages to the Z_i of the finer method, row by row.
     prolongation: Vec<T>,
 }
 
 impl<T: Float> LocalError<T> {
-    /// `None` if no method has one stage more than `gauss`.
+    /// `None` if no method has so many stages more than `gauss`.
     pub(crate) fn new(
         gauss: &Gauss<T>,
         structure: &Structure,
@@ -29,10 +35,10 @@ impl<T: Float> LocalError<T> {
         preconditioner: Preconditioner,
     ) -> Option<Self> {
         let s = gauss.stages();
-        if s == equip_sweeps::MAX_STAGES {
+        if s + MORE > equip_sweeps::MAX_STAGES {
             return None;
         }
-        let finer = Gauss::new(s + 1).ok()?;
+        let finer = Gauss::new(s + MORE).ok()?;
         let mut prolongation = vec![T::int(0); finer.stages() * s];
         let mut integrals = vec![T::int(0); s];
         for (row, &c) in prolongation.chunks_exact_mut(s).zip(finer.nodes()) {
@@ -47,7 +53,7 @@ impl<T: Float> LocalError<T> {
                 finer,
                 structure,
                 kinetic,
-                &vec![T::int(0); s],
+                &vec![T::int(0); s + MORE - 1],
                 preconditioner,
             ),
             prolongation,
@@ -65,7 +71,7 @@ impl<T: Float> LocalError<T> {
         counts: &mut Counts,
     ) -> Option<[T; 2]> {
         let stages = &mut self.stages;
-        let s = stages.gauss.stages() - 1;
+        let s = stages.gauss.stages() - MORE;
         // Nothing is remembered: what is estimated depends on the step alone.
         stages.forget();
         stages.iterate.begin(&stages.gauss, (y, h));
@@ -79,7 +85,7 @@ impl<T: Float> LocalError<T> {
                     .fold(T::int(0), |sum, (&e, &l)| sum + e * l);
             }
         });
-        stages.contraction.begin(!stages.choice.is_identity());
+        stages.begin_iteration();
         if stages.iterate_to_rest(energy, (y, h), counts).is_err() {
             if !stages.choice.escalate() {
                 return None;
@@ -93,7 +99,7 @@ impl<T: Float> LocalError<T> {
             .chunks_exact(stages.iterate.stride());
         let mut largest = [T::int(0); 2];
         for (c, (finer, l)) in finer.zip(l.chunks_exact(stride)).enumerate() {
-            let e = (sum(&finer[..s + 1]) - sum(&l[..s])).abs();
+            let e = (sum(&finer[..s + MORE]) - sum(&l[..s])).abs();
             for (largest, units) in largest.iter_mut().zip(units) {
                 *largest = largest.max(e / units[c]);
             }

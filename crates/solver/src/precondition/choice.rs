@@ -3,11 +3,11 @@
 //! A step begins with the one that the last was made with. Where its iteration does not contract it is made anew at the present state, then the next
 //! dearer one is tried: 1 → springs → one ∇²H → ∇²H at all stages. A cheaper one that has failed is tried again after 1, 2, 4, … steps.
 
-use crate::failure::Damaged;
+use crate::failure::{Damaged, Failure};
 use crate::memory::SolverMemory;
 use crate::options::Preconditioner as Wanted;
 use crate::outcome::Counts;
-use crate::policy::{LONGEST_WAIT, MOST_DENSE, OUTDATED};
+use crate::policy::{LONGEST_WAIT, MOST_DENSE, OUTDATED, SLOWEST, SLOWEST_SWEEPS};
 use crate::precondition::diagonal::Diagonal;
 use crate::precondition::frozen::Frozen;
 use crate::precondition::full::Full;
@@ -49,6 +49,8 @@ pub(crate) struct Choice<T: Float> {
     made_for: T,
     /// It was made in the present step.
     is_fresh: bool,
+    /// How many times as much it makes of rounding as M = 1 does; not finite if it was not measured.
+    amplification: f64,
     diagonal: Option<Diagonal>,
     frozen: Option<Frozen>,
     full: Option<Full>,
@@ -73,6 +75,7 @@ impl<T: Float> Choice<T> {
             wait: 1,
             made_for: T::int(0),
             is_fresh: false,
+            amplification: f64::INFINITY,
             // What may never be needed is made when it is.
             diagonal: (wanted == Wanted::Diagonal).then(|| Diagonal::new(gauss, iterate)),
             frozen: (wanted == Wanted::Frozen)
@@ -129,20 +132,16 @@ impl<T: Float> Choice<T> {
         match self.active {
             Kind::Identity => true,
             Kind::Full => {
+                self.amplification = f64::INFINITY;
                 counts.hessians += iterate.stages() as u64;
                 counts.factorisations += 1;
                 let pattern = &self.structure.hessian;
                 let full = self
                     .full
                     .get_or_insert_with(|| Full::new(gauss, iterate, pattern.to_pattern()));
-                full.linearise(
-                    iterate,
-                    energy,
-                    (y, h),
-                    (&mut self.state, &mut self.hessian),
-                );
+                let room = (&mut self.state[..], &mut self.hessian[..]);
                 self.is_fresh = true;
-                true
+                full.linearise(iterate, energy, (y, h), room).is_ok()
             }
             _ if is_made => true,
             kind => {
@@ -155,6 +154,7 @@ impl<T: Float> Choice<T> {
                     self.make_frozen(iterate, h, counts)
                 };
                 self.made_for = if is_made { h } else { T::int(0) };
+                self.amplification = f64::INFINITY;
                 self.is_fresh = true;
                 if !is_made && self.wanted == Wanted::Diagonal {
                     self.active = Kind::Identity;
@@ -162,6 +162,15 @@ impl<T: Float> Choice<T> {
                 }
                 is_made
             }
+        }
+    }
+
+    /// Why M could not be made.
+    pub(crate) fn failure<U>(&self) -> Failure<U> {
+        if self.hessian.iter().all(|x| x.is_finite()) {
+            Failure::Singular
+        } else {
+            Failure::NotFinite
         }
     }
 
@@ -217,6 +226,28 @@ impl<T: Float> Choice<T> {
         }
     }
 
+    /// Contractions worse than this do not pay.
+    pub(crate) fn slowest(&self) -> f64 {
+        if self.active == Kind::Identity {
+            SLOWEST_SWEEPS
+        } else {
+            SLOWEST
+        }
+    }
+
+    /// How many times as much M⁻¹ makes of rounding as M = 1 does. Of M that follows the stages this is not known.
+    pub(crate) fn amplification(&mut self, iterate: &mut Iterate<T>) -> f64 {
+        if self.active == Kind::Identity {
+            return 1.0;
+        }
+        if !self.follows_stages() && !self.amplification.is_finite() {
+            if let Some(m) = self.operator() {
+                self.amplification = iterate.amplification(m);
+            }
+        }
+        self.amplification
+    }
+
     /// Whether M is to be made anew in every iteration.
     pub(crate) fn follows_stages(&self) -> bool {
         self.active == Kind::Full
@@ -263,6 +294,10 @@ impl<T: Float> Choice<T> {
     pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
         memory.put_counts("preconditioner", [self.active as u64, self.left, self.wait]);
         memory.put("preconditioner made for", [self.made_for]);
+        memory.put(
+            "preconditioner amplification",
+            [T::exact(self.amplification)],
+        );
         let doubles: Vec<f64> = match (self.active, &self.diagonal, &self.frozen) {
             (Kind::Diagonal, Some(diagonal), _) => diagonal.memory().collect(),
             (Kind::Frozen, _, Some(frozen)) => frozen.memory().collect(),
@@ -284,6 +319,8 @@ impl<T: Float> Choice<T> {
         self.active = *active.ok_or(Damaged { what })?;
         (self.left, self.wait) = (left, wait);
         [self.made_for] = memory.numbers("preconditioner made for")?;
+        let [amplification] = memory.numbers::<1>("preconditioner amplification")?;
+        self.amplification = amplification.to_f64();
         let what = "preconditioner made of";
         let made_of = memory.find(what).ok_or(Damaged { what })?;
         let made_of: Vec<f64> = made_of.iter().map(|x| x.to_f64()).collect();
@@ -350,7 +387,7 @@ mod tests {
                 Iterate::prepare(&gauss, 4, evaluator.kinetic(), &vec![T::int(0); s - 1]);
             iterate.begin(&gauss, (&y, h));
             let mut contraction = Contraction::new(iterate.is_twofold());
-            contraction.begin(false);
+            contraction.begin(false, 0.7);
             while iterate.sweep(&mut evaluator, &y, &mut contraction).0 == Progress::Contracts {}
             iterate.keep_momenta(&y);
             let (sides, stride) = (2, iterate.stride());

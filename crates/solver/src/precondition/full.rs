@@ -62,14 +62,15 @@ impl Full {
         }
     }
 
-    /// Takes ∇²H at the stages of a step of size `h` from `y`; M is factorised when it is asked for.
+    /// Takes ∇²H at the stages of a step of size `h` from `y`, and factorises M of the components that are unknown; of all of them, and from
+    /// the end of the step, it is factorised when it is asked for.
     pub(crate) fn linearise<T: Float, E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
         energy: &mut E,
         (y, h): (&State<T>, T),
         (state, entries): (&mut [T], &mut [T]),
-    ) {
+    ) -> Result<(), Singular> {
         self.h = h.to_f64();
         for (unit, &scale) in self.rows.units.iter_mut().zip(iterate.scale()) {
             *unit = scale.to_f64();
@@ -90,6 +91,10 @@ impl Full {
                 .zip(&*entries)
                 .for_each(|(to, x)| *to = x.to_f64());
         }
+        let alone = unknown < self.rows.n;
+        self.factor(alone, Held::Start)?;
+        self.is_factored[usize::from(alone)][Held::Start as usize] = true;
+        Ok(())
     }
 
     /// K or, where the end is held, the K of the step made backwards, with its stages and its −h.

@@ -29,6 +29,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.stages.iterate.keep_momenta(y);
         self.stages.iterate.keep(&mut self.kept);
         self.unperturbed.copy_from(next);
+        let noise = self.stages.contraction.noise();
         let reason = match self.move_alphas((y, h), next) {
             Ok(()) => return Ok(Outcome::Solved),
             Err(reason) => reason,
@@ -39,7 +40,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.alphas.copy_from_slice(&self.start_alphas);
         self.stages.iterate.put_back(&self.kept);
         next.copy_from(&self.unperturbed);
-        self.evaluate_constraints(next)?;
+        self.evaluate_constraints(next, noise)?;
         // What no α's bring down near the floors is rounding.
         let worst = |most: T, c: &Constraint<T>| most.max(c.in_late_floors());
         if self.constraints.iter().fold(T::int(0), worst) <= T::int(STALLED) {
@@ -206,7 +207,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let solved = stages.iterate_to_rest(&mut self.energy, (y, h), &mut self.counts);
         solved.map_err(|_| Outcome::BeyondBound)?;
         stages.iterate.end_point(y, next);
-        self.evaluate_constraints(next)
+        self.evaluate_constraints(next, self.stages.contraction.noise())
             .map_err(|_| Outcome::BeyondBound)
     }
 

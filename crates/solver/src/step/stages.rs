@@ -67,13 +67,19 @@ impl<T: Float> Stages<T> {
                 }
                 None => self.iterate.begin(&self.gauss, (y, h)),
             }
-            self.contraction.begin(!self.choice.is_identity());
+            self.begin_iteration();
             let solved = self.iterate_to_rest(energy, (y, h), counts);
             if solved.is_ok() || !self.choice.escalate() {
                 return solved;
             }
             counts.taken_over += 1;
         }
+    }
+
+    pub(crate) fn begin_iteration(&mut self) {
+        let is_preconditioned = !self.choice.is_identity();
+        self.contraction
+            .begin(is_preconditioned, self.choice.slowest());
     }
 
     /// Iterates with the α's as they are, from Z as it is.
@@ -90,9 +96,11 @@ impl<T: Float> Stages<T> {
             if is_old || !is_made {
                 let at = (&self.gauss, &self.iterate);
                 if !self.choice.make(at, energy, (y, h), counts) {
-                    return Err(Failure::Singular);
+                    return Err(self.choice.failure());
                 }
                 is_made = true;
+                let amplification = self.choice.amplification(&mut self.iterate);
+                self.contraction.set_amplification(amplification);
             }
             let is_identity = self.choice.is_identity();
             let (progress, made) = match self.choice.operator() {

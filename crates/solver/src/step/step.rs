@@ -166,7 +166,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if self.constraints.is_empty() {
             return Ok(self.unconstrained);
         }
-        self.evaluate_constraints(next)?;
+        self.evaluate_constraints(next, self.stages.contraction.noise())?;
         if self.constraints.iter().all(Constraint::is_at_floor) {
             return Ok(Outcome::AtFloor);
         }
@@ -202,9 +202,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         halves
     }
 
-    /// Evaluates the constraints at the end point.
-    pub(crate) fn evaluate_constraints(&mut self, next: &State<T>) -> Result<(), Failure<T>> {
-        let noise = T::exact(self.stages.contraction.noise());
+    /// Evaluates the constraints at the end point, which the iteration for the stages has left with this `noise`.
+    pub(crate) fn evaluate_constraints(
+        &mut self,
+        next: &State<T>,
+        noise: f64,
+    ) -> Result<(), Failure<T>> {
+        let noise = T::exact(noise);
         let sizes = self.stages.iterate.scale();
         for constraint in &mut self.constraints {
             self.counts.gradients += 1;

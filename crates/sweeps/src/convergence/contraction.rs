@@ -29,6 +29,10 @@ pub enum Progress {
 pub struct Contraction<T> {
     is_twofold: bool,
     is_preconditioned: bool,
+    /// Contractions worse than this are slow.
+    slowest: f64,
+    /// Changes that are rounding if they do not shrink.
+    rounding: f64,
     /// ρ, carried from step to step.
     rate: f64,
     /// The worst contraction seen in the step, zero if none was.
@@ -54,6 +58,8 @@ impl<T: Float> Contraction<T> {
         Contraction {
             is_twofold,
             is_preconditioned: false,
+            slowest: SLOW,
+            rounding: ROUNDING * T::EPSILON.to_f64(),
             rate: 0.5,
             worst: 0.0,
             last: 0.0,
@@ -68,15 +74,23 @@ impl<T: Float> Contraction<T> {
         }
     }
 
-    /// An iteration begins, with M = I or another M.
-    pub fn begin(&mut self, is_preconditioned: bool) {
+    /// An iteration begins, with M = I or another M; contractions worse than `slowest` do not pay.
+    pub fn begin(&mut self, is_preconditioned: bool, slowest: f64) {
         self.is_preconditioned = is_preconditioned;
+        self.slowest = slowest;
+        self.set_amplification(1.0);
         self.rate = (self.rate / 2.0).max(BEST);
         (self.worst, self.last) = (0.0, 0.0);
         (self.change, self.left) = (f64::INFINITY, f64::INFINITY);
         (self.slow, self.still) = (0, 0);
         (self.is_apart, self.is_settled) = (true, false);
         self.allowed = f64::INFINITY;
+    }
+
+    /// M⁻¹ makes so many times as much of the rounding of the stages as M = I does.
+    pub fn set_amplification(&mut self, amplification: f64) {
+        let eps = T::EPSILON.to_f64();
+        self.rounding = (ROUNDING * eps * amplification.max(1.0)).min(eps.sqrt());
     }
 
     /// Something else has moved Z: the next change is not to be compared with the last.
@@ -91,11 +105,6 @@ impl<T: Float> Contraction<T> {
     #[inline(always)]
     pub fn observe(&mut self, change: f64, is_remeasured: bool) -> Progress {
         let eps = T::EPSILON.to_f64();
-        let rounding = if self.is_preconditioned {
-            eps.sqrt()
-        } else {
-            ROUNDING * eps
-        };
         let last = self.change;
         let compares = !self.is_apart;
         self.is_apart = is_remeasured;
@@ -106,7 +115,11 @@ impl<T: Float> Contraction<T> {
         };
         if compares && last > ROUNDING * eps {
             let ratio = change / last;
-            self.slow = if ratio > SLOW { self.slow + 1 } else { 0 };
+            self.slow = if ratio > self.slowest {
+                self.slow + 1
+            } else {
+                0
+            };
             if last <= FAR {
                 let before = if self.is_preconditioned {
                     self.last
@@ -128,7 +141,7 @@ impl<T: Float> Contraction<T> {
             change
         };
         self.change = change;
-        let is_small = change <= rounding;
+        let is_small = change <= self.rounding;
         let grows = self.slow > 1 && change > 2.0 * last;
         // From afar the second change of Newton's iteration may be many times the first.
         let is_behind =
@@ -221,7 +234,7 @@ mod tests {
     fn a_geometric_series_settles_when_its_tail_is_below_rounding() {
         for ratio in [0.5, 0.1, 1e-2] {
             let mut contraction = Contraction::<f64>::new(false);
-            contraction.begin(false);
+            contraction.begin(false, SLOW);
             let (mut change, mut made) = (1e-3, 0);
             while contraction.observe(change, false) == Progress::Contracts {
                 change *= ratio;
@@ -240,15 +253,15 @@ mod tests {
     #[test]
     fn what_does_not_shrink_diverges_unless_it_is_rounding() {
         let mut contraction = Contraction::<f64>::new(true);
-        contraction.begin(false);
+        contraction.begin(false, SLOW);
         let seen: Vec<_> = [1e-3, 9e-4, 8.5e-4, 8e-4]
             .map(|x| contraction.observe(x, false))
             .to_vec();
         assert_eq!(seen[3], Progress::Diverges);
-        contraction.begin(false);
+        contraction.begin(false, SLOW);
         assert_eq!(contraction.observe(1e-3, false), Progress::Contracts);
         assert_eq!(contraction.observe(f64::NAN, false), Progress::Diverges);
-        contraction.begin(false);
+        contraction.begin(false, SLOW);
         let seen = [1e-8, 1e-13, 2e-15, 2e-15, 2e-15, 2e-15].map(|x| contraction.observe(x, false));
         assert!(seen.contains(&Progress::Settled), "{seen:?}");
     }
@@ -257,7 +270,7 @@ mod tests {
     #[test]
     fn what_else_moves_z_is_not_compared() {
         let mut contraction = Contraction::<f64>::new(false);
-        contraction.begin(false);
+        contraction.begin(false, SLOW);
         contraction.observe(1e-2, false);
         contraction.observe(1e-3, false);
         contraction.disturb();

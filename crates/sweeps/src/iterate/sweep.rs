@@ -124,6 +124,28 @@ impl<T: Float> Iterate<T> {
         (contraction.observe(change.to_f64(), !was_measured), 1)
     }
 
+    /// How many times as much M⁻¹ makes of the rounding of the stages as M = I does: of stages that are off by ±1 in units of their components.
+    pub fn amplification(&mut self, m: &mut dyn Preconditioner<T>) -> f64 {
+        let (len, stride) = (self.unknowns() * self.stride, self.stride);
+        let rows = &mut self.z_before[..len];
+        let mut signs = 0x9e37_79b9_7f4a_7c15_u64;
+        for (row, &scale) in rows.chunks_exact_mut(stride).zip(&self.scale) {
+            for z in &mut row[..self.s] {
+                *z = if signs & 1 == 0 { scale } else { -scale };
+                signs = signs.rotate_right(1);
+            }
+        }
+        m.apply(Held::Start, rows, 1);
+        let rows = rows.chunks_exact(stride).zip(&self.inverse_scale);
+        let worst = |most: T, (row, &inverse): (&[T], &T)| {
+            let largest = row[..self.s]
+                .iter()
+                .fold(most, |most, z| most.max((*z * inverse).abs()));
+            largest
+        };
+        rows.fold(T::int(0), worst).to_f64()
+    }
+
     /// Sweeps of one form, by one kernel where there is one. Returns the last change.
     #[inline(always)]
     fn run<E: Evaluate<T>>(
