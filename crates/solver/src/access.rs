@@ -2,11 +2,11 @@
 //! [`Core::new`], [`Core::step`] and [`Core::forget`].
 
 use crate::equations::constraint::Constraint;
-use crate::failure::Damaged;
 use crate::memory::SolverMemory;
-use crate::options::Reach;
-use crate::outcome::Counts;
-use crate::parts::Part;
+use crate::options::step_options::Reach;
+use crate::outcome::failure::Damaged;
+use crate::outcome::outcome::Counts;
+use crate::outcome::parts::Part;
 use crate::step::step::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;

@@ -1,6 +1,6 @@
 //! [`SolverMemory`]: what a solver has learnt from the steps so far, as named lists of numbers.
 
-use crate::failure::Damaged;
+use crate::outcome::failure::Damaged;
 use equip_scalar::Float;
 
 /// Everything the next step depends on besides state, time and size, so that a solver that is given it goes on bit for

@@ -8,8 +8,8 @@
 //!
 //! Cost: s Hessians per step; per deviation some linear sweeps, or a solve with a dense factorisation made once a step.
 
-use crate::failure::Failure;
-use crate::parts::Part;
+use crate::outcome::failure::Failure;
+use crate::outcome::parts::Part;
 use crate::precondition::full::Full;
 use equip_autodiff::{Evaluate, Pattern, System};
 use equip_scalar::Float;

@@ -1,8 +1,8 @@
 //! [`Integrator`]: a method with its steps and options, ready to integrate.
 
-use crate::method::Method;
 use crate::options::common::Options;
 use crate::options::event::Event;
+use crate::options::method::Method;
 use crate::options::record::Record;
 use equip_scalar::Float;
 use equip_solver::{Invariant, Preconditioner, Reach};

@@ -1,6 +1,6 @@
 //! What a run kept, measured.
 
-use crate::method::Method;
+use crate::options::method::Method;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::report::defect::Defect;
 use crate::report::variable_steps::VariableSteps;

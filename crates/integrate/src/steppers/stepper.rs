@@ -1,12 +1,12 @@
 //! [`Stepper`]: the run one step at a time.
 
+use crate::control::make::make_step;
 use crate::error::IntegrateError;
-use crate::method::Method;
 use crate::options::common::Words;
+use crate::options::method::Method;
 use crate::report::certificate::Certificate;
 use crate::report::defect::{Defect, Watched};
 use crate::report::variable_steps::VariableSteps;
-use crate::step::make::make_step;
 use crate::steppers::grid::Grid;
 use crate::steppers::view::{Step, StepView};
 use crate::tangent::steps::sealed::Followed;

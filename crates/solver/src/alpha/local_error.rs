@@ -4,8 +4,8 @@
 //!
 //! Cost: about s/2 + 2 iterations with s + 1 stages, from the polynomial of the stages that are there.
 
-use crate::options::Preconditioner;
-use crate::outcome::Counts;
+use crate::options::step_options::Preconditioner;
+use crate::outcome::outcome::Counts;
 use crate::step::stages::Stages;
 use equip_autodiff::{Evaluate, Kinetic, Structure};
 use equip_scalar::Float;

@@ -2,9 +2,9 @@
 
 use crate::equations::constraint::Constraint;
 use crate::equations::oracle::Oracle;
-use crate::family::{Alphas, Family};
-use crate::options::{Preconditioner, StepOptions};
-use crate::outcome::Outcome;
+use crate::options::family::{Alphas, Family};
+use crate::options::step_options::{Preconditioner, StepOptions};
+use crate::outcome::outcome::Outcome;
 use crate::step::step::Core;
 use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
 use equip_scalar::{DoubleDouble, Float};

@@ -11,7 +11,7 @@
 //! spring, and a close encounter leaves a defect as large as its own floor: a defect is judged by the largest floor of late, one that fades by
 //! [`FADING`] a step once the defect is below the floor of a step itself.
 
-use crate::invariant::Invariant;
+use crate::options::invariant::Invariant;
 use crate::policy::FADING;
 use equip_autodiff::{Evaluate, Hamiltonian, System};
 use equip_scalar::Float;

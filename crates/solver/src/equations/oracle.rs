@@ -14,7 +14,7 @@
 //!
 //! Cost: dense matrices of size s·2m, made and allocated anew in every iteration. Tests compare the solver with it; nothing else calls it.
 
-use crate::outcome::Outcome;
+use crate::outcome::outcome::Outcome;
 use crate::policy::{BEYOND_ERROR, FARTHEST, LEADING, RIDGE};
 use equip_autodiff::{Evaluate, System};
 use equip_linear::DenseLu;

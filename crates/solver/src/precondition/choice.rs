@@ -3,10 +3,10 @@
 //! A step begins with the one that the last was made with. Where its iteration does not contract it is made anew at the present state, then the next
 //! dearer one is tried: 1 → springs → one ∇²H → ∇²H at all stages. A cheaper one that has failed is tried again after 1, 2, 4, … steps.
 
-use crate::failure::Damaged;
 use crate::memory::SolverMemory;
-use crate::options::Preconditioner as Wanted;
-use crate::outcome::Counts;
+use crate::options::step_options::Preconditioner as Wanted;
+use crate::outcome::failure::Damaged;
+use crate::outcome::outcome::Counts;
 use crate::policy::{LONGEST_WAIT, MOST_DENSE, OUTDATED};
 use crate::precondition::diagonal::Diagonal;
 use crate::precondition::frozen::Frozen;

@@ -8,9 +8,9 @@
 //! defect is worth at least, each component in units of its motion, or moved by rounding. Otherwise the step with α = 0 stands, and its defect is carried.
 
 use crate::equations::constraint::Constraint;
-use crate::failure::Failure;
-use crate::options::Reach;
-use crate::outcome::Outcome;
+use crate::options::step_options::Reach;
+use crate::outcome::failure::Failure;
+use crate::outcome::outcome::Outcome;
 use crate::policy::{
     BEYOND_ERROR, BITS_A_TURN, FARTHEST, MOST_MOVES, MOST_STALLS, ROUNDING, STALLED, TURNS,
 };

@@ -1,8 +1,8 @@
 //! What is compiled once, with this crate: the step of recorded energies, in `f64` and double-double ([`equip_scalar::ready!`]). The step of an
 //! energy that is a type is compiled with that.
 
-use crate::failure::Failure;
-use crate::outcome::Outcome;
+use crate::outcome::failure::Failure;
+use crate::outcome::outcome::Outcome;
 use crate::step::step::Core;
 use equip_autodiff::{Evaluate, Holds, RecordedEvaluator};
 use equip_scalar::Float;

@@ -1,8 +1,8 @@
 //! The stages of a method: Z ← Z + M⁻¹ (K(α) L(Z) − Z) from a guess until Z is at rest.
 
-use crate::failure::Failure;
-use crate::options::Preconditioner;
-use crate::outcome::Counts;
+use crate::options::step_options::Preconditioner;
+use crate::outcome::failure::Failure;
+use crate::outcome::outcome::Counts;
 use crate::policy::MOST_ITERATIONS;
 use crate::precondition::choice::Choice;
 use equip_autodiff::{Evaluate, Kinetic, Structure};

@@ -6,10 +6,10 @@
 use crate::alpha::direction::Direction;
 use crate::alpha::local_error::LocalError;
 use crate::equations::constraint::Constraint;
-use crate::failure::Failure;
-use crate::options::StepOptions;
-use crate::outcome::{Counts, Outcome};
-use crate::parts::Parts;
+use crate::options::step_options::StepOptions;
+use crate::outcome::failure::Failure;
+use crate::outcome::outcome::{Counts, Outcome};
+use crate::outcome::parts::Parts;
 use crate::step::stages::Stages;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;

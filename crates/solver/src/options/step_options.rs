@@ -1,6 +1,6 @@
 //! [`StepOptions`]: what a step is to keep, how far its α's may go, and how its stages are iterated.
 
-use crate::family::{Alphas, Family};
+use crate::options::family::{Alphas, Family};
 use equip_scalar::Float;
 
 /// How far the α's may move the end point of a step to keep the energy.
