@@ -3,7 +3,7 @@
 //!
 //! Multiplying by them is exact far from overflow and underflow, so no more than 2^[`MOST_TWOS`] waits.
 
-use super::{Adjoint, Reverse, exact};
+use super::reverse::{Adjoint, Reverse, exact};
 use crate::recording::op::{Node, Op};
 
 /// Operations that a power of two is carried into, one within the other.
