@@ -12,7 +12,7 @@
 //! | √ | 0.79 (Lefèvre–Louvet–Muller–Picot–Rideau 2023) |
 //! | xⁿ | measured 0.4 n |
 //! | xʸ | 8 + 4 \|y ln x\|, measured a fifth of it; integers up to 64 as xⁿ |
-//! | all other functions | measured 1.4 (`tests/double_double_functions.rs`) |
+//! | all other functions | measured 1.4 (`tests/double_double_functions`) |
 //!
 //! What it is not: correctly rounded, or monotone in the last bit. Below [`DoubleDouble::MIN_POSITIVE`] = 2⁻⁹⁶⁹
 //! the lower part runs into the subnormal numbers and precision fades as it does for `f64` below 2⁻¹⁰²².
