@@ -1,4 +1,5 @@
-//! What the tests in `tests/tests` share: problems written like a user writes them, measurements, seeded numbers.
+//! What the tests in `tests/tests` share: problems written like a user writes them, measurements, seeded
+//! numbers.
 //!
 //! | file | question |
 //! |---|---|
@@ -21,8 +22,8 @@
 //! | `allocations.rs` | does a step allocate? |
 //! | `house.rs` | do imports point downward, without circles, in few floors and small rooms? |
 //!
-//! Every tolerance is a measured figure times a stated headroom; the figure stands beside it. Where both float types
-//! run the same function, double-double asserts digits that `f64` cannot reach.
+//! Every tolerance is a measured figure times a stated headroom; the figure stands beside it. Where both
+//! float types run the same function, double-double asserts digits that `f64` cannot reach.
 #![forbid(unsafe_code)]
 // Test code fails by panicking.
 #![allow(clippy::unwrap_used, clippy::expect_used)]

@@ -12,7 +12,8 @@ pub use equip_scalar::{Constant, Num, Scalar};
 ///
 /// - `mu` or `mu = value`: an `f64`, [`Constant`](equip_scalar::Constant) or `DoubleDouble`; inside H it is
 ///   a number like `q[0]`, as exact as the float type H is computed in;
-/// - `count: usize = value`: anything `Copy + 'static`, seen inside H as it is. Arrays of masses and loop bounds go here.
+/// - `count: usize = value`: anything `Copy + 'static`, seen inside H as it is. Arrays of masses and loop
+///   bounds go here.
 ///
 /// The result is `Result<Hamiltonian<Static<_>>, BuildError>`.
 ///

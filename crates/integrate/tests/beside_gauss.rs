@@ -112,8 +112,8 @@ fn round_off_of_a_close_pass_is_not_carried() {
     assert!(worst <= 8.0, "{worst} floors");
 }
 
-/// Pendulum on a spring, k = 1e6, hω = 50: the spring is at rest, and what keeps the energy must not disturb the slow motion. Errors are those of the
-/// angle.
+/// Pendulum on a spring, k = 1e6, hω = 50: the spring is at rest, and what keeps the energy must not disturb
+/// the slow motion. Errors are those of the angle.
 #[test]
 fn slow_motion_beside_a_stiff_spring_at_rest_is_left_in_peace() {
     let scene = equip_scenes::find("spring-pendulum").unwrap();

@@ -93,7 +93,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// h γ_k = Σ_i P_k(c_i) L_i for k < s into `out`, blocks of length n: u'(τ) = Σ_k γ_k P_k(τ) within the step.
+    /// h γ_k = Σ_i P_k(c_i) L_i for k < s into `out`, blocks of length n: u'(τ) = Σ_k γ_k P_k(τ) within the
+    /// step.
     pub fn legendre_coefficients(&self, out: &mut [T]) {
         let (gauss, iterate) = (&self.stages.gauss, &self.stages.iterate);
         for (k, out) in out.chunks_exact_mut(iterate.components()).enumerate() {
@@ -141,8 +142,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
 /// The start of a run.
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
-    /// A run begins at `y`, length n, where the energy is `h_ref`: the steps from here on are those of a new solver.
-    /// Counts stay. Allocates nothing.
+    /// A run begins at `y`, length n, where the energy is `h_ref`: the steps from here on are those of a new
+    /// solver. Counts stay. Allocates nothing.
     pub fn begin(&mut self, h_ref: T, y: &[T]) {
         self.forget();
         self.parts.clear();
@@ -168,8 +169,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.start.fill(T::NAN);
     }
 
-    /// The next step is guessed from these L, stage by stage, of a step of size `h` from the same state, and from
-    /// nothing else.
+    /// The next step is guessed from these L, stage by stage, of a step of size `h` from the same state, and
+    /// from nothing else.
     pub fn guess_from(&mut self, l: &[T], h: T) {
         self.forget();
         self.stages.iterate.set_increments(l);
@@ -181,8 +182,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.options.reach = reach;
     }
 
-    /// Puts other constraints in the place of those there are, which are returned. Without any the α's stay where they
-    /// are.
+    /// Puts other constraints in the place of those there are, which are returned. Without any the α's stay
+    /// where they are.
     pub fn replace_constraints(&mut self, constraints: Vec<Constraint<T>>) -> Vec<Constraint<T>> {
         self.start.fill(T::NAN);
         std::mem::replace(&mut self.constraints, constraints)

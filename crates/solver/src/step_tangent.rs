@@ -6,7 +6,8 @@
 //!
 //! by [`LinearSweeps`], with ∇²H at all stages as preconditioner where these do not contract (about hω > 1).
 //!
-//! Cost: s Hessians per step; per deviation some linear sweeps, or a solve with a dense factorisation made once a step.
+//! Cost: s Hessians per step; per deviation some linear sweeps, or a solve with a dense factorisation made
+//! once a step.
 
 use crate::outcome::failure::Failure;
 use crate::outcome::parts::Part;

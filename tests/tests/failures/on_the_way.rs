@@ -6,7 +6,8 @@ use equip_integrate::{Alphas, Equip, Gauss, IntegrateError, Preconditioner, Reac
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, henon_heiles};
 
-/// H = p²/2 + (1 − q)^(3/2): a particle thrown over the edge q = 1 of the domain, where the force still is finite.
+/// H = p²/2 + (1 − q)^(3/2): a particle thrown over the edge q = 1 of the domain, where the force still is
+/// finite.
 fn edge() -> Hamiltonian {
     Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + (1.0 - q[0]).powf(1.5)).unwrap()
 }

@@ -5,8 +5,8 @@ use equip_autodiff::{Evaluate, System};
 use equip_integrate::{Outcome, Reach};
 use equip_scalar::{DoubleDouble, Float};
 
-/// No more work than the options allow: every step and every part of a halved one is tried with two norms from two guesses,
-/// then with α = 0 from two.
+/// No more work than the options allow: every step and every part of a halved one is tried with two norms
+/// from two guesses, then with α = 0 from two.
 pub(super) fn work_is_bounded(case: &Case, ran: &Ran) {
     let c = &ran.counts;
     let steps = c.steps + u64::from(ran.error.is_some());

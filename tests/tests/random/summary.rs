@@ -7,8 +7,8 @@ use equip_autodiff::System;
 use equip_integrate::{Alphas, IntegrateError, Outcome};
 use std::collections::BTreeMap;
 
-/// What the trajectory is held against: with more than one α the energy is kept without much displacement; with a single one
-/// (s = 2, or only the last) it costs what it costs.
+/// What the trajectory is held against: with more than one α the energy is kept without much displacement;
+/// with a single one (s = 2, or only the last) it costs what it costs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Freedom {
     Several,

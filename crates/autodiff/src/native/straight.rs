@@ -12,8 +12,8 @@ use std::collections::HashMap;
 /// hundred bytes for each.
 const LARGEST: usize = 1 << 22;
 
-/// The program of a graph whose operations are arithmetic, √ and |x| only, if it is not too large. `constants`
-/// evaluates the nodes that depend on constants only, as replays do.
+/// The program of a graph whose operations are arithmetic, √ and |x| only, if it is not too large.
+/// `constants` evaluates the nodes that depend on constants only, as replays do.
 pub(crate) fn straight(
     graph: &Graph,
     constants: impl FnOnce(&Graph) -> Vec<(u32, f64)>,

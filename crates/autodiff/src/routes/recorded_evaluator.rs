@@ -199,7 +199,8 @@ impl<T: Float> RecordedEvaluator<T> {
     }
 }
 
-/// What is compiled once, with this crate, by [`equip_scalar::ready!`]: the functions of [`Evaluate`](crate::Evaluate), by their names there, and the bound alone.
+/// What is compiled once, with this crate, by [`equip_scalar::ready!`]: the functions of
+/// [`Evaluate`](crate::Evaluate), by their names there, and the bound alone.
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {

@@ -1,4 +1,5 @@
-//! [`Results`]: the results of a recording in every form they are evaluated in, each made when it is first asked for.
+//! [`Results`]: the results of a recording in every form they are evaluated in, each made when it is first
+//! asked for.
 
 use crate::native::compiled::Compiled;
 use crate::native::straight::straight;

@@ -56,7 +56,8 @@ impl<E: Energy> Hamiltonian<Static<E>> {
     /// Compiles an energy given as a type with one generic method.
     ///
     /// # Errors
-    /// [`BuildError`] if the number of degrees of freedom is 0 or too large, or a constant is NaN or infinite.
+    /// [`BuildError`] if the number of degrees of freedom is 0 or too large, or a constant is NaN or
+    /// infinite.
     ///
     /// ```
     /// use equip_autodiff::{Energy, Hamiltonian, System};

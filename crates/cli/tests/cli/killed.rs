@@ -4,7 +4,8 @@ use crate::{equip, file};
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Runs with a checkpoint at every step, kills the program in the middle, goes on, and compares the table with that of a run that was left alone.
+/// Runs with a checkpoint at every step, kills the program in the middle, goes on, and compares the table
+/// with that of a run that was left alone.
 fn killed_and_gone_on(name: &str, signal: &str, arguments: &[&str]) {
     let (out, whole) = (
         file(&format!("{name}.csv")),

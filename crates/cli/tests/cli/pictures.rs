@@ -21,7 +21,8 @@ fn the_plot_shows_gauss_beside_it_unless_told_not_to() {
     assert!(!drawn(&["--method", "gauss"]).contains("same steps"));
 }
 
-/// With 8 steps a revolution a line from step to step would be an octagon, which leaves the orbit by 1 − cos(π/8) = 7.6 %.
+/// With 8 steps a revolution a line from step to step would be an octagon, which leaves the orbit by 1 −
+/// cos(π/8) = 7.6 %.
 #[test]
 fn orbits_are_drawn_between_their_steps() {
     let plot = file("curve.svg");

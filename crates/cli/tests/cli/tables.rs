@@ -93,7 +93,8 @@ fn double_double_has_the_digits_of_double_double() {
     let (q, p) = pendulum.exact(DoubleDouble::int(5)).unwrap();
     for (cell, exact) in [(&last[1], q[0]), (&last[2], p[0])] {
         let found = DoubleDouble::decimal(cell).unwrap();
-        // Measured 1.1e-32, a unit in the last place or so; headroom of 100. Read as a double, 1.1 would leave 1e-16.
+        // Measured 1.1e-32, a unit in the last place or so; headroom of 100. Read as a double, 1.1 would
+        // leave 1e-16.
         let error: f64 = (found - exact).to_f64();
         assert!(error.abs() < 1.1e-30, "{cell}: {error:e}");
     }

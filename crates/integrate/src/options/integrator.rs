@@ -26,8 +26,8 @@ impl<T: Float, S> Integrator<T, S> {
         }
     }
 
-    /// How far α's may move the end point of a step to keep the energy; [`Reach::WithinError`] by default. With a
-    /// tolerance it is asked only when shorter steps do not help either.
+    /// How far α's may move the end point of a step to keep the energy; [`Reach::WithinError`] by default.
+    /// With a tolerance it is asked only when shorter steps do not help either.
     #[must_use]
     pub fn reach(mut self, reach: Reach) -> Self {
         self.options.reach = reach;

@@ -62,7 +62,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     }
 
     /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready:
-    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is allocated. After an error the run is as it was.
+    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is
+    /// allocated. After an error the run is as it was.
     ///
     /// # Errors
     /// Faults of the initial values, and an H that is not finite there.

@@ -1,7 +1,7 @@
 //! Elementary functions of `DoubleDouble` against astro-float at 320 bits and more.
 //!
-//! All errors are relative, in units of 2⁻¹⁰⁴. The bound asserted is the measured maximum with a margin of half to two
-//! thirds; 8 is what the documentation promises.
+//! All errors are relative, in units of 2⁻¹⁰⁴. The bound asserted is the measured maximum with a margin of
+//! half to two thirds; 8 is what the documentation promises.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod exponentials;

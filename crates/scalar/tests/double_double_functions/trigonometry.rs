@@ -65,7 +65,8 @@ fn trigonometric_of_huge_arguments() {
         let x = match i % 3 {
             0 => random.log_uniform(100.0, 1023.0),
             1 => near_multiples(2f64.powi(900))(&mut random),
-            // The double next to a multiple of π/2 in all the range (Kahan), and a lower part that goes closer.
+            // The double next to a multiple of π/2 in all the range (Kahan), and a lower part that goes
+            // closer.
             _ => DoubleDouble::new(
                 6_381_956_970_095_103.0 * 2f64.powi(797),
                 random.unit() * 2f64.powi(700 - i),

@@ -54,8 +54,8 @@ impl<T: Float> LocalError<T> {
         })
     }
 
-    /// The largest component of e in each of these units, of a step of size `h` from `y` whose stages have these L, component by component with this
-    /// `stride`. `None` if it was not found.
+    /// The largest component of e in each of these units, of a step of size `h` from `y` whose stages have
+    /// these L, component by component with this `stride`. `None` if it was not found.
     pub(crate) fn estimate<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,

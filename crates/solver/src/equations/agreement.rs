@@ -19,7 +19,8 @@ const ALL: [Preconditioner; 5] = [
     Preconditioner::Full,
 ];
 
-/// One step from `y` by each preconditioner and by the equations: the same outcome, and the same end to `most` ε of the largest component.
+/// One step from `y` by each preconditioner and by the equations: the same outcome, and the same end to
+/// `most` ε of the largest component.
 fn compare<T: Float>(
     name: &str,
     h: &Hamiltonian,
@@ -130,7 +131,8 @@ fn systems() -> Vec<Case> {
     ]
 }
 
-/// Measured: at most 40 ε, of solved steps 2e3 ε where the displacement is of 1e-4 (differences of ∇H); headroom 5.
+/// Measured: at most 40 ε, of solved steps 2e3 ε where the displacement is of 1e-4 (differences of ∇H);
+/// headroom 5.
 #[test]
 fn every_preconditioner_solves_the_equations() {
     let mut solved = 0;

@@ -1,7 +1,8 @@
 //! Which preconditioner a step is iterated with: the cheapest that contracts.
 //!
-//! A step begins with the one that the last was made with. Where its iteration does not contract it is made anew at the present state, then the next
-//! dearer one is tried: 1 → springs → one ∇²H → ∇²H at all stages. A cheaper one that has failed is tried again after 1, 2, 4, … steps.
+//! A step begins with the one that the last was made with. Where its iteration does not contract it is made
+//! anew at the present state, then the next dearer one is tried: 1 → springs → one ∇²H → ∇²H at all stages. A
+//! cheaper one that has failed is tried again after 1, 2, 4, … steps.
 
 use crate::memory::SolverMemory;
 use crate::options::step_options::Preconditioner as Wanted;
@@ -117,7 +118,8 @@ impl<T: Float> Choice<T> {
         self.active == Kind::Identity
     }
 
-    /// Sees to it that M is there for a step of size `h` from `y`, at the stages as they are. Returns whether it is.
+    /// Sees to it that M is there for a step of size `h` from `y`, at the stages as they are. Returns whether
+    /// it is.
     pub(crate) fn make<E: Evaluate<T>>(
         &mut self,
         (gauss, iterate): (&Gauss<T>, &Iterate<T>),

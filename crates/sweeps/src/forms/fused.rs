@@ -1,7 +1,9 @@
-//! The sweep of a small system as one kernel: ∇H, L and Z ← K L with all lengths literal and everything in registers.
+//! The sweep of a small system as one kernel: ∇H, L and Z ← K L with all lengths literal and everything in
+//! registers.
 //!
-//! The same operations in the same order as in [`crate::forms::form`], bit for bit. What bounds a sweep is the chain of dependent operations, which is
-//! walked through for all components side by side: ∇U, then P ← p + K L_p, then Z_q ← K L_q.
+//! The same operations in the same order as in [`crate::forms::form`], bit for bit. What bounds a sweep is
+//! the chain of dependent operations, which is walked through for all components side by side: ∇U, then P ←
+//! p + K L_p, then Z_q ← K L_q.
 
 use crate::convergence::again::Again;
 use crate::forms::form::Mix;
@@ -11,7 +13,8 @@ use equip_autodiff::{Fused, Slopes};
 
 /// A form of the sweep that there is a kernel for.
 pub(crate) trait Small<'a>: Mix<'a, f64> {
-    /// Sweeps of C unknown components: one, and as many more as `again` says. Gives what [`Mix::mix`] does of the last.
+    /// Sweeps of C unknown components: one, and as many more as `again` says. Gives what [`Mix::mix`] does of
+    /// the last.
     fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
         gradients: &impl Slopes<C, N>,
@@ -60,8 +63,9 @@ impl<'a, S: Small<'a>, A: Again<f64>> Fused<HALF> for TwoGroups<S, A> {
     }
 }
 
-/// The largest change of Z, `by`, relative to the sizes of the components, as an integer: of numbers that are not negative the larger has the
-/// larger bits, and what is not a number the largest. Lane by lane, and the lanes in memory: by itself the compiler takes all numbers out of their vectors.
+/// The largest change of Z, `by`, relative to the sizes of the components, as an integer: of numbers that are
+/// not negative the larger has the larger bits, and what is not a number the largest. Lane by lane, and the
+/// lanes in memory: by itself the compiler takes all numbers out of their vectors.
 #[inline(always)]
 pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
     by: &[Row<f64, G, N>; C],

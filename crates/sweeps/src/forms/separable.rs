@@ -1,4 +1,5 @@
-//! The sweep of H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p, the positions unknown: L_p = −h b ∇U, P = p + K L_p, L_q = h b (M⁻¹ P + b), Z_q ← K L_q.
+//! The sweep of H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p, the positions unknown: L_p = −h b ∇U, P = p + K L_p,
+//! L_q = h b (M⁻¹ P + b), Z_q ← K L_q.
 //!
 //! P is kept where it is asked for only: a long chain waits for its memory.
 
@@ -134,7 +135,8 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
 }
 
 impl<T: Float> Half<'_, T> {
-    /// Numbers of more than one word stay in packs from one product to the next: to put the words in order and apart again takes as long as a product.
+    /// Numbers of more than one word stay in packs from one product to the next: to put the words in order
+    /// and apart again takes as long as a product.
     #[inline(always)]
     fn wide_block<const G: usize, const N: usize>(
         &mut self,

@@ -55,8 +55,8 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// The linear half of a sweep: L from the gradients, Z ← K L, and the stages. Gives the largest change of Z relative to the sizes of the
-    /// components; not finite if anything is not.
+    /// The linear half of a sweep: L from the gradients, Z ← K L, and the stages. Gives the largest change of
+    /// Z relative to the sizes of the components; not finite if anything is not.
     pub(crate) fn mix(&mut self, y: &State<T>) -> T {
         let set = self.set;
         match self.form(y) {

@@ -1,9 +1,10 @@
 //! The stages of a step as an iteration has them: Z, L(Z) and all that a sweep reads and writes.
 //!
-//! Component c of stage i stands at `c·stride + i`, so that the stages lie side by side in SIMD registers; the places from s to `stride` are
-//! padding.
+//! Component c of stage i stands at `c·stride + i`, so that the stages lie side by side in SIMD registers;
+//! the places from s to `stride` are padding.
 //!
-//! K enters as K, with K_ij + K_ji = 1 to the last bit, so the solution keeps quadratic invariants to rounding.
+//! K enters as K, with K_ij + K_ji = 1 to the last bit, so the solution keeps quadratic invariants to
+//! rounding.
 //!
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated.
 

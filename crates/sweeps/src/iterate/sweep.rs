@@ -26,7 +26,8 @@ impl<T: Float> Iterate<T> {
         (ready::<T>().at_rest)(self, gauss, step);
     }
 
-    /// A step of size `h` begins at `y`, where the last one began (`start` = 0) or ended (1), which had the size `last`; `known` is ∇H at `y`.
+    /// A step of size `h` begins at `y`, where the last one began (`start` = 0) or ended (1), which had the
+    /// size `last`; `known` is ∇H at `y`.
     pub fn begin_from_last(
         &mut self,
         gauss: &Gauss<T>,
@@ -55,8 +56,8 @@ impl<T: Float> Iterate<T> {
         (ready::<T>().fill_k)(self, alphas);
     }
 
-    /// One sweep from the step's start `y`, or as many incremental ones as leave others to come. Returns what the last change of Z says, and how many
-    /// sweeps were made; each has evaluated the gradient at s points.
+    /// One sweep from the step's start `y`, or as many incremental ones as leave others to come. Returns what
+    /// the last change of Z says, and how many sweeps were made; each has evaluated the gradient at s points.
     pub fn sweep<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
