@@ -180,7 +180,7 @@ fn comments_of_at_most_110_columns() {
     none(&wrong);
 }
 
-/// A folder that has become short is named no longer.
+/// A folder on the list is long enough to need it.
 #[test]
 fn lists_are_long() {
     let all = crates();

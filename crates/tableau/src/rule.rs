@@ -86,7 +86,7 @@ fn distances<T: Float>(s: usize) -> Vec<T> {
             };
             let delta = value * *t * (two - *t) / (order * (before - (one - *t) * value));
             *t += delta;
-            // Steps that no longer halve are rounding noise.
+            // Steps that do not halve are rounding noise.
             *last = (two * delta.abs() < before_this).then_some(delta.abs());
         }
         if last.iter().all(Option::is_none) {

@@ -2,7 +2,7 @@
 //!
 //! A loop that adds n terms to H records a chain of n additions, each waiting for the one before. Where
 //! nothing else uses the partial sums, the chain becomes one operation with n operands, still added in the
-//! order the energy adds them: every bit is kept, the chain no longer forces n steps one after the other, and
+//! order the energy adds them: every bit is kept, nothing forces n steps one after the other, and
 //! the analyses of structure stay linear in n.
 
 use crate::recording::op::{Curvature, Node, Op, Operations};

@@ -11,7 +11,7 @@ use crate::text::brief;
 use equip_scalar::Float;
 use equip_scenes::{Instance, View};
 
-/// Muted colours, told apart also by those who do not see red and green apart: the first is that of the run.
+/// Muted colours, distinct also where red and green look alike: the first is that of the run.
 const COLOURS: [&str; 6] = [
     "#2b6a99", "#c46b1f", "#4f8f6b", "#8d6a9f", "#b0485c", "#6b6b6b",
 ];

@@ -60,7 +60,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
-    /// The run as it is now, to be resumed by the same options.
+    /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let mut checkpoint = self.inner.checkpoint();
         checkpoint.time_low = Exact::of(self.time_low);

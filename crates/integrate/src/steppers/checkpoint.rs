@@ -46,7 +46,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Ok(())
     }
 
-    /// The run as it is now, to be resumed by the same options.
+    /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let memory = self.core.memory();
         let parts = memory.parts().iter();

@@ -43,7 +43,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// Makes the next step.
     ///
     /// # Errors
-    /// When the step cannot be made, or σ or the density is no longer positive; the state then is that before
+    /// When the step cannot be made, or σ or the density is not positive; the state then is that before
     /// the step.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
         let mut density = self.density + self.change()?;

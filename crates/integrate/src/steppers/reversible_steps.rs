@@ -101,7 +101,7 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
 }
 
 impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
-    /// The run as it is now, to be resumed by the same options.
+    /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let mut checkpoint = self.inner.checkpoint();
         checkpoint.time_low = Exact::of(self.time_low);

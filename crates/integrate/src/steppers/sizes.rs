@@ -88,7 +88,7 @@ pub trait Advance<T: Float, E: Evaluate<T>> {
     /// # Errors
     /// When the checkpoint is damaged.
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>>;
-    /// The run as it is now.
+    /// The run in its present state.
     fn save(&mut self) -> Checkpoint;
     /// Steps are to meet this time from now on.
     ///
