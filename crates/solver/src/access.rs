@@ -3,7 +3,6 @@
 
 use crate::equations::constraint::Constraint;
 use crate::memory::SolverMemory;
-use crate::options::step_options::Reach;
 use crate::outcome::failure::Damaged;
 use crate::outcome::outcome::Counts;
 use crate::outcome::parts::Part;
@@ -69,11 +68,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// Whether all of them are zero.
     pub fn alphas_are_zero(&self) -> bool {
         self.alphas.iter().all(|&alpha| alpha == T::int(0))
-    }
-
-    /// Size h of the step, or of its last part; zero if there is none.
-    pub fn last_size(&self) -> T {
-        self.stages.last.map_or(T::int(0), |(_, h)| h)
     }
 
     /// L_i = h b_i J∇H(Y_i), component c of stage i at c·[`stride_for`](crate::stride_for)(s) + i.
@@ -175,11 +169,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.forget();
         self.stages.iterate.set_increments(l);
         self.stages.last = Some((T::int(0), h));
-    }
-
-    /// How far the α's may move the end point, from the next step on.
-    pub fn set_reach(&mut self, reach: Reach) {
-        self.options.reach = reach;
     }
 
     /// Puts other constraints in the place of those there are, which are returned. Without any the α's stay

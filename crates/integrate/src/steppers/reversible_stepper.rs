@@ -7,10 +7,9 @@ use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
-use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Core, Outcome};
+use equip_solver::Outcome;
 
 /// Tries to meet the integral rule.
 const MOST_TRIES: u32 = 25;
@@ -243,19 +242,5 @@ impl<T: Float> Secant<T> {
         self.last = Some((h, miss));
         let two = T::int(2);
         self.h = (h - miss / self.slope).max(h / two).min(h * two);
-    }
-}
-
-impl<T: Float, E> Followed<T, E> for ReversibleStepper<T, E> {
-    fn core(&self) -> &Core<T, E> {
-        &self.inner.core
-    }
-
-    fn core_mut(&mut self) -> &mut Core<T, E> {
-        &mut self.inner.core
-    }
-
-    fn time_reached(&self) -> T {
-        self.inner.time
     }
 }

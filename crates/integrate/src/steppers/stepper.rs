@@ -9,7 +9,6 @@ use crate::report::defect::{Defect, Watched};
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::grid::Grid;
 use crate::steppers::view::{Step, StepView};
-use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Core, Counts, Outcome, State};
@@ -198,20 +197,6 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             output_steps: 0,
             seconds: self.begun.elapsed().as_secs_f64(),
         }
-    }
-}
-
-impl<T: Float, E> Followed<T, E> for Stepper<T, E> {
-    fn core(&self) -> &Core<T, E> {
-        &self.core
-    }
-
-    fn core_mut(&mut self) -> &mut Core<T, E> {
-        &mut self.core
-    }
-
-    fn time_reached(&self) -> T {
-        self.time
     }
 }
 

@@ -6,10 +6,11 @@
 //! p + K L_p, then Z_q ← K L_q.
 
 use crate::convergence::again::Again;
-use crate::forms::form::Mix;
-use crate::layout::row::{HALF, OnLines, Row, in_memory, literal};
+use crate::forms::form::{Mix, Step};
+use crate::layout::row::{HALF, OnLines, Row, difference, in_memory, literal, placed};
 use crate::matrix::product::{Anew, Mixes, Square};
 use equip_autodiff::{Fused, Slopes};
+use std::array::from_fn;
 
 /// A form of the sweep that there is a kernel for.
 pub(crate) trait Small<'a>: Mix<'a, f64> {
@@ -89,6 +90,27 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
         }
     }
     f64::from_bits(most[0].cast_unsigned())
+}
+
+/// Z ← K L and the stages, from what the products read; the largest change of Z.
+#[inline(always)]
+pub(crate) fn settle<const C: usize, const G: usize, const N: usize>(
+    k: &impl Mixes<f64, G, N>,
+    step: &mut Step<'_, f64>,
+) -> f64 {
+    let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
+    let (folded, z) = (rows_of::<C, G, N>(step.folded), rows_of::<C, G, N>(step.z));
+    let points = rows_of::<C, G, N>(step.points);
+    let mut by = [[[0.0; N]; G]; C];
+    for c in 0..C {
+        let moved = k.product(&folded[c]);
+        points[c] = from_fn(|g| placed(hi[c], lo[c], &moved[g]));
+        for g in 0..G {
+            by[c][g] = difference(&moved[g], &z[c][g]);
+        }
+        z[c] = moved;
+    }
+    change(&by, numbers(step.inverse_scale))
 }
 
 /// A number for each of C components.
