@@ -1,4 +1,5 @@
-//! What the tests in `tests/tests` share: problems written like a user writes them, measurements, seeded numbers.
+//! What the tests in `tests/tests` share: problems written like a user writes them, measurements, seeded
+//! numbers.
 //!
 //! | file | question |
 //! |---|---|
@@ -7,13 +8,13 @@
 //! | `agreement.rs` | do end states agree with references from other methods, to all digits there are? |
 //! | `newton.rs` | does Newton on system (7) converge quadratically? |
 //! | `pay_as_you_go.rs` | does a scene that needs less pay less? |
-//! | `random.rs` | does every random Hamiltonian end well: typed, finite, the energy kept where claimed, no worse than Gauss? |
+//! | `random/` | does every random Hamiltonian end well: typed, finite, the energy kept where claimed, no worse than Gauss? |
 //! | `long.rs` | does anything grow in 10⁷ steps? |
 //! | `many.rs` | are many components as cheap and as near as with Gauss, and stiff ones kept from slopes? |
 //! | `cases_step.rs` | are small inputs from outside as right and as cheap as with Gauss on the same steps? |
 //! | `cases_step_long.rs` | the same, of many steps, many components and wide numbers |
 //! | `cases_step_starts.rs` | the same in the mean over random starts, with few stages or many components |
-//! | `failures.rs` | is every failure typed, with a remedy, and the state intact? |
+//! | `failures/` | is every failure typed, with a remedy, and the state intact? |
 //! | `extremes.rs` | wild units, shifted energies, every number of stages |
 //! | `stories.rs` | energies as users write them |
 //! | `reproducibility.rs` | is a run the same to the last bit, whatever is watched, and does it run backwards? |
@@ -21,8 +22,8 @@
 //! | `allocations.rs` | does a step allocate? |
 //! | `house.rs` | do imports point downward, without circles, in few floors and small rooms? |
 //!
-//! Every tolerance is a measured figure times a stated headroom; the figure stands beside it. Where both float types
-//! run the same function, double-double asserts digits that `f64` cannot reach.
+//! Every tolerance is a measured figure times a stated headroom; the figure stands beside it. Where both
+//! float types run the same function, double-double asserts digits that `f64` cannot reach.
 #![forbid(unsafe_code)]
 // Test code fails by panicking.
 #![allow(clippy::unwrap_used, clippy::expect_used)]

@@ -27,7 +27,8 @@ impl<T: Float> Start<T> {
     }
 }
 
-/// H = |p|²/2 − 1/|q| in the plane, started at the pericentre of an ellipse with semi-major axis 1, period 2π.
+/// H = |p|²/2 − 1/|q| in the plane, started at the pericentre of an ellipse with semi-major axis 1, period
+/// 2π.
 ///
 /// The eccentricity is `e`/10: q = (1 − e, 0), p = (0, √((1 + e)/(1 − e))).
 pub fn kepler<T: Float>(e: i64) -> (Hamiltonian, Start<T>) {
@@ -65,8 +66,8 @@ pub fn henon_heiles<T: Float>(energy: T, q2: &str, p2: &str) -> (Hamiltonian, St
     (h.unwrap(), start)
 }
 
-/// H = (C1 P2² + C2 D² + C3 P2 D cos Q2)/(C4 − C5 cos 2Q2) − C6 cos Q1 − C7 cos(Q1 + Q2) with D = P2 − P1: two unit
-/// rods with unit masses in relative angles, not separable.
+/// H = (C1 P2² + C2 D² + C3 P2 D cos Q2)/(C4 − C5 cos 2Q2) − C6 cos Q1 − C7 cos(Q1 + Q2) with D = P2 − P1:
+/// two unit rods with unit masses in relative angles, not separable.
 pub fn double_pendulum<T: Float>() -> (Hamiltonian, Start<T>) {
     let c6 = decimal("19.6").unwrap();
     let c7 = decimal("9.8").unwrap();

@@ -172,7 +172,7 @@ impl<T: Float> Stages<T> {
     /// Solves for Z, from the Z that is there.
     fn iterate(&mut self, y0: &[T], h: T) {
         let mut last = f64::INFINITY;
-        // Below this the iteration may stop where it no longer contracts.
+        // Below this the iteration may stop where it does not contract.
         let near = (1e3 * T::EPSILON.to_f64()).max(LEFT);
         for _ in 0..ITERATIONS {
             self.evaluate(y0);

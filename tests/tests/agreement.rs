@@ -1,7 +1,7 @@
 //! Agreement of end states with stored references that other methods computed, to all digits there are.
 //!
-//! Digits are −log₁₀ of the error of q and of p, each in the max norm relative to its largest component, the worse of
-//! the two. Bounds are the measured digits minus half a digit.
+//! Digits are −log₁₀ of the error of q and of p, each in the max norm relative to its largest component, the
+//! worse of the two. Bounds are the measured digits minus half a digit.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_integrate::{Equip, Method, Outcome, Record};
@@ -85,8 +85,9 @@ fn fpu_with_stiff_springs() {
 
 #[test]
 fn outer_solar_system() {
-    // Measured 12.5 with simplified Newton, which is the automatic choice at this size; 13.3 with full Newton. The
-    // difference is α's spent on defects at the round-off floor (11 of 2000 steps are halved for them).
+    // Measured 12.5 with simplified Newton, which is the automatic choice at this size; 13.3 with full
+    // Newton. The difference is α's spent on defects at the round-off floor (11 of 2000 steps are halved for
+    // them).
     assert!(digits("outer_ss", Equip::stages(6), 100.0) > 12.0);
 }
 
@@ -111,8 +112,9 @@ fn kepler_1000_periods() {
 #[test]
 #[ignore = "known deficit: fewer than 10 digits with s = 8, e = 0.9, 100 periods"]
 fn kepler_with_eccentricity_nine_tenths_in_f64() {
-    // 80 000 steps for the pericentre, all of them with a defect of few floors: left in the energy, four of them are 9.5 digits at the pericentre
-    // after 100 periods. Measured 10.2 to 12.8 with 780 to 826 steps per period, half of them above 10.5.
+    // 80 000 steps for the pericentre, all of them with a defect of few floors: left in the energy, four of
+    // them are 9.5 digits at the pericentre after 100 periods. Measured 10.2 to 12.8 with 780 to 826 steps
+    // per period, half of them above 10.5.
     let h = std::f64::consts::TAU / 800.0;
     assert!(digits("kepler09_100", Equip::stages(8), h) > 10.0);
 }

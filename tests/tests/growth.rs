@@ -1,4 +1,5 @@
-//! How the work of a step grows: with the size of the system not at all but for the size itself, with the stages slowly. Counts, no clock.
+//! How the work of a step grows: with the size of the system not at all but for the size itself, with the
+//! stages slowly. Counts, no clock.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Energy, Hamiltonian};
@@ -34,11 +35,12 @@ fn instance(scene: &str, n: usize) -> Instance {
         .unwrap()
 }
 
-/// Gradients a step of chains of 16 to 1024 masses in their first mode, s = 4, h = 0.2: the work of a step is a number of gradients
-/// that does not grow, times that of one, which is linear in n.
+/// Gradients a step of chains of 16 to 1024 masses in their first mode, s = 4, h = 0.2: the work of a step is
+/// a number of gradients that does not grow, times that of one, which is linear in n.
 #[test]
 fn a_longer_chain_takes_no_more_gradients() {
-    // Measured: see what is printed; headroom of 1.15 for the first. Longer chains are smoother, down to two sweeps a step.
+    // Measured: see what is printed; headroom of 1.15 for the first. Longer chains are smoother, down to two
+    // sweeps a step.
     for (method, most) in [(Gauss::stages(4), 25.0), (Equip::stages(4), 28.0)] {
         for n in [16, 64, 256, 1024] {
             let chain = instance("fput-beta", n);
@@ -92,8 +94,8 @@ fn more_stages_take_few_more_sweeps() {
     }
 }
 
-/// A chain of 16384 masses in its first mode takes the gradients a step of one of 256: the value of H is not hidden by rounding its partial sums, so
-/// there are no defects to be removed where there are none.
+/// A chain of 16384 masses in its first mode takes the gradients a step of one of 256: the value of H is not
+/// hidden by rounding its partial sums, so there are no defects to be removed where there are none.
 #[test]
 fn the_longest_chain_takes_no_more_gradients() {
     let gradients = |n: usize| {
@@ -128,7 +130,8 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
 }
 
-/// A chain at rest positions, its momenta without order: sizes of the positions are known after the first sweep only, and some are very small.
+/// A chain at rest positions, its momenta without order: sizes of the positions are known after the first
+/// sweep only, and some are very small.
 #[test]
 #[ignore = "known deficit: a chain of springs at rest does not converge from the first step"]
 fn a_chain_at_rest_is_swept_from_the_first_step() {
@@ -154,8 +157,9 @@ fn a_chain_at_rest_is_swept_from_the_first_step() {
     assert!(defect <= 1e-13, "{defect:e}");
 }
 
-/// Steps of a chain of 1024 masses without order, hω = 2: where one component is small beside its neighbours their rounding is 30 ε of it. Newton's
-/// method, which does away with none of it, took 40 steps' time for one.
+/// Steps of a chain of 1024 masses without order, hω = 2: where one component is small beside its neighbours
+/// their rounding is 30 ε of it. Newton's method, which does away with none of it, took 40 steps' time for
+/// one.
 #[test]
 #[ignore = "known deficit: 21 factorisations of a chain of 80, 0 expected"]
 fn rounding_among_many_components_is_no_matter_for_newton() {

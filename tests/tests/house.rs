@@ -1,17 +1,20 @@
-//! Does the house stand as docs/architecture.md draws it: imports point downward, no circles, few floors, small rooms?
+//! Does the house stand as docs/architecture.md draws it: imports point downward, no circles, few floors,
+//! small rooms?
 //!
-//! Read from the sources: every `use` and every path that begins with `crate`, `super`, `self`, the name of a child module
-//! or the name of another crate of this workspace. A name that a file only passes on (`pub use`) counts as the file it
-//! comes from. Test modules and comments do not count.
+//! Read from the sources: every `use` and every path that begins with `crate`, `super`, `self`, the name of a
+//! child module or the name of another crate of this workspace. A name that a file only passes on (`pub use`)
+//! counts as the file it comes from. Test modules and comments do not count.
 #![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
 
 mod graph;
 mod sources;
+mod texts;
 
 use graph::Graph;
 use sources::Crate;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use texts::{rust_files, wide_comments};
 
 /// The crates from the ground up; a crate imports from lower levels only.
 const LEVELS: [&[&str]; 8] = [
@@ -25,15 +28,13 @@ const LEVELS: [&[&str]; 8] = [
     &["cli"],
 ];
 
-/// Crates that do not keep the rules inside yet.
-const NOT_YET: &[&str] = &["autodiff", "integrate", "solver", "sweeps"];
-
 /// Folders that are lists of like things, and may be longer than [`MOST_FILES`].
 const LISTS: &[(&str, &str)] = &[("scenes", "scenes")];
 
 const MOST_FLOORS: usize = 8;
 const MOST_FILES: usize = 12;
 const MOST_LINES: usize = 400;
+const MOST_COLUMNS: usize = 110;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
@@ -56,10 +57,9 @@ fn crates() -> BTreeMap<String, Crate> {
     all
 }
 
-/// The crates that keep the rules inside, and the programs beside them.
+/// The crates, and the programs beside them.
 fn rooms() -> BTreeMap<String, Crate> {
     let mut rooms = crates();
-    rooms.retain(|name, _| !NOT_YET.contains(&name.as_str()));
     let mut beside = vec![root().join("benches/peers/src"), root().join("tests/src")];
     for entry in std::fs::read_dir(root().join("benches/src")).unwrap() {
         let folder = entry.unwrap().path();
@@ -144,29 +144,46 @@ fn at_most_a_dozen_files_a_folder() {
     none(&wrong);
 }
 
+/// All Rust files, those of tests and benches too.
+fn texts() -> Vec<(String, String)> {
+    let mut texts = Vec::new();
+    for folder in ["crates", "tests", "benches"] {
+        for file in rust_files(&root().join(folder)) {
+            let name = file.strip_prefix(root()).unwrap().display().to_string();
+            texts.push((name, std::fs::read_to_string(&file).unwrap()));
+        }
+    }
+    texts
+}
+
 #[test]
 fn files_of_at_most_400_lines() {
     let mut wrong = Vec::new();
-    for (name, krate) in rooms() {
-        for (file, lines) in krate.lines() {
-            if lines > MOST_LINES {
-                wrong.push(format!("{name}: {lines} lines in src/{file}"));
-            }
+    for (file, text) in texts() {
+        let lines = text.lines().count();
+        if lines > MOST_LINES {
+            wrong.push(format!("{lines} lines in {file}"));
         }
     }
     none(&wrong);
 }
 
-/// A crate that has come to keep the rules is named no longer.
+/// rustfmt breaks code, and leaves comments as they are.
 #[test]
-fn what_is_not_yet_in_order_is_there() {
-    let all = crates();
-    for name in NOT_YET {
-        assert!(
-            all.contains_key(*name),
-            "there is no crates/{name}: take it off NOT_YET"
-        );
+fn comments_of_at_most_110_columns() {
+    let mut wrong = Vec::new();
+    for (file, text) in texts() {
+        for line in wide_comments(&text, MOST_COLUMNS) {
+            wrong.push(format!("{file}:{line}"));
+        }
     }
+    none(&wrong);
+}
+
+/// A folder on the list is long enough to need it.
+#[test]
+fn lists_are_long() {
+    let all = crates();
     for (name, folder) in LISTS {
         let files = all[*name].folders().get(*folder).copied().unwrap_or(0);
         assert!(files > MOST_FILES, "{name}/{folder} need not be on LISTS");
@@ -204,4 +221,7 @@ fn the_measure_measures() {
         krate.other_crates()["c.rs"].iter().collect::<Vec<_>>(),
         ["solver"]
     );
+    let text =
+        "//! long enough\n//! | long row\n//! $$ a\n//! = long b $$\n//! ok\nlet long_code = 1;";
+    assert_eq!(wide_comments(text, 10), [1]);
 }

@@ -1,4 +1,5 @@
-//! Whole runs have the same bits and do the same work on every instruction set: made in programs of their own, as the choice is made once in a program.
+//! Whole runs have the same bits and do the same work on every instruction set: made in programs of their
+//! own, as the choice is made once in a program.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Hamiltonian, System};

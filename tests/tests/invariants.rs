@@ -133,7 +133,8 @@ fn a_fixed_alpha_keeps_quadratic_invariants_and_not_the_energy() {
     }
 }
 
-/// A symmetric method gives Kepler an error that grows linearly; keeping the energy makes its constant smaller.
+/// A symmetric method gives Kepler an error that grows linearly; keeping the energy makes its constant
+/// smaller.
 #[test]
 fn the_error_grows_linearly_and_less_than_without_the_energy() {
     let growth = |method: Method| {
@@ -179,7 +180,8 @@ fn all_alphas_solve_where_the_single_one_has_no_solution() {
     for q2 in ["-0.2", "0.1", "0.3", "0.5"] {
         let (carried, worst) = chaotic::<f64>(Alphas::All, q2, 1000);
         assert!(carried == 0 && worst <= 1e-15);
-        // What is carried is repaired by the next step: the defect is that of single Gauss steps, it does not grow.
+        // What is carried is repaired by the next step: the defect is that of single Gauss steps, it does not
+        // grow.
         let (carried, worst) = chaotic::<f64>(Alphas::Last, q2, 1000);
         assert!(worst <= 1e-5);
         without += carried;

@@ -1,4 +1,5 @@
-//! A further, non-quadratic invariant kept by the same α's: the Laplace–Runge–Lenz vector of Kepler's problem.
+//! A further, non-quadratic invariant kept by the same α's: the Laplace–Runge–Lenz vector of Kepler's
+//! problem.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
@@ -18,7 +19,8 @@ fn lenz() -> Invariant {
     Invariant::new("Laplace-Runge-Lenz y", function.unwrap())
 }
 
-/// Fifty periods and a quarter of Kepler e = 0.6 in 160 steps each; the error is the distance to the closed form.
+/// Fifty periods and a quarter of Kepler e = 0.6 in 160 steps each; the error is the distance to the closed
+/// form.
 fn orbit(keep: bool) -> (Run<f64>, f64) {
     let (h, start): (Hamiltonian, Start<f64>) = kepler(6);
     let method = Equip::stages(3).step(TAU / 160.0).record(Record::Ends);

@@ -13,8 +13,8 @@ const SAMPLES: u64 = 1000;
 /// Defects of so many floors are left to later steps: within them the energy moves as that of Gauss does.
 const LEFT: f64 = 4.0;
 
-/// What a run of n steps leaves behind. Energies and moments of the samples are those of the f64 states, computed in
-/// double-double.
+/// What a run of n steps leaves behind. Energies and moments of the samples are those of the f64 states,
+/// computed in double-double.
 #[derive(Debug)]
 struct Long {
     n: u64,
@@ -181,8 +181,8 @@ fn kepler_ten_million_steps_with_4_stages() {
     kepler_keeps_both(4, 100, 10_000_000);
 }
 
-/// What the angular momentum of Kepler's problem grows by in a step: slopes of the least-squares lines through the origin of runs whose steps are
-/// a little different, their mean, and its standard error.
+/// What the angular momentum of Kepler's problem grows by in a step: slopes of the least-squares lines
+/// through the origin of runs whose steps are a little different, their mean, and its standard error.
 fn growth(method: Method, e: i64, steps_per_period: f64, n: u64) -> ([f64; 8], f64, f64) {
     let (hamiltonian, start) = kepler::<f64>(e);
     let slopes: [f64; 8] = std::array::from_fn(|run| {
@@ -205,7 +205,8 @@ fn growth(method: Method, e: i64, steps_per_period: f64, n: u64) -> ([f64; 8], f
     (slopes, mean, error)
 }
 
-/// Steps of nearly half a period, which begin an orbit's size off: what early sweeps are off is not to be left in the last.
+/// Steps of nearly half a period, which begin an orbit's size off: what early sweeps are off is not to be
+/// left in the last.
 #[test]
 fn the_angular_momentum_does_not_grow_in_long_steps() {
     // Measured: 1.8e-18 and 3.9e-18 ± 1.2e-18; 2e-17 with K B K made of ½ + U rounded.
@@ -215,7 +216,8 @@ fn the_angular_momentum_does_not_grow_in_long_steps() {
     }
 }
 
-/// It walks at random up to some 10⁶ steps; beyond, what sweeps leave is repeated from period to period, and differs from one size of the step to the next.
+/// It walks at random up to some 10⁶ steps; beyond, what sweeps leave is repeated from period to period, and
+/// differs from one size of the step to the next.
 #[test]
 #[ignore = "long: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
 fn the_angular_momentum_grows_little_in_a_million_steps() {
@@ -230,8 +232,9 @@ fn the_angular_momentum_grows_little_in_a_million_steps() {
     }
 }
 
-/// Moves bodies in space to where their common centre of mass rests at the origin. In the reference's frame it moves 6.8e-6 astronomical units
-/// a day: after 10⁸ days all positions are 680 units off, and their rounding is a hundred times what it was at the start.
+/// Moves bodies in space to where their common centre of mass rests at the origin. In the reference's frame
+/// it moves 6.8e-6 astronomical units a day: after 10⁸ days all positions are 680 units off, and their
+/// rounding is a hundred times what it was at the start.
 fn to_barycentre(hamiltonian: &Hamiltonian, q: &mut [f64], p: &mut [f64]) {
     // ∂H/∂p at momenta 1 has the masses.
     let n = q.len();

@@ -1,4 +1,5 @@
-//! Many components, as they come: trajectories as near as those of Gauss, and preconditioners only where motion is too fast for sweeps.
+//! Many components, as they come: trajectories as near as those of Gauss, and preconditioners only where
+//! motion is too fast for sweeps.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Energy, Hamiltonian, Var};
@@ -149,7 +150,8 @@ fn twelve_masses_are_as_near_as_gauss() {
     assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
 }
 
-/// A chain in units of 10^±100, whose energies are at 10^±200, and of 1e-20, where positions at rest have no size: the same steps.
+/// A chain in units of 10^±100, whose energies are at 10^±200, and of 1e-20, where positions at rest have no
+/// size: the same steps.
 #[test]
 #[ignore = "known deficit: does not converge in units of which one is far from 1"]
 fn units_do_not_matter() {
@@ -197,7 +199,8 @@ fn what_is_left_is_not_halved() {
     assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
 }
 
-/// Defects of some 5 floors are worth ten local errors, all of them near round-off: 14 of the 90 steps would be halved.
+/// Defects of some 5 floors are worth ten local errors, all of them near round-off: 14 of the 90 steps would
+/// be halved.
 #[test]
 #[ignore = "known deficit: some steps are solved with a preconditioner that sweeps alone should solve"]
 fn steps_near_round_off_are_whole() {

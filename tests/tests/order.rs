@@ -1,4 +1,5 @@
-//! Order: the printed error tables of the method, and observed orders down to errors only double-double can see.
+//! Order: the printed error tables of the method, and observed orders down to errors only double-double can
+//! see.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_integrate::{Alphas, Equip, Gauss, Method, Preconditioner};
@@ -13,7 +14,8 @@ struct Figures {
     alpha: f64,
 }
 
-/// Kepler e = 0.6 over 2 periods with n steps per period, the error against the start, which the flow returns to.
+/// Kepler e = 0.6 over 2 periods with n steps per period, the error against the start, which the flow returns
+/// to.
 fn two_periods<T: Float>(method: Method, n: i64) -> Figures {
     let (h, start) = kepler::<T>(6);
     let step = T::two_pi() / T::int(n);
@@ -174,8 +176,8 @@ fn equip_has_order_2s() {
     for s in 2..=4 {
         has_order(Equip::stages(s), 2 * s);
     }
-    // With four α's and more most of the local error is cancelled, the more the larger h: the order is approached from
-    // below. Measured 9.83, 9.90, 9.96 and 11.65, at errors of 5e-22, 5e-25, 5e-28 and 6e-27.
+    // With four α's and more most of the local error is cancelled, the more the larger h: the order is
+    // approached from below. Measured 9.83, 9.90, 9.96 and 11.65, at errors of 5e-22, 5e-25, 5e-28 and 6e-27.
     for (s, tolerance) in [(5, 0.25), (6, 0.5)] {
         let expected = (2 * s, tolerance);
         down_to::<DoubleDouble>(least_error(2 * s), Equip::stages(s), expected, 16);
@@ -213,7 +215,8 @@ fn orders_in_f64_down_to_its_rounding() {
     }
 }
 
-/// α's by responses in double-double: the order, an error below that of Gauss, the energy at its floor, and no Newton.
+/// α's by responses in double-double: the order, an error below that of Gauss, the energy at its floor, and
+/// no Newton.
 #[test]
 fn responses_have_order_2s_in_double_double() {
     type D = DoubleDouble;
@@ -265,7 +268,8 @@ fn all_alphas_keep_the_order_where_slopes_vanish() {
     let exact = end(Gauss::stages(12), 64);
     for s in 3..=6 {
         let error = |n: i64| distance(&end(Equip::stages(s), n), &exact);
-        // Over 3 doublings, so that one step near a sign change weighs less; measured 5.95, 7.91, 9.96, 11.96.
+        // Over 3 doublings, so that one step near a sign change weighs less; measured 5.95, 7.91, 9.96,
+        // 11.96.
         let order = observed_order(error(8), error(64)) / 3.0;
         println!("s = {s}: {order:.3}");
         assert!((order - 2.0 * s as f64).abs() <= 0.3);

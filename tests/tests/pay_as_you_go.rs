@@ -153,8 +153,8 @@ fn turning_point<T: Float>(digits: f64) {
             "{method}, {}: error at t = 20 {error:.2e}, Gauss {gauss_error:.2e}",
             T::NAME
         );
-        // Never judge by the energy. Measured 1.2e-13 and 1.6e-13 against 2.3e-14: on this orbit the energy costs a
-        // factor in the phase, of no more than 7.
+        // Never judge by the energy. Measured 1.2e-13 and 1.6e-13 against 2.3e-14: on this orbit the energy
+        // costs a factor in the phase, of no more than 7.
         assert!(error <= T::int(10) * gauss_error);
     }
 }
@@ -181,7 +181,8 @@ fn below_the_floor<T: Float>(h: T, s: usize) {
         assert_eq!(counts.directions, 0, "{method}: {counts:?}");
         assert_eq!(counts.newton_iterations, gauss_counts.newton_iterations);
         assert_eq!(counts.factorisations, gauss_counts.factorisations);
-        // The same but for rounding: EQUIP knows the gradient where a step starts, and its sweeps start nearer.
+        // The same but for rounding: EQUIP knows the gradient where a step starts, and its sweeps start
+        // nearer.
         let off = equip.iter().zip(&gauss).map(|(&a, &b)| (a - b).abs());
         let off = off.fold(T::int(0), |most, x| most.max(x));
         println!("{method}, {}: {:e}", T::NAME, off.to_f64());

@@ -209,7 +209,8 @@ fn a_run_with_reversed_momenta_returns() {
 #[test]
 #[ignore = "known deficit: steps with large alphas do not return to rounding"]
 fn steps_with_large_alphas_return() {
-    // Measured 7.3e-15 and 4.7e-14; headroom 4. With local errors taken from stages that have not settled 1.5e-13 and 6.4e-13.
+    // Measured 7.3e-15 and 4.7e-14; headroom 4. With local errors taken from stages that have not settled
+    // 1.5e-13 and 6.4e-13.
     for (s, h, most) in [(4, 0.5, 3e-14), (6, 1.0, 2e-13)] {
         for q2 in ["0.1", "0.102", "0.104", "0.106"] {
             let (energy, start) = henon_heiles::<f64>(0.125, q2, "0.1");
@@ -226,7 +227,8 @@ fn equip_returns_in_double_double() {
     assert!(reversal::<DoubleDouble>(Equip::stages(3)) < 4e-28);
 }
 
-/// Largest distance on the way back to where the way there has been, over n steps: on a closed orbit what single steps are off cancels along the way.
+/// Largest distance on the way back to where the way there has been, over n steps: on a closed orbit what
+/// single steps are off cancels along the way.
 fn off_on_the_way_back<T: Float>(
     s: usize,
     h: &Hamiltonian,

@@ -1,4 +1,5 @@
-//! Stiff springs: few iterations with the springs, or one ∇²H, in M where the plain ones do not contract, and the same trajectory and energy.
+//! Stiff springs: few iterations with the springs, or one ∇²H, in M where the plain ones do not contract, and
+//! the same trajectory and energy.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_integrate::{Equip, FixedStep, Gauss, Method, Preconditioner, Record, Run};

@@ -64,7 +64,8 @@ fn a_loop_over_particles() {
     assert!((momentum(&end(5, 0.1)[n..]) - momentum(&p)).abs() < 1e-14);
 }
 
-/// A particle in a Morse-like well over a corrugated floor, with a power law wall: sin, exp and powf in one H.
+/// A particle in a Morse-like well over a corrugated floor, with a power law wall: sin, exp and powf in one
+/// H.
 fn corrugated() -> Hamiltonian {
     let a = decimal("1.3").unwrap();
     Hamiltonian::new(1, |q, p| {
@@ -138,7 +139,8 @@ fn a_branch_on_the_state_is_refused_with_its_line() {
         .integrate(&piecewise, &[1.0], &[0.0], 0.0..=1.0)
         .unwrap();
     let (_, q, _) = run.last();
-    // On the positive side H = (p^2 + 2 q^2)/2, q = cos(sqrt(2) t); order 6 at h = 0.05. Measured 6e-13; headroom 5.
+    // On the positive side H = (p^2 + 2 q^2)/2, q = cos(sqrt(2) t); order 6 at h = 0.05. Measured 6e-13;
+    // headroom 5.
     assert!(
         (q[0] - 2.0_f64.sqrt().cos()).abs() < 3e-12,
         "{}",

@@ -1,4 +1,5 @@
-//! The work and the decisions of standard runs, to the last evaluation: a change in either fails here, without any clock.
+//! The work and the decisions of standard runs, to the last evaluation: a change in either fails here,
+//! without any clock.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
@@ -6,8 +7,8 @@ use equip_integrate::{Alphas, Equip, Gauss, Method, Outcome, Preconditioner};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, double_pendulum, henon_heiles, kepler};
 
-/// [sweeps, iterations with a preconditioner, factorisations, ∇H, ∇²H, directions, moves of the α's, local errors], and the steps
-/// [at the floor, solved, carried, halved].
+/// [sweeps, iterations with a preconditioner, factorisations, ∇H, ∇²H, directions, moves of the α's, local
+/// errors], and the steps [at the floor, solved, carried, halved].
 fn work<T: Float>(
     method: Method,
     h: T,

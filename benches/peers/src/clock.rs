@@ -37,8 +37,8 @@ const TURN: f64 = 5e-3;
 /// Repeats in a turn at most.
 const REPEATS: usize = 9;
 
-/// Times `run` after `prepare`, once to warm caches and then until a turn is used up; slow runs are timed once.
-/// Returns the median.
+/// Times `run` after `prepare`, once to warm caches and then until a turn is used up; slow runs are timed
+/// once. Returns the median.
 ///
 /// # Errors
 /// The first error of `run`.

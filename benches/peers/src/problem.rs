@@ -200,7 +200,8 @@ impl Problem for OuterSolarSystem {
     }
 }
 
-/// A problem whose hand-written derivative is its gradient: the third way to give H, beside closure and trait.
+/// A problem whose hand-written derivative is its gradient: the third way to give H, beside closure and
+/// trait.
 #[derive(Debug, Clone)]
 pub struct ByHand<P>(pub P);
 

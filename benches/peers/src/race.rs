@@ -1,19 +1,23 @@
 //! The order of the runs: what settings are tried, which of them are timed, and what counts.
 //!
-//! 1. Every contestant climbs its ladder from coarse to fine, until it is slower than the cap or no longer improves.
-//! 2. Between the last setting that misses a target and the first that reaches it, settings are halved geometrically; and so they are on both sides of
-//!    the quickest that reaches it, which need not be the coarsest.
-//! 3. For each target every contestant's quickest setting that reaches it is timed again, all contestants in turn, for a
-//!    number of rounds; what counts is the median over the rounds.
+//! 1. Every contestant climbs its ladder from coarse to fine, until it is slower than the cap or no longer
+//!    improves.
+//! 2. Between the last setting that misses a target and the first that reaches it, settings are halved
+//!    geometrically; and so they are on both sides of the quickest that reaches it, which need not be the
+//!    coarsest.
+//! 3. For each target every contestant's quickest setting that reaches it is timed again, all contestants in
+//!    turn, for a number of rounds; what counts is the median over the rounds.
 //!
-//! A setting *reaches* a target if its error and that of the next finer setting tried are within it: a lucky hit alone does not.
+//! A setting *reaches* a target if its error and that of the next finer setting tried are within it: a lucky
+//! hit alone does not.
 
 use crate::contestant::{Contestant, Knob};
 use crate::task::Task;
 
 /// Seconds a single run should take at most.
 const CAP: f64 = 3.0;
-/// A climb ends when it is slower by this factor than the quickest so far at the last target that anyone reaches.
+/// A climb ends when it is slower by this factor than the quickest so far at the last target that anyone
+/// reaches.
 const FAR_BEHIND: f64 = 30.0;
 /// Contestants slower by this factor at a target are not timed again there.
 const HOPELESS: f64 = 20.0;
@@ -130,7 +134,8 @@ impl Lane {
             };
             best = best.min(tried.error);
             let floor = best < 1e-7 && worse >= 7;
-            // Coarse settings may be slow where steps fail and are halved; as long as finer ones are faster, there is hope.
+            // Coarse settings may be slow where steps fail and are halved; as long as finer ones are faster,
+            // there is hope.
             let time = tried.median();
             // What is more accurate than all others so far may take its time.
             let cap = if tried.error > hardest { cap } else { CAP };
@@ -184,7 +189,8 @@ impl Lane {
     }
 }
 
-/// Seconds a run may take that misses an error, and that error: the hardest one that a contestant so far reaches.
+/// Seconds a run may take that misses an error, and that error: the hardest one that a contestant so far
+/// reaches.
 fn cap(task: &Task, lanes: &[Lane]) -> (f64, f64) {
     let quickest = |&target: &f64| {
         let times = lanes

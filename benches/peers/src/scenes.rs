@@ -109,7 +109,8 @@ fn stored(
     })
 }
 
-/// The task's end state is computed here, in double-double with a composition of order 10; twice the steps bound its error.
+/// The task's end state is computed here, in double-double with a composition of order 10; twice the steps
+/// bound its error.
 fn computed(problem: &impl Problem, steps: u64, mut task: Task) -> Task {
     let run = |steps| propagate(problem, (&task.q, &task.p), task.end, steps);
     let (coarse, fine) = (run(steps), run(2 * steps));
@@ -200,7 +201,8 @@ fn outer_solar_system(name: &'static str, visitor: &mut impl WithTask) -> Result
     visitor.with(OuterSolarSystem { planets: 5 }, task)
 }
 
-/// Errors to be reached in the Pythagorean problem: close encounters magnify a double's last digit to some 1e-3.
+/// Errors to be reached in the Pythagorean problem: close encounters magnify a double's last digit to some
+/// 1e-3.
 const ENCOUNTERS: &[f64] = &[1e-1, 1e-2, 1e-3, 1e-4];
 
 fn pythagorean(name: &'static str, visitor: &mut impl WithTask) -> Result<(), String> {
@@ -223,7 +225,8 @@ fn pythagorean(name: &'static str, visitor: &mut impl WithTask) -> Result<(), St
     visitor.with(Pythagorean, encounters(task, &scene)?)
 }
 
-/// The task's end state from two runs in double-double with variable steps, whose tolerances differ by a factor of 100.
+/// The task's end state from two runs in double-double with variable steps, whose tolerances differ by a
+/// factor of 100.
 fn encounters(mut task: Task, scene: &Instance) -> Result<Task, String> {
     let (q, p) = scene.initial::<DoubleDouble>();
     let run = |tolerance: &str| -> Result<Vec<DoubleDouble>, String> {
@@ -258,8 +261,9 @@ fn fpu(name: &'static str, visitor: &mut impl WithTask) -> Result<(), String> {
     visitor.with(problem, task)
 }
 
-/// The chain starts at rest positions with momenta spread evenly over [−1, 1): all modes move, up to the fastest with ω = 2, as they do when the
-/// energy has spread. (The first mode alone is so slow and smooth that any method with long steps is fast.)
+/// The chain starts at rest positions with momenta spread evenly over [−1, 1): all modes move, up to the
+/// fastest with ω = 2, as they do when the energy has spread. (The first mode alone is so slow and smooth
+/// that any method with long steps is fast.)
 fn fput_beta(name: &'static str, visitor: &mut impl WithTask) -> Result<(), String> {
     const N: usize = 1024;
     let problem = FputBeta {
@@ -280,7 +284,8 @@ fn fput_beta(name: &'static str, visitor: &mut impl WithTask) -> Result<(), Stri
     visitor.with(problem, task)
 }
 
-/// The next of a sequence of numbers in [−1, 1), multiples of 2⁻³¹: SplitMix64, [Steele, Lea, Flood, OOPSLA 2014, Fig. 16].
+/// The next of a sequence of numbers in [−1, 1), multiples of 2⁻³¹: SplitMix64, [Steele, Lea, Flood, OOPSLA
+/// 2014, Fig. 16].
 fn signed_unit(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
@@ -290,7 +295,8 @@ fn signed_unit(state: &mut u64) -> f64 {
     (z >> 32) as f64 / f64::from(1_u32 << 31) - 1.0
 }
 
-/// The spring swings by 1e-4 beside the pendulum: at a start without that, methods may step over the fast motion.
+/// The spring swings by 1e-4 beside the pendulum: at a start without that, methods may step over the fast
+/// motion.
 fn spring_pendulum(name: &'static str, visitor: &mut impl WithTask) -> Result<(), String> {
     let problem = SpringPendulum {
         k: Constant::from(1e6),

@@ -33,7 +33,8 @@ pub struct Task {
     pub periods: f64,
     /// EQUIP's ladders of equal steps end with so many times the steps they begin with.
     pub finest: f64,
-    /// How EQUIP's steps are chosen here. Equal steps, ours and others', are left out where a close encounter makes them hopeless.
+    /// How EQUIP's steps are chosen here. Equal steps, ours and others', are left out where a close encounter
+    /// makes them hopeless.
     pub sizes: &'static [Sizes],
     /// (q, p) at the end.
     pub reference: Vec<DoubleDouble>,

@@ -1,10 +1,11 @@
-//! How the cost of a step grows: with the size of the system, with the stages, with the precision, and with the way H is given.
+//! How the cost of a step grows: with the size of the system, with the stages, with the precision, and with
+//! the way H is given.
 //!
-//! `cargo run --release -p equip-benches --bin growth`, with `-- --counts` for the counts of work alone, which are equal on every
-//! machine and can be compared line by line.
+//! `cargo run --release -p equip-benches --bin growth`, with `-- --counts` for the counts of work alone,
+//! which are equal on every machine and can be compared line by line.
 //!
-//! Times are medians of rounds in which all rows of a table run in turn. They are wall-clock times of the steps, set-up not
-//! counted.
+//! Times are medians of rounds in which all rows of a table run in turn. They are wall-clock times of the
+//! steps, set-up not counted.
 
 use equip_autodiff::{BuildError, Energy, Hamiltonian, System};
 use equip_integrate::{Equip, Gauss, IntegrateError, Method, Preconditioner};

@@ -2,10 +2,10 @@
 //!
 //! `cargo run --release -p equip-benches --bin work_precision`
 //!
-//! Every row is the median of interleaved repeats: all methods run once, then all again, so that a slow spell of the
-//! machine does not hit one method alone. Times are CPU-bound wall-clock milliseconds of the whole run with
-//! [`Record::Ends`]; the error is the max norm over (q, p) at a time that is no whole number of periods, against the
-//! exact solution (Kepler) or the stored reference (Hénon–Heiles).
+//! Every row is the median of interleaved repeats: all methods run once, then all again, so that a slow spell
+//! of the machine does not hit one method alone. Times are CPU-bound wall-clock milliseconds of the whole run
+//! with [`Record::Ends`]; the error is the max norm over (q, p) at a time that is no whole number of periods,
+//! against the exact solution (Kepler) or the stored reference (Hénon–Heiles).
 
 use equip_integrate::{Equip, Gauss, Method, Record};
 use equip_scalar::{DoubleDouble, Float};

@@ -7,7 +7,8 @@ use std::time::Duration;
 /// Steps of a run.
 pub(crate) const STEPS: u64 = 40;
 
-/// What kind of a step it is, judged by Gauss's own error and by h·ω, ω the fastest frequency along the motion.
+/// What kind of a step it is, judged by Gauss's own error and by h·ω, ω the fastest frequency along the
+/// motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Regime {
     /// Gauss's error is at most 1e-3 of the motion.

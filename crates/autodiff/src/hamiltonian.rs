@@ -1,7 +1,6 @@
 //! [`Hamiltonian`]: an energy with everything derived from it.
 
-use crate::{BuildError, Recorded, Structure, System, Var};
-use equip_scalar::Float;
+use crate::{BuildError, Recorded, Var};
 
 /// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any float type.
 ///
@@ -88,17 +87,5 @@ impl Hamiltonian<Recorded> {
     /// ```
     pub fn gradient_operations(&self) -> usize {
         self.route.gradient_operations()
-    }
-}
-
-impl<R: System> System for Hamiltonian<R> {
-    type Evaluator<T: Float> = R::Evaluator<T>;
-
-    fn structure(&self) -> &Structure {
-        self.route.structure()
-    }
-
-    fn evaluator<T: Float>(&self) -> Self::Evaluator<T> {
-        self.route.evaluator()
     }
 }

@@ -26,7 +26,8 @@ mod derivative;
 mod energy;
 mod error;
 mod hamiltonian;
-mod macros;
+#[doc(hidden)]
+pub mod macros;
 mod native;
 mod recording;
 mod replay;
@@ -47,8 +48,6 @@ pub use structure::kinetic::Kinetic;
 pub use structure::pattern::Pattern;
 pub use system::{Evaluate, System};
 
-#[doc(hidden)]
-pub use equip_scalar as scalar;
 #[doc(hidden)]
 pub use native::fused::{Fused, Slopes};
 #[doc(hidden)]

@@ -1,5 +1,9 @@
 //! [`hamiltonian!`](crate::hamiltonian): the static route in the words of the closure route.
 
+// The names that its text is written with.
+#[doc(hidden)]
+pub use equip_scalar::{Constant, Num, Scalar};
+
 /// A Hamiltonian with compiled derivatives from closure-like text: `hamiltonian!(m, |q, p| H)`, or with
 /// parameters `hamiltonian!(m; parameters; |q, p| H)`.
 ///
@@ -8,7 +12,8 @@
 ///
 /// - `mu` or `mu = value`: an `f64`, [`Constant`](equip_scalar::Constant) or `DoubleDouble`; inside H it is
 ///   a number like `q[0]`, as exact as the float type H is computed in;
-/// - `count: usize = value`: anything `Copy + 'static`, seen inside H as it is. Arrays of masses and loop bounds go here.
+/// - `count: usize = value`: anything `Copy + 'static`, seen inside H as it is. Arrays of masses and loop
+///   bounds go here.
 ///
 /// The result is `Result<Hamiltonian<Static<_>>, BuildError>`.
 ///
@@ -73,17 +78,17 @@ macro_rules! hamiltonian {
     };
     (@parse [$m:expr] [$($done:tt)*] $name:ident = $value:expr, $($rest:tt)+) => {
         $crate::hamiltonian!(@parse [$m] [$($done)*
-            {$name [$crate::scalar::Constant] [$crate::scalar::Constant::from($value)] [number]}
+            {$name [$crate::macros::Constant] [$crate::macros::Constant::from($value)] [number]}
         ] $($rest)+)
     };
     (@parse [$m:expr] [$($done:tt)*] $name:ident = $value:expr; $($rest:tt)+) => {
         $crate::hamiltonian!(@parse [$m] [$($done)*
-            {$name [$crate::scalar::Constant] [$crate::scalar::Constant::from($value)] [number]}
+            {$name [$crate::macros::Constant] [$crate::macros::Constant::from($value)] [number]}
         ] ; $($rest)+)
     };
     (@parse [$m:expr] [$($done:tt)*] $name:ident $($rest:tt)+) => {
         $crate::hamiltonian!(@parse [$m] [$($done)*
-            {$name [$crate::scalar::Constant] [$crate::scalar::Constant::from($name)] [number]}
+            {$name [$crate::macros::Constant] [$crate::macros::Constant::from($name)] [number]}
         ] $($rest)+)
     };
 
@@ -103,11 +108,11 @@ macro_rules! hamiltonian {
             }
 
             #[inline(always)]
-            fn energy<S: $crate::scalar::Scalar>(
+            fn energy<S: $crate::macros::Scalar>(
                 &self,
-                $q: &[$crate::scalar::Num<S>],
-                $p: &[$crate::scalar::Num<S>],
-            ) -> $crate::scalar::Num<S> {
+                $q: &[$crate::macros::Num<S>],
+                $p: &[$crate::macros::Num<S>],
+            ) -> $crate::macros::Num<S> {
                 let ($($name,)*) = self.parameters;
                 $(let $name = $crate::hamiltonian!(@parameter $how S $name);)*
                 $h
@@ -121,5 +126,5 @@ macro_rules! hamiltonian {
     }};
 
     (@parameter as_is $s:ident $name:ident) => { $name };
-    (@parameter number $s:ident $name:ident) => { $crate::scalar::Num::<$s>::from($name) };
+    (@parameter number $s:ident $name:ident) => { $crate::macros::Num::<$s>::from($name) };
 }

@@ -1,6 +1,6 @@
 //! What an integrator asks of an energy.
 
-use crate::{Fused, Kinetic, RecordedEvaluator, Structure};
+use crate::{Fused, Hamiltonian, Kinetic, RecordedEvaluator, Structure};
 use equip_scalar::{Float, InstructionSet};
 
 /// A scalar energy with everything derived from it, in any float type.
@@ -29,6 +29,18 @@ impl<H: System> System for &H {
 
     fn evaluator<T: Float>(&self) -> Self::Evaluator<T> {
         (**self).evaluator()
+    }
+}
+
+impl<R: System> System for Hamiltonian<R> {
+    type Evaluator<T: Float> = R::Evaluator<T>;
+
+    fn structure(&self) -> &Structure {
+        self.route.structure()
+    }
+
+    fn evaluator<T: Float>(&self) -> Self::Evaluator<T> {
+        self.route.evaluator()
     }
 }
 

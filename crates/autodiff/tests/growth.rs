@@ -185,7 +185,8 @@ fn every_particle_with_every_other() {
 
 #[test]
 fn a_deep_dense_composition() {
-    // 20 rounds in which every variable is replaced by a function of all: 12 000 curved operations on all of 200.
+    // 20 rounds in which every variable is replaced by a function of all: 12 000 curved operations on all
+    // of 200.
     let start = Instant::now();
     let h = Hamiltonian::new(100, |q, p| {
         let mut x: Vec<Var> = q.iter().chain(p).copied().collect();

@@ -77,7 +77,7 @@ fn every_route_has_the_same_value() {
     }
 }
 
-/// Spheres that no longer touch exert no force, not one that is no number.
+/// Spheres that do not touch exert no force: it is 0, not NaN.
 #[test]
 fn contacts_open_smoothly() {
     let h = Hamiltonian::new(1, |q, p| 0.5 * p[0].powi(2) + q[0].max(0.0).powf(2.5)).unwrap();

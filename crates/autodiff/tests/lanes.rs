@@ -92,7 +92,8 @@ impl Energy for Functions {
     }
 }
 
-/// Every operation that machine code is made of, long sums with terms subtracted too, and more numbers alive at a time than there are registers.
+/// Every operation that machine code is made of, long sums with terms subtracted too, and more numbers alive
+/// at a time than there are registers.
 #[derive(Clone, Copy)]
 struct Arithmetic;
 

@@ -1,4 +1,5 @@
-//! H of very many terms: by compensated summation its value is right to the rounding of the terms, not of their partial sums.
+//! H of very many terms: by compensated summation its value is right to the rounding of the terms, not of
+//! their partial sums.
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{Chain, Random, widened};
@@ -10,7 +11,8 @@ fn scattered(n: usize, seed: u64) -> Vec<f64> {
     (0..n).map(|_| random.within(-1.0, 1.0)).collect()
 }
 
-/// H in double-double at the same state, and the errors of H as it is and compensated, in units of the last digit of H.
+/// H in double-double at the same state, and the errors of H as it is and compensated, in units of the last
+/// digit of H.
 fn errors<H: System>(energy: &H, y: &[f64]) -> [f64; 2] {
     let exact = energy.evaluator::<DoubleDouble>().value(&widened(y));
     let mut evaluator = energy.evaluator::<f64>();

@@ -148,8 +148,8 @@ fn verify<E: Energy>(name: &str, energy: &E, x: Range<f64>, y: Range<f64>) {
     }
 }
 
-/// Tape against num-dual in f64, in double-double, and against differences. Measured worst over all operations and
-/// points: 4.3e-15, 4.3e-31, 2.0e-17; five times that.
+/// Tape against num-dual in f64, in double-double, and against differences. Measured worst over all
+/// operations and points: 4.3e-15, 4.3e-31, 2.0e-17; five times that.
 const BOUNDS: [f64; 3] = [2e-14, 2e-30, 1e-16];
 
 macro_rules! operations {

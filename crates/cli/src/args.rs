@@ -1,6 +1,7 @@
 //! Commands and options, and the help that teaches them.
 //!
-//! The parameters of a scene are options of `run` too (`--e 0.9`); they are added to the derived parser by name.
+//! The parameters of a scene are options of `run` too (`--e 0.9`); they are added to the derived parser by
+//! name.
 
 mod others;
 mod run;
@@ -73,8 +74,8 @@ pub(crate) fn parse() -> Cli {
     cli
 }
 
-/// Adds the parameters of all scenes as options, those of the scene `named` visibly; a parameter that has the name of
-/// an option of `run` is left to `--set`.
+/// Adds the parameters of all scenes as options, those of the scene `named` visibly; a parameter that has the
+/// name of an option of `run` is left to `--set`.
 fn with_parameters(
     mut run: clap::Command,
     named: Option<&'static Scene>,

@@ -101,7 +101,7 @@ fn run_all(cases: &[Case]) -> Result<Vec<Row>, Fault> {
             let (next, cache, order) = (&next, &cache, &order);
             scope.spawn(move || {
                 while let Some(&index) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    // Nobody listens if printing failed: then there is nothing left to do.
+                    // The channel is closed if printing failed: then there is nothing left to do.
                     if send
                         .send((index, measure::row(&cases[index], cache)))
                         .is_err()

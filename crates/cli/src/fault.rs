@@ -7,7 +7,8 @@ use equip_scenes::SceneError;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Exit code of a run that began and could not be finished, its output up to there written, and of a failed check.
+/// Exit code of a run that began and could not be finished, its output up to there written, and of a failed
+/// check.
 const INTEGRATION_FAILED: u8 = 1;
 /// Exit code of wrong usage and bad input, the same as that of the argument parser.
 const BAD_INPUT: u8 = 2;

@@ -1,7 +1,8 @@
 //! `equip report`: for each scene, error against run time of EQUIP, Gauss and classical methods.
 //!
-//! All methods get the same H, the same gradient (that of the library, from the recorded H), the same start and the same end; the error is
-//! the largest difference from the end state in any component of q and p. One thread; [`measure`] says how the times are taken.
+//! All methods get the same H, the same gradient (that of the library, from the recorded H), the same start
+//! and the same end; the error is the largest difference from the end state in any component of q and p. One
+//! thread; [`measure`] says how the times are taken.
 
 mod accuracy;
 mod chart;

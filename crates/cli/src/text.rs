@@ -3,8 +3,8 @@
 /// Columns of a line at most.
 pub(crate) const WIDTH: usize = 100;
 
-/// The words of `text` on lines of at most [`WIDTH`] columns: the first begins with `label`, filled up to `indent`, the others with as many blanks. A word that
-/// is longer than a line has one of its own.
+/// The words of `text` on lines of at most [`WIDTH`] columns: the first begins with `label`, filled up to
+/// `indent`, the others with as many blanks. A word that is longer than a line has one of its own.
 pub(crate) fn wrapped(label: &str, indent: usize, text: &str) -> String {
     let mut lines = String::new();
     let mut line = format!("{label:<indent$}");

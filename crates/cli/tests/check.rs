@@ -79,7 +79,8 @@ fn escape_to_infinity_is_reported_with_the_steps_before_it() {
     }
 }
 
-/// Near underflow the round-off of H is no longer relative to H: a floor that is would ask for digits H does not have.
+/// Near underflow the round-off of H is not relative to H: a floor that is would ask for digits H does
+/// not have.
 #[test]
 fn an_energy_among_the_subnormal_numbers_keeps_the_trajectory() {
     let output = check(&["--only", "2^-1062"]);

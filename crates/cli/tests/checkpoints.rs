@@ -1,4 +1,5 @@
-//! Runs that are stopped, gone on with and repeated: nothing is lost, nothing is written twice, and nothing is mixed up.
+//! Runs that are stopped, gone on with and repeated: nothing is lost, nothing is written twice, and nothing
+//! is mixed up.
 #![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
 #![cfg(unix)]
 

@@ -1,4 +1,5 @@
-//! What the command line refuses, and in which words; what it says of options that change nothing; what fits the terminal.
+//! What the command line refuses, and in which words; what it says of options that change nothing; what fits
+//! the terminal.
 #![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
 
 use std::path::PathBuf;

@@ -1,8 +1,9 @@
 //! The figures of the documents, measured again.
 //!
-//! A figure is followed by a comment that says where it comes from, `4.1e-9<!--= run kepler --method gauss ; energy/max ; 2 -->`:
-//! the command, the place in its JSON, and the factor by which it may differ. `.ci/figures` runs this; with `EQUIP_FIGURES=write`
-//! in the environment the figures are put right instead.
+//! A figure is followed by a comment that says where it comes from,
+//! `4.1e-9<!--= run kepler --method gauss ; energy/max ; 2 -->`: the command, the place in its JSON, and the
+//! factor by which it may differ. `.ci/figures` runs this; with `EQUIP_FIGURES=write` in the environment the
+//! figures are put right instead.
 #![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
 
 use serde_json::Value;

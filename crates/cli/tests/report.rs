@@ -73,8 +73,8 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
         let number = |row: &Vec<&str>, i: usize| row[i].parse::<f64>().unwrap();
         let error = |row: &Vec<&str>| number(row, 6);
         let best = rows.iter().map(error).fold(f64::INFINITY, f64::min);
-        // Finer settings are better: measured 1.4e4 (Störmer–Verlet) and more, here with room for machines on which the time
-        // is up after the second setting.
+        // Finer settings are better: measured 1.4e4 (Störmer–Verlet) and more, here with room for machines on
+        // which the time is up after the second setting.
         assert!(
             error(&rows[0]) > 2.0 * best,
             "{method}: {:e} to {best:e}",
@@ -98,7 +98,8 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
             }
         }
         if method == "EQUIP(4)" {
-            // Energy at round-off where the motion is followed to 1e-3: measured 3.1e-14 at most, headroom of 10.
+            // Energy at round-off where the motion is followed to 1e-3: measured 3.1e-14 at most, headroom
+            // of 10.
             let is_kept = rows
                 .iter()
                 .all(|row| number(row, 6) > 1e-3 || number(row, 7) < 3e-13);

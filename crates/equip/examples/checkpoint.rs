@@ -1,4 +1,5 @@
-//! Stopping and going on: the second half of a run from a checkpoint of the first, with the bits of a run that did not stop.
+//! Stopping and going on: the second half of a run from a checkpoint of the first, with the bits of a run
+//! that did not stop.
 
 use equip::prelude::*;
 use equip::solver::NoObserver;

@@ -1,4 +1,5 @@
-//! Thirty digits: initial values in double-double make the whole run in it. The constant 1/3 is written so that it has as many.
+//! Thirty digits: initial values in double-double make the whole run in it. The constant 1/3 is written so
+//! that it has as many.
 
 use equip::prelude::*;
 

@@ -1,4 +1,5 @@
-//! An energy as a type: the compiler turns it into machine code with its derivatives, and other energies can be built on it.
+//! An energy as a type: the compiler turns it into machine code with its derivatives, and other energies can
+//! be built on it.
 
 use equip::prelude::*;
 

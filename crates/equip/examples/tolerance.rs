@@ -1,4 +1,5 @@
-//! Variable steps: a tolerance in place of a step. Kepler's problem with e = 0.9, once around, against its closed form.
+//! Variable steps: a tolerance in place of a step. Kepler's problem with e = 0.9, once around, against its
+//! closed form.
 
 use equip::prelude::*;
 use std::f64::consts::TAU;

@@ -1,8 +1,8 @@
 //! Runs of energy-preserving steps for Hamiltonian systems y' = J∇H(y): step control, dense output, events,
 //! checkpoints, the tangent map and the certificate.
 //!
-//! Folders, each importing from those before it only: `error`, `method` ← `report`, `checkpoints` ← `options`
-//! ← `control`, `dense` ← `events`, `tangent` ← `steppers` (one step at a time) ← `runs` (whole intervals).
+//! Folders, each importing from those before it only: `error` ← `options`, `control` ← `report` ←
+//! `checkpoints`, `dense` ← `events`, `tangent` ← `steppers` (one step at a time) ← `runs` (whole intervals).
 //! The step itself is `equip-solver`'s, whose public names are given here as well.
 #![forbid(unsafe_code)]
 
@@ -12,11 +12,9 @@ mod dense;
 mod error;
 mod events;
 mod extended;
-mod method;
 mod options;
 mod report;
 mod runs;
-mod step;
 mod steppers;
 mod tangent;
 
@@ -27,11 +25,11 @@ pub use equip_solver::{
 };
 pub use error::IntegrateError;
 pub use extended::Extended;
-pub use method::{Equip, Gauss, Method};
 pub use options::adaptive::{Adaptive, Tolerance};
 pub use options::event::{Direction, Event, Occurrence};
 pub use options::fixed_step::{Fixed, FixedStep};
 pub use options::integrator::Integrator;
+pub use options::method::{Equip, Gauss, Method};
 pub use options::record::Record;
 pub use options::reversible::{Reversible, StepRule, Symmetric};
 pub use report::certificate::Certificate;

@@ -14,7 +14,7 @@ thread_local! {
 struct Counting;
 
 fn count(bytes: usize) {
-    // A thread that is being torn down has no counter any more.
+    // A thread that is being torn down has no counter.
     let _ = BYTES.try_with(|n| n.set(n.get() + bytes));
     let _ = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
 }

@@ -27,11 +27,12 @@ pub struct Code {
 }
 
 impl Code {
-    /// Makes code for rows of `stride` doubles with these instructions. `None` where that cannot be: instructions without AVX2, rows
-    /// of several doubles that vectors of 4 do not fill, rows too far from each other for an address, or a system that
-    /// lets no program make code.
+    /// Makes code for rows of `stride` doubles with these instructions. `None` where that cannot be:
+    /// instructions without AVX2, rows of several doubles that vectors of 4 do not fill, rows too far from
+    /// each other for an address, or a system that lets no program make code.
     ///
-    /// Cost: 0.1 µs an operation, several times that where many values are alive, and some 10 µs for the memory.
+    /// Cost: 0.1 µs an operation, several times that where many values are alive, and some 10 µs for the
+    /// memory.
     pub fn new(program: &Program, set: InstructionSet, stride: usize) -> Option<Self> {
         let has_avx2 = InstructionSet::avx2().is_some_and(|avx2| avx2 <= set);
         let has_avx512 = InstructionSet::avx512() == Some(set);
@@ -69,11 +70,12 @@ impl Code {
         self.scratch
     }
 
-    /// Runs the program on the first `count` lanes of rows that stand one after the other. Lanes from there on are computed too
-    /// where they belong to a vector of those; what is in the others stays.
+    /// Runs the program on the first `count` lanes of rows that stand one after the other. Lanes from there
+    /// on are computed too where they belong to a vector of those; what is in the others stays.
     ///
     /// # Panics
-    /// If there are fewer rows than the program reads and writes, `count` is larger than a row, or scratch is too short.
+    /// If there are fewer rows than the program reads and writes, `count` is larger than a row, or scratch is
+    /// too short.
     #[inline]
     pub fn run(&self, inputs: &[f64], results: &mut [f64], scratch: &mut [Lanes<8>], count: usize) {
         assert!(
@@ -93,10 +95,11 @@ impl Code {
         let groups = count.div_ceil(self.lanes);
         let (inputs, results) = (inputs.as_ptr(), results.as_mut_ptr());
         let (constants, scratch) = (self.constants.as_ptr(), scratch.as_mut_ptr());
-        // SAFETY: the mapping is executable and as long as `self`, and holds a function of this type. It uses instructions that
-        // the processor has (an `InstructionSet` is proof), reads the first `self.inputs` numbers of inputs and all constants,
-        // and writes the first `self.results` numbers of results and `self.scratch` vectors of scratch: in groups
-        // of lanes, which fill the rows, so that `count` ≤ stride keeps them inside. All this was just checked.
+        // SAFETY: the mapping is executable and as long as `self`, and holds a function of this type. It uses
+        // instructions that the processor has (an `InstructionSet` is proof), reads the first `self.inputs`
+        // numbers of inputs and all constants, and writes the first `self.results` numbers of results and
+        // `self.scratch` vectors of scratch: in groups of lanes, which fill the rows, so that `count` ≤
+        // stride keeps them inside. All this was just checked.
         #[allow(unsafe_code)]
         unsafe {
             let function: Function = std::mem::transmute(self.code.as_ptr());

@@ -1,12 +1,15 @@
 //! Straight-line arithmetic on lanes of doubles as machine code, made when the program runs.
 //!
-//! A recorded energy is known only when the program runs. Replayed, each operation has to be found, its operands be read from
-//! memory and its result be written there; as machine code of its own it stands between those it belongs to, and numbers stay in registers.
+//! A recorded energy is known only when the program runs. Replayed, each operation has to be found, its
+//! operands be read from memory and its result be written there; as machine code of its own it stands between
+//! those it belongs to, and numbers stay in registers.
 //!
-//! [`Program`] → registers (farthest next use) → loops, where instructions repeat → bytes (by iced-x86) → executable memory (by memmap2) → [`Code::run`].
+//! [`Program`] → registers (farthest next use) → loops, where instructions repeat → bytes (by iced-x86) →
+//! executable memory (by memmap2) → [`Code::run`].
 //!
-//! Every operation is an instruction of its own, rounded as in Rust: results have every bit of the same operations on `f64`. For
-//! x86-64 with AVX2 or AVX-512; elsewhere [`Code::new`] gives `None`, and so it does on systems that forbid making code.
+//! Every operation is an instruction of its own, rounded as in Rust: results have every bit of the same
+//! operations on `f64`. For x86-64 with AVX2 or AVX-512; elsewhere [`Code::new`] gives `None`, and so it does
+//! on systems that forbid making code.
 //!
 //! ```
 //! use equip_jit::{Code, Program};

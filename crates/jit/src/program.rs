@@ -37,8 +37,8 @@ pub(crate) enum Operation {
 /// Each operation is rounded for itself, as in Rust.
 ///
 /// # Panics
-/// All methods that take a [`Value`], if there is none of this number: values belong to the program that gave them. `input` and `result`, if the row is 2³² − 1 or
-/// beyond.
+/// All methods that take a [`Value`], if there is none of this number: values belong to the program that gave
+/// them. `input` and `result`, if the row is 2³² − 1 or beyond.
 #[derive(Debug, Clone, Default)]
 pub struct Program {
     pub(crate) operations: Vec<Operation>,

@@ -1,13 +1,15 @@
 //! Which value is in which register when: instructions of two operands, the second of which may be in memory.
 //!
-//! Straight-line code needs no more than this: where a register is wanted and none is free, the value goes whose next use is farthest
-//! [Belady 1966]. It is written to memory only if it is nowhere else: inputs, constants and results are not.
+//! Straight-line code needs no more than this: where a register is wanted and none is free, the value goes
+//! whose next use is farthest [Belady 1966]. It is written to memory only if it is nowhere else: inputs,
+//! constants and results are not.
 
 use crate::program::{Binary, Operation, Program};
 
 impl Binary {
-    /// Whether the operands may be exchanged, which leaves every bit of the result, but for which NaN it is. Not of `And` and `Xor`: of single doubles
-    /// they read 16 bytes to the right, so that has to be a constant, which is read from a register.
+    /// Whether the operands may be exchanged, which leaves every bit of the result, but for which NaN it is.
+    /// Not of `And` and `Xor`: of single doubles they read 16 bytes to the right, so that has to be a
+    /// constant, which is read from a register.
     fn may_exchange(self) -> bool {
         matches!(self, Binary::Add | Binary::Mul)
     }
@@ -216,7 +218,8 @@ impl Allocation {
         register as u8
     }
 
-    /// The operands of operation i have been read: registers of those that are not needed again are free, also for its result.
+    /// The operands of operation i have been read: registers of those that are not needed again are free,
+    /// also for its result.
     fn free_registers(&mut self, i: usize, operation: Operation) {
         for (k, x) in operands(operation).into_iter().enumerate() {
             let Some(x) = x.map(|x| x as usize) else {
@@ -231,7 +234,8 @@ impl Allocation {
         }
     }
 
-    /// So is their scratch, but only after the instruction: to make room for its result others are written before it.
+    /// So is their scratch, but only after the instruction: to make room for its result others are written
+    /// before it.
     fn free_slots(&mut self, operation: Operation) {
         for x in operands(operation).into_iter().flatten() {
             if self.next_use[x as usize] == NEVER

@@ -1,7 +1,8 @@
-//! Instructions that repeat, with other rows each time: those of a chain are a few dozen, however long it is, and need not be read from memory as often as there
-//! are masses.
+//! Instructions that repeat, with other rows each time: those of a chain are a few dozen, however long it is,
+//! and need not be read from memory as often as there are masses.
 //!
-//! Found in the instructions as they are, so that nothing has to be known of the program: what is done in a loop is what would be done without.
+//! Found in the instructions as they are, so that nothing has to be known of the program: what is done in a
+//! loop is what would be done without.
 
 use crate::registers::{Instruction, Memory, Source};
 use std::ops::Range;
@@ -24,7 +25,8 @@ pub(crate) struct Steps {
 
 /// Longest period that is looked for.
 const LONGEST: usize = 96;
-/// Fewest instructions in a loop, so that those of the loop itself do not count, and fewest times that it is worth it.
+/// Fewest instructions in a loop, so that those of the loop itself do not count, and fewest times that it is
+/// worth it.
 const FEWEST: usize = 32;
 const TIMES: usize = 4;
 

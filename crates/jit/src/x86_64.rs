@@ -1,7 +1,8 @@
-//! Instructions as bytes, for x86-64 with AVX2 or AVX-512: on doubles one by one, in fours and in eights. Encoded by iced-x86.
+//! Instructions as bytes, for x86-64 with AVX2 or AVX-512: on doubles one by one, in fours and in eights.
+//! Encoded by iced-x86.
 //!
-//! Arguments of the code [System V ABI]: rows of inputs in rdi and of results in rsi, constants in rdx, scratch in rcx, groups in r8; r9 counts.
-//! All vector registers are free to use.
+//! Arguments of the code [System V ABI]: rows of inputs in rdi and of results in rsi, constants in rdx,
+//! scratch in rcx, groups in r8; r9 counts. All vector registers are free to use.
 
 use crate::program::Binary;
 use crate::registers::{self, Memory, Registers, Source};
@@ -107,7 +108,8 @@ impl Vectors {
     }
 }
 
-/// The code for rows of `stride` doubles: group after group of lanes. `None` if rows are too far from each other for an address.
+/// The code for rows of `stride` doubles: group after group of lanes. `None` if rows are too far from each
+/// other for an address.
 pub(crate) fn encode(
     instructions: &[registers::Instruction],
     vectors: Vectors,

@@ -1,8 +1,9 @@
 //! Sparse LU factorisation of complex matrices with one pattern, by faer's simplicial elimination.
 //!
-//! The columns are ordered once, by COLAMD, for little fill whatever the pivots; rows are exchanged by partial pivoting.
-//! Cost for a chain or ring of n sites: proportional to n, in time and memory. The factors grow during the first factorisation and
-//! are reused; a later one allocates only if other pivots need more fill.
+//! The columns are ordered once, by COLAMD, for little fill whatever the pivots; rows are exchanged by
+//! partial pivoting. Cost for a chain or ring of n sites: proportional to n, in time and memory. The factors
+//! grow during the first factorisation and are reused; a later one allocates only if other pivots need more
+//! fill.
 
 use crate::dense_lu::Singular;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};

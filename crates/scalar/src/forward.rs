@@ -1,12 +1,12 @@
 //! Forward dual numbers over any [`Float`], through num-dual, which stays a private field.
 //!
-//! √, tanh, xⁿ, xᶜ and atan2 are not num-dual's but follow the chain rule here, because num-dual 0.15.1 gives NaN for
-//! (0)^2.5, tanh(800), the slope of √ at 0, x⁻¹ at 1e-110 and atan2(y, 0). A derivative that is infinite stays so, and
-//! an infinite slope times a derivative that is exactly 0 is 0.
+//! √, tanh, xⁿ, xᶜ and atan2 are not num-dual's but follow the chain rule here, because num-dual 0.15.1 gives
+//! NaN for (0)^2.5, tanh(800), the slope of √ at 0, x⁻¹ at 1e-110 and atan2(y, 0). A derivative that is
+//! infinite stays so, and an infinite slope times a derivative that is exactly 0 is 0.
 //!
-//! The value part of √, tanh, xᶜ, atan2 and of all functions of one argument is bitwise that of the plain float. That of
-//! x/y (computed as x·(1/y)), of xⁿ for n ≥ 3 (xⁿ⁻²·x·x), of hypot and of xʸ (exp(y ln x)) may differ in the last
-//! bits. hypot squares: it overflows above 1e154.
+//! The value part of √, tanh, xᶜ, atan2 and of all functions of one argument is bitwise that of the plain
+//! float. That of x/y (computed as x·(1/y)), of xⁿ for n ≥ 3 (xⁿ⁻²·x·x), of hypot and of xʸ (exp(y ln x)) may
+//! differ in the last bits. hypot squares: it overflows above 1e154.
 
 use crate::constant::Constant;
 use crate::glue::DualFloat;
@@ -75,7 +75,8 @@ trait Chain<T>: Sized {
     fn chain(&self, f0: T, f1: T, f2: T) -> Self;
     /// Whether the derivatives that this type uses are finite.
     fn regular(f1: T, f2: T) -> bool;
-    /// For a point where a derivative is infinite or NaN: 0 · ∞ = 0, and the second derivative outweighs the first.
+    /// For a point where a derivative is infinite or NaN: 0 · ∞ = 0, and the second derivative outweighs the
+    /// first.
     fn chain_singular(&self, f0: T, f1: T, f2: T) -> Self;
 
     #[inline(always)]

@@ -1,13 +1,14 @@
 //! One glue between our float types and num-traits, num-dual, approx and nalgebra.
 //!
-//! `float_glue!(T)` writes every impl these crates ask for by forwarding to inherent functions of `T` that are named
-//! as those of `f64`. A new float type brings:
+//! `float_glue!(T)` writes every impl these crates ask for by forwarding to inherent functions of `T` that
+//! are named as those of `f64`. A new float type brings:
 //!
 //! - `Copy`, `Debug`, `Display`, `PartialEq`, `PartialOrd`, `FromStr<Err = ParseFloatError>`, `From<f64>`,
 //!   `+ − × ÷ %` and negation by value, and our [`Float`](crate::Float);
 //! - the elementary functions of `f64` by the same names and signatures;
 //! - `from_i64`, `from_u64`, `from_i128`, `from_u128`, `to_i128`, `to_u128`, `hi` (the nearest double);
-//! - `small` (a `const fn` from `f64`) and the constants `ZERO`, `ONE`, `THIRD`, `MIN`, `NEG_INFINITY` and those of `std::f64::consts`.
+//! - `small` (a `const fn` from `f64`) and the constants `ZERO`, `ONE`, `THIRD`, `MIN`, `NEG_INFINITY` and
+//!   those of `std::f64::consts`.
 
 #[macro_use]
 mod num_dual;

@@ -13,10 +13,11 @@
 //! | [`Pack`] | either of them, in generic code |
 //! | [`Forward`], [`Forward2`] | dual numbers with first, with first and second derivatives (through num-dual) |
 //!
-//! `Scalar` declares its functions without a receiver (`S::sin(x)`, not `x.sin()`), so that in code
-//! generic over [`Float`] the call `x.sin()` means nalgebra's [`RealField`](nalgebra::RealField) and nothing else.
-// Not `forbid`, for two exceptions: simba's `SimdValue` makes every implementor declare two `unsafe fn` (in `glue`, without
-// an unsafe operation), and `instructions` calls functions compiled for instructions that the processor was found to have.
+//! `Scalar` declares its functions without a receiver (`S::sin(x)`, not `x.sin()`), so that in code generic
+//! over [`Float`] the call `x.sin()` means nalgebra's [`RealField`](nalgebra::RealField) and nothing else.
+// Not `forbid`, for two exceptions: simba's `SimdValue` makes every implementor declare two `unsafe fn` (in
+// `glue`, without an unsafe operation), and `instructions` calls functions compiled for instructions that the
+// processor was found to have.
 #![deny(unsafe_code)]
 
 #[macro_use]

@@ -1,8 +1,9 @@
 //! What is compiled once, with a crate, and not again in each that uses it.
 //!
-//! Generic code is compiled where it is used, and an integrator is much of it: its kernels for every set of instructions take a minute. So such code is
-//! called through a table of functions, generic in the float type, of which a crate makes one for doubles and one for double-doubles. Constants say which
-//! of them is meant, so that for these types nothing is compiled elsewhere.
+//! Generic code is compiled where it is used, and an integrator is much of it: its kernels for every set of
+//! instructions take a minute. So such code is called through a table of functions, generic in the float
+//! type, of which a crate makes one for doubles and one for double-doubles. Constants say which of them is
+//! meant, so that for these types nothing is compiled elsewhere.
 //!
 //! Cost: a call by an address.
 

@@ -1,4 +1,5 @@
-//! + − × ÷ √ and the error-free sum of `DoubleDouble` against exact arithmetic, and the rules for special values.
+//! + − × ÷ √ and the error-free sum of `DoubleDouble` against exact arithmetic, and the rules for special
+//!   values.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::common::{BITS, RM, Random, Worst, big, error};
@@ -112,7 +113,8 @@ fn ends_of_the_exponent_range() {
     );
 }
 
-/// Every zero, infinity and NaN is that of `f64`, sign of zero included; other results agree to its precision.
+/// Every zero, infinity and NaN is that of `f64`, sign of zero included; other results agree to its
+/// precision.
 #[test]
 fn special_values_follow_double() {
     let subnormal = 5e-324;

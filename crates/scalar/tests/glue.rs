@@ -1,4 +1,5 @@
-//! `DoubleDouble` under num-traits, num-dual, approx and nalgebra, and the dual numbers over it and over `f64`.
+//! `DoubleDouble` under num-traits, num-dual, approx and nalgebra, and the dual numbers over it and over
+//! `f64`.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use crate::common::Random;
@@ -67,8 +68,8 @@ fn kepler_hessian_keeps_thirty_digits() {
     assert_eq!(h.value(), kepler(point.map(Num)).0);
 }
 
-/// Every first and second derivative of the functions of one argument, against central differences in double-double of
-/// functions evaluated in double-double: right to about 1e-15 and 1e-10.
+/// Every first and second derivative of the functions of one argument, against central differences in
+/// double-double of functions evaluated in double-double: right to about 1e-15 and 1e-10.
 #[test]
 fn derivatives_agree_with_differences() {
     type F = <Dd as Float>::Forward2<1>;

@@ -80,7 +80,8 @@ fn compare<T: Float, const N: usize>(set: InstructionSet, numbers: &[T]) {
             x.copy_from_slice(&numbers[start..start + N]);
             let results = set.run(&mut Everything(x, [y; N]));
             for lane in 0..N {
-                // The exponent must not be known when compiling: powers by repeated products are what is compared.
+                // The exponent must not be known when compiling: powers by repeated products are what is
+                // compared.
                 let expected = everything(black_box(x[lane]), black_box(y));
                 for (k, (found, expected)) in results.iter().zip(expected).enumerate() {
                     let (x, found) = (x[lane], found[lane]);

@@ -3,7 +3,8 @@
 use crate::error::SceneError;
 use crate::parameter::{Parameter, Value};
 
-/// A scene with the type of its Hamiltonian; the catalogue makes a [`Scene`](crate::Scene) of it, which says what the fields are.
+/// A scene with the type of its Hamiltonian; the catalogue makes a [`Scene`](crate::Scene) of it, which says
+/// what the fields are.
 pub(crate) struct Entry<M> {
     pub(crate) name: &'static str,
     pub(crate) title: &'static str,

@@ -1,9 +1,10 @@
 //! Named Hamiltonians: formula, source, parameters, invariants, exact or reference solutions, hard range.
 //!
-//! [`all`] is the catalogue, [`find`] looks up a name, [`Scene::instance`] fills in parameters given as text and records H, and
-//! [`Instance`] has everything a run needs, in any float type. [`Instance::from_reference`] starts where a stored reference started.
-//! The Hamiltonians themselves are in [`energies`], as types that implement
-//! [`Energy`](equip_autodiff::Energy), for code that wants them compiled and not recorded.
+//! [`all`] is the catalogue, [`find`] looks up a name, [`Scene::instance`] fills in parameters given as text
+//! and records H, and [`Instance`] has everything a run needs, in any float type.
+//! [`Instance::from_reference`] starts where a stored reference started. The Hamiltonians themselves are in
+//! [`energies`], as types that implement [`Energy`](equip_autodiff::Energy), for code that wants them
+//! compiled and not recorded.
 //!
 //! ```
 //! let scene = equip_scenes::find("pendulum")?;
@@ -14,7 +15,8 @@
 //! # Ok::<(), equip_scenes::SceneError>(())
 //! ```
 //!
-//! What it does not do: integrate. Scenes know their solutions only in closed form or from the table of references.
+//! What it does not do: integrate. Scenes know their solutions only in closed form or from the table of
+//! references.
 #![forbid(unsafe_code)]
 
 mod catalogue;

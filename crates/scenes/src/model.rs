@@ -18,7 +18,8 @@ pub enum View {
     Profile,
 }
 
-/// Names of the units of a scene, as they stand on the axes of a picture; empty where everything is dimensionless.
+/// Names of the units of a scene, as they stand on the axes of a picture; empty where everything is
+/// dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Units {
     /// Of positions.

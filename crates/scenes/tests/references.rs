@@ -94,7 +94,8 @@ fn references_from_doubles_start_from_doubles() {
 
 #[test]
 fn closed_forms_agree_with_the_references() {
-    // Measured 1.1e-27 and 2.2e-27, the phase's round-off over 1000 and 100 periods, and 3.7e-25, the last digit stored.
+    // Measured 1.1e-27 and 2.2e-27, the phase's round-off over 1000 and 100 periods, and 3.7e-25, the last
+    // digit stored.
     for (name, bound) in [
         ("kepler06_1000", 1e-26),
         ("kepler09_100", 1e-26),

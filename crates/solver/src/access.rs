@@ -2,11 +2,10 @@
 //! [`Core::new`], [`Core::step`] and [`Core::forget`].
 
 use crate::equations::constraint::Constraint;
-use crate::failure::Damaged;
 use crate::memory::SolverMemory;
-use crate::options::Reach;
-use crate::outcome::Counts;
-use crate::parts::Part;
+use crate::outcome::failure::Damaged;
+use crate::outcome::outcome::Counts;
+use crate::outcome::parts::Part;
 use crate::step::step::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -71,11 +70,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.alphas.iter().all(|&alpha| alpha == T::int(0))
     }
 
-    /// Size h of the step, or of its last part; zero if there is none.
-    pub fn last_size(&self) -> T {
-        self.stages.last.map_or(T::int(0), |(_, h)| h)
-    }
-
     /// L_i = h b_i J∇H(Y_i), component c of stage i at c·[`stride_for`](crate::stride_for)(s) + i.
     pub fn derivatives_by_component(&self) -> &[T] {
         self.stages.iterate.increments()
@@ -93,7 +87,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// h γ_k = Σ_i P_k(c_i) L_i for k < s into `out`, blocks of length n: u'(τ) = Σ_k γ_k P_k(τ) within the step.
+    /// h γ_k = Σ_i P_k(c_i) L_i for k < s into `out`, blocks of length n: u'(τ) = Σ_k γ_k P_k(τ) within the
+    /// step.
     pub fn legendre_coefficients(&self, out: &mut [T]) {
         let (gauss, iterate) = (&self.stages.gauss, &self.stages.iterate);
         for (k, out) in out.chunks_exact_mut(iterate.components()).enumerate() {
@@ -141,8 +136,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
 /// The start of a run.
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
-    /// A run begins at `y`, length n, where the energy is `h_ref`: the steps from here on are those of a new solver.
-    /// Counts stay. Allocates nothing.
+    /// A run begins at `y`, length n, where the energy is `h_ref`: the steps from here on are those of a new
+    /// solver. Counts stay. Allocates nothing.
     pub fn begin(&mut self, h_ref: T, y: &[T]) {
         self.forget();
         self.parts.clear();
@@ -168,21 +163,16 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.start.fill(T::NAN);
     }
 
-    /// The next step is guessed from these L, stage by stage, of a step of size `h` from the same state, and from
-    /// nothing else.
+    /// The next step is guessed from these L, stage by stage, of a step of size `h` from the same state, and
+    /// from nothing else.
     pub fn guess_from(&mut self, l: &[T], h: T) {
         self.forget();
         self.stages.iterate.set_increments(l);
         self.stages.last = Some((T::int(0), h));
     }
 
-    /// How far the α's may move the end point, from the next step on.
-    pub fn set_reach(&mut self, reach: Reach) {
-        self.options.reach = reach;
-    }
-
-    /// Puts other constraints in the place of those there are, which are returned. Without any the α's stay where they
-    /// are.
+    /// Puts other constraints in the place of those there are, which are returned. Without any the α's stay
+    /// where they are.
     pub fn replace_constraints(&mut self, constraints: Vec<Constraint<T>>) -> Vec<Constraint<T>> {
         self.start.fill(T::NAN);
         std::mem::replace(&mut self.constraints, constraints)

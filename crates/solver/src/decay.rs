@@ -5,7 +5,8 @@
 
 use equip_scalar::Float;
 
-/// ϱ from the norms of the coefficients of s stages and what they are relative to, for positions and for momenta; infinite if it is not a number.
+/// ϱ from the norms of the coefficients of s stages and what they are relative to, for positions and for
+/// momenta; infinite if it is not a number.
 pub fn decay<T: Float>(norms: &[Vec<T>; 2], units: [T; 2], s: usize) -> f64 {
     let ratio = |k: usize| {
         let groups = norms.iter().zip(units);

@@ -1,23 +1,21 @@
-//! One step of the energy and quadratic invariants preserving (EQUIP) methods for Hamiltonian systems y' = J∇H(y).
+//! One step of the energy and quadratic invariants preserving (EQUIP) methods for Hamiltonian systems y' =
+//! J∇H(y).
 //!
-//! A step reads: initial guess → stages → α → accept → update, in `step/step.rs`; its equations are those of `equations/oracle.rs`. Time, runs and
-//! their certificates are `equip-integrate`'s, which needs of a step what [`Core::new`], [`Core::step`] and `access.rs` give.
+//! A step reads: initial guess → stages → α → accept → update, in `step/step.rs`; its equations are those of
+//! `equations/oracle.rs`. Time, runs and their certificates are `equip-integrate`'s, which needs of a step
+//! what [`Core::new`], [`Core::step`] and `access.rs` give.
 //!
-//! Paper: L. Brugnano, F. Iavernaro, D. Trigiante, *Energy and quadratic invariants preserving integrators of Gaussian
-//! type*, AIP Conf. Proc. 1281 (2010), and arXiv:1005.1930.
+//! Paper: L. Brugnano, F. Iavernaro, D. Trigiante, *Energy and quadratic invariants preserving integrators of
+//! Gaussian type*, AIP Conf. Proc. 1281 (2010), and arXiv:1005.1930.
 #![forbid(unsafe_code)]
 
 mod access;
 mod alpha;
 mod decay;
 mod equations;
-mod failure;
-mod family;
-mod invariant;
 mod memory;
 mod options;
 mod outcome;
-mod parts;
 mod policy;
 mod precondition;
 mod step;
@@ -27,12 +25,12 @@ pub use access::FailedPart;
 pub use decay::decay;
 pub use equations::constraint::Constraint;
 pub use equip_sweeps::{MAX_STAGES, State, stride_for};
-pub use failure::{Damaged, Failure};
-pub use family::{Alphas, Family};
-pub use invariant::Invariant;
 pub use memory::SolverMemory;
-pub use options::{Preconditioner, Reach, StepOptions};
-pub use outcome::{Counts, Outcome};
-pub use parts::Part;
+pub use options::family::{Alphas, Family};
+pub use options::invariant::Invariant;
+pub use options::step_options::{Preconditioner, Reach, StepOptions};
+pub use outcome::failure::{Damaged, Failure};
+pub use outcome::outcome::{Counts, Outcome};
+pub use outcome::parts::Part;
 pub use step::step::Core;
 pub use step_tangent::StepTangent;

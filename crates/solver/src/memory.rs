@@ -1,10 +1,11 @@
 //! [`SolverMemory`]: what a solver has learnt from the steps so far, as named lists of numbers.
 
-use crate::failure::Damaged;
+use crate::outcome::failure::Damaged;
 use equip_scalar::Float;
 
-/// Everything the next step depends on besides state, time and size, so that a solver that is given it goes on bit for
-/// bit. What the names stand for is the solver's own affair; numbers are exact, counts among them up to 2⁵³.
+/// Everything the next step depends on besides state, time and size, so that a solver that is given it goes
+/// on bit for bit. What the names stand for is the solver's own affair; numbers are exact, counts among them
+/// up to 2⁵³.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverMemory<T> {
     parts: Vec<(String, Vec<T>)>,

@@ -1,11 +1,14 @@
 //! Tuned constants of a step, each with the figure that chose it.
 
-/// Moves of the α's of one step that may fail to halve what they are to remove: where the slopes all but vanish, Broyden's correction needs some.
+/// Moves of the α's of one step that may fail to halve what they are to remove: where the slopes all but
+/// vanish, Broyden's correction needs some.
 pub(crate) const MOST_STALLS: u32 = 4;
 
-/// The largest floor of late loses 1 over this a step. // steps; floors swing by 30 within an oscillation of some 10 to 50 steps.
+/// The largest floor of late loses 1 over this a step. // steps; floors swing by 30 within an oscillation of
+/// some 10 to 50 steps.
 pub(crate) const FADING: i64 = 64;
-/// α's that move, at most. // α's; further ones disturb the stages the more for the same displacement of the end point.
+/// α's that move, at most. // α's; further ones disturb the stages the more for the same displacement of the
+/// end point.
 pub(crate) const LEADING: usize = 3;
 /// The end point may move so many times as far as the defect of the step itself is worth. // ratio; grid.
 pub(crate) const FARTHEST: i64 = 16;
@@ -13,15 +16,19 @@ pub(crate) const FARTHEST: i64 = 16;
 pub(crate) const BEYOND_ERROR: i64 = 16;
 /// Displacements of the end point of so many ε of the state are rounding. // ε
 pub(crate) const ROUNDING: i64 = 64;
-/// Moves of the α's in a step, at most. // moves; 2 to 4 in f64, 20 in double-double where slopes nearly vanish (1/50 a move).
+/// Moves of the α's in a step, at most. // moves; 2 to 4 in f64, 20 in double-double where slopes nearly
+/// vanish (1/50 a move).
 pub(crate) const MOST_MOVES: u32 = 30;
-/// A direction turns by so many times the share that the stages move, as its leading terms cancel. // ratio; 300 at a pericentre, s = 4.
+/// A direction turns by so many times the share that the stages move, as its leading terms cancel. // ratio;
+/// 300 at a pericentre, s = 4.
 pub(crate) const TURNS: i64 = 64;
-/// A direction is taken anew at most once for so many bits of the float. // bits; 1/50 a turn where slopes nearly vanish, at least a half elsewhere.
+/// A direction is taken anew at most once for so many bits of the float. // bits; 1/50 a turn where slopes
+/// nearly vanish, at least a half elsewhere.
 pub(crate) const BITS_A_TURN: u32 = 6;
 /// A defect of so many floors that moves of the α's do not bring down is rounding. // floors
 pub(crate) const STALLED: i64 = 8;
-/// Ridge of the least-squares problem for the direction, of the diagonal. // ratio; 1e-4 to 1e-2 alike on the grid.
+/// Ridge of the least-squares problem for the direction, of the diagonal. // ratio; 1e-4 to 1e-2 alike on the
+/// grid.
 pub(crate) const RIDGE: [i64; 2] = [1, 1000];
 /// Iterations for the stages of a step, at most. // iterations
 pub(crate) const MOST_ITERATIONS: u32 = 80;
@@ -31,11 +38,13 @@ pub(crate) const SLOWEST_SWEEPS: f64 = 0.7;
 pub(crate) const SLOWEST: f64 = 0.5;
 /// A factorisation whose iteration contracts worse than this is made anew. // ratio
 pub(crate) const OUTDATED: f64 = 0.1;
-/// Steps for which a cheaper preconditioner that has failed is not tried again: 1, 2, 4, … up to this. // steps
+/// Steps for which a cheaper preconditioner that has failed is not tried again: 1, 2, 4, … up to this. //
+/// steps
 pub(crate) const LONGEST_WAIT: u64 = 64;
 /// Springs are components whose ∂²U/∂q² outweighs the rest of its row so many times, …
 pub(crate) const OUTWEIGHS: f64 = 4.0;
 /// … and whose h² w κ is at least this. // (hω)²
 pub(crate) const SOFTEST: f64 = 0.25;
-/// Unknowns s·n up to which the stages are solved with ∇²H at each of them, by a dense matrix. // unknowns; 1 s a step beyond.
+/// Unknowns s·n up to which the stages are solved with ∇²H at each of them, by a dense matrix. // unknowns; 1
+/// s a step beyond.
 pub(crate) const MOST_DENSE: usize = 1024;

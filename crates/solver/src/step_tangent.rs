@@ -6,10 +6,11 @@
 //!
 //! by [`LinearSweeps`], with ∇²H at all stages as preconditioner where these do not contract (about hω > 1).
 //!
-//! Cost: s Hessians per step; per deviation some linear sweeps, or a solve with a dense factorisation made once a step.
+//! Cost: s Hessians per step; per deviation some linear sweeps, or a solve with a dense factorisation made
+//! once a step.
 
-use crate::failure::Failure;
-use crate::parts::Part;
+use crate::outcome::failure::Failure;
+use crate::outcome::parts::Part;
 use crate::precondition::full::Full;
 use equip_autodiff::{Evaluate, Pattern, System};
 use equip_scalar::Float;

@@ -1,7 +1,8 @@
 //! The stage equations of a Gauss-type step, Z = K(α) L(Z), as a fixed-point iteration in any float.
 //!
-//! This crate has the layout of stages, products with K(α), extrapolation from step to step, the contraction of the iteration and the linearised
-//! equations. It has no energy residual, no rule for α and no options; those are the solver's.
+//! This crate has the layout of stages, products with K(α), extrapolation from step to step, the contraction
+//! of the iteration and the linearised equations. It has no energy residual, no rule for α and no options;
+//! those are the solver's.
 //!
 //! In this project a *sweep* is one evaluation Z ← K(α) L(Z) for all stages.
 #![forbid(unsafe_code)]

@@ -1,32 +1,41 @@
 //! Tuned constants of the iteration, each with the figure that chose it.
 
-/// Contractions worse than this are slow. // ratio; a sweep then costs 7 for one digit, a factorisation of any system of the grid costs less.
+/// Contractions worse than this are slow. // ratio; a sweep then costs 7 for one digit, a factorisation of
+/// any system of the grid costs less.
 pub(crate) const SLOW: f64 = 0.7;
-/// The first change, times this, may shrink by [`SLOW`] a sweep. // ratio; guesses that the second sweep moves further than the first.
+/// The first change, times this, may shrink by [`SLOW`] a sweep. // ratio; guesses that the second sweep
+/// moves further than the first.
 pub(crate) const ALLOWANCE: f64 = 16.0;
 /// The contraction of the last step, or better than this, is not expected of the next. // ratio
 pub(crate) const BEST: f64 = 1e-3;
-/// Changes of this share of a component or more are far from the solution: contractions seen there say nothing of the rest. // ratio
+/// Changes of this share of a component or more are far from the solution: contractions seen there say
+/// nothing of the rest. // ratio
 pub(crate) const FAR: f64 = 0.125;
 /// Changes of so many ε that do not shrink are rounding. // ε; 16 lanes of 32 stages round to 60 ε.
 pub(crate) const ROUNDING: f64 = 256.0;
 /// Changes of so many ε have rounding in them. // ε
 pub(crate) const NOISY: f64 = 16.0;
-/// An error of ε over this at the end point is of no account. // with 4 angular momentum of Kepler's problem drifts by 1e-17 a step, with 64 not.
+/// An error of ε over this at the end point is of no account. // with 4 angular momentum of Kepler's problem
+/// drifts by 1e-17 a step, with 64 not.
 pub(crate) const SETTLED: f64 = 64.0;
 /// Changes that do not shrink so many times in a row do not shrink. // sweeps
 pub(crate) const STILL: u32 = 3;
-/// Sweeps that are expected to change Z by more ε than this are incremental. // ε; 8 to 256 within 3 % of the time, Kepler and a chain of 1024.
+/// Sweeps that are expected to change Z by more ε than this are incremental. // ε; 8 to 256 within 3 % of the
+/// time, Kepler and a chain of 1024.
 pub(crate) const INCREMENTAL: f64 = 64.0;
-/// L of a step is at most so many times that of the last. // ratio; Kepler's problem with 2.24 steps a period, s = 16, begins an orbit off in place of 100.
+/// L of a step is at most so many times that of the last. // ratio; Kepler's problem with 2.24 steps a
+/// period, s = 16, begins an orbit off in place of 100.
 pub(crate) const LIKELY: i64 = 8;
-/// From so many components on K B K is made of moved α's too, and rows are compared side by side. // components
+/// From so many components on K B K is made of moved α's too, and rows are compared side by side. //
+/// components
 pub(crate) const MANY: usize = 64;
-/// ∇²H is taken by simple differences where displacements are wanted to 1 over the first, by central ones to 1 over the second. // some 10 √ε and
-/// 10 ε^(2/3)
+/// ∇²H is taken by simple differences where displacements are wanted to 1 over the first, by central ones to
+/// 1 over the second. // some 10 √ε and 10 ε^(2/3)
 pub(crate) const QUOTIENTS: [i64; 2] = [10_000_000, 5_000_000_000];
-/// Beyond, ∇²H itself is taken where its columns make no more groups than this, each of which costs some five evaluations of H at every stage. // groups
+/// Beyond, ∇²H itself is taken where its columns make no more groups than this, each of which costs some five
+/// evaluations of H at every stage. // groups
 pub(crate) const FEW_GROUPS: usize = 4;
-/// Linearised sweeps at most, and at least: what a change is worth at the end shows after a few only. // sweeps
+/// Linearised sweeps at most, and at least: what a change is worth at the end shows after a few only. //
+/// sweeps
 pub(crate) const MOST_LINEAR: usize = 100;
 pub(crate) const LEAST_LINEAR: usize = 3;

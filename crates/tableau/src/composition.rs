@@ -1,10 +1,11 @@
 //! [`Composition`]: coefficients γ_i of symmetric compositions of a symmetric method of order 2.
 //!
-//! One step of size h is Φ_{γ_1 h} ∘ … ∘ Φ_{γ_r h} with r odd, γ_i = γ_{r+1−i} and Σ γ_i = 1. With Φ the Störmer–Verlet method these are the
-//! explicit methods that EQUIP is compared with, and what end states without a closed form are computed by.
+//! One step of size h is Φ_{γ_1 h} ∘ … ∘ Φ_{γ_r h} with r odd, γ_i = γ_{r+1−i} and Σ γ_i = 1. With Φ the
+//! Störmer–Verlet method these are the explicit methods that EQUIP is compared with, and what end states
+//! without a closed form are computed by.
 //!
-//! The coefficients solve polynomial systems without a closed form: these are the published decimals, good to 25 digits (order 8) and to
-//! 32 (order 10).
+//! The coefficients solve polynomial systems without a closed form: these are the published decimals, good to
+//! 25 digits (order 8) and to 32 (order 10).
 
 use equip_scalar::Float;
 
@@ -43,8 +44,8 @@ pub const VERLET: Composition = Composition {
     half: &["1"],
 };
 
-/// s17odr8a, [Kahan, Li, Composition constants for raising the orders of unconventional schemes for ordinary differential equations,
-/// Math. Comp. 66 (1997); Hairer, Lubich, Wanner, V.3.2].
+/// s17odr8a, [Kahan, Li, Composition constants for raising the orders of unconventional schemes for ordinary
+/// differential equations, Math. Comp. 66 (1997); Hairer, Lubich, Wanner, V.3.2].
 pub const KAHAN_LI: Composition = Composition {
     name: "Kahan–Li 8",
     order: 8,
@@ -61,8 +62,8 @@ pub const KAHAN_LI: Composition = Composition {
     ],
 };
 
-/// Order 10 with 35 stages, [Sofroniou, Spaletta, Derivation of symmetric composition constants for symmetric integrators, Optim. Methods
-/// Softw. 20 (2005)].
+/// Order 10 with 35 stages, [Sofroniou, Spaletta, Derivation of symmetric composition constants for symmetric
+/// integrators, Optim. Methods Softw. 20 (2005)].
 pub const SOFRONIOU_SPALETTA: Composition = Composition {
     name: "Sofroniou–Spaletta 10",
     order: 10,
@@ -101,7 +102,8 @@ mod tests {
         (sum - expected).to_f64().abs()
     }
 
-    /// Σγ = 1, and Σγ^k = 0 for odd k below the order: necessary for it. Orders are measured where the methods run.
+    /// Σγ = 1, and Σγ^k = 0 for odd k below the order: necessary for it. Orders are measured where the
+    /// methods run.
     #[test]
     fn odd_power_sums_vanish() {
         for (scheme, bound) in [

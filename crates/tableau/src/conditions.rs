@@ -1,6 +1,7 @@
 //! What a tableau satisfies, as functions that return the largest absolute defect.
 //!
-//! The simplifying assumptions of Butcher (1964) are stated with the orthonormal Legendre polynomials instead of powers of c:
+//! The simplifying assumptions of Butcher (1964) are stated with the orthonormal Legendre polynomials instead
+//! of powers of c:
 //!
 //! | | for all k | usual form, q = 1 … |
 //! |---|---|---|
@@ -8,8 +9,9 @@
 //! | C(η) | Σ_j a_ij P_k(c_j) = ∫₀^{c_i} P_k, k < η | Σ a_ij c_j^{q−1} = c_i^q/q |
 //! | D(ζ) | Σ_i b_i P_k(c_i) a_ij = b_j ∫_{c_j}^1 P_k, k < ζ | Σ b_i c_i^{q−1} a_ij = b_j(1 − c_j^q)/q |
 //!
-//! Both span the same polynomials, so the conditions are the same; but powers hide a violation of degree q by a factor
-//! of about 4^{−q}, which at q = 25 is below the rounding of an `f64`. Here a violated condition has a defect of order one.
+//! Both span the same polynomials, so the conditions are the same; but powers hide a violation of degree q by
+//! a factor of about 4^{−q}, which at q = 25 is below the rounding of an `f64`. Here a violated condition has
+//! a defect of order one.
 //!
 //! A defect is NaN when the tableau contains one. Cost: O(s² n) for n conditions.
 
@@ -76,8 +78,9 @@ pub fn d_defect<T: Float>(tableau: &Tableau<T>, zeta: usize) -> T {
     )
 }
 
-/// The conditions of the trees of height two, a leaves and one branch with b leaves, a + b + 2 ≤ p, in Legendre form:
-/// Σ b_i P_a(c_i) a_ij P_b(c_j) = ∫₀¹ P_a(c) ∫₀ᶜ P_b, whose right-hand sides are the entries of X_s(0) in the paper.
+/// The conditions of the trees of height two, a leaves and one branch with b leaves, a + b + 2 ≤ p, in
+/// Legendre form: Σ b_i P_a(c_i) a_ij P_b(c_j) = ∫₀¹ P_a(c) ∫₀ᶜ P_b, whose right-hand sides are the entries
+/// of X_s(0) in the paper.
 ///
 /// Necessary for order p where C(1) holds; they find the entry that an α has moved.
 ///
@@ -129,7 +132,8 @@ pub fn symmetry_defect<T: Float>(tableau: &Tableau<T>) -> T {
     largest(of_a.chain(of_b))
 }
 
-/// Entry (a, b), counted from 0, of the tridiagonal ∫₀¹ P_a(c) ∫₀ᶜ P_b: ½ first, ξ below, −ξ above the diagonal.
+/// Entry (a, b), counted from 0, of the tridiagonal ∫₀¹ P_a(c) ∫₀ᶜ P_b: ½ first, ξ below, −ξ above the
+/// diagonal.
 fn x_entry<T: Float>(a: usize, b: usize) -> T {
     if a == 0 && b == 0 {
         T::ratio(1, 2)

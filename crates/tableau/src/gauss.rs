@@ -11,8 +11,8 @@ use crate::error::TableauError;
 use crate::rule::{Rule, check_stages};
 use equip_scalar::Float;
 
-/// Gauss–Legendre quadrature on [0, 1] with s nodes, the orthonormal shifted Legendre polynomials at them, and the
-/// matrix K(α) of the EQUIP methods.
+/// Gauss–Legendre quadrature on [0, 1] with s nodes, the orthonormal shifted Legendre polynomials at them,
+/// and the matrix K(α) of the EQUIP methods.
 ///
 /// Making one costs O(s³) operations; it then holds s³ + O(s²) numbers.
 ///
@@ -81,9 +81,9 @@ impl<T: Float> Gauss<T> {
 
     /// The nodes c_1 < … < c_s in (0, 1).
     ///
-    /// c_i + c_{s+1−i} = 1 exactly, as numbers and not only after rounding: c_{s+1−i} is rounded first and the small one
-    /// is 1 − c_{s+1−i}, which is representable. Both are therefore accurate to an ulp of 1, not of c_i; the weights
-    /// and polynomials are those of the unrounded node.
+    /// c_i + c_{s+1−i} = 1 exactly, as numbers and not only after rounding: c_{s+1−i} is rounded first and
+    /// the small one is 1 − c_{s+1−i}, which is representable. Both are therefore accurate to an ulp of 1,
+    /// not of c_i; the weights and polynomials are those of the unrounded node.
     ///
     /// ```
     /// let gauss = equip_tableau::Gauss::<f64>::new(5)?;
@@ -95,7 +95,8 @@ impl<T: Float> Gauss<T> {
         &self.rule.nodes
     }
 
-    /// The weights b_i = 1 / Σ_{k<s} P_k(c_i)², with b_i = b_{s+1−i} to the last bit and sum 1 up to rounding.
+    /// The weights b_i = 1 / Σ_{k<s} P_k(c_i)², with b_i = b_{s+1−i} to the last bit and sum 1 up to
+    /// rounding.
     ///
     /// ```
     /// let gauss = equip_tableau::Gauss::<f64>::new(3)?;

@@ -3,13 +3,14 @@
 //! $$A = \mathcal I_s \mathcal P_s^T B, \qquad (\mathcal I_s)_{ij} = \int_0^{c_i} P_j, \quad (\mathcal P_s)_{ij} = P_j(c_i),
 //! \quad i = 1..k,\ j = 0..s-1,$$
 //!
-//! on k ≥ s Gauss nodes (L. Brugnano, F. Iavernaro, D. Trigiante, "Hamiltonian boundary value methods", JNAIAM 5 (2010)).
-//! Order 2s and symmetric for every k; HBVM(s, s) is Gauss; for k > s it is not symplectic.
-//! It keeps a polynomial H of degree ν ≤ 2k/s exactly, others up to the quadrature error, O(h^{2k+1}) per step.
+//! on k ≥ s Gauss nodes (L. Brugnano, F. Iavernaro, D. Trigiante, "Hamiltonian boundary value methods",
+//! JNAIAM 5 (2010)). Order 2s and symmetric for every k; HBVM(s, s) is Gauss; for k > s it is not symplectic.
+//! It keeps a polynomial H of degree ν ≤ 2k/s exactly, others up to the quadrature error, O(h^{2k+1}) per
+//! step.
 //!
-//! The limit k → ∞ keeps every H: ∞-HBVM, the energy-preserving collocation methods of Hairer (2010), and for s = 1 the
-//! averaged vector field method y_1 = y_0 + h ∫₀¹ J∇H(y_0 + c (y_1 − y_0)) dc. In floating point k is large enough when the
-//! quadrature is exact to rounding, so no tableau of its own is offered.
+//! The limit k → ∞ keeps every H: ∞-HBVM, the energy-preserving collocation methods of Hairer (2010), and for
+//! s = 1 the averaged vector field method y_1 = y_0 + h ∫₀¹ J∇H(y_0 + c (y_1 − y_0)) dc. In floating point k
+//! is large enough when the quadrature is exact to rounding, so no tableau of its own is offered.
 //!
 //! Cost: O(k² s) operations.
 

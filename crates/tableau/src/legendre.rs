@@ -4,12 +4,13 @@
 //!
 //! $$P_k(c) = \sqrt{2k+1}\,L_k(2c-1), \qquad \int_0^1 P_i P_j = \delta_{ij}, \qquad P_0 = 1.$$
 //!
-//! The recurrence runs in the distance t to the nearer end of the interval and in the difference of successive
-//! values, so that neither 2c − 1 near c = 0, 1 nor L_{k+1} − L_{k−1} in the integrals cancels:
+//! The recurrence runs in the distance t to the nearer end of the interval and in the difference of
+//! successive values, so that neither 2c − 1 near c = 0, 1 nor L_{k+1} − L_{k−1} in the integrals cancels:
 //!
 //! $$D_{k+1} = \frac{k D_k - (2k+1)\,t\,L_k}{k+1}, \qquad L_{k+1} = L_k + D_{k+1}, \qquad x = 1 - t.$$
 //!
-//! Cost: O(n) operations and n square roots for n polynomials. Arguments outside [0, 1] are allowed (extrapolation).
+//! Cost: O(n) operations and n square roots for n polynomials. Arguments outside [0, 1] are allowed
+//! (extrapolation).
 
 use equip_scalar::Float;
 
@@ -61,7 +62,8 @@ pub(crate) fn alternate<T: Float>(flip: bool, k: usize, x: T) -> T {
     if flip && k % 2 == 1 { -x } else { x }
 }
 
-/// Whether c is nearer to 0, where P_k(c) = (−1)^k P_k(1 − c) is used, and 2 × its distance to the nearer end.
+/// Whether c is nearer to 0, where P_k(c) = (−1)^k P_k(1 − c) is used, and 2 × its distance to the nearer
+/// end.
 fn nearer_end<T: Float>(c: T) -> (bool, T) {
     let near_zero = c < T::ratio(1, 2);
     (
@@ -86,8 +88,8 @@ pub fn legendre_at<T: Float>(c: T, out: &mut [T]) {
 
 /// ∫₀ᶜ P_k for k = 0 … n − 1, n = `out.len()`.
 ///
-/// Computed as (L_{k+1} − L_{k−1}) / (2√(2k+1)), which is ξ_{k+1} P_{k+1} − ξ_k P_{k−1} for k ≥ 1. They vanish at both ends
-/// for k ≥ 1, with full relative accuracy near them.
+/// Computed as (L_{k+1} − L_{k−1}) / (2√(2k+1)), which is ξ_{k+1} P_{k+1} − ξ_k P_{k−1} for k ≥ 1. They
+/// vanish at both ends for k ≥ 1, with full relative accuracy near them.
 ///
 /// ```
 /// let mut integrals = [0.0; 2];

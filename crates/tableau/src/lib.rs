@@ -1,5 +1,5 @@
-//! Runge–Kutta tableaux of the Gauss, EQUIP and HBVM families in any [`Float`](equip_scalar::Float) type, and the
-//! conditions they satisfy, as functions.
+//! Runge–Kutta tableaux of the Gauss, EQUIP and HBVM families in any [`Float`](equip_scalar::Float) type, and
+//! the conditions they satisfy, as functions.
 //!
 //! | item | what it is |
 //! |---|---|
@@ -10,11 +10,12 @@
 //! | [`composition`] | coefficients of symmetric compositions, from the literature |
 //! | [`trees`], [`order()`] | rooted trees, order conditions, the order of a tableau |
 //!
-//! Nothing of the Gauss family is pasted in as decimals: every coefficient is computed in the float type it is used in.
+//! Nothing of the Gauss family is pasted in as decimals: every coefficient is computed in the float type it
+//! is used in.
 //!
-//! The formulas are those of L. Brugnano, F. Iavernaro, D. Trigiante, "Energy and quadratic invariants preserving
-//! integrators of Gaussian type", AIP Conf. Proc. 1281 (2010) ("the paper") and its long version arXiv:1005.1930.
-//! The paper counts polynomials from 1, this crate from 0: P_0 = 1.
+//! The formulas are those of L. Brugnano, F. Iavernaro, D. Trigiante, "Energy and quadratic invariants
+//! preserving integrators of Gaussian type", AIP Conf. Proc. 1281 (2010) ("the paper") and its long version
+//! arXiv:1005.1930. The paper counts polynomials from 1, this crate from 0: P_0 = 1.
 //!
 //! ```
 //! use equip_tableau::{Gauss, conditions};

@@ -7,13 +7,14 @@ use equip_scalar::Float;
 
 /// The classical order of a method, a condition counting as satisfied when its defect is at most `tolerance`.
 ///
-/// Three theorems leave little to the trees: B(p), C(η), D(ζ) with p ≤ η + ζ + 1 and p ≤ 2η + 2 give order p (Butcher 1964);
-/// a symmetric method has even order; the bilinear conditions and p ≤ 2s bound it from above. Where the bounds differ,
-/// the order conditions decide. For the Gauss, EQUIP and HBVM families the answer is exact for every s. For others,
-/// when all conditions up to [`MAX_TREE_ORDER`] hold and the bounds still differ, it is the lower bound.
+/// Three theorems leave little to the trees: B(p), C(η), D(ζ) with p ≤ η + ζ + 1 and p ≤ 2η + 2 give order p
+/// (Butcher 1964); a symmetric method has even order; the bilinear conditions and p ≤ 2s bound it from above.
+/// Where the bounds differ, the order conditions decide. For the Gauss, EQUIP and HBVM families the answer is
+/// exact for every s. For others, when all conditions up to [`MAX_TREE_ORDER`] hold and the bounds still
+/// differ, it is the lower bound.
 ///
-/// A sensible tolerance is 1000 ε: defects of satisfied conditions are rounding errors, of a perturbed Gauss method
-/// about α_k, but of other violated conditions as small as 1/γ(t).
+/// A sensible tolerance is 1000 ε: defects of satisfied conditions are rounding errors, of a perturbed Gauss
+/// method about α_k, but of other violated conditions as small as 1/γ(t).
 ///
 /// ```
 /// use equip_tableau::{Tableau, order};

@@ -1,7 +1,7 @@
 //! The Gauss–Legendre rule on [0, 1]: nodes, weights, and the polynomials at the nodes.
 //!
-//! Newton's method on L_s in the target float type, from an `f64` start, in the distance t = 2(1 − c) to the end of the
-//! interval:
+//! Newton's method on L_s in the target float type, from an `f64` start, in the distance t = 2(1 − c) to the
+//! end of the interval:
 //!
 //! $$t \leftarrow t + \frac{L_s}{L_s'}, \qquad L_s' = \frac{s\,(L_{s-1} - x L_s)}{t\,(2-t)}, \qquad x = 1 - t.$$
 //!
@@ -70,8 +70,8 @@ impl<T: Float> Rule<T> {
     }
 }
 
-/// t = 2c of the nodes from the left up to the middle one, with full relative accuracy. Newton's steps of all nodes are made side by side: each
-/// waits for a chain of s divisions.
+/// t = 2c of the nodes from the left up to the middle one, with full relative accuracy. Newton's steps of all
+/// nodes are made side by side: each waits for a chain of s divisions.
 fn distances<T: Float>(s: usize) -> Vec<T> {
     let (one, two, order) = (T::int(1), T::int(2), T::int(s as i64));
     let mut t: Vec<T> = (0..s / 2).map(|i| T::exact(start(s, i))).collect();
@@ -86,7 +86,7 @@ fn distances<T: Float>(s: usize) -> Vec<T> {
             };
             let delta = value * *t * (two - *t) / (order * (before - (one - *t) * value));
             *t += delta;
-            // Steps that no longer halve are rounding noise.
+            // Steps that do not halve are rounding noise.
             *last = (two * delta.abs() < before_this).then_some(delta.abs());
         }
         if last.iter().all(Option::is_none) {
@@ -111,7 +111,8 @@ fn last_two<T: Float>(s: usize, t: &[T], before: &mut [T], value: &mut [T]) {
     }
 }
 
-/// 1 − cos θ with θ = π (4i + 3)/(4s + 2), the leading term of the asymptotic expansion of the zeros (Szegő, 6.21.5).
+/// 1 − cos θ with θ = π (4i + 3)/(4s + 2), the leading term of the asymptotic expansion of the zeros (Szegő,
+/// 6.21.5).
 fn start(s: usize, i: usize) -> f64 {
     let theta = std::f64::consts::PI * (4 * i + 3) as f64 / (4 * s + 2) as f64;
     2.0 * (0.5 * theta).sin().powi(2)

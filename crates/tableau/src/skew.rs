@@ -3,9 +3,9 @@
 //! $$K(\alpha) = \tfrac12\,\mathbf 1\mathbf 1^T + U(\alpha), \qquad U(\alpha) = \sum_{k=1}^{s-1} (\xi_k + \alpha_k)\,T_k,
 //! \qquad T_k = p_k p_{k-1}^T - p_{k-1} p_k^T.$$
 //!
-//! This is the paper's A = 𝒫 X_s 𝒫⁻¹, eqs. (3)–(6), with 𝒫⁻¹ = 𝒫ᵀB never formed, and with an α for every k instead of the
-//! last one only (project note, sections 1 and 3). b_i a_ij + b_j a_ji = b_i b_j is then K_ij + K_ji = 1. Which identity
-//! is exact in which form:
+//! This is the paper's A = 𝒫 X_s 𝒫⁻¹, eqs. (3)–(6), with 𝒫⁻¹ = 𝒫ᵀB never formed, and with an α for every k
+//! instead of the last one only (project note, sections 1 and 3). b_i a_ij + b_j a_ji = b_i b_j is then
+//! K_ij + K_ji = 1. Which identity is exact in which form:
 //!
 //! | form | exact, not only to rounding | range |
 //! |---|---|---|
@@ -13,8 +13,9 @@
 //! | K of [`Gauss::skew_into`] | K_ij + K_ji = 1, K_ii = ½ | \|U_ij\| ≤ 2⁵² |
 //! | both | U and K unchanged under (i, j) → (s+1−j, s+1−i): the method is symmetric | as above |
 //!
-//! Adding ½ to U rounds: K has the absolute accuracy of an ulp of max(1, |U_ij|), U the relative one of its sum. An
-//! integrator that wants U as it is computes K L = ½ Σ_j L_j + U L. Beyond 2⁵² no two numbers of that size add up to 1.
+//! Adding ½ to U rounds: K has the absolute accuracy of an ulp of max(1, |U_ij|), U the relative one of its
+//! sum. An integrator that wants U as it is computes K L = ½ Σ_j L_j + U L. Beyond 2⁵² no two numbers of that
+//! size add up to 1.
 //!
 //! Cost: s²/2 multiplications for each α_k ≠ 0, no allocation in the `_into` forms; α = 0 costs a copy.
 
@@ -59,7 +60,8 @@ impl<T: Float> Gauss<T> {
 
     /// [`skew`](Self::skew) into `k`, without allocation.
     ///
-    /// Of each pair the larger one, ½ + |U_ij| ≥ ½, is rounded; the smaller one is 1 minus that, which is exact.
+    /// Of each pair the larger one, ½ + |U_ij| ≥ ½, is rounded; the smaller one is 1 minus that, which is
+    /// exact.
     ///
     /// # Panics
     /// When `alphas` does not have s − 1 entries, or `k` not s².
@@ -84,8 +86,8 @@ impl<T: Float> Gauss<T> {
         }
     }
 
-    /// [`skew_into`](Self::skew_into) column by column, each padded to `stride` places: K_ij at `j·stride + i`. The padding is left
-    /// as it is. The entries have the same bits.
+    /// [`skew_into`](Self::skew_into) column by column, each padded to `stride` places: K_ij at
+    /// `j·stride + i`. The padding is left as it is. The entries have the same bits.
     ///
     /// # Panics
     /// When `alphas` does not have s − 1 entries, `stride` is less than s, or `k` shorter than s·stride.

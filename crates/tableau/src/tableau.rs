@@ -130,7 +130,8 @@ impl<T: Float> Tableau<T> {
 }
 
 impl<T: Float> Gauss<T> {
-    /// The method A(α) = K(α) B with its b and c; entry k − 1 of `alphas` is α_k. All zero is the Gauss method.
+    /// The method A(α) = K(α) B with its b and c; entry k − 1 of `alphas` is α_k. All zero is the Gauss
+    /// method.
     ///
     /// At a fixed α it is symplectic and symmetric. Its order is 2s for α = 0, else 2k for the first α_k ≠ 0.
     /// c are the Gauss nodes; they are the row sums of A only if α_1 = 0.

@@ -1,10 +1,13 @@
-//! Rooted trees and the order conditions they stand for (Butcher 1963; Hairer, Nørsett, Wanner, "Solving ODEs I", II.2).
+//! Rooted trees and the order conditions they stand for (Butcher 1963; Hairer, Nørsett, Wanner, "Solving ODEs
+//! I", II.2).
 //!
-//! A method has order p when Σ_i b_i φ_i(t) = 1/γ(t) for every rooted tree t of at most p vertices, where for t = [t_1, …, t_m]
+//! A method has order p when Σ_i b_i φ_i(t) = 1/γ(t) for every rooted tree t of at most p vertices, where for
+//! t = [t_1, …, t_m]
 //!
 //! $$\varphi_i(t) = \prod_{n=1}^m \sum_j a_{ij}\,\varphi_j(t_n), \qquad \gamma(t) = |t|\,\gamma(t_1)\cdots\gamma(t_m).$$
 //!
-//! These are the conditions for autonomous equations: c does not enter, its place is taken by the row sums of A.
+//! These are the conditions for autonomous equations: c does not enter, its place is taken by the row sums of
+//! A.
 
 use crate::conditions::largest;
 use crate::tableau::{Tableau, dot};
@@ -58,7 +61,8 @@ pub struct Trees {
 }
 
 impl Trees {
-    /// All trees with at most `order` vertices. Their number grows like 2.96ⁿ: 85 up to 7, 1842 with exactly 11.
+    /// All trees with at most `order` vertices. Their number grows like 2.96ⁿ: 85 up to 7, 1842 with
+    /// exactly 11.
     ///
     /// ```
     /// assert_eq!(equip_tableau::trees::Trees::up_to(7).all().len(), 85);
@@ -77,7 +81,8 @@ impl Trees {
         &self.trees
     }
 
-    /// Adds every tree of `order` vertices that has these branches and `remaining` vertices in more, with indices < `below`.
+    /// Adds every tree of `order` vertices that has these branches and `remaining` vertices in more, with
+    /// indices < `below`.
     fn grow(&mut self, order: usize, remaining: usize, below: usize, branches: &mut Vec<usize>) {
         if remaining == 0 {
             let product: i64 = branches

@@ -42,8 +42,8 @@ impl<'a> Graph<'a> {
         circles
     }
 
-    /// The longest chain of imports, from the ground up. A circle is one floor; the root, which names what is to be seen from
-    /// outside, is none.
+    /// The longest chain of imports, from the ground up. A circle is one floor; the root, which names what is
+    /// to be seen from outside, is none.
     pub(super) fn longest_chain(&self) -> Vec<String> {
         let circles = self.circles();
         let circle = |m: &str| circles.iter().find(|c| c.contains(&m));

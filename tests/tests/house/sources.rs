@@ -10,7 +10,6 @@ type Names = Vec<String>;
 /// One file: its text without comments, strings and test modules, cut into words.
 struct Source {
     file: String,
-    lines: usize,
     words: Vec<String>,
 }
 
@@ -54,7 +53,6 @@ impl Crate {
         };
         let source = |(file, text): &(&str, &str)| Source {
             file: file.to_string(),
-            lines: text.lines().count(),
             words: without_tests(words(text)),
         };
         Crate {
@@ -64,10 +62,6 @@ impl Crate {
 
     pub(super) fn modules(&self) -> impl Iterator<Item = &str> {
         self.modules.keys().map(String::as_str)
-    }
-
-    pub(super) fn lines(&self) -> impl Iterator<Item = (&str, usize)> {
-        self.modules.values().map(|s| (s.file.as_str(), s.lines))
     }
 
     /// How many modules each folder has; a folder's own file counts in the folder above.
@@ -175,7 +169,8 @@ impl Crate {
     }
 }
 
-/// The words of a text: names, `::`, lifetimes left out, every other sign by itself; comments and strings left out.
+/// The words of a text: names, `::`, lifetimes left out, every other sign by itself; comments and strings
+/// left out.
 fn words(text: &str) -> Vec<String> {
     let text: Vec<char> = text.chars().collect();
     let at = |i: usize| text.get(i).copied().unwrap_or(' ');
@@ -268,8 +263,8 @@ fn without_tests(words: Vec<String>) -> Vec<String> {
     kept
 }
 
-/// All paths: those of `use` trees, and those in the code. Inside a module that stands in the file itself, `super` is the
-/// file.
+/// All paths: those of `use` trees, and those in the code. Inside a module that stands in the file itself,
+/// `super` is the file.
 fn paths(words: &[String]) -> Vec<Names> {
     let mut all = Vec::new();
     let (mut i, mut depth, mut inside) = (0, 0, Vec::new());

@@ -1,7 +1,8 @@
 //! Symmetric compositions of Störmer–Verlet with the force by hand, for H = Σ p²/(2m) + U(q).
 //!
-//! In `f64` they are contestants: what a program with hand-written force and the best explicit symplectic method reaches, without anything that
-//! it need not do. In double-double the one of order 10 makes end states that have no closed form.
+//! In `f64` they are contestants: what a program with hand-written force and the best explicit symplectic
+//! method reaches, without anything that it need not do. In double-double the one of order 10 makes end
+//! states that have no closed form.
 
 use crate::clock::turn;
 use crate::contestant::{Contestant, Ladder, Ran};

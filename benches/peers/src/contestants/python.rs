@@ -1,4 +1,5 @@
-//! The Python peers: one long-lived worker, spoken to in lines of JSON, so that its runs can stand between ours.
+//! The Python peers: one long-lived worker, spoken to in lines of JSON, so that its runs can stand between
+//! ours.
 
 use crate::contestant::{Contestant, Ladder, Ran};
 use crate::task::Task;

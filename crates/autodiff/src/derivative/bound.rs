@@ -10,7 +10,7 @@
 //! [`Op::roundings`] says. Partial sums of sums that are compensated are not rounded, and have r_k = 0. Cost:
 //! an operation or two for each one of H, beside those of ∇H.
 
-use super::{Adjoint, Reverse};
+use super::reverse::{Adjoint, Reverse};
 use crate::recording::op::Op;
 use crate::recording::recorder::Recorder;
 use std::collections::HashMap;

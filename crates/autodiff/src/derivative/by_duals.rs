@@ -9,7 +9,8 @@ use super::dual::Dual;
 use crate::Energy;
 use crate::replay::batch::Batch;
 use equip_scalar::Pack as _;
-use equip_scalar::{Constant, Lanes, Num, Piecewise};
+use equip_scalar::{Constant, Float, Lanes, Num, Piecewise};
+use std::array::from_fn;
 
 /// Points in a group.
 const LANES: usize = 4;
@@ -67,4 +68,23 @@ pub(crate) fn force<E: Energy, S: Piecewise, const M: usize>(energy: &E, state: 
     let p = [Num(Dual::fixed(S::constant(Constant::double(0.0)))); M];
     let Num(h) = energy.energy(&q, &p);
     h.gradient()
+}
+
+#[inline(always)]
+pub(crate) fn value<E: Energy, T: Float, const N: usize>(energy: &E, y: &[T]) -> T {
+    let y: [Num<T>; N] = from_fn(|i| Num(y[i]));
+    energy.energy(&y[..N / 2], &y[N / 2..]).0
+}
+
+#[inline(always)]
+pub(crate) fn dual_gradient<E: Energy, T: Float, const N: usize>(
+    energy: &E,
+    y: &[T],
+    to: &mut [T],
+) -> T {
+    let mut state = [y[0]; N];
+    state.copy_from_slice(y);
+    let (h, slopes) = gradient(energy, state);
+    to.copy_from_slice(&slopes);
+    h
 }

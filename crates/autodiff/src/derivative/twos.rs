@@ -3,7 +3,7 @@
 //!
 //! Multiplying by them is exact far from overflow and underflow, so no more than 2^[`MOST_TWOS`] waits.
 
-use super::{Adjoint, Reverse, exact};
+use super::reverse::{Adjoint, Reverse, exact};
 use crate::recording::op::{Node, Op};
 
 /// Operations that a power of two is carried into, one within the other.
@@ -39,8 +39,8 @@ impl Reverse<'_> {
         Adjoint { node, twos: 0, ..w }
     }
 
-    /// Whether constants take the factor 2^twos up, at no cost: c, c·x, and c/x and sums of such if they are
-    /// nobody else's.
+    /// Whether constants take the factor 2^twos up, at no cost: c, c·x, and c/x and sums of such if they
+    /// are used once.
     fn absorbs(&self, node: u32, twos: i32, depth: u32) -> bool {
         let Node { op, a, b } = self.recorder.nodes[node as usize];
         let is_own = self.shares.get(&node).is_none_or(|&shares| shares <= 1);

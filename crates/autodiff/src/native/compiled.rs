@@ -1,7 +1,5 @@
 //! [`Compiled`]: a recording as machine code, made when it is first run.
 
-use crate::native::straight::straight;
-use crate::recording::graph::Graph;
 use crate::replay::batch::Batch;
 use equip_jit::{Code, Program};
 use equip_scalar::{Float, InstructionSet, Lanes};
@@ -23,11 +21,11 @@ const STRIDES: [usize; 6] = [1, 4, 8, 16, 24, 32];
 
 impl Compiled {
     /// `None` if the recording is no program, or has no instructions to be run with.
-    pub(crate) fn new(graph: &Graph) -> Option<Arc<Self>> {
+    pub(crate) fn new(program: impl FnOnce() -> Option<Program>) -> Option<Arc<Self>> {
         if InstructionSet::best() == InstructionSet::PORTABLE {
             return None;
         }
-        let program = straight(graph)?;
+        let program = program()?;
         let codes = Mutex::default();
         Some(Arc::new(Compiled { program, codes }))
     }
@@ -113,14 +111,17 @@ impl Runs {
 mod tests {
     use super::{Batch, Compiled, Runs};
     use crate::Var;
+    use crate::native::straight::straight;
     use crate::recording::graph::Graph;
     use crate::recording::trace::record;
+    use crate::replay::values::constants;
     use equip_scalar::{DoubleDouble, InstructionSet};
     use std::sync::Arc;
 
     fn compiled(energy: fn(&[Var], &[Var]) -> Var) -> Option<Arc<Compiled>> {
         let recording = record(1, energy).unwrap_or_else(|e| panic!("{e}"));
-        Compiled::new(&Graph::new(&recording.operations, &[recording.root]))
+        let graph = Graph::new(&recording.operations, &[recording.root]);
+        Compiled::new(|| straight(&graph, constants))
     }
 
     fn runs(runs: &mut Runs, set: InstructionSet, stride: usize) -> bool {

@@ -5,9 +5,6 @@
 
 use crate::recording::graph::{Graph, Term};
 use crate::recording::op::{Node, Op};
-use crate::replay::order::Blocks;
-use crate::replay::tape::Tape;
-use crate::replay::values::Replay;
 use equip_jit::{Program, Value};
 use std::collections::HashMap;
 
@@ -16,7 +13,11 @@ use std::collections::HashMap;
 const LARGEST: usize = 1 << 22;
 
 /// The program of a graph whose operations are arithmetic, √ and |x| only, if it is not too large.
-pub(crate) fn straight(graph: &Graph) -> Option<Program> {
+/// `constants` evaluates the nodes that depend on constants only, as replays do.
+pub(crate) fn straight(
+    graph: &Graph,
+    constants: impl FnOnce(&Graph) -> Vec<(u32, f64)>,
+) -> Option<Program> {
     let is_known = |(node, &is_constant): (&Node, &bool)| is_constant || is_arithmetic(node.op);
     let is_small = graph.nodes.len() + graph.terms.len() <= LARGEST;
     if !is_small || !graph.nodes.iter().zip(&graph.is_constant).all(is_known) {
@@ -28,7 +29,9 @@ pub(crate) fn straight(graph: &Graph) -> Option<Program> {
         values: vec![None; graph.nodes.len()],
         roots: HashMap::new(),
     };
-    translation.place_constants();
+    for (node, x) in constants(graph) {
+        translation.values[node as usize] = Some(translation.program.constant(x));
+    }
     for (row, &root) in graph.roots.iter().enumerate() {
         let value = translation.value(root)?;
         translation.program.result(row, value);
@@ -77,16 +80,6 @@ struct Translation<'a> {
 }
 
 impl Translation<'_> {
-    /// What depends on constants only, computed as replays do.
-    fn place_constants(&mut self) {
-        let (constants, roots) = self.graph.constants_only();
-        let tape = Tape::new(&constants, Blocks::One);
-        let mut replay = Replay::<f64>::new(&tape);
-        for (node, &x) in roots.into_iter().zip(replay.run(&tape, |_| 0.0)) {
-            self.values[node as usize] = Some(self.program.constant(x));
-        }
-    }
-
     fn value(&mut self, root: u32) -> Option<Value> {
         let mut tasks = vec![Task::Need(root)];
         while let Some(task) = tasks.pop() {

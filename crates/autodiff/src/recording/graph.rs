@@ -2,11 +2,10 @@
 //!
 //! A loop that adds n terms to H records a chain of n additions, each waiting for the one before. Where
 //! nothing else uses the partial sums, the chain becomes one operation with n operands, still added in the
-//! order the energy adds them: every bit is kept, the chain no longer forces n steps one after the other, and
+//! order the energy adds them: every bit is kept, nothing forces n steps one after the other, and
 //! the analyses of structure stay linear in n.
 
-use crate::recording::op::{Curvature, Node, Op};
-use crate::recording::recorder::Operations;
+use crate::recording::op::{Curvature, Node, Op, Operations};
 use equip_scalar::Constant;
 use std::ops::Range;
 
@@ -84,6 +83,35 @@ impl Graph {
             is_constant: self.is_constant.clone(),
             inputs: self.inputs,
             roots,
+        }
+    }
+
+    /// With these operations, less those that are `taken` out, which no other needs.
+    pub(crate) fn without(&self, taken: &[bool], nodes: Vec<Node>) -> Graph {
+        let mut renumbered = vec![0; nodes.len()];
+        let mut left = Vec::with_capacity(nodes.len());
+        let mut is_constant = Vec::with_capacity(nodes.len());
+        for (i, Node { op, a, b }) in nodes.into_iter().enumerate() {
+            if !taken[i] {
+                renumbered[i] = left.len() as u32;
+                let (a, b) = (renumbered[a as usize], renumbered[b as usize]);
+                left.push(Node { op, a, b });
+                is_constant.push(self.is_constant[i]);
+            }
+        }
+        let roots = self.roots.iter().map(|&node| renumbered[node as usize]);
+        let terms = self.terms.iter().map(|&Term { node, minus }| Term {
+            node: renumbered[node as usize],
+            minus,
+        });
+        Graph {
+            inputs: self.inputs,
+            nodes: left,
+            constants: self.constants.clone(),
+            terms: terms.collect(),
+            sums: self.sums.clone(),
+            roots: roots.collect(),
+            is_constant,
         }
     }
 

@@ -1,5 +1,7 @@
 //! [`Op`]: the operations a recording consists of.
 
+use equip_scalar::Constant;
+
 /// One operation. Payloads are part of the operation, so that a run of equal operations shares them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Op {
@@ -155,4 +157,12 @@ pub(crate) struct Node {
     pub(crate) op: Op,
     pub(crate) a: u32,
     pub(crate) b: u32,
+}
+
+/// Operations in the order they were met, inputs first.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Operations {
+    pub(crate) inputs: usize,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) constants: Vec<Constant>,
 }

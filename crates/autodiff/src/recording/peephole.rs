@@ -4,7 +4,7 @@
 //! else is done where it is used. Each is still rounded for itself: every bit is kept. Done after all that is
 //! to be known of the structure is known.
 
-use crate::recording::graph::{Graph, Term};
+use crate::recording::graph::Graph;
 use crate::recording::op::{Node, Op};
 use equip_scalar::Constant;
 
@@ -54,44 +54,15 @@ impl Graph {
             _ => false,
         }
     }
-
-    /// With these operations, less those that are `taken` out, which no other needs.
-    pub(crate) fn without(&self, taken: &[bool], nodes: Vec<Node>) -> Graph {
-        let mut renumbered = vec![0; nodes.len()];
-        let mut left = Vec::with_capacity(nodes.len());
-        let mut is_constant = Vec::with_capacity(nodes.len());
-        for (i, Node { op, a, b }) in nodes.into_iter().enumerate() {
-            if !taken[i] {
-                renumbered[i] = left.len() as u32;
-                let (a, b) = (renumbered[a as usize], renumbered[b as usize]);
-                left.push(Node { op, a, b });
-                is_constant.push(self.is_constant[i]);
-            }
-        }
-        let roots = self.roots.iter().map(|&node| renumbered[node as usize]);
-        let terms = self.terms.iter().map(|&Term { node, minus }| Term {
-            node: renumbered[node as usize],
-            minus,
-        });
-        Graph {
-            inputs: self.inputs,
-            nodes: left,
-            constants: self.constants.clone(),
-            terms: terms.collect(),
-            sums: self.sums.clone(),
-            roots: roots.collect(),
-            is_constant,
-        }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Graph, peephole};
-    use crate::derivative::differentiate;
+    use crate::derivative::reverse::differentiate;
     use crate::recording::op::Op;
     use crate::recording::trace::record;
-    use crate::replay::order::Blocks;
+    use crate::replay::layout::{Blocks, layout};
     use crate::replay::tape::Tape;
     use crate::replay::values::Replay;
     use crate::{Evaluate, Hamiltonian, System, Var};
@@ -158,16 +129,13 @@ mod tests {
             let bits = |x: &f64| x.to_bits();
             replay.run(&tape, number).iter().map(bits).collect()
         };
-        let expected = results(Tape::new(&graph(), Blocks::One));
-        let in_blocks = Tape::new(&graph(), Blocks::InCache);
+        let expected = results(layout(&graph(), Blocks::One));
+        let in_blocks = layout(&graph(), Blocks::InCache);
         assert!(in_blocks.blocks.len() > 2 && in_blocks.copies.len() > 2);
         assert_eq!(results(in_blocks), expected);
-        assert_eq!(
-            results(Tape::new(&peephole(&graph()), Blocks::One)),
-            expected
-        );
-        let both = Tape::new(&peephole(&graph()), Blocks::InCache);
-        assert!(both.operations() == Tape::new(&graph(), Blocks::One).operations());
+        assert_eq!(results(layout(&peephole(&graph()), Blocks::One)), expected);
+        let both = layout(&peephole(&graph()), Blocks::InCache);
+        assert!(both.operations() == layout(&graph(), Blocks::One).operations());
         assert_eq!(results(both), expected);
         assert!(expected.iter().any(|&x| x != expected[0]));
     }

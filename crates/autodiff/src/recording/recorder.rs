@@ -4,7 +4,7 @@
 //! and × in either order). Simplifications are those that keep every bit of every result, infinities, NaN and
 //! the sign of zero included: x·1, x/1, x − 0, x + (−0), −(−x), x·(−1) = −x, x¹, x⁰ and x·x = x².
 
-use crate::recording::op::{Node, Op};
+use crate::recording::op::{Node, Op, Operations};
 use equip_scalar::{Attempt, Constant, Written};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -36,14 +36,6 @@ impl From<Constant> for ConstantKey {
 
 /// Most operations of a recording: places in it are 32 bits, and derivatives need some too.
 const MOST_OPERATIONS: usize = 1 << 31;
-
-/// Operations in the order they were met, inputs first.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Operations {
-    pub(crate) inputs: usize,
-    pub(crate) nodes: Vec<Node>,
-    pub(crate) constants: Vec<Constant>,
-}
 
 /// The operations of one energy, each known by what it does.
 #[derive(Debug)]

@@ -2,8 +2,7 @@
 
 pub(crate) mod batch;
 pub(crate) mod forward;
-pub(crate) mod in_lanes;
-pub(crate) mod order;
+pub(crate) mod layout;
 pub(crate) mod point;
 pub(crate) mod stretches;
 pub(crate) mod tape;

@@ -1,6 +1,5 @@
 //! Stretches of operands that lie side by side: how a group of equal operations is parted into runs.
 
-use crate::recording::op::Op;
 use std::ops::Range;
 
 /// Shortest run over slices that is worth leaving a run over listed operands: to begin a run takes as long as
@@ -19,9 +18,6 @@ pub(crate) enum Access {
     /// The right one is the same throughout, the left ones lie side by side.
     FixedRight,
 }
-
-/// An operation to be placed, in the order in which it will be: by operation, then by operands.
-pub(crate) type Placement = (Op, u32, u32, usize);
 
 /// Number of leading elements each of which stands in the given relation to the one before.
 pub(crate) fn stretch<E>(elements: &[E], follows: impl Fn(&E, &E) -> bool) -> usize {
@@ -46,14 +42,21 @@ pub(crate) fn next_slice(slots: &[u32], start: usize) -> usize {
 }
 
 /// Parts of a group of equal operations, by how their operands lie.
-pub(crate) fn split(group: &[Placement]) -> Vec<(Range<usize>, Access)> {
+pub(crate) fn split<P>(
+    group: &[P],
+    operands: impl Fn(&P) -> [u32; 2],
+) -> Vec<(Range<usize>, Access)> {
+    let apart = |x: &P, y: &P, by: [u32; 2]| {
+        let ([left, right], [next_left, next_right]) = (operands(x), operands(y));
+        [next_left, next_right] == [left + by[0], right + by[1]]
+    };
     let mut parts: Vec<(Range<usize>, Access)> = Vec::new();
     let mut start = 0;
     while start < group.len() {
         let rest = &group[start..];
-        let both = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2 + 1);
-        let fixed_left = stretch(rest, |x, y| y.1 == x.1 && y.2 == x.2 + 1);
-        let fixed_right = stretch(rest, |x, y| y.1 == x.1 + 1 && y.2 == x.2);
+        let both = stretch(rest, |x, y| apart(x, y, [1, 1]));
+        let fixed_left = stretch(rest, |x, y| apart(x, y, [0, 1]));
+        let fixed_right = stretch(rest, |x, y| apart(x, y, [1, 0]));
         let longest = both.max(fixed_left).max(fixed_right);
         let access = match longest {
             l if l < SHORTEST_SLICE.min(group.len()) => Access::Listed,

@@ -1,21 +1,8 @@
-//! [`Tape`]: the graph laid out for replay.
-//!
-//! The replay goes block after block of results (see [`Order`]). Within a block, operations are sorted by
-//! dependency level and, within a level, into runs of one operation, whose results stand side by side. Within
-//! a run they are sorted by their operands; where these stand side by side too, or are the same slot
-//! throughout, the run is a plain loop over slices. Measured: runs 2×, slices another 1.6×.
-//!
-//! Slots: constants, results of constants, what later blocks need too, then the present block, which
-//! overwrites the one before. So a replay stays in the cache however long the system is: over 8 lanes, a
-//! chain of 1024 masses takes half of the time it takes with a slot for everything. Operands always stand
-//! before results; what is kept for later blocks is copied at the end of its own.
+//! [`Tape`]: the operations of a recording, laid out for replay ([`crate::replay::layout`]).
 
-use crate::recording::graph::{Graph, Term};
 use crate::recording::op::Op;
-use crate::replay::order::{Blocks, Order};
-use crate::replay::stretches::{Access, Placement, SHORTEST_SLICE, next_slice, split, stretch};
+use crate::replay::stretches::Access;
 use equip_scalar::Constant;
-use std::collections::HashMap;
 use std::ops::Range;
 
 /// Terms from which on rounding the partial sums of a sum is worth half of what rounding single terms is.
@@ -49,7 +36,12 @@ pub(crate) struct Transfer {
 
 impl Transfer {
     /// Appends one component, to the last stretch if it follows that.
-    fn append(transfers: &mut Vec<Transfer>, from: usize, component: usize, slot: usize) {
+    pub(super) fn append(
+        transfers: &mut Vec<Transfer>,
+        from: usize,
+        component: usize,
+        slot: usize,
+    ) {
         match transfers[from..].last_mut() {
             Some(last) if (last.components.end, last.slots.end) == (component, slot) => {
                 last.components.end += 1;
@@ -108,10 +100,6 @@ pub(crate) struct Tape {
 }
 
 impl Tape {
-    pub(crate) fn new(graph: &Graph, blocks: Blocks) -> Self {
-        Layout::new(graph, blocks).finish()
-    }
-
     /// The sum that a run is, if it has many terms.
     pub(crate) fn long_sum(&self, run: &Run) -> Option<usize> {
         match run.op {
@@ -132,220 +120,5 @@ impl Tape {
             op => op.count() * run.slots.len(),
         };
         self.runs.iter().map(own).sum()
-    }
-}
-
-/// A tape under construction.
-struct Layout<'a> {
-    graph: &'a Graph,
-    order: Order,
-    tape: Tape,
-    /// Entry in `exponents` of each constant that is one.
-    exponents: HashMap<u32, u32>,
-    /// Slot of each node placed so far; that of an input is its slot in the present block.
-    slot: Vec<u32>,
-    /// Next slot: of constants, then of the present block.
-    next: usize,
-}
-
-impl<'a> Layout<'a> {
-    fn new(graph: &'a Graph, blocks: Blocks) -> Self {
-        let nodes = graph.nodes.len();
-        Layout {
-            graph,
-            order: Order::new(graph, blocks),
-            tape: Tape {
-                constants: Vec::new(),
-                exponents: Vec::new(),
-                slots: 0,
-                constant_runs: Vec::new(),
-                runs: Vec::new(),
-                blocks: Vec::new(),
-                inputs: Vec::new(),
-                results: Vec::new(),
-                components: graph.roots.len(),
-                has_long_sums: false,
-                operands: Vec::new(),
-                copies: Vec::new(),
-                terms: Vec::new(),
-                segments: Vec::new(),
-                sums: vec![0..0; graph.sums.len()],
-            },
-            slot: vec![0; nodes],
-            exponents: HashMap::new(),
-            next: 0,
-        }
-    }
-
-    fn finish(mut self) -> Tape {
-        for (i, node) in self.graph.nodes.iter().enumerate() {
-            if let Op::Constant(k) = node.op {
-                self.slot[i] = self.tape.constants.len() as u32;
-                self.tape.constants.push(self.graph.constants[k as usize]);
-            }
-        }
-        self.next = self.tape.constants.len();
-        let (in_order, levels) = self.in_order(true);
-        for level in levels {
-            self.place(&in_order[level], true);
-        }
-        let mut next_kept = self.next;
-        let first_passing = next_kept + self.order.is_kept.iter().filter(|&&kept| kept).count();
-        self.tape.slots = first_passing;
-        let (in_order, levels) = self.in_order(false);
-        let mut next_level = levels.into_iter().peekable();
-        for block in 0..self.order.count {
-            self.next = first_passing;
-            let (inputs, results) = (self.tape.inputs.len(), self.tape.results.len());
-            let (runs, copies) = (self.tape.runs.len(), self.tape.copies.len());
-            let mut kept: Vec<usize> = Vec::new();
-            for &input in &self.order.inputs[block as usize] {
-                if let Op::Input(k) = self.graph.nodes[input as usize].op {
-                    self.slot[input as usize] = self.next as u32;
-                    let transfers = &mut self.tape.inputs;
-                    Transfer::append(transfers, inputs, k as usize, self.next);
-                    self.next += 1;
-                }
-            }
-            while let Some(level) = next_level.next_if(|level| {
-                let first = in_order[level.start] as usize;
-                self.order.blocks[first] == block
-            }) {
-                let level = &in_order[level];
-                let level_kept = level.iter().map(|&i| i as usize);
-                kept.extend(level_kept.filter(|&i| self.order.is_kept[i]));
-                self.place(level, false);
-            }
-            for &k in &self.order.results[block as usize] {
-                let node = self.graph.roots[k as usize];
-                let slot = self.slot[node as usize] as usize;
-                Transfer::append(&mut self.tape.results, results, k as usize, slot);
-            }
-            for i in kept {
-                self.tape.copies.push([self.slot[i] as usize, next_kept]);
-                self.slot[i] = next_kept as u32;
-                next_kept += 1;
-            }
-            self.tape.slots = self.tape.slots.max(self.next);
-            self.tape.blocks.push(Block {
-                inputs: inputs..self.tape.inputs.len(),
-                runs: runs..self.tape.runs.len(),
-                results: results..self.tape.results.len(),
-                copies: copies..self.tape.copies.len(),
-            });
-        }
-        self.tape.has_long_sums =
-            (self.tape.runs.iter()).any(|run| self.tape.long_sum(run).is_some());
-        self.tape
-    }
-
-    /// Operations by block and level, those that depend on constants only or the others; and where each level
-    /// is.
-    fn in_order(&self, constant: bool) -> (Vec<u32>, Vec<Range<usize>>) {
-        let nodes = self.graph.nodes.iter().enumerate();
-        let wanted = nodes.filter(|(i, node)| {
-            let is_leaf = matches!(node.op, Op::Constant(_) | Op::Input(_));
-            !is_leaf && self.graph.is_constant[*i] == constant
-        });
-        let mut wanted: Vec<u32> = wanted.map(|(i, _)| i as u32).collect();
-        let block = |i: usize| if constant { 0 } else { self.order.blocks[i] };
-        let key = |&i: &u32| (block(i as usize), self.order.levels[i as usize]);
-        wanted.sort_by_key(key);
-        let mut levels: Vec<Range<usize>> = Vec::new();
-        for level in wanted.chunk_by(|x, y| key(x) == key(y)) {
-            let start = levels.last().map_or(0, |last| last.end);
-            levels.push(start..start + level.len());
-        }
-        (wanted, levels)
-    }
-
-    fn place(&mut self, level: &[u32], constant: bool) {
-        let placement = |&i: &u32| self.placement(i as usize);
-        let mut placements: Vec<Placement> = level.iter().map(placement).collect();
-        placements.sort_unstable();
-        for group in placements.chunk_by(|x, y| x.0 == y.0) {
-            for (range, access) in split(group) {
-                let slots = self.next..self.next + range.len();
-                self.next = slots.end;
-                let operands = self.tape.operands.len();
-                for (&(_, left, right, node), slot) in group[range].iter().zip(slots.clone()) {
-                    assert!(
-                        (left.max(right) as usize) < slots.start,
-                        "operands stand first"
-                    );
-                    self.slot[node] = slot as u32;
-                    self.tape.operands.push([left, right]);
-                }
-                let run = Run {
-                    op: group[0].0,
-                    slots,
-                    operands,
-                    access,
-                };
-                match constant {
-                    true => self.tape.constant_runs.push(run),
-                    false => self.tape.runs.push(run),
-                }
-            }
-        }
-    }
-
-    fn placement(&mut self, i: usize) -> Placement {
-        let node = self.graph.nodes[i];
-        let live = |x: u32| !self.graph.is_constant[x as usize];
-        match node.op {
-            Op::Sum(k) => {
-                self.place_terms(k as usize);
-                (node.op, 0, 0, i)
-            }
-            op => {
-                let (mut a, mut b) = (node.a, node.b);
-                // Constants to the left, so that 2·x and x·2 share a run.
-                if op.is_commutative() && live(a) && !live(b) {
-                    (a, b) = (b, a);
-                }
-                let op = match op {
-                    Op::Powf(k) => Op::Powf(self.exponent(k)),
-                    Op::PowfSlope(k) => Op::PowfSlope(self.exponent(k)),
-                    op => op,
-                };
-                (op, self.slot[a as usize], self.slot[b as usize], i)
-            }
-        }
-    }
-
-    fn exponent(&mut self, k: u32) -> u32 {
-        *self.exponents.entry(k).or_insert_with(|| {
-            self.tape.exponents.push(self.graph.constants[k as usize]);
-            self.tape.exponents.len() as u32 - 1
-        })
-    }
-
-    fn place_terms(&mut self, sum: usize) {
-        let terms = &self.graph.terms[self.graph.sums[sum].clone()];
-        let first_segment = self.tape.segments.len();
-        let slot = |term: &Term| self.slot[term.node as usize];
-        for group in terms.chunk_by(|x, y| x.minus == y.minus) {
-            let slots: Vec<u32> = group.iter().map(slot).collect();
-            let mut start = 0;
-            while start < slots.len() {
-                let side_by_side = stretch(&slots[start..], |x, y| *y == x + 1);
-                let first = (side_by_side >= SHORTEST_SLICE).then(|| slots[start] as usize);
-                let end = match first {
-                    Some(_) => start + side_by_side,
-                    None => next_slice(&slots, start),
-                };
-                let base = self.tape.terms.len();
-                self.tape.terms.extend_from_slice(&slots[start..end]);
-                let terms = base..self.tape.terms.len();
-                self.tape.segments.push(Segment {
-                    minus: group[0].minus,
-                    terms,
-                    first,
-                });
-                start = end;
-            }
-        }
-        self.tape.sums[sum] = first_segment..self.tape.segments.len();
     }
 }

@@ -1,8 +1,10 @@
 //! [`Replay`]: the values of all slots of a tape, in one kind of number.
 
 use crate::derivative::tangent::Tangent;
+use crate::recording::graph::Graph;
 use crate::replay::batch::Batch;
 use crate::replay::forward::{CompensatedSum, forward};
+use crate::replay::layout::{Blocks, layout};
 use crate::replay::tape::{Block, Run, Tape, Transfer};
 use equip_scalar::{Constant, Float, InstructionSet, Pack, Piecewise};
 
@@ -144,4 +146,13 @@ fn resolved<T: Float>(x: T) -> Constant {
         [head, 0.0, 0.0, 0.0] => Constant::double(head),
         parts => Constant::from_expansion(parts),
     }
+}
+
+/// The nodes that depend on constants only, and their numbers.
+pub(crate) fn constants(graph: &Graph) -> Vec<(u32, f64)> {
+    let (constants, nodes) = graph.constants_only();
+    let tape = layout(&constants, Blocks::One);
+    let mut replay = Replay::<f64>::new(&tape);
+    let numbers = replay.run(&tape, |_| 0.0);
+    nodes.into_iter().zip(numbers.iter().copied()).collect()
 }

@@ -1,12 +1,18 @@
 //! [`Many`]: a recording at many points at once.
+//!
+//! Points are taken in groups of 8, doubles in groups of 4 where there is no room for more, and of 16 where
+//! there is and the tape is short: what it takes to find an operation is shared by more of them, and of a
+//! long tape the values would take twice the cache. Memory: as many numbers a slot of the tape as points, for
+//! each width that is used.
 
 use crate::native::compiled::Runs;
 use crate::native::fused::Called;
 use crate::replay::batch::Batch;
-use crate::replay::in_lanes::InLanes;
-use crate::replay::values::Replay;
+use crate::replay::forward::forward;
+use crate::replay::tape::{Tape, Transfer};
+use crate::replay::values::{Replay, constants};
 use crate::routes::results::Results;
-use equip_scalar::{Float, InstructionSet};
+use equip_scalar::{Float, InstructionSet, Kernel, Lanes, Pack};
 
 /// By machine code; where there is none by the tape over lanes, of floats without lanes point after point.
 /// There is room only for what is done.
@@ -28,7 +34,7 @@ impl<T: Float> Many<T> {
 
     #[inline]
     fn runs(&mut self, of: &Results) -> &mut Runs {
-        (self.runs).get_or_insert_with(|| Runs::new::<T>(|| of.compiled().clone()))
+        (self.runs).get_or_insert_with(|| Runs::new::<T>(|| of.compiled(constants).clone()))
     }
 
     pub(crate) fn run(&mut self, set: InstructionSet, of: &Results, mut batch: Batch<T>) {
@@ -54,5 +60,94 @@ impl<T: Float> Many<T> {
         stride: usize,
     ) -> Option<Called<'_>> {
         self.runs(of).without_scratch(set, stride).map(Called)
+    }
+}
+
+/// Slots of the longest tape that is replayed at 16 points at once: 64 KiB.
+const SHORT: usize = 512;
+
+/// Workspace of one tape in all widths.
+#[derive(Debug, Clone)]
+struct InLanes<T: Float> {
+    four: Option<Replay<T::Pack<4>>>,
+    eight: Option<Replay<T::Pack<8>>>,
+    /// Of a short tape, for doubles.
+    sixteen: Option<Replay<Lanes<16>>>,
+}
+
+impl<T: Float> InLanes<T> {
+    fn new(tape: &Tape) -> Self {
+        InLanes {
+            four: None,
+            eight: None,
+            sixteen: (T::IS_DOUBLE && tape.slots <= SHORT).then(|| Replay::packs(tape)),
+        }
+    }
+
+    fn run(&mut self, set: InstructionSet, tape: &Tape, batch: &mut Batch<T>) {
+        let sixteen = self.sixteen.as_mut().filter(|_| batch.stride == 16);
+        if let (Some(replay), Some(mut batch)) = (sixteen, batch.in_doubles()) {
+            set.run(&mut Group::<f64, 16> {
+                tape,
+                replay,
+                batch: &mut batch,
+            });
+        } else if const { T::IS_DOUBLE } && batch.stride <= 4 {
+            let replay = self.four.get_or_insert_with(|| Replay::packs(tape));
+            set.run(&mut Group::<T, 4> {
+                tape,
+                replay,
+                batch,
+            });
+        } else {
+            let replay = self.eight.get_or_insert_with(|| Replay::packs(tape));
+            set.run(&mut Group::<T, 8> {
+                tape,
+                replay,
+                batch,
+            });
+        }
+    }
+}
+
+/// A tape and the points to replay it at.
+struct Group<'a, 'b, T: Float, const L: usize> {
+    tape: &'a Tape,
+    replay: &'a mut Replay<T::Pack<L>>,
+    batch: &'a mut Batch<'b, T>,
+}
+
+impl<T: Float, const L: usize> Kernel for Group<'_, '_, T, L> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        let Group {
+            tape,
+            replay,
+            batch,
+        } = self;
+        let stride = batch.stride;
+        let mut at = 0;
+        while at < batch.count {
+            for block in &tape.blocks {
+                for Transfer { components, slots } in &tape.inputs[block.inputs.clone()] {
+                    let places = &mut replay.values[slots.clone()];
+                    for (place, k) in places.iter_mut().zip(components.clone()) {
+                        *place = Pack::load(&batch.states[k * stride..][..stride][at..]);
+                    }
+                }
+                let (values, exponents) = (&mut replay.values, &replay.exponents);
+                forward(tape, &tape.runs[block.runs.clone()], exponents, values);
+                for Transfer { components, slots } in &tape.results[block.results.clone()] {
+                    let values = &replay.values[slots.clone()];
+                    for (value, k) in values.iter().zip(components.clone()) {
+                        value.store(&mut batch.gradients[k * stride..][..stride][at..]);
+                    }
+                }
+                replay.keep(tape, block);
+            }
+            at += L;
+        }
     }
 }

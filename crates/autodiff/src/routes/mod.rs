@@ -1,11 +1,9 @@
 //! The three ways to give H, and their evaluators.
 
-pub(crate) mod bound;
-pub(crate) mod check;
-pub(crate) mod derived;
+mod check;
+mod evaluate;
 pub(crate) mod many;
 pub(crate) mod one;
-pub(crate) mod ready;
 pub(crate) mod recorded;
 pub(crate) mod recorded_evaluator;
 pub(crate) mod results;

@@ -2,7 +2,7 @@
 
 use crate::native::compiled::Runs;
 use crate::replay::batch::Batch;
-use crate::replay::values::Replay;
+use crate::replay::values::{Replay, constants};
 use crate::routes::results::Results;
 use equip_scalar::{Float, InstructionSet};
 
@@ -23,7 +23,8 @@ impl<T: Float> One<T> {
 
     /// The results at y.
     pub(crate) fn run(&mut self, set: InstructionSet, of: &Results, y: &[T], results: &mut [T]) {
-        let runs = (self.runs).get_or_insert_with(|| Runs::new::<T>(|| of.compiled().clone()));
+        let runs =
+            (self.runs).get_or_insert_with(|| Runs::new::<T>(|| of.compiled(constants).clone()));
         if runs.run(set, Batch::one(y, results)).is_none() {
             let tape = of.one();
             results.copy_from_slice(self.replay(of).run(tape, |k| y[k]));

@@ -1,19 +1,24 @@
-//! [`Recorded`]: the closure route. H is recorded once, and replayed in any float type.
+//! [`Recorded`]: the closure route. H is recorded once; what is derived from the recording is made when it is
+//! first asked for, and shared by the evaluators of all float types.
 
-use super::derived::Derived;
-use super::ready::ready;
-use super::recorded_evaluator::RecordedEvaluator;
-use crate::native::fused::{Fused, Joined, fuse};
+use super::results::Results;
+use crate::derivative::bound::differentiate_with_bound;
+use crate::derivative::hessian::HessianPlan;
+use crate::derivative::reverse::differentiate;
+use crate::recording::graph::{Graph, partial_sums};
+use crate::recording::recorder::Recording;
 use crate::recording::trace::record;
-use crate::system::Holds;
-use crate::{BuildError, Evaluate, Kinetic, Structure, System, Var};
-use equip_scalar::{Float, InstructionSet};
-use std::sync::Arc;
+use crate::replay::tape::LONG;
+use crate::replay::values::constants;
+use crate::structure::facts::HessianPattern;
+use crate::structure::{degree, separable};
+use crate::{BuildError, Structure, Var};
+use std::sync::{Arc, OnceLock};
 
 /// An energy recorded from a closure; made by [`Hamiltonian::new`](crate::Hamiltonian::new).
 #[derive(Debug, Clone)]
 pub struct Recorded {
-    shared: Arc<Derived>,
+    pub(super) shared: Arc<Derived>,
 }
 
 impl Recorded {
@@ -44,109 +49,107 @@ impl Recorded {
     }
 }
 
-impl System for Recorded {
-    type Evaluator<T: Float> = RecordedEvaluator<T>;
+/// A recording and what is derived from it, shared by the evaluators of all float types.
+#[derive(Debug)]
+pub(crate) struct Derived {
+    recording: Recording,
+    pub(crate) energy: Results,
+    /// H has a sum that is worth compensating.
+    pub(crate) has_long_sums: bool,
+    slopes: OnceLock<Slopes>,
+    with_bound: OnceLock<Results>,
+    plan: OnceLock<HessianPlan>,
+    pub(crate) structure: Structure,
+}
 
-    fn structure(&self) -> &Structure {
-        &self.shared.structure
+/// The derivatives of H.
+#[derive(Debug)]
+pub(crate) struct Slopes {
+    /// All n components of ∇H.
+    pub(crate) gradient: Results,
+    /// ∇U, if H = T(p) + U(q).
+    pub(crate) forces: Option<Results>,
+}
+
+impl Derived {
+    pub(crate) fn new(m: usize, recording: Recording) -> Result<Self, BuildError> {
+        let graph = Arc::new(Graph::new(&recording.operations, &[recording.root]));
+        check_constants(&graph)?;
+        Ok(Derived {
+            recording,
+            has_long_sums: graph.has_sum_of(LONG),
+            structure: Structure {
+                degrees_of_freedom: m,
+                separable: separable::is_separable(&graph),
+                degree: degree::degree(&graph, 0..2 * m),
+                degree_in_q: degree::degree(&graph, 0..m),
+                degree_in_p: degree::degree(&graph, m..2 * m),
+                hessian: HessianPattern::new(Arc::clone(&graph)),
+            },
+            energy: Results::new(graph),
+            slopes: OnceLock::new(),
+            with_bound: OnceLock::new(),
+            plan: OnceLock::new(),
+        })
     }
 
-    fn evaluator<T: Float>(&self) -> RecordedEvaluator<T> {
-        (ready::<T>().evaluator)(&self.shared)
+    pub(crate) fn slopes(&self) -> &Slopes {
+        self.slopes.get_or_init(|| {
+            let Structure {
+                separable,
+                degrees_of_freedom: m,
+                ..
+            } = self.structure;
+            let mut recorder = self.recording.resume();
+            let slopes = differentiate(&mut recorder, self.recording.root);
+            let results = |roots: &[u32]| Results::new(Arc::new(Graph::new(&recorder, roots)));
+            Slopes {
+                gradient: results(&slopes),
+                forces: separable.then(|| results(&slopes[..m])),
+            }
+        })
+    }
+
+    pub(crate) fn gradient(&self) -> &Results {
+        &self.slopes().gradient
+    }
+
+    /// ∇H, the bound of rounding and H.
+    pub(crate) fn with_bound(&self) -> &Results {
+        self.with_bound.get_or_init(|| with_bound(&self.recording))
+    }
+
+    pub(crate) fn plan(&self) -> &HessianPlan {
+        (self.plan).get_or_init(|| HessianPlan::new(&self.structure.hessian))
     }
 }
 
-impl<T: Float> RecordedEvaluator<T> {
-    /// The second number of [`gradient_with_bound`](Evaluate::gradient_with_bound).
-    pub(crate) fn bound(&mut self, y: &[T]) -> T {
-        (ready::<T>().bound)(self, y)
-    }
+/// ∇H, the bound and H, in this order.
+fn with_bound(energy: &Recording) -> Results {
+    let root = energy.root;
+    let mut recorder = energy.resume();
+    let is_exact = partial_sums(&recorder, root, LONG);
+    let (mut roots, bound) = differentiate_with_bound(&mut recorder, root, &is_exact);
+    roots.extend([bound, root]);
+    Results::new(Arc::new(Graph::new(&recorder, &roots)))
 }
 
-// All but what is woven into sweeps is compiled with this crate: `crate::routes::ready`.
-impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
-    const IS_RECORDED: bool = true;
-
-    fn recorded<'a, H: Holds<'a>>(held: H::With<Self>) -> H::With<Self> {
-        held
+/// Refuses constants, and what is computed of them alone, that are NaN or infinite.
+fn check_constants(graph: &Graph) -> Result<(), BuildError> {
+    let exponents = graph
+        .nodes
+        .iter()
+        .filter_map(|node| graph.exponent(node.op));
+    let exponents = exponents.map(|c| c.to::<f64>());
+    let numbers = constants(graph).into_iter().map(|(_, x)| x);
+    let mut all = numbers.chain(exponents);
+    let mut found = Ok(());
+    if let Some(x) = all.find(|x| !x.is_finite()) {
+        found = Err(if x.is_nan() || all.any(f64::is_nan) {
+            BuildError::ConstantNotANumber
+        } else {
+            BuildError::ConstantInfinite
+        });
     }
-
-    fn value(&mut self, y: &[T]) -> T {
-        (ready::<T>().value)(self, y)
-    }
-
-    fn gradient(&mut self, y: &[T], gradient: &mut [T]) -> T {
-        self.gradients(y, gradient, y.len());
-        self.value(y)
-    }
-
-    fn compensated_value(&mut self, y: &[T]) -> T {
-        (ready::<T>().compensated_value)(self, y)
-    }
-
-    fn gradient_with_compensated_value(&mut self, y: &[T], gradient: &mut [T]) -> T {
-        self.gradients(y, gradient, y.len());
-        self.compensated_value(y)
-    }
-
-    fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
-        (ready::<T>().gradient_with_bound)(self, y, gradient)
-    }
-
-    fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
-        (ready::<T>().gradients)(self, states, gradients, n);
-    }
-
-    fn gradients_by_component(
-        &mut self,
-        states: &[T],
-        gradients: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
-        (ready::<T>().gradients_by_component)(self, states, gradients, stride, count);
-    }
-
-    fn forces_by_component(
-        &mut self,
-        positions: &[T],
-        gradients: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
-        (ready::<T>().forces_by_component)(self, positions, gradients, stride, count);
-    }
-
-    #[inline]
-    fn fuse_gradients<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
-        let n = 2 * self.shared.structure.degrees_of_freedom;
-        let stride = F::GROUPS * N;
-        let slopes = (self.gradients).called(self.set, self.shared.gradient(), stride)?;
-        fuse!(self.set, n, slopes, task, [2 4])
-    }
-
-    #[inline]
-    fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
-        let m = self.shared.structure.degrees_of_freedom;
-        let stride = F::GROUPS * N;
-        let of = self.shared.slopes().forces.as_ref()?;
-        let slopes = self.forces.called(self.set, of, stride)?;
-        fuse!(self.set, m, slopes, task, [1 2 3 4])
-    }
-
-    fn kinetic(&mut self) -> Option<Kinetic<T>> {
-        (ready::<T>().kinetic)(self)
-    }
-
-    fn set_instruction_set(&mut self, set: InstructionSet) {
-        self.set = set;
-    }
-
-    fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
-        (ready::<T>().hessian_vector)(self, y, v, product);
-    }
-
-    fn hessian(&mut self, y: &[T], entries: &mut [T]) {
-        (ready::<T>().hessian)(self, y, entries);
-    }
+    found
 }

@@ -1,9 +1,11 @@
-//! [`Results`]: the results of a recording in every form they are evaluated in, each made when it is first asked for.
+//! [`Results`]: the results of a recording in every form they are evaluated in, each made when it is first
+//! asked for.
 
 use crate::native::compiled::Compiled;
+use crate::native::straight::straight;
 use crate::recording::graph::Graph;
 use crate::recording::peephole::peephole;
-use crate::replay::order::Blocks;
+use crate::replay::layout::{Blocks, layout};
 use crate::replay::tape::Tape;
 use std::sync::{Arc, OnceLock};
 
@@ -28,18 +30,22 @@ impl Results {
 
     /// The tape for single points.
     pub(crate) fn one(&self) -> &Tape {
-        let tape = || Tape::new(&peephole(&self.graph), Blocks::One);
+        let tape = || layout(&peephole(&self.graph), Blocks::One);
         self.one.get_or_init(tape)
     }
 
     /// The tape for many points at once.
     pub(crate) fn many(&self) -> &Tape {
-        let tape = || Tape::new(&peephole(&self.graph), Blocks::InCache);
+        let tape = || layout(&peephole(&self.graph), Blocks::InCache);
         self.many.get_or_init(tape)
     }
 
     /// Machine code, if there is any.
-    pub(crate) fn compiled(&self) -> &Option<Arc<Compiled>> {
-        self.compiled.get_or_init(|| Compiled::new(&self.graph))
+    pub(crate) fn compiled(
+        &self,
+        constants: impl FnOnce(&Graph) -> Vec<(u32, f64)>,
+    ) -> &Option<Arc<Compiled>> {
+        let program = || straight(&self.graph, constants);
+        self.compiled.get_or_init(|| Compiled::new(program))
     }
 }

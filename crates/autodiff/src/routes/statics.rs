@@ -5,15 +5,16 @@
 //! the recording. The Hessian is the tape's. Measured on Kepler (n = 4): gradient 3.8 ns by hand, 5.4 ns by
 //! dual numbers, 4.8 ns a point by dual numbers over lanes, 52 ns by the tape.
 
-use crate::derivative::by_duals;
+use crate::derivative::by_duals::{dual_gradient, value};
 use crate::native::fused::{Forces, Fused, Gradients, Joined, fuse};
 use crate::replay::batch::Batch;
 use crate::replay::point::{Points, check_batch, require_separable};
+use crate::routes::check::compare;
 use crate::{
-    BuildError, Energy, Evaluate, Kinetic, Recorded, RecordedEvaluator, Structure, System,
+    BuildError, Energy, Evaluate, Hamiltonian, Kinetic, Recorded, RecordedEvaluator, Structure,
+    System,
 };
 use equip_scalar::{Float, InstructionSet, Num};
-use std::array::from_fn;
 use std::sync::Arc;
 
 /// Largest number of components differentiated by dual numbers.
@@ -37,7 +38,7 @@ impl<E> Clone for Static<E> {
 }
 
 impl<E: Energy> Static<E> {
-    pub(crate) fn new(energy: E) -> Result<Self, BuildError> {
+    fn new(energy: E) -> Result<Self, BuildError> {
         let recorded = Recorded::new(energy.degrees_of_freedom(), |q, p| energy.energy(q, p))?;
         Ok(Static {
             energy: Arc::new(energy),
@@ -46,12 +47,57 @@ impl<E: Energy> Static<E> {
     }
 
     /// The hand-written gradient, if there is one.
-    pub(crate) fn supplied_gradient<T: Float>(&self, y: &[T], gradient: &mut [T]) -> bool {
+    fn supplied_gradient<T: Float>(&self, y: &[T], gradient: &mut [T]) -> bool {
         supplied(&*self.energy, y, gradient)
     }
+}
 
-    pub(crate) fn recorded(&self) -> &Recorded {
-        &self.recorded
+impl<E: Energy> Hamiltonian<Static<E>> {
+    /// Compiles an energy given as a type with one generic method.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the number of degrees of freedom is 0 or too large, or a constant is NaN or
+    /// infinite.
+    ///
+    /// ```
+    /// use equip_autodiff::{Energy, Hamiltonian, System};
+    /// use equip_scalar::{Num, Scalar};
+    ///
+    /// struct Oscillator;
+    /// impl Energy for Oscillator {
+    ///     fn degrees_of_freedom(&self) -> usize {
+    ///         1
+    ///     }
+    ///     fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    ///         (p[0] * p[0] + q[0] * q[0]) / 2.0
+    ///     }
+    /// }
+    /// assert!(Hamiltonian::from_energy(Oscillator)?.structure().is_quadratic());
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn from_energy(energy: E) -> Result<Self, BuildError> {
+        Ok(Hamiltonian {
+            route: Static::new(energy)?,
+        })
+    }
+
+    /// Compares the hand-written gradient, if there is one, with automatic differentiation at the state
+    /// y = (q, p). Components may differ by √ε of the largest one.
+    ///
+    /// # Errors
+    /// [`BuildError::WrongGradient`] names the first component that differs.
+    ///
+    /// # Panics
+    /// If `y` does not have length n = 2m.
+    pub fn check_gradient<T: Float>(&self, y: &[T]) -> Result<(), BuildError> {
+        let mut given = vec![T::NAN; y.len()];
+        let mut expected = given.clone();
+        self.route.recorded.evaluator().gradient(y, &mut expected);
+        if self.route.supplied_gradient(y, &mut given) {
+            compare(&given, &expected)
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -329,23 +375,4 @@ fn supplied<E: Energy, T: Float>(energy: &E, y: &[T], gradient: &mut [T]) -> boo
     let (q, p) = y.split_at(m);
     let (dq, dp) = gradient.split_at_mut(m);
     energy.gradient(q, p, dq, dp)
-}
-
-#[inline(always)]
-fn value<E: Energy, T: Float, const N: usize>(energy: &E, y: &[T]) -> T {
-    let y: [Num<T>; N] = from_fn(|i| Num(y[i]));
-    energy.energy(&y[..N / 2], &y[N / 2..]).0
-}
-
-#[inline(always)]
-fn dual_gradient<E: Energy, T: Float, const N: usize>(
-    energy: &E,
-    y: &[T],
-    gradient: &mut [T],
-) -> T {
-    let mut state = [y[0]; N];
-    state.copy_from_slice(y);
-    let (h, slopes) = by_duals::gradient(energy, state);
-    gradient.copy_from_slice(&slopes);
-    h
 }

@@ -1,7 +1,10 @@
 //! [`Supplied`]: a recorded energy with a gradient closure over `f64`, used whenever the float is `f64`.
 
 use crate::replay::point::{Points, check_batch, require_separable};
-use crate::{Evaluate, Kinetic, Recorded, RecordedEvaluator, Structure, System};
+use crate::routes::check::compare;
+use crate::{
+    BuildError, Evaluate, Hamiltonian, Kinetic, Recorded, RecordedEvaluator, Structure, System,
+};
 use equip_scalar::{Float, InstructionSet};
 use std::any::TypeId;
 use std::sync::Arc;
@@ -25,22 +28,69 @@ impl<G> Clone for Supplied<G> {
 }
 
 impl<G: Fn(&[f64], &[f64], &mut [f64], &mut [f64])> Supplied<G> {
-    pub(crate) fn new(recorded: Recorded, gradient: G) -> Self {
+    fn new(recorded: Recorded, gradient: G) -> Self {
         Supplied {
             recorded,
             gradient: Arc::new(gradient),
         }
     }
 
-    pub(crate) fn recorded(&self) -> &Recorded {
-        &self.recorded
-    }
-
     /// The closure's answer, all slices of length n = 2m.
-    pub(crate) fn supplied_gradient(&self, y: &[f64], gradient: &mut [f64]) {
+    fn supplied_gradient(&self, y: &[f64], gradient: &mut [f64]) {
         let m = y.len() / 2;
         let (dq, dp) = gradient.split_at_mut(m);
         (self.gradient)(&y[..m], &y[m..], dq, dp);
+    }
+}
+
+impl Hamiltonian<Recorded> {
+    /// The same energy with a gradient written by hand, used in place of automatic differentiation when the
+    /// float type is `f64`: `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into `dp`.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?
+    ///     .with_gradient(|q, p, dq, dp| {
+    ///         dq[0] = q[0].sin();
+    ///         dp[0] = p[0];
+    ///     });
+    /// pendulum.check_gradient(&[0.3, 0.1])?;
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn with_gradient<G>(self, gradient: G) -> Hamiltonian<Supplied<G>>
+    where
+        G: Fn(&[f64], &[f64], &mut [f64], &mut [f64]),
+    {
+        Hamiltonian {
+            route: Supplied::new(self.route, gradient),
+        }
+    }
+}
+
+impl<G: Fn(&[f64], &[f64], &mut [f64], &mut [f64])> Hamiltonian<Supplied<G>> {
+    /// Compares the supplied gradient with automatic differentiation at the state y = (q, p). Components may
+    /// differ by √ε of the largest one: enough for any rounding, too little for a wrong term.
+    ///
+    /// # Errors
+    /// [`BuildError::WrongGradient`] names the first component that differs.
+    ///
+    /// # Panics
+    /// If `y` does not have length n = 2m.
+    ///
+    /// ```
+    /// use equip_autodiff::{BuildError, Hamiltonian};
+    /// let wrong = Hamiltonian::new(1, |q, p| p[0] * p[0] - q[0].cos())?
+    ///     .with_gradient(|q, p, dq, dp| (dq[0], dp[0]) = (q[0].sin(), p[0]));
+    /// let found = wrong.check_gradient(&[0.3, 0.1]);
+    /// assert!(matches!(found, Err(BuildError::WrongGradient { component: 1, .. })));
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn check_gradient(&self, y: &[f64]) -> Result<(), BuildError> {
+        let mut given = vec![0.0; y.len()];
+        let mut expected = given.clone();
+        self.route.recorded.evaluator().gradient(y, &mut expected);
+        self.route.supplied_gradient(y, &mut given);
+        compare(&given, &expected)
     }
 }
 

@@ -34,7 +34,8 @@ pub(crate) struct RunArgs {
     /// Newton's method makes it
     #[arg(long, short, default_value_t = 4, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
-    /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not given)
+    /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not
+    /// given)
     #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
     pub(crate) method: MethodName,
     /// Step; the scene's suggestion if not given
@@ -63,8 +64,9 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) tolerance: Option<String>,
-    /// A fixed step for which the largest error of a position or momentum at the end is about ERROR, found by trial runs over one period of the scene (or
-    /// the whole run if that is shorter than two); from there errors are taken to grow linearly, as they do for regular motion
+    /// A fixed step for which the largest error of a position or momentum at the end is about ERROR, found by
+    /// trial runs over one period of the scene (or the whole run if that is shorter than two); from there
+    /// errors are taken to grow linearly, as they do for regular motion
     #[arg(
         long,
         value_name = "ERROR",
@@ -96,8 +98,8 @@ pub(crate) struct RunArgs {
     /// End the run with an error at the first step for which no α keeps the energy
     #[arg(long, help_heading = "Method")]
     pub(crate) refuse: bool,
-    /// Carry a small deviation along and print the largest Lyapunov exponent and MEGNO (2 for regular motion, λt/2 for chaotic);
-    /// with --out two more columns, with --plot two more panels
+    /// Carry a small deviation along and print the largest Lyapunov exponent and MEGNO (2 for regular motion,
+    /// λt/2 for chaotic); with --out two more columns, with --plot two more panels
     #[arg(long, visible_alias = "megno", help_heading = "Output")]
     pub(crate) lyapunov: bool,
     /// Write the steps to FILE.csv: t, q, p, energy defect, outcome, with digits that read back exactly
@@ -112,7 +114,8 @@ pub(crate) struct RunArgs {
     /// Leave out the Gauss method's energy defect on the same steps, which the plot shows for comparison
     #[arg(long, help_heading = "Output")]
     pub(crate) no_compare: bool,
-    /// Keep a checkpoint in FILE; if there is one already, go on from it, bit for bit as if the run had not stopped. Ctrl-C leaves one, and so does the end of the run
+    /// Keep a checkpoint in FILE; if there is one already, go on from it, bit for bit as if the run had not
+    /// stopped. Ctrl-C leaves one, and so does the end of the run
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) checkpoint: Option<PathBuf>,
     /// Seconds between checkpoints

@@ -112,7 +112,8 @@ pub(crate) enum Reference {
     Stored,
     /// Gauss with `stages` stages and each step divided by `divide`.
     Fine { stages: usize, divide: u64 },
-    /// Gauss with steps `grid / divide`, kept at the multiples of `grid` up to `end`, and shared by the rows with this `key`.
+    /// Gauss with steps `grid / divide`, kept at the multiples of `grid` up to `end`, and shared by the rows
+    /// with this `key`.
     Shared {
         key: String,
         grid: f64,

@@ -1,4 +1,5 @@
-//! The rows as JSON and as CSV: the same columns, numbers with all their digits, what is not finite left empty.
+//! The rows as JSON and as CSV: the same columns, numbers with all their digits, what is not finite left
+//! empty.
 
 use super::measure::Row;
 use super::summary::Summary;

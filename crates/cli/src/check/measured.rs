@@ -18,7 +18,8 @@ pub(crate) struct Measured {
     pub(crate) ended: Option<Ended>,
     pub(crate) impatient: bool,
     pub(crate) error: Option<f64>,
-    /// Error of Gauss from a start that is changed by one unit in the last place: what round-off does to the trajectory.
+    /// Error of Gauss from a start that is changed by one unit in the last place: what round-off does to the
+    /// trajectory.
     pub(crate) noise: Option<f64>,
     pub(crate) gauss_error: Option<f64>,
     pub(crate) gauss_energy: f64,

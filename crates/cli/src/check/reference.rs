@@ -19,7 +19,7 @@ pub(crate) struct Truth<T> {
 pub(crate) struct Cache(Mutex<HashMap<String, Arc<OnceLock<Samples<f64>>>>>);
 
 impl Cache {
-    /// The entry under `key`; whoever comes first makes it, the others wait.
+    /// The entry under `key`. The first thread to ask makes it; the others wait.
     fn get(&self, key: &str, make: impl FnOnce() -> Samples<f64>) -> Samples<f64> {
         let mut map = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let cell = map.entry(key.to_owned()).or_default().clone();

@@ -2,13 +2,16 @@
 //!
 //! The criteria, the same for every row:
 //! - every step is accounted for: as many outcomes as steps asked for, or a typed error after the last;
-//! - |H − H_ref| ≤ 8 floors on every step whose outcome says that the energy is kept, by the solver's own evaluation of
-//!   H and, for runs in `f64`, by one in double-double; H_ref is the number the run started with. (After a start at a
-//!   pericentre, where large terms cancel, that number itself is off by many floors of the quiet part of the orbit.)
-//! - linear and quadratic invariants stay within (8 + 2√n) ε Σ|∂_iI y_i| over n steps, halves counted: the random walk of rounding;
+//! - |H − H_ref| ≤ 8 floors on every step whose outcome says that the energy is kept, by the solver's own
+//!   evaluation of H and, for runs in `f64`, by one in double-double; H_ref is the number the run started
+//!   with. (After a start at a pericentre, where large terms cancel, that number itself is off by many floors
+//!   of the quiet part of the orbit.)
+//! - linear and quadratic invariants stay within (8 + 2√n) ε Σ|∂_iI y_i| over n steps, halves counted: the
+//!   random walk of rounding;
 //! - no step carried, unless the row says how many and why, which makes it an explained one;
-//! - the largest trajectory error over the grid is at most 1.5 times that of Gauss (resolved oscillations) or twice (slow
-//!   variables of unresolved ones), plus eight times what a change of the start by one unit in the last place does.
+//! - the largest trajectory error over the grid is at most 1.5 times that of Gauss (resolved oscillations) or
+//!   twice (slow variables of unresolved ones), plus eight times what a change of the start by one unit in
+//!   the last place does.
 
 use super::case::{Carried, End, Expect, Trajectory};
 use super::measured::Measured;

@@ -1,7 +1,9 @@
-//! `equip growth`: how the error of Kepler's problem grows with time, EQUIP beside Gauss under the same step control.
+//! `equip growth`: how the error of Kepler's problem grows with time, EQUIP beside Gauss under the same step
+//! control.
 //!
-//! Errors are taken 0.3 revolutions after the N-th, never at a whole number of them, where doing nothing scores zero: the largest of the components of
-//! position and momentum, against the closed form. A method that drifts in energy gets the period wrong, and its error grows like N²; one that keeps energy and
+//! Errors are taken 0.3 revolutions after the N-th, never at a whole number of them, where doing nothing
+//! scores zero: the largest of the components of position and momentum, against the closed form. A method
+//! that drifts in energy gets the period wrong, and its error grows like N²; one that keeps energy and
 //! angular momentum leaves N.
 
 use crate::args::GrowthArgs;

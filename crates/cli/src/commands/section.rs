@@ -1,7 +1,8 @@
 //! `equip section`: the Poincaré section of Hénon and Heiles, drawn.
 //!
-//! The plane q1 = 0, crossed with p1 > 0, at one energy: (q2, p2) of every crossing, one colour for each orbit. Orbits start on the axes q2 = 0 and p2 = 0
-//! of the section, evenly. The crossings are events, located on dense output to round-off.
+//! The plane q1 = 0, crossed with p1 > 0, at one energy: (q2, p2) of every crossing, one colour for each
+//! orbit. Orbits start on the axes q2 = 0 and p2 = 0 of the section, evenly. The crossings are events,
+//! located on dense output to round-off.
 
 use crate::args::SectionArgs;
 use crate::draw::panel::{Axis, Panel};

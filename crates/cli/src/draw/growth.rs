@@ -1,4 +1,5 @@
-//! The picture of `equip growth`: one panel for each eccentricity, error against revolutions on logarithmic axes.
+//! The picture of `equip growth`: one panel for each eccentricity, error against revolutions on logarithmic
+//! axes.
 
 use crate::args::GrowthArgs;
 use crate::draw::panel::{Axis, Panel};

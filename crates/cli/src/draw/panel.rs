@@ -53,7 +53,8 @@ impl Axis {
         }
     }
 
-    /// Logarithmic, from a little below `low` to a little above `high`, both positive; at least one decade is within.
+    /// Logarithmic, from a little below `low` to a little above `high`, both positive; at least one decade is
+    /// within.
     pub(crate) fn powers(low: f64, high: f64, label: &str) -> Self {
         let (low, high) = (low.log10(), high.log10());
         let margin = 0.04 * (high - low).max(1.0);
@@ -103,7 +104,8 @@ impl Axis {
             .collect()
     }
 
-    /// Where 2 and 5 times the powers of ten are, with these numbers, if the axis is logarithmic and so short that it needs them.
+    /// Where 2 and 5 times the powers of ten are, with these numbers, if the axis is logarithmic and so short
+    /// that it needs them.
     fn twos_and_fives(&self) -> Vec<(f64, String)> {
         if !self.logarithmic || self.high - self.low > 2.8 {
             return Vec::new();
@@ -120,7 +122,8 @@ impl Axis {
             .collect()
     }
 
-    /// Ticks at multiples of 1, 2 or 5 times a power of ten (of whole decades if logarithmic), at most about `count`.
+    /// Ticks at multiples of 1, 2 or 5 times a power of ten (of whole decades if logarithmic), at most about
+    /// `count`.
     fn ticks(&self, count: f64) -> (f64, impl Iterator<Item = f64>) {
         let rough = (self.high - self.low) / count;
         let power = 10_f64.powf(rough.log10().floor());

@@ -1,5 +1,5 @@
-//! The picture of a run: orbit or phase portrait on the left, the energy defect over time on the right; below them Lyapunov exponent and MEGNO if they were
-//! asked for.
+//! The picture of a run: orbit or phase portrait on the left, the energy defect over time on the right; below
+//! them Lyapunov exponent and MEGNO if they were asked for.
 
 use crate::draw::panel::{Axis, Panel};
 use crate::draw::samples::{Envelope, Path};
@@ -11,7 +11,7 @@ use crate::text::brief;
 use equip_scalar::Float;
 use equip_scenes::{Instance, View};
 
-/// Muted colours, told apart also by those who do not see red and green apart: the first is that of the run.
+/// Muted colours, distinct also where red and green look alike: the first is that of the run.
 const COLOURS: [&str; 6] = [
     "#2b6a99", "#c46b1f", "#4f8f6b", "#8d6a9f", "#b0485c", "#6b6b6b",
 ];
@@ -108,7 +108,8 @@ fn left_panel(x: Axis, y: Axis) -> Panel {
     }
 }
 
-/// Paths of bodies, or the phase portrait of one degree of freedom: a dot for each step, and the curve between them where there is one.
+/// Paths of bodies, or the phase portrait of one degree of freedom: a dot for each step, and the curve
+/// between them where there is one.
 fn paths(svg: &mut Svg, instance: &Instance, drawn: (&Path, Option<&Path>), view: &View) {
     let (path, curve) = drawn;
     let count = components(instance).len() / 2;
@@ -290,7 +291,8 @@ fn chaos(svg: &mut Svg, seen: &Path, end: f64, time: &str) {
     svg.polyline(points, COLOURS[0], 1.5);
 }
 
-/// The stretches in which both coordinates are positive, as on logarithmic axes: a line must not join what lies on both sides of others.
+/// The stretches in which both coordinates are positive, as on logarithmic axes: a line must not join what
+/// lies on both sides of others.
 fn positive_stretches(points: impl Iterator<Item = (f64, f64)>) -> Vec<Vec<(f64, f64)>> {
     let points: Vec<_> = points.collect();
     points

@@ -82,7 +82,8 @@ impl Path {
     }
 }
 
-/// The largest |value| over consecutive buckets of steps; buckets are joined in pairs when there are too many.
+/// The largest |value| over consecutive buckets of steps; buckets are joined in pairs when there are too
+/// many.
 #[derive(Debug, Default, Clone, Serialize, Deserialize)]
 pub(crate) struct Envelope {
     #[serde(serialize_with = "write_pairs", deserialize_with = "read_pairs")]

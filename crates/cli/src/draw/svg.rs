@@ -1,6 +1,7 @@
 //! A small SVG writer: text, lines, dots.
 //!
-//! Coordinates are pixels, y downwards. Text is measured by no one: labels are kept short and have room of their own.
+//! Coordinates are pixels, y downwards. Text is not measured: labels are kept short and have room of their
+//! own.
 
 use std::fmt::Write;
 

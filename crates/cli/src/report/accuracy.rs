@@ -23,7 +23,8 @@ impl Time {
 
 /// The time to reach `target` along points (error, milliseconds) from coarse to fine.
 ///
-/// The first point within the target counts that is followed by one within it too, or is the last: a lucky hit does not.
+/// The first point within the target counts that is followed by one within it too, or is the last: a lucky
+/// hit does not.
 pub(super) fn time_to(target: f64, points: &[(f64, f64)]) -> Time {
     let within = |i: usize| points.get(i).is_none_or(|p| p.0 <= target);
     let Some(i) = (0..points.len()).find(|&i| within(i) && within(i + 1)) else {

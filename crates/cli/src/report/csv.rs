@@ -1,4 +1,5 @@
-//! The runs and the times to accuracies as comma-separated values; numbers with all their digits, what is not known left empty.
+//! The runs and the times to accuracies as comma-separated values; numbers with all their digits, what is not
+//! known left empty.
 
 use super::accuracy::Time;
 use super::results::{Results, times};

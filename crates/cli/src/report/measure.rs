@@ -1,7 +1,8 @@
 //! Which settings are run, and the times of interleaved repeats.
 //!
-//! Every method climbs from coarse to fine settings until it is slow, at its floor, or as accurate as its numbers allow. Then all runs of
-//! a scene are repeated in turn, so that a slow spell of the machine does not hit one method alone, as often as the budget allows.
+//! Every method climbs from coarse to fine settings until it is slow, at its floor, or as accurate as its
+//! numbers allow. Then all runs of a scene are repeated in turn, so that a slow spell of the machine does not
+//! hit one method alone, as often as the budget allows.
 
 use super::contender::{Contender, Outcome};
 use super::subject::Subject;

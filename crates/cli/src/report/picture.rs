@@ -1,4 +1,5 @@
-//! The pictures of a scene: error and energy defect against run time; error against gradients, or the defect of an invariant against run time.
+//! The pictures of a scene: error and energy defect against run time; error against gradients, or the defect
+//! of an invariant against run time.
 //!
 //! A method has the same colour, dashes and mark in every picture.
 
@@ -10,7 +11,7 @@ use crate::draw::svg::Mark;
 /// Errors from here on are not drawn.
 const WRONG: f64 = 10.0;
 
-/// Colours of the stages, from light to dark with more of them; told apart also by those who do not see red and green apart.
+/// Colours of the stages, from light to dark with more of them; distinct also where red and green look alike.
 fn shade(family: [&'static str; 5], stages: usize) -> String {
     let index = match stages {
         0..=3 => 0,

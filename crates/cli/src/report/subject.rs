@@ -1,8 +1,9 @@
 //! The scenes of the report, with end times and end states.
 //!
-//! End states come from the scene's exact flow of the rounded start, from its stored reference, or, where there is neither, from a
-//! composition of order 10 in double-double with half the step of another one, whose difference bounds the error. Kepler's problem ends at
-//! a time that is no whole number of periods: at whole periods a method that does nothing scores zero.
+//! End states come from the scene's exact flow of the rounded start, from its stored reference, or, where
+//! there is neither, from a composition of order 10 in double-double with half the step of another one, whose
+//! difference bounds the error. Kepler's problem ends at a time that is no whole number of periods: at whole
+//! periods a method that does nothing scores zero.
 
 use super::methods::composition::Composition;
 use super::methods::flow::Flow;
@@ -24,7 +25,8 @@ pub(super) struct Entry {
     pub(super) quick: bool,
     /// Whether it is also run in double-double.
     pub(super) extended: bool,
-    /// Whether it is about what long runs keep: its picture has the first invariant in place of the number of gradients.
+    /// Whether it is about what long runs keep: its picture has the first invariant in place of the number of
+    /// gradients.
     pub(super) long: bool,
 }
 
@@ -232,7 +234,8 @@ fn end_state<T: Float>(
         value: entry.name.into(),
         expected: "one with a closed form, a stored reference, or H = T(p) + U(q) with masses",
     })?;
-    // A twentieth of the coarsest run's steps, 35 kicks each: errors of order 10 then are far below round-off of f64.
+    // A twentieth of the coarsest run's steps, 35 kicks each: errors of order 10 then are far below round-off
+    // of f64.
     let steps = (20.0 * entry.fewest) as i64;
     let computed = |steps: i64| {
         let h = wide(end) / DoubleDouble::int(steps);

@@ -21,7 +21,8 @@ pub(crate) struct EndError<T> {
     pub(crate) p: T,
 }
 
-/// The error of the last state against the stored reference or the closed form, where there is one for its time.
+/// The error of the last state against the stored reference or the closed form, where there is one for its
+/// time.
 pub(crate) fn end_error<T: Float>(instance: &Instance, run: &Run<T>) -> Option<EndError<T>> {
     let (t, q, p) = run.last();
     let reference = instance

@@ -7,7 +7,8 @@ use std::sync::{Arc, LazyLock};
 
 static CAUGHT: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 
-/// From here on the first SIGINT (Ctrl-C), SIGTERM or SIGHUP ends the run after its present step; the second ends the program at once.
+/// From here on the first SIGINT (Ctrl-C), SIGTERM or SIGHUP ends the run after its present step; the second
+/// ends the program at once.
 ///
 /// # Errors
 /// If the system does not allow it.

@@ -12,7 +12,8 @@ use std::fs::File;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// Files are made at the first step: late enough to leave them alone on bad input, early enough to miss no hour's work.
+/// Files are made at the first step: late enough to leave them alone on bad input, early enough to miss no
+/// hour's work.
 #[derive(Debug)]
 pub(crate) struct Watch<'a, T> {
     pub(crate) start: (&'a [T], &'a [T]),
@@ -33,7 +34,8 @@ pub(crate) struct Watch<'a, T> {
     /// Whether the run goes on from a checkpoint.
     pub(crate) resumed: bool,
     at_end: bool,
-    /// Whether a run can be gone on with from here, and whether a run of this length has no other such place before it.
+    /// Whether a run can be gone on with from here, and whether a run of this length has no other such place
+    /// before it.
     is_on_grid: bool,
     is_last_place: bool,
     fault: Option<Fault>,

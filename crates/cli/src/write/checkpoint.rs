@@ -1,8 +1,9 @@
-//! The file of a checkpoint: the run, what it belongs to, how far its table is and what its picture has of it.
+//! The file of a checkpoint: the run, what it belongs to, how far its table is and what its picture has of
+//! it.
 //!
-//! The first line has the version of the format and a checksum of all behind it, which is JSON. A checkpoint is written to a
-//! file of its own beside the one asked for and then takes its name: whenever the program ends, the file is a whole checkpoint,
-//! the last or the one before it.
+//! The first line has the version of the format and a checksum of all behind it, which is JSON. A checkpoint
+//! is written to a file of its own beside the one asked for and then takes its name: whenever the program
+//! ends, the file is a whole checkpoint, the last or the one before it.
 
 use crate::draw::samples::Picture;
 use crate::fault::Fault;

@@ -1,8 +1,8 @@
 //! [`Rows`]: the steps of a run as a table of comma-separated values.
 //!
-//! One header row `t,q1,…,qm,p1,…,pm,energy_defect,outcome`, then one row per step kept. Numbers have as many digits
-//! as read back to the same number; all are in the units of the scene. The energy defect is H − H_ref. Where a deviation is followed there are two more
-//! columns, `lyapunov,megno`, empty in the first row.
+//! One header row `t,q1,…,qm,p1,…,pm,energy_defect,outcome`, then one row per step kept. Numbers have as many
+//! digits as read back to the same number; all are in the units of the scene. The energy defect is H − H_ref.
+//! Where a deviation is followed there are two more columns, `lyapunov,megno`, empty in the first row.
 
 use crate::fault::Fault;
 use equip_integrate::ChaosIndicators;
@@ -155,7 +155,8 @@ impl Rows {
         Ok(rows)
     }
 
-    /// Goes on with the table in `path` from a mark that it was checked against; rows behind it were made by steps that are made again.
+    /// Goes on with the table in `path` from a mark that it was checked against; rows behind it were made by
+    /// steps that are made again.
     pub(crate) fn go_on(path: &Path, mark: Mark) -> io::Result<Self> {
         let mut file = OpenOptions::new().write(true).open(path)?;
         if file.metadata()?.len() != mark.bytes {
@@ -225,8 +226,8 @@ impl Rows {
     }
 }
 
-/// A number with all the digits it takes to read it back. A double-double whose low part happens to vanish or to be
-/// tiny takes more than its 33.
+/// A number with all the digits it takes to read it back. A double-double whose low part happens to vanish or
+/// to be tiny takes more than its 33.
 pub(crate) fn digits<T: Float>(x: T) -> String {
     let shortest = format!("{x:e}");
     match T::decimal(&shortest) {

@@ -29,6 +29,18 @@ pub(crate) struct ChaosMemory {
 }
 
 impl ControlMemory {
+    /// The steps so far; what sizes the next one, and how often it may still be tried.
+    pub(crate) fn of<T: Float>(steps: &VariableSteps<T>, next: Exact, tries: u32) -> Self {
+        ControlMemory {
+            next,
+            tries,
+            smallest: Exact::of(steps.smallest),
+            largest: Exact::of(steps.largest),
+            rejected: steps.rejected,
+            failed: steps.failed,
+        }
+    }
+
     /// What the steps so far were.
     pub(crate) fn variable_steps<T: Float>(
         &self,

@@ -1,6 +1,8 @@
 //! Sizes of the next step.
 
 pub(crate) mod controller;
+pub(crate) mod escape;
 pub(crate) mod estimate;
 pub(crate) mod first_step;
+pub(crate) mod make;
 pub(crate) mod step_density;

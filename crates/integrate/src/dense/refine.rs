@@ -10,9 +10,9 @@
 //!
 //! Cost: one solve of 2s stages without α per refined step; s n multiplications per value.
 
+use crate::control::make::make_step;
 use crate::dense::piece::Piece;
 use crate::error::IntegrateError;
-use crate::step::make::make_step;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_solver::{Core, Family, MAX_STAGES, Part, Preconditioner, State, StepOptions};

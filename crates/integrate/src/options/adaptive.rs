@@ -1,8 +1,8 @@
 //! [`Adaptive`]: steps that follow a tolerance.
 
 use crate::error::IntegrateError;
-use crate::method::Method;
 use crate::options::integrator::Integrator;
+use crate::options::method::Method;
 use equip_scalar::Float;
 use equip_solver::MAX_STAGES;
 

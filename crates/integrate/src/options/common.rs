@@ -1,8 +1,8 @@
 //! What the options of all step sizes have in common, and their checks.
 
 use crate::error::IntegrateError;
-use crate::method::Method;
 use crate::options::event::Event;
+use crate::options::method::Method;
 use crate::options::record::Record;
 use equip_scalar::Float;
 use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOptions};

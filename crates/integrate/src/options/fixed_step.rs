@@ -1,8 +1,8 @@
 //! [`FixedStep`]: steps of one size.
 
 use crate::error::IntegrateError;
-use crate::method::Method;
 use crate::options::integrator::Integrator;
+use crate::options::method::Method;
 use equip_scalar::Float;
 
 /// A method with a fixed step: fixed for the whole run, the last step shorter if it does not divide the

@@ -1,8 +1,8 @@
 //! [`Integrator`]: a method with its steps and options, ready to integrate.
 
-use crate::method::Method;
 use crate::options::common::Options;
 use crate::options::event::Event;
+use crate::options::method::Method;
 use crate::options::record::Record;
 use equip_scalar::Float;
 use equip_solver::{Invariant, Preconditioner, Reach};
@@ -26,8 +26,8 @@ impl<T: Float, S> Integrator<T, S> {
         }
     }
 
-    /// How far α's may move the end point of a step to keep the energy; [`Reach::WithinError`] by default. With a
-    /// tolerance it is asked only when shorter steps do not help either.
+    /// How far α's may move the end point of a step to keep the energy; [`Reach::WithinError`] by default.
+    /// With a tolerance it is asked only when shorter steps do not help either.
     #[must_use]
     pub fn reach(mut self, reach: Reach) -> Self {
         self.options.reach = reach;

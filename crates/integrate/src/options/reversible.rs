@@ -18,8 +18,8 @@
 //! default, made from ∇²H ([`crate::control::step_density`]).
 
 use crate::error::IntegrateError;
-use crate::method::Method;
 use crate::options::integrator::Integrator;
+use crate::options::method::Method;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 

@@ -1,6 +1,6 @@
 //! What a run kept, measured.
 
-use crate::method::Method;
+use crate::options::method::Method;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::report::defect::Defect;
 use crate::report::variable_steps::VariableSteps;
@@ -27,7 +27,8 @@ pub struct Certificate<T> {
     pub energy_in_floors: Option<T>,
     /// Defects of the invariants watched.
     pub invariants: Vec<Defect<T>>,
-    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no line in the text.
+    /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no
+    /// line in the text.
     pub alpha_range: Vec<(T, T)>,
     /// Lyapunov exponent and MEGNO, if a deviation was followed.
     pub chaos: Option<ChaosIndicators<T>>,

@@ -1,8 +1,8 @@
 //! Output between the points of a grid.
 
+use crate::control::make::make_step;
 use crate::error::IntegrateError;
 use crate::runs::run::Run;
-use crate::step::make::make_step;
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;

@@ -166,7 +166,8 @@ impl<T: Float> Run<T> {
         &self.outcomes
     }
 
-    /// The states at the times asked for with [`Integrator::output_at`](crate::Integrator::output_at): time, positions, momenta.
+    /// The states at the times asked for with [`Integrator::output_at`](crate::Integrator::output_at): time,
+    /// positions, momenta.
     pub fn outputs(&self) -> impl Iterator<Item = (T, &[T], &[T])> {
         self.output_times
             .iter()

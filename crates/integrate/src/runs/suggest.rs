@@ -15,9 +15,9 @@
 //! motion has shown what it does, such as a period.
 
 use crate::error::IntegrateError;
-use crate::method::Gauss;
-use crate::method::Method;
 use crate::options::adaptive::Adaptive;
+use crate::options::method::Gauss;
+use crate::options::method::Method;
 use crate::options::record::Record;
 use crate::runs::run::{Run, RunFailure};
 use equip_autodiff::{Evaluate, System};

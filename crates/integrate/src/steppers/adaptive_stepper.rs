@@ -11,10 +11,9 @@ use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
-use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Core, Counts, Outcome};
+use equip_solver::{Counts, Outcome};
 
 /// Tries of the first step.
 pub(super) const TRIES_FOR_FIRST: u32 = 20;
@@ -237,20 +236,6 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// The certificate of the run so far.
     pub fn certificate(&self) -> Certificate<T> {
         self.inner.certificate()
-    }
-}
-
-impl<T: Float, E> Followed<T, E> for AdaptiveStepper<T, E> {
-    fn core(&self) -> &Core<T, E> {
-        &self.inner.core
-    }
-
-    fn core_mut(&mut self) -> &mut Core<T, E> {
-        &mut self.inner.core
-    }
-
-    fn time_reached(&self) -> T {
-        self.inner.time
     }
 }
 

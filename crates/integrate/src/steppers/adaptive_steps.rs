@@ -2,7 +2,6 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::ControlMemory;
 use crate::control::controller::{Control, Memory};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
@@ -60,21 +59,11 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
-    /// The run as it is now, to be resumed by the same options.
+    /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
-        let mut checkpoint = self.inner.checkpoint();
-        checkpoint.time_low = Exact::of(self.time_low);
         let Memory { next } = self.control.memory;
-        checkpoint.control = self.inner.variable.map(|steps| ControlMemory {
-            next: Exact::of(next),
-            tries: self.tries,
-            smallest: Exact::of(steps.smallest),
-            largest: Exact::of(steps.largest),
-            rejected: steps.rejected,
-            failed: steps.failed,
-        });
-        checkpoint.seal();
-        checkpoint
+        self.inner
+            .variable_checkpoint(self.time_low, Exact::of(next), self.tries)
     }
 }
 
@@ -124,9 +113,5 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
 
     fn time_low(&self) -> T {
         self.time_low
-    }
-
-    fn next_time(&self) -> Option<T> {
-        None
     }
 }

@@ -3,6 +3,7 @@
 use crate::checkpoints::checkpoint::{Checkpoint, FORMAT};
 use crate::checkpoints::checksum::of_function;
 use crate::checkpoints::exact::Exact;
+use crate::checkpoints::memories::ControlMemory;
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
 use crate::steppers::stepper::Stepper;
@@ -46,7 +47,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Ok(())
     }
 
-    /// The run as it is now, to be resumed by the same options.
+    /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let memory = self.core.memory();
         let parts = memory.parts().iter();
@@ -95,6 +96,20 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             chaos: None,
             checksum: String::new(),
         };
+        checkpoint.seal();
+        checkpoint
+    }
+
+    /// The same of a stepper of variable steps.
+    pub(super) fn variable_checkpoint(
+        &mut self,
+        time_low: T,
+        next: Exact,
+        tries: u32,
+    ) -> Checkpoint {
+        let mut checkpoint = self.checkpoint();
+        checkpoint.time_low = Exact::of(time_low);
+        checkpoint.control = (self.variable.as_ref()).map(|of| ControlMemory::of(of, next, tries));
         checkpoint.seal();
         checkpoint
     }

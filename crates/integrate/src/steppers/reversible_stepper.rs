@@ -7,10 +7,9 @@ use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
-use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Core, Outcome};
+use equip_solver::Outcome;
 
 /// Tries to meet the integral rule.
 const MOST_TRIES: u32 = 25;
@@ -43,7 +42,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// Makes the next step.
     ///
     /// # Errors
-    /// When the step cannot be made, or σ or the density is no longer positive; the state then is that before
+    /// When the step cannot be made, or σ or the density is not positive; the state then is that before
     /// the step.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
         let mut density = self.density + self.change()?;
@@ -243,19 +242,5 @@ impl<T: Float> Secant<T> {
         self.last = Some((h, miss));
         let two = T::int(2);
         self.h = (h - miss / self.slope).max(h / two).min(h * two);
-    }
-}
-
-impl<T: Float, E> Followed<T, E> for ReversibleStepper<T, E> {
-    fn core(&self) -> &Core<T, E> {
-        &self.inner.core
-    }
-
-    fn core_mut(&mut self) -> &mut Core<T, E> {
-        &mut self.inner.core
-    }
-
-    fn time_reached(&self) -> T {
-        self.inner.time
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::ControlMemory;
 use crate::control::step_density::StepDensity;
 use crate::error::IntegrateError;
 use crate::options::common::Words;
@@ -94,26 +93,12 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
     fn time_low(&self) -> T {
         self.time_low
     }
-
-    fn next_time(&self) -> Option<T> {
-        None
-    }
 }
 
 impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
-    /// The run as it is now, to be resumed by the same options.
+    /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
-        let mut checkpoint = self.inner.checkpoint();
-        checkpoint.time_low = Exact::of(self.time_low);
-        checkpoint.control = self.inner.variable.map(|steps| ControlMemory {
-            next: Exact::of(self.density),
-            tries: 0,
-            smallest: Exact::of(steps.smallest),
-            largest: Exact::of(steps.largest),
-            rejected: steps.rejected,
-            failed: steps.failed,
-        });
-        checkpoint.seal();
-        checkpoint
+        let next = Exact::of(self.density);
+        self.inner.variable_checkpoint(self.time_low, next, 0)
     }
 }

@@ -5,8 +5,10 @@ use crate::error::IntegrateError;
 use crate::options::common::Words;
 use crate::options::integrator::Integrator;
 use crate::steppers::stepper::Stepper;
+use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
+use equip_solver::Core;
 use std::fmt;
 
 /// How an [`Integrator`] sizes its steps: [`Fixed`](crate::Fixed), [`Tolerance`](crate::Tolerance) or
@@ -72,6 +74,20 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     }
 }
 
+impl<T: Float, E: Evaluate<T>, S: Advance<T, E>> Followed<T, E> for S {
+    fn core(&self) -> &Core<T, E> {
+        &self.inner().core
+    }
+
+    fn core_mut(&mut self) -> &mut Core<T, E> {
+        &mut self.inner_mut().core
+    }
+
+    fn time_reached(&self) -> T {
+        self.inner().time
+    }
+}
+
 /// What steppers of all step sizes have in common, as whole runs and preparations use it.
 pub trait Advance<T: Float, E: Evaluate<T>> {
     /// State, references and defects.
@@ -88,7 +104,7 @@ pub trait Advance<T: Float, E: Evaluate<T>> {
     /// # Errors
     /// When the checkpoint is damaged.
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>>;
-    /// The run as it is now.
+    /// The run in its present state.
     fn save(&mut self) -> Checkpoint;
     /// Steps are to meet this time from now on.
     ///
@@ -105,5 +121,7 @@ pub trait Advance<T: Float, E: Evaluate<T>> {
     /// What rounding lost of the time.
     fn time_low(&self) -> T;
     /// Time at the end of the next step where that is known, and outputs before it take steps of their own.
-    fn next_time(&self) -> Option<T>;
+    fn next_time(&self) -> Option<T> {
+        None
+    }
 }

@@ -1,15 +1,14 @@
 //! [`Stepper`]: the run one step at a time.
 
+use crate::control::make::make_step;
 use crate::error::IntegrateError;
-use crate::method::Method;
 use crate::options::common::Words;
+use crate::options::method::Method;
 use crate::report::certificate::Certificate;
 use crate::report::defect::{Defect, Watched};
 use crate::report::variable_steps::VariableSteps;
-use crate::step::make::make_step;
 use crate::steppers::grid::Grid;
 use crate::steppers::view::{Step, StepView};
-use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Core, Counts, Outcome, State};
@@ -62,7 +61,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     }
 
     /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready:
-    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is allocated. After an error the run is as it was.
+    /// every bit is that of a run which has just been [started](crate::Integrator::start), and nothing is
+    /// allocated. After an error the run is as it was.
     ///
     /// # Errors
     /// Faults of the initial values, and an H that is not finite there.
@@ -197,20 +197,6 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             output_steps: 0,
             seconds: self.begun.elapsed().as_secs_f64(),
         }
-    }
-}
-
-impl<T: Float, E> Followed<T, E> for Stepper<T, E> {
-    fn core(&self) -> &Core<T, E> {
-        &self.core
-    }
-
-    fn core_mut(&mut self) -> &mut Core<T, E> {
-        &mut self.core
-    }
-
-    fn time_reached(&self) -> T {
-        self.time
     }
 }
 

@@ -1,9 +1,9 @@
 //! + − × ÷ and the remainder.
 //!
-//! Each operator runs the published algorithm and then looks at one number, the lower part of the result: it is
-//! NaN exactly when an infinity, a NaN or an overflow (also the one inside Dekker's splitting, above 2⁹⁹⁶) took
-//! part. A cold path sorts these out. The algorithms lose the sign of a zero; it is put back from the leading
-//! operation.
+//! Each operator runs the published algorithm and then looks at one number, the lower part of the result: it
+//! is NaN exactly when an infinity, a NaN or an overflow (also the one inside Dekker's splitting, above 2⁹⁹⁶)
+//! took part. A cold path sorts these out. The algorithms lose the sign of a zero; it is put back from the
+//! leading operation.
 
 use super::natural::Natural;
 use super::number::{DoubleDouble, dd};
@@ -146,8 +146,8 @@ impl Div for DoubleDouble {
 
 impl Rem for DoubleDouble {
     type Output = Self;
-    /// The remainder of truncated division, with the sign of the dividend: exact wherever it fits two doubles, by
-    /// long division of integers (slow, up to 0.1 ms when the quotient has 2000 bits).
+    /// The remainder of truncated division, with the sign of the dividend: exact wherever it fits two
+    /// doubles, by long division of integers (slow, up to 0.1 ms when the quotient has 2000 bits).
     fn rem(self, other: Self) -> Self {
         let special = self.hi % other.hi;
         if self.hi == 0.0 || special.is_nan() || other.is_infinite() {

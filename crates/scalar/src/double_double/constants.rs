@@ -1,7 +1,7 @@
 //! Mathematical constants and limits.
 //!
-//! Each pair is the nearest one: hi = RN(c), lo = RN(c − hi). `tests/double_double_tables.rs` recomputes all of
-//! them at 400 bits.
+//! Each pair is the nearest one: hi = RN(c), lo = RN(c − hi). `tests/double_double_tables.rs` recomputes all
+//! of them at 400 bits.
 #![allow(clippy::approx_constant)] // They are not approximations of the constants of std, they extend them.
 
 use super::number::{DoubleDouble, dd};
@@ -13,8 +13,9 @@ impl DoubleDouble {
     pub const ONE: Self = dd(1.0, 0.0);
     /// 1/3.
     pub const THIRD: Self = dd(0.3333333333333333, 1.850371707708594e-17);
-    /// 2⁻¹⁰⁴, the unit in which errors of double-double arithmetic are counted: sums are within 0.75, products
-    /// within 1.25 of it. Two numbers may lie closer (1 and 1 + 2⁻¹⁰⁷⁴ are different), but no arithmetic resolves that.
+    /// 2⁻¹⁰⁴, the unit in which errors of double-double arithmetic are counted: sums are within 0.75,
+    /// products within 1.25 of it. Two numbers may lie closer (1 and 1 + 2⁻¹⁰⁷⁴ are different), but no
+    /// arithmetic resolves that.
     pub const EPSILON: Self = dd(4.930380657631324e-32, 0.0);
     /// Largest finite number: the largest double and the largest lower part that does not round it up.
     pub const MAX: Self = dd(f64::MAX, 9.979201547673598e+291);

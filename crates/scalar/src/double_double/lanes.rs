@@ -1,9 +1,10 @@
 //! [`DoubleDoubles`]: N double-doubles that undergo the same operations.
 //!
-//! Upper and lower words lie in [`Lanes`] of their own. Arithmetic, √, |x| and whole powers are vector instructions inside a
-//! [`Kernel`](crate::Kernel), without branches; one test of all lanes a result finds what [`DoubleDouble`] does by other
-//! means (infinities, NaN, numbers near the limits of the exponent), and then every lane is done as a `DoubleDouble`. So each lane has every bit of a
-//! computation with that number alone. The other elementary functions are N calls.
+//! Upper and lower words lie in [`Lanes`] of their own. Arithmetic, √, |x| and whole powers are vector
+//! instructions inside a [`Kernel`](crate::Kernel), without branches; one test of all lanes a result finds
+//! what [`DoubleDouble`] does by other means (infinities, NaN, numbers near the limits of the exponent), and
+//! then every lane is done as a `DoubleDouble`. So each lane has every bit of a computation with that number
+//! alone. The other elementary functions are N calls.
 
 use super::number::{DoubleDouble, dd};
 use super::transforms::{SAFE_MAX, SAFE_MIN, Word};

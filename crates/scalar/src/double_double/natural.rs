@@ -1,7 +1,7 @@
 //! Whole numbers of any length: just enough to print, parse and reduce exactly.
 //!
-//! Schoolbook arithmetic on 32-bit limbs, least significant first [Knuth, TAOCP 2, 4.3.1]. The longest numbers
-//! that occur have about 8000 bits.
+//! Schoolbook arithmetic on 32-bit limbs, least significant first [Knuth, TAOCP 2, 4.3.1]. The longest
+//! numbers that occur have about 8000 bits.
 
 use super::number::DoubleDouble;
 use super::transforms::{exponent, power_of_two};

@@ -115,7 +115,8 @@ impl Float for DoubleDouble {
         DoubleDouble::is_nan(self)
     }
 
-    /// (s, e) with s + e = a + b exactly and |e| below 2⁻¹⁰⁴ |s|. (Knuth's formula in double-double arithmetic would not be exact.)
+    /// (s, e) with s + e = a + b exactly and |e| below 2⁻¹⁰⁴ |s|. (Knuth's formula in double-double
+    /// arithmetic would not be exact.)
     #[inline]
     fn two_sum(a: Self, b: Self) -> (Self, Self) {
         let ((s, m), (p, q)) = words::distilled(a.words(), b.words());

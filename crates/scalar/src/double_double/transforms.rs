@@ -25,7 +25,8 @@ impl Word for f64 {
         x
     }
 
-    /// Plain builds would have to call for it: by splitting it is the same for all but very small and very large numbers.
+    /// Plain builds would have to call for it: by splitting it is the same for all but very small and very
+    /// large numbers.
     #[inline(always)]
     fn product_rest(a: f64, b: f64, p: f64) -> f64 {
         let rest = rest_by_splitting(a, b, p);
@@ -63,16 +64,16 @@ pub(super) fn fast_two_sum<W: Word>(a: W, b: W) -> (W, W) {
     (s, b - (s - a))
 }
 
-/// a·b = p + e exactly, p = RN(ab), unless e is below the least number (then it is the nearest) or p is not finite: e = RN(ab − p), one operation of
-/// processors that have it.
+/// a·b = p + e exactly, p = RN(ab), unless e is below the least number (then it is the nearest) or p is not
+/// finite: e = RN(ab − p), one operation of processors that have it.
 #[inline(always)]
 pub(super) fn two_prod<W: Word>(a: W, b: W) -> (W, W) {
     let p = a * b;
     (p, W::product_rest(a, b, p))
 }
 
-/// The same e without that operation: a = high + low with at most 26 bits each. [Dekker 1971; Veltkamp] Inexact where ab < 2⁻⁹⁶⁹, NaN where a factor is
-/// above 2⁹⁹⁶.
+/// The same e without that operation: a = high + low with at most 26 bits each. [Dekker 1971; Veltkamp]
+/// Inexact where ab < 2⁻⁹⁶⁹, NaN where a factor is above 2⁹⁹⁶.
 #[inline(always)]
 pub(super) fn rest_by_splitting(a: f64, b: f64, p: f64) -> f64 {
     let split = |a: f64| {

@@ -1,6 +1,8 @@
-//! The algorithms of arithmetic on pairs of words (hi, lo), a word being an `f64` or one in each of several lanes.
+//! The algorithms of arithmetic on pairs of words (hi, lo), a word being an `f64` or one in each of several
+//! lanes.
 //!
-//! Nothing is asked of a word but arithmetic, what a product is rounded by, and one selection, so the lanes have the bits of the numbers one by one. u = 2⁻⁵³.
+//! Nothing is asked of a word but arithmetic, what a product is rounded by, and one selection, so the lanes
+//! have the bits of the numbers one by one. u = 2⁻⁵³.
 
 use super::transforms::{Word, fast_two_sum, two_prod, two_sum};
 
@@ -42,8 +44,9 @@ pub(super) fn over<W: Word>(a: Pair<W>, b: Pair<W>) -> Pair<W> {
     fast_two_sum(q, rest / b.0)
 }
 
-/// One correction of the rounded root s of hi, s + (x − s²)/(2s) [Lefèvre, Louvet, Muller, Picot, Rideau, *Accurate
-/// calculation of Euclidean norms using double-word arithmetic*, ACM TOMS 49 (2023), SQRTDWtoDW], error below 25/8 u².
+/// One correction of the rounded root s of hi, s + (x − s²)/(2s) [Lefèvre, Louvet, Muller, Picot, Rideau,
+/// *Accurate calculation of Euclidean norms using double-word arithmetic*, ACM TOMS 49 (2023), SQRTDWtoDW],
+/// error below 25/8 u².
 #[inline(always)]
 pub(super) fn root<W: Word>(x: Pair<W>, s: W) -> Pair<W> {
     let (p, e) = two_prod(s, s);
@@ -51,7 +54,8 @@ pub(super) fn root<W: Word>(x: Pair<W>, s: W) -> Pair<W> {
     fast_two_sum(s, rest / (W::word(2.0) * s))
 }
 
-/// (s, e) with s + e = a + b exactly and |e| below 2⁻¹⁰⁴ |s|: the four words are distilled by two-sums, the first two are s.
+/// (s, e) with s + e = a + b exactly and |e| below 2⁻¹⁰⁴ |s|: the four words are distilled by two-sums, the
+/// first two are s.
 #[inline(always)]
 pub(super) fn distilled<W: Word>(a: Pair<W>, b: Pair<W>) -> (Pair<W>, Pair<W>) {
     let (s, sl) = two_sum(a.0, b.0);
@@ -69,9 +73,10 @@ pub(super) fn distilled<W: Word>(a: Pair<W>, b: Pair<W>) -> (Pair<W>, Pair<W>) {
     ((s, m), (p, q))
 }
 
-/// A sum of products, its first words added without error, what they and the products lose in one word beside: the error of n
-/// products is below n u² times the sum of their sizes, roughly [Ogita, Rump, Oishi, *Accurate sum and dot product*, SIAM J. Sci. Comput. 26
-/// (2005), Dot2]. Half the operations of as many products and sums, and no chain of them longer than two.
+/// A sum of products, its first words added without error, what they and the products lose in one word
+/// beside: the error of n products is below n u² times the sum of their sizes, roughly [Ogita, Rump, Oishi,
+/// *Accurate sum and dot product*, SIAM J. Sci. Comput. 26 (2005), Dot2]. Half the operations of as many
+/// products and sums, and no chain of them longer than two.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Dot<W> {
     sum: W,
@@ -101,8 +106,9 @@ impl<W: Word> Dot<W> {
     }
 }
 
-/// A sum of pairs in three words: the first two are added without error, what they lose is added up in the third. [Rump, Ogita, Oishi, *Accurate
-/// floating-point summation*, SIAM J. Sci. Comput. 31 (2008), SumK for K = 3, the lower words entering one level below the upper ones.]
+/// A sum of pairs in three words: the first two are added without error, what they lose is added up in the
+/// third. [Rump, Ogita, Oishi, *Accurate floating-point summation*, SIAM J. Sci. Comput. 31 (2008), SumK for
+/// K = 3, the lower words entering one level below the upper ones.]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sum<W> {
     pub(super) words: [W; 3],

@@ -145,7 +145,8 @@ macro_rules! simba_glue {
     };
 }
 
-/// The inclusions nalgebra converts along. As in simba they stand for "both are reals": nothing is ever outside.
+/// The inclusions nalgebra converts along. As in simba they stand for "both are reals": nothing is ever
+/// outside.
 macro_rules! subset_glue {
     ($t:ty; $($subset:ty => $up:expr, $down:expr);*) => {$(
         impl ::simba::scalar::SubsetOf<$t> for $subset {

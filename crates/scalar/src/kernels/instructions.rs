@@ -1,26 +1,30 @@
 //! [`InstructionSet`]: SIMD instructions chosen when the program runs, without build flags.
 //!
 //! A [`Kernel`] is compiled once for each set, because its `run` is inlined into a function that may use the
-//! set's instructions. Which of them is called depends on what the processor has. Every set computes the same bits:
-//! lanes are independent, sums keep their order, and Rust never contracts a product and a sum into one rounding. Where the two are to be rounded once,
-//! [`f64::mul_add`] says so: an instruction for AVX2 and AVX-512, a call in plain builds of x86-64.
+//! set's instructions. Which of them is called depends on what the processor has. Every set computes the same
+//! bits: lanes are independent, sums keep their order, and Rust never contracts a product and a sum into one
+//! rounding. Where the two are to be rounded once, [`f64::mul_add`] says so: an instruction for AVX2 and
+//! AVX-512, a call in plain builds of x86-64.
 //!
-//! The environment variable `EQUIP_SIMD` (`none`, `avx2` or `avx512`), read once in a program, limits the choice.
+//! The environment variable `EQUIP_SIMD` (`none`, `avx2` or `avx512`), read once in a program, limits the
+//! choice.
 
 use std::sync::OnceLock;
 
-/// A computation to be compiled for every instruction set. Mark `run`, and all it calls, `#[inline(always)]`: a function that
-/// is not inlined keeps the instructions of the plain build.
+/// A computation to be compiled for every instruction set. Mark `run`, and all it calls, `#[inline(always)]`:
+/// a function that is not inlined keeps the instructions of the plain build.
 ///
-/// It is run where it stands: a struct of slices that is moved is copied in pieces larger than those it was just written in, and the
-/// processor waits for all earlier results before it reads them (100 cycles in a stage sweep).
+/// It is run where it stands: a struct of slices that is moved is copied in pieces larger than those it was
+/// just written in, and the processor waits for all earlier results before it reads them (100 cycles in a
+/// stage sweep).
 pub trait Kernel {
     /// What it returns.
     type Output;
     /// The computation.
     fn run(&mut self) -> Self::Output;
 
-    /// The same for sets with 16 registers of at most four doubles, where AVX-512 has 32 of eight: for kernels that keep more in registers than fits there.
+    /// The same for sets with 16 registers of at most four doubles, where AVX-512 has 32 of eight: for
+    /// kernels that keep more in registers than fits there.
     #[inline(always)]
     fn run_narrow(&mut self) -> Self::Output {
         self.run()
@@ -59,7 +63,8 @@ impl InstructionSet {
     /// What every processor of the target has; on x86-64 two doubles at a time.
     pub const PORTABLE: Self = InstructionSet(Level::Portable);
 
-    /// AVX2 with fused multiply-add, which all processors but a few have that have AVX2: four doubles at a time.
+    /// AVX2 with fused multiply-add, which all processors but a few have that have AVX2: four doubles at a
+    /// time.
     pub fn avx2() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
@@ -88,7 +93,8 @@ impl InstructionSet {
             .flatten()
     }
 
-    /// The widest of this processor, at most that named by `EQUIP_SIMD`; any other text there is as if it were not set.
+    /// The widest of this processor, at most that named by `EQUIP_SIMD`; any other text there is as if it
+    /// were not set.
     pub fn best() -> Self {
         static BEST: OnceLock<InstructionSet> = OnceLock::new();
         *BEST.get_or_init(|| {
@@ -101,8 +107,8 @@ impl InstructionSet {
         })
     }
 
-    /// Runs the kernel with these instructions, if they are more than those of the plain build: for kernels that are compiled anew for every
-    /// type they are used with, and are not worth it without wide vectors.
+    /// Runs the kernel with these instructions, if they are more than those of the plain build: for kernels
+    /// that are compiled anew for every type they are used with, and are not worth it without wide vectors.
     #[inline(always)]
     pub fn run_wide<K: Kernel>(self, kernel: &mut K) -> Option<K::Output> {
         match self.0 {
@@ -153,7 +159,8 @@ mod x86_64 {
     pub(super) fn run_wide<K: Kernel>(level: Level, kernel: &mut K) -> K::Output {
         match level {
             Level::Portable => unreachable!("the plain build has no wide vectors"),
-            // SAFETY: the level is private and made in `InstructionSet::avx2` only, after the processor was asked.
+            // SAFETY: the level is private and made in `InstructionSet::avx2` only, after the processor was
+            // asked.
             Level::Avx2 => unsafe { avx2(kernel) },
             // SAFETY: the same, in `InstructionSet::avx512`.
             Level::Avx512 => unsafe { avx512(kernel) },

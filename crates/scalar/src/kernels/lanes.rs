@@ -1,8 +1,9 @@
 //! [`Lanes`]: N doubles that undergo the same operations.
 //!
-//! Everything is done lane by lane through the functions of `f64`, so each lane has every bit of a computation with that
-//! `f64` alone. Arithmetic, √, |x|, min, max and the selections of [`Piecewise`] become vector instructions inside a
-//! [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin` over 8 lanes: 68 ns).
+//! Everything is done lane by lane through the functions of `f64`, so each lane has every bit of a
+//! computation with that `f64` alone. Arithmetic, √, |x|, min, max and the selections of [`Piecewise`] become
+//! vector instructions inside a [`Kernel`](crate::Kernel); the other elementary functions are N calls (`sin`
+//! over 8 lanes: 68 ns).
 
 use crate::constant::Constant;
 use crate::half_power::{half_power, half_power_slope};
@@ -100,7 +101,8 @@ impl<const N: usize> Scalar for Lanes<N> {
     #[inline(always)]
     fn powi(x: Self, n: i32) -> Self {
         match n {
-            // Without the loop, which the compiler does not always unroll: a chain's gradient takes three quarters of the time.
+            // Without the loop, which the compiler does not always unroll: a chain's gradient takes three
+            // quarters of the time.
             3 => return x * (x * x),
             4 => return (x * x) * (x * x),
             5 => return x * ((x * x) * (x * x)),
@@ -199,7 +201,8 @@ impl<const N: usize> Pack<f64, N> for Lanes<N> {
 
     #[inline(always)]
     fn two_sum(a: Self, b: Self) -> (Self, Self) {
-        // Operation by operation: of lanes that are gone through one by one the compiler does not always make vectors.
+        // Operation by operation: of lanes that are gone through one by one the compiler does not always make
+        // vectors.
         let sum = a + b;
         let b_part = sum - a;
         (sum, (a - (sum - b_part)) + (b - b_part))

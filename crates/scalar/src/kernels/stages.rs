@@ -7,10 +7,11 @@ use std::hint::black_box;
 
 /// Z_i = Σ_j K_ij L_j for every component, `stages` being the number of i and of j.
 ///
-/// Layout: component c of stage i stands at `c·stride + i` in `l` and `z`; K stands **column by column**, `k[j·stride + i]` =
-/// K_ij, with `stages` ≤ `stride`. The places between `stages` and `stride` of K are read and become finite places of `z` if they
-/// are finite; those of `l` are not used. The sum runs over j = 0, 1, …, with fused products of doubles, of double-doubles as one dot product ([`Pack::dot`]): the same bits on every instruction set.
-/// Cost: s² products for each component; 8 stages fill vectors of 8 doubles.
+/// Layout: component c of stage i stands at `c·stride + i` in `l` and `z`; K stands **column by column**,
+/// `k[j·stride + i]` = K_ij, with `stages` ≤ `stride`. The places between `stages` and `stride` of K are read
+/// and become finite places of `z` if they are finite; those of `l` are not used. The sum runs over j = 0, 1,
+/// …, with fused products of doubles, of double-doubles as one dot product ([`Pack::dot`]): the same bits on
+/// every instruction set. Cost: s² products for each component; 8 stages fill vectors of 8 doubles.
 ///
 /// # Panics
 /// If `l` and `z` differ in length, or `k` has fewer than `stages` columns.
@@ -172,7 +173,8 @@ impl Mix<'_> {
         }
         let (l, z) = (self.l.as_chunks::<N>().0, self.z.as_chunks_mut::<N>().0);
         for (l, z) in l.iter().zip(z) {
-            // One component after the other: eight at a time the compiler would gather their numbers from eight rows.
+            // One component after the other: eight at a time the compiler would gather their numbers from
+            // eight rows.
             let l = black_box(l);
             let mut sum = k[0] * Lanes::splat(l[0]);
             for j in 1..S {
@@ -182,7 +184,8 @@ impl Mix<'_> {
         }
     }
 
-    /// Two groups of 8 lanes and S columns: K is too long for the registers, and is read for two components at a time.
+    /// Two groups of 8 lanes and S columns: K is too long for the registers, and is read for two components
+    /// at a time.
     #[inline(always)]
     fn two_groups<const S: usize>(&mut self) {
         let Some(columns) = self.k.as_chunks().0.as_chunks::<2>().0.first_chunk::<S>() else {

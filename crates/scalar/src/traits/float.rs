@@ -19,11 +19,13 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
     const NAME: &'static str;
     /// Bits of the significand.
     const MANTISSA_BITS: u32;
-    /// Decimal digits that print and parse back to the same number. Of the numbers of double-double only those that
-    /// have no gap between the two parts need this few; `Display` without a precision finds the digits a number needs.
+    /// Decimal digits that print and parse back to the same number. Of the numbers of double-double only
+    /// those that have no gap between the two parts need this few; `Display` without a precision finds the
+    /// digits a number needs.
     const ROUND_TRIP_DIGITS: usize;
-    /// The unit in which relative errors of arithmetic are counted. For `f64` 2⁻⁵², 2^(1 − [`MANTISSA_BITS`](Self::MANTISSA_BITS)).
-    /// For double-double 2⁻¹⁰⁴, twice that, because its arithmetic rounds to that only (sums within 0.75, products within 1.25 of it).
+    /// The unit in which relative errors of arithmetic are counted. For `f64` 2⁻⁵², 2^(1 −
+    /// [`MANTISSA_BITS`](Self::MANTISSA_BITS)). For double-double 2⁻¹⁰⁴, twice that, because its arithmetic
+    /// rounds to that only (sums within 0.75, products within 1.25 of it).
     const EPSILON: Self;
     /// Largest finite number.
     const MAX: Self;
@@ -34,7 +36,8 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
     /// Not a number.
     const NAN: Self;
 
-    /// Whether this is `f64`, so that [`as_doubles`](Self::as_doubles) gives the numbers: where code for the one or the other need not be compiled.
+    /// Whether this is `f64`, so that [`as_doubles`](Self::as_doubles) gives the numbers: where code for the
+    /// one or the other need not be compiled.
     const IS_DOUBLE: bool = false;
     /// Whether this is [`DoubleDouble`](crate::DoubleDouble).
     const IS_DOUBLE_DOUBLE: bool = false;
@@ -72,7 +75,8 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
             .rev()
             .fold(Self::int(0), |sum, &part| sum + Self::exact(part))
     }
-    /// The slice as doubles, if this type is `f64`: how generic code reaches what is computed in [`Lanes`](crate::Lanes).
+    /// The slice as doubles, if this type is `f64`: how generic code reaches what is computed in
+    /// [`Lanes`](crate::Lanes).
     #[inline(always)]
     fn as_doubles(_: &[Self]) -> Option<&[f64]> {
         None

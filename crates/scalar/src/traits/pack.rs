@@ -4,9 +4,11 @@ use super::piecewise::Piecewise;
 use super::scalar::Scalar;
 use crate::constant::Constant;
 
-/// N numbers side by side, in the form that vector instructions take: for generic code that does the same for many numbers.
+/// N numbers side by side, in the form that vector instructions take: for generic code that does the same for
+/// many numbers.
 ///
-/// Each place has every bit of a computation with that number alone. In memory the numbers stay one behind the other, as `[T; N]`.
+/// Each place has every bit of a computation with that number alone. In memory the numbers stay one behind
+/// the other, as `[T; N]`.
 ///
 /// ```
 /// use equip_scalar::{DoubleDouble, Float, Pack, Scalar};
@@ -31,7 +33,8 @@ pub trait Pack<T: Scalar, const N: usize>: Piecewise {
     /// As [`Float::two_sum`](crate::Float::two_sum).
     fn two_sum(a: Self, b: Self) -> (Self, Self);
 
-    /// The first N numbers of a slice. Of a shorter one, which must not be empty, the last number fills the rest.
+    /// The first N numbers of a slice. Of a shorter one, which must not be empty, the last number fills the
+    /// rest.
     #[inline(always)]
     fn load(from: &[T]) -> Self {
         match from.first_chunk::<N>() {
@@ -60,8 +63,9 @@ pub trait Pack<T: Scalar, const N: usize>: Piecewise {
         }
     }
 
-    /// The sum of all numbers of these packs, and what rounding it to one number has lost, so that both together are about as exact as sums with twice the
-    /// digits. Half is added to half, so that the chain of additions is short.
+    /// The sum of all numbers of these packs, and what rounding it to one number has lost, so that both
+    /// together are about as exact as sums with twice the digits. Half is added to half, so that the chain of
+    /// additions is short.
     #[inline(always)]
     fn total(packs: &[[T; N]]) -> (T, T) {
         let (mut sum, mut lost) = (zero::<T, Self, N>(), zero::<T, Self, N>());
@@ -78,8 +82,8 @@ pub trait Pack<T: Scalar, const N: usize>: Piecewise {
         (sum.numbers()[0], lost.numbers()[0])
     }
 
-    /// Σ_j a_jg·b_j for one place g of several, in this order. Products and sums are rounded each for itself in floats that do so
-    /// cheaply; in others the sum as a whole is as exact as that.
+    /// Σ_j a_jg·b_j for one place g of several, in this order. Products and sums are rounded each for itself
+    /// in floats that do so cheaply; in others the sum as a whole is as exact as that.
     #[inline(always)]
     fn dot<const G: usize>(a: &[[Self; G]], g: usize, b: &[T]) -> Self {
         let mut terms = a.iter().zip(b);

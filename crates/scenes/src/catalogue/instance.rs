@@ -26,7 +26,8 @@ pub struct Instance {
 impl Scene {
     /// The scene with the given parameter values, the others at their defaults.
     ///
-    /// Values are text, a decimal or a quotient of integers, so that a run in double-double reads `0.1` as 1/10.
+    /// Values are text, a decimal or a quotient of integers, so that a run in double-double reads `0.1` as
+    /// 1/10.
     ///
     /// ```
     /// let kepler = equip_scenes::find("kepler")?.instance(&[("e", "0.9")])?;
@@ -36,8 +37,8 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError`], naming what is allowed, for a parameter that is unknown, given twice, not a number, not a
-    /// whole number where one is asked for, or out of range.
+    /// [`SceneError`], naming what is allowed, for a parameter that is unknown, given twice, not a number,
+    /// not a whole number where one is asked for, or out of range.
     pub fn instance(&'static self, values: &[(&str, &str)]) -> Result<Instance, SceneError> {
         let values = read_all(self.name, self.parameters, values)?;
         let model = (self.build)(&values)?;
@@ -64,7 +65,8 @@ impl Instance {
         })
     }
 
-    /// The scene, parameters and initial data of a stored reference solution (see [`reference_names`](crate::reference_names)).
+    /// The scene, parameters and initial data of a stored reference solution (see
+    /// [`reference_names`](crate::reference_names)).
     ///
     /// Where the reference started from doubles, so does the instance, in every float type.
     ///
@@ -129,10 +131,11 @@ impl Instance {
         self.model.end()
     }
 
-    /// The exact state at time `t`, where a closed form is known: cost of a few dozen elementary functions in `T`.
+    /// The exact state at time `t`, where a closed form is known: cost of a few dozen elementary functions in
+    /// `T`.
     ///
-    /// Its error grows like that of the phase, some ε·t/period. A run in f64 starts from a start rounded to f64; to
-    /// measure its error alone use [`flow`](Self::flow) in a wider type, from that start.
+    /// Its error grows like that of the phase, some ε·t/period. A run in f64 starts from a start rounded to
+    /// f64; to measure its error alone use [`flow`](Self::flow) in a wider type, from that start.
     pub fn exact<T: Float>(&self, t: T) -> Option<(Vec<T>, Vec<T>)> {
         match self.start {
             None => self.model.exact(t),
@@ -140,8 +143,8 @@ impl Instance {
         }
     }
 
-    /// The exact state a time `t` after any state (q, p), for scenes whose general solution is closed: kepler (bound orbits),
-    /// harmonic, pendulum, quartic.
+    /// The exact state a time `t` after any state (q, p), for scenes whose general solution is closed: kepler
+    /// (bound orbits), harmonic, pendulum, quartic.
     ///
     /// # Panics
     /// If q or p is shorter than the degrees of freedom.

@@ -95,7 +95,8 @@ pub fn find(name: &str) -> Result<&'static Scene, SceneError> {
     })
 }
 
-/// Levenshtein's distance, insertions, deletions and replacements counting one; less if one name begins the other.
+/// Levenshtein's distance, insertions, deletions and replacements counting one; less if one name begins the
+/// other.
 fn distance(a: &str, b: &str) -> usize {
     if !a.is_empty() && (a.starts_with(b) || b.starts_with(a)) {
         return 0;

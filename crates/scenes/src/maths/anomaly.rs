@@ -1,10 +1,12 @@
 //! Kepler's problem in closed form: the state after time t on an ellipse through a given state.
 //!
-//! Lagrange's f and g with the eccentric anomaly difference x, [Danby, Fundamentals of Celestial Mechanics, 6]:
+//! Lagrange's f and g with the eccentric anomaly difference x, [Danby, Fundamentals of Celestial Mechanics,
+//! 6]:
 //!
 //! x − (1 − ρ) sin x + σ (1 − cos x) = n t,   ρ = r₀/a = 1 − e cos E₀,   σ = q₀·p₀/√(μa) = e sin E₀.
 //!
-//! The left side is evaluated as ρx + (1 − ρ)(x − sin x) + 2σ sin²(x/2), which loses nothing where e → 1 and x → 0.
+//! The left side is evaluated as ρx + (1 − ρ)(x − sin x) + 2σ sin²(x/2), which loses nothing where e → 1 and
+//! x → 0.
 
 use equip_scalar::Float;
 

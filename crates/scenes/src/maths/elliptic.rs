@@ -1,8 +1,9 @@
-//! Jacobi's elliptic functions by the arithmetic–geometric mean, for closed forms of pendulum and quartic oscillator.
+//! Jacobi's elliptic functions by the arithmetic–geometric mean, for closed forms of pendulum and quartic
+//! oscillator.
 //!
-//! [Abramowitz, Stegun, 16.4 and 17.6]: a_{n+1} = (a_n + b_n)/2, b_{n+1} = √(a_n b_n), c_{n+1} = (a_n − b_n)/2 from
-//! a_0 = 1, b_0 = k', then φ_N = 2^N a_N u and sin(2φ_{n−1} − φ_n) = (c_n/a_n) sin φ_n downwards. Ten rounds reach
-//! double-double for every k' > 1e-30. The angle is taken by atan2, whose condition does not
+//! [Abramowitz, Stegun, 16.4 and 17.6]: a_{n+1} = (a_n + b_n)/2, b_{n+1} = √(a_n b_n), c_{n+1} = (a_n −
+//! b_n)/2 from a_0 = 1, b_0 = k', then φ_N = 2^N a_N u and sin(2φ_{n−1} − φ_n) = (c_n/a_n) sin φ_n downwards.
+//! Ten rounds reach double-double for every k' > 1e-30. The angle is taken by atan2, whose condition does not
 //! suffer where c_n/a_n is near 1.
 
 use equip_scalar::Float;

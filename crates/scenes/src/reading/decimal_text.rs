@@ -1,7 +1,7 @@
 //! Numbers written as text, kept exact.
 //!
-//! A decimal or a quotient of integers becomes a constant that every float type reads in its own precision: a double if
-//! it is one, else n/d in lowest terms, and only if that is too long a double-double.
+//! A decimal or a quotient of integers becomes a constant that every float type reads in its own precision: a
+//! double if it is one, else n/d in lowest terms, and only if that is too long a double-double.
 
 use equip_scalar::{Constant, DoubleDouble, Float, ratio};
 

@@ -1,9 +1,10 @@
 //! The table of stored reference end states.
 //!
-//! The rows that start from doubles were computed with two independent methods in extended precision, and `trusted_error` bounds
-//! their difference; the doubles stand in their shortest decimal form, which reads back to the same double. The other rows
-//! start from the exact decimals of their scene, and `trusted_error` is a unit of the last digit stored; for the
-//! Arenstorf orbit it is the distance by which a Taylor series of order 40 in 45 digits misses the start after one period.
+//! The rows that start from doubles were computed with two independent methods in extended precision, and
+//! `trusted_error` bounds their difference; the doubles stand in their shortest decimal form, which reads
+//! back to the same double. The other rows start from the exact decimals of their scene, and `trusted_error`
+//! is a unit of the last digit stored; for the Arenstorf orbit it is the distance by which a Taylor series of
+//! order 40 in 45 digits misses the start after one period.
 #![allow(clippy::unreadable_literal)]
 
 use super::stored::{Doubles, End, ReferenceData};

@@ -1,8 +1,8 @@
 //! The restricted problem of three bodies in the rotating frame, on Arenstorf's closed orbits.
 //!
-//! H = ½(p₁² + p₂²) + p₁q₂ − p₂q₁ − (1 − μ)/|q + (μ, 0)| − μ/|q − (1 − μ, 0)|, p = (q̇₁ − q₂, q̇₂ + q₁), [Arenstorf, Amer. J. Math. 85,
-//! 1963; Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.0]. Both orbits were recomputed with 45 digits: they
-//! return to their start within 5e-27 and 4e-26.
+//! H = ½(p₁² + p₂²) + p₁q₂ − p₂q₁ − (1 − μ)/|q + (μ, 0)| − μ/|q − (1 − μ, 0)|, p = (q̇₁ − q₂, q̇₂ + q₁),
+//! [Arenstorf, Amer. J. Math. 85, 1963; Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I,
+//! II.0]. Both orbits were recomputed with 45 digits: they return to their start within 5e-27 and 4e-26.
 
 use crate::entry::Entry;
 use crate::model::{Model, State, View, read};

@@ -1,8 +1,9 @@
 //! A charged particle in a plane across a magnetic field that grows with the distance.
 //!
-//! H = ½|p − A(q)|² + c/|q|, A = (b/3)|q|(−q₂, q₁), B = ∂₁A₂ − ∂₂A₁ = b|q|, [Qin et al., Why is Boris algorithm so good?, Phys. Plasmas 20,
-//! 2013; Hairer, Lubich, Energy behaviour of the Boris method, BIT 58, 2018], with b = 1, c = 1/100, q = (0, −1), q̇ = (0.1, 0.01).
-//! Both A and U are unchanged by turns, so q₁p₂ − q₂p₁ is kept.
+//! H = ½|p − A(q)|² + c/|q|, A = (b/3)|q|(−q₂, q₁), B = ∂₁A₂ − ∂₂A₁ = b|q|, [Qin et al., Why is Boris
+//! algorithm so good?, Phys. Plasmas 20, 2013; Hairer, Lubich, Energy behaviour of the Boris method, BIT 58,
+//! 2018], with b = 1, c = 1/100, q = (0, −1), q̇ = (0.1, 0.01). Both A and U are unchanged by turns, so q₁p₂
+//! − q₂p₁ is kept.
 
 use crate::entry::Entry;
 use crate::invariant::{Invariant, angular_momenta};

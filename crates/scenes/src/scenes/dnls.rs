@@ -1,12 +1,12 @@
 //! The discrete nonlinear Schrödinger equation on a ring.
 //!
-//! With ψ_j = (q_j + i p_j)/√2: i ψ̇_j = −(ψ_{j+1} − 2ψ_j + ψ_{j−1}) − γ|ψ_j|²ψ_j comes from, [Kevrekidis, The Discrete Nonlinear Schrödinger
-//! Equation, 2009, 1.1],
+//! With ψ_j = (q_j + i p_j)/√2: i ψ̇_j = −(ψ_{j+1} − 2ψ_j + ψ_{j−1}) − γ|ψ_j|²ψ_j comes from, [Kevrekidis,
+//! The Discrete Nonlinear Schrödinger Equation, 2009, 1.1],
 //!
 //! H = ½ Σ [(q_{j+1} − q_j)² + (p_{j+1} − p_j)²] − (γ/8) Σ (q_j² + p_j²)².
 //!
-//! The norm ½ Σ (q_j² + p_j²) is kept. Start q_j = A(1 + δ cos(2πj/n)), p = 0; with δ = 0 the ring turns as one,
-//! q_j + i p_j = A e^{iγA²t/2}.
+//! The norm ½ Σ (q_j² + p_j²) is kept. Start q_j = A(1 + δ cos(2πj/n)), p = 0; with δ = 0 the ring turns as
+//! one, q_j + i p_j = A e^{iγA²t/2}.
 
 use crate::entry::Entry;
 use crate::invariant::{Invariant, InvariantKind};

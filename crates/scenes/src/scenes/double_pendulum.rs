@@ -1,11 +1,13 @@
 //! The double pendulum, plain and with a stiff spring between its rods.
 //!
-//! In Q = (θ₁, θ₂ − θ₁) and its momenta, [Antoñana, Makazaga, Murua, Numer. Algorithms 76 (2017) and 78 (2018)]:
+//! In Q = (θ₁, θ₂ − θ₁) and its momenta, [Antoñana, Makazaga, Murua, Numer. Algorithms 76 (2017) and 78
+//! (2018)]:
 //!
 //! H = (C₁P₂² + C₂D² + C₃P₂D cos Q₂)/(C₄ − C₅ cos 2Q₂) − C₆ cos Q₁ − C₇ cos(Q₁ + Q₂) + ½C²Q₂²,   D = P₂ − P₁,
 //!
-//! C₁ = l₁²(m₁ + m₂), C₂ = l₂²m₂, C₃ = 2l₁l₂m₂, C₄ = l₁²l₂²m₂(2m₁ + m₂), C₅ = l₁²l₂²m₂², C₆ = gl₁(m₁ + m₂), C₇ = gl₂m₂,
-//! here with unit masses and lengths. H is not separable. The stiff start has Q₂ = −1.1/√(1 + 100C²).
+//! C₁ = l₁²(m₁ + m₂), C₂ = l₂²m₂, C₃ = 2l₁l₂m₂, C₄ = l₁²l₂²m₂(2m₁ + m₂), C₅ = l₁²l₂²m₂², C₆ = gl₁(m₁ + m₂),
+//! C₇ = gl₂m₂, here with unit masses and lengths. H is not separable. The stiff start has Q₂ = −1.1/√(1 +
+//! 100C²).
 
 use crate::entry::Entry;
 use crate::invariant::{Invariant, InvariantKind};

@@ -1,7 +1,8 @@
 //! A polynomial on which symmetric methods drift in energy and symplectic ones do not.
 //!
-//! H = p³/3 − p/2 + q⁶/30 + q⁴/4 − q³/3 + 1/6, [Faou, Hairer, Pham, Energy conservation with non-symplectic methods: examples and
-//! counter-examples, BIT 44, 2004], from (q, p) = (0, 1), where H = 0. The solution is not symmetric in time.
+//! H = p³/3 − p/2 + q⁶/30 + q⁴/4 − q³/3 + 1/6, [Faou, Hairer, Pham, Energy conservation with non-symplectic
+//! methods: examples and counter-examples, BIT 44, 2004], from (q, p) = (0, 1), where H = 0. The solution is
+//! not symmetric in time.
 
 use crate::entry::Entry;
 use crate::model::{Model, State, View};

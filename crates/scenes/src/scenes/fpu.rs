@@ -1,6 +1,7 @@
 //! Fermi, Pasta and Ulam's chain with alternating soft nonlinear and stiff linear springs.
 //!
-//! [Hairer, Lubich, Wanner, I.5, (5.3)]: slow x_{0,i} and fast x_{1,i}, i = 1..m, in q = (x₀, x₁) and p = (y₀, y₁),
+//! [Hairer, Lubich, Wanner, I.5, (5.3)]: slow x_{0,i} and fast x_{1,i}, i = 1..m, in q = (x₀, x₁) and p =
+//! (y₀, y₁),
 //!
 //! H = ½ Σ (y_{0,i}² + y_{1,i}²) + ½ω² Σ x_{1,i}²
 //!   + ¼[(x_{0,1} − x_{1,1})⁴ + Σ_{i<m} (x_{0,i+1} − x_{1,i+1} − x_{0,i} − x_{1,i})⁴ + (x_{0,m} + x_{1,m})⁴].

@@ -1,8 +1,8 @@
 //! The β-chain of Fermi, Pasta, Ulam and Tsingou.
 //!
-//! H = Σ_{i=1}^{n} ½p_i² + Σ_{i=0}^{n} [½d_i² + ¼β d_i⁴], d_i = q_{i+1} − q_i, q_0 = q_{n+1} = 0, [Fermi, Pasta, Ulam, Tsingou, Los Alamos
-//! LA-1940, 1955]. Start in the first mode, q_i = A sin(πi/(n + 1)), at rest. With β = 0 that mode swings with
-//! ω₁ = 2 sin(π/(2n + 2)) forever.
+//! H = Σ_{i=1}^{n} ½p_i² + Σ_{i=0}^{n} [½d_i² + ¼β d_i⁴], d_i = q_{i+1} − q_i, q_0 = q_{n+1} = 0, [Fermi,
+//! Pasta, Ulam, Tsingou, Los Alamos LA-1940, 1955]. Start in the first mode, q_i = A sin(πi/(n + 1)), at
+//! rest. With β = 0 that mode swings with ω₁ = 2 sin(π/(2n + 2)) forever.
 
 use crate::entry::Entry;
 use crate::model::{Model, State, View};

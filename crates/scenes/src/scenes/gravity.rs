@@ -1,4 +1,5 @@
-//! Bodies that attract each other: H = Σ |p_i|²/(2m_i) − G Σ_{i<j} m_i m_j/|q_i − q_j|, in d dimensions, body after body.
+//! Bodies that attract each other: H = Σ |p_i|²/(2m_i) − G Σ_{i<j} m_i m_j/|q_i − q_j|, in d dimensions, body
+//! after body.
 
 use equip_scalar::{Num, Scalar};
 

@@ -1,6 +1,7 @@
 //! Uncoupled harmonic oscillators.
 //!
-//! H = ½ Σ (p_j² + ω_j² q_j²), ω_j = ω ρ^{j−1}. H is quadratic: every Gauss method keeps it and no α is needed.
+//! H = ½ Σ (p_j² + ω_j² q_j²), ω_j = ω ρ^{j−1}. H is quadratic: every Gauss method keeps it and no α is
+//! needed.
 
 use crate::entry::Entry;
 use crate::invariant::{Invariant, InvariantKind, moment};

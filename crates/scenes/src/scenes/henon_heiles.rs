@@ -1,7 +1,7 @@
 //! Hénon and Heiles' model of a star in a galaxy.
 //!
-//! H = (|p|² + |q|²)/2 + q₁²q₂ − q₂³/3, [Hénon, Heiles, Astron. J. 69, 1964; Hairer, Lubich, Wanner, I.3.1]. The start lies
-//! on the section q₁ = 0, with p₁ > 0 from the energy: p₁ = √(2E − q₂² + ⅔q₂³ − p₂²).
+//! H = (|p|² + |q|²)/2 + q₁²q₂ − q₂³/3, [Hénon, Heiles, Astron. J. 69, 1964; Hairer, Lubich, Wanner, I.3.1].
+//! The start lies on the section q₁ = 0, with p₁ > 0 from the energy: p₁ = √(2E − q₂² + ⅔q₂³ − p₂²).
 
 use crate::entry::Entry;
 use crate::error::SceneError;

@@ -1,7 +1,7 @@
 //! Kepler's problem in the plane.
 //!
-//! H = |p|²/2 − μ/|q|, [Hairer, Lubich, Wanner, Geometric Numerical Integration, I.2.2]; started at the pericentre of an
-//! ellipse with semi-major axis 1: q = (1 − e, 0), p = (0, √(μ(1 + e)/(1 − e))).
+//! H = |p|²/2 − μ/|q|, [Hairer, Lubich, Wanner, Geometric Numerical Integration, I.2.2]; started at the
+//! pericentre of an ellipse with semi-major axis 1: q = (1 − e, 0), p = (0, √(μ(1 + e)/(1 − e))).
 
 use crate::entry::Entry;
 use crate::invariant::{Invariant, InvariantKind, angular_momenta, moment};

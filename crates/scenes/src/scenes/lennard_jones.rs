@@ -1,8 +1,9 @@
 //! Atoms with Lennard–Jones forces in the plane.
 //!
-//! H = ½ Σ |p_i|² + 4 Σ_{i<j} (r_ij⁻¹² − r_ij⁻⁶), in reduced units (depth and diameter 1), [Hairer, Lubich, Wanner, I.4; Allen, Tildesley, Computer Simulation of
-//! Liquids]. Start: the N points of a triangular lattice of spacing 2^{1/6} nearest to the origin, with seeded momenta in a square
-//! of half side `speed` whose mean is taken out. Seven atoms are one atom in a hexagon, as in the frozen argon crystal.
+//! H = ½ Σ |p_i|² + 4 Σ_{i<j} (r_ij⁻¹² − r_ij⁻⁶), in reduced units (depth and diameter 1), [Hairer, Lubich,
+//! Wanner, I.4; Allen, Tildesley, Computer Simulation of Liquids]. Start: the N points of a triangular
+//! lattice of spacing 2^{1/6} nearest to the origin, with seeded momenta in a square of half side `speed`
+//! whose mean is taken out. Seven atoms are one atom in a hexagon, as in the frozen argon crystal.
 
 use crate::entry::Entry;
 use crate::invariant::{Invariant, angular_momenta, linear_momenta};

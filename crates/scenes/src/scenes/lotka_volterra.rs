@@ -1,7 +1,7 @@
 //! Lotka and Volterra's prey and predators in logarithmic variables.
 //!
-//! u̇ = u(v − b), v̇ = v(a − u) with q = ln u, p = ln v comes from H = eᵖ − bp + e^q − aq, [Hairer, Lubich, Wanner, I.1.1], which is
-//! separable and no polynomial in either part.
+//! u̇ = u(v − b), v̇ = v(a − u) with q = ln u, p = ln v comes from H = eᵖ − bp + e^q − aq, [Hairer, Lubich,
+//! Wanner, I.1.1], which is separable and no polynomial in either part.
 
 use crate::entry::Entry;
 use crate::model::{Model, State, View};

@@ -1,8 +1,9 @@
 //! A ring of equal bodies in space.
 //!
-//! H = Σ |p_i|²/(2m) − Σ_{i<j} m²/|q_i − q_j|, m = 1/N, G = 1, [Maxwell 1859; Meyer, Hall, Introduction to Hamiltonian Dynamical Systems, relative
-//! equilibria]. A regular N-gon of radius 1 turns rigidly with Ω² = (m/4) Σ_{k=1}^{N−1} 1/sin(πk/N). The start moves every position
-//! by a seeded vector in the cube of half side δ; with δ = 0 the turning ring is the exact solution (unstable, though).
+//! H = Σ |p_i|²/(2m) − Σ_{i<j} m²/|q_i − q_j|, m = 1/N, G = 1, [Maxwell 1859; Meyer, Hall, Introduction to
+//! Hamiltonian Dynamical Systems, relative equilibria]. A regular N-gon of radius 1 turns rigidly with Ω² =
+//! (m/4) Σ_{k=1}^{N−1} 1/sin(πk/N). The start moves every position by a seeded vector in the cube of half
+//! side δ; with δ = 0 the turning ring is the exact solution (unstable, though).
 
 use super::gravity;
 use crate::entry::Entry;

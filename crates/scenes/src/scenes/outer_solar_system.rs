@@ -1,9 +1,10 @@
 //! The Sun and the outer planets.
 //!
-//! H = Σ |p_i|²/(2m_i) − G Σ_{i<j} m_i m_j/|q_i − q_j|, [Hairer, Lubich, Wanner, I.2.4, Table 2.2]: Sun with the inner
-//! planets, Jupiter, Saturn, Uranus, Neptune, Pluto, on 5 September 1994 in heliocentric coordinates; astronomical units,
-//! days, m in solar masses. The data are the doubles nearest to the table's decimals in every float type, and m_i = (G m_i)/G from
-//! the doubles of the products G m_i, so that the stored reference fits to its last digit.
+//! H = Σ |p_i|²/(2m_i) − G Σ_{i<j} m_i m_j/|q_i − q_j|, [Hairer, Lubich, Wanner, I.2.4, Table 2.2]: Sun with
+//! the inner planets, Jupiter, Saturn, Uranus, Neptune, Pluto, on 5 September 1994 in heliocentric
+//! coordinates; astronomical units, days, m in solar masses. The data are the doubles nearest to the table's
+//! decimals in every float type, and m_i = (G m_i)/G from the doubles of the products G m_i, so that the
+//! stored reference fits to its last digit.
 
 use super::gravity;
 use crate::entry::Entry;

@@ -1,7 +1,7 @@
 //! The mathematical pendulum.
 //!
-//! H = p²/2 − cos q, [Hairer, Lubich, Wanner, I.1.2]. With k² = sin²(q/2) + p²/4 the solutions are, [Lawden, Elliptic
-//! Functions and Applications, 5]:
+//! H = p²/2 − cos q, [Hairer, Lubich, Wanner, I.1.2]. With k² = sin²(q/2) + p²/4 the solutions are, [Lawden,
+//! Elliptic Functions and Applications, 5]:
 //!
 //! - libration, k < 1: sin(q/2) = k sn(u, k), cos(q/2) = dn, p = 2k cn, u = t + t₀;
 //! - rotation, k > 1: q = 2 am(u, 1/k), p = ±2k dn, u = ±kt + u₀;

@@ -1,7 +1,7 @@
 //! Burrau's Pythagorean problem of three bodies.
 //!
-//! Masses 3, 4, 5 at rest in the corners opposite to the sides 3, 4, 5 of a right triangle, G = 1, [Szebehely, Peters,
-//! Astron. J. 72, 1967]. Order of the bodies: 5 at (1, −1), 4 at (−2, −1), 3 at (1, 3).
+//! Masses 3, 4, 5 at rest in the corners opposite to the sides 3, 4, 5 of a right triangle, G = 1,
+//! [Szebehely, Peters, Astron. J. 72, 1967]. Order of the bodies: 5 at (1, −1), 4 at (−2, −1), 3 at (1, 3).
 
 use super::gravity;
 use crate::entry::Entry;

@@ -1,7 +1,7 @@
 //! The quartic oscillator.
 //!
-//! H = p²/2 + q⁴/4: all solutions are one curve scaled. With A = (4E)^{1/4} and Jacobi's functions at k² = 1/2,
-//! q = A cn(At + u₀), p = −A² sn dn, [Abramowitz, Stegun, 16]; u₀ enters by the addition theorem.
+//! H = p²/2 + q⁴/4: all solutions are one curve scaled. With A = (4E)^{1/4} and Jacobi's functions at k² =
+//! 1/2, q = A cn(At + u₀), p = −A² sn dn, [Abramowitz, Stegun, 16]; u₀ enters by the addition theorem.
 
 use crate::entry::Entry;
 use crate::maths::elliptic::{Jacobi, add, jacobi, quarter_period};

@@ -1,8 +1,9 @@
 //! A mass on a stiff spring under gravity, in the plane.
 //!
-//! H = ½|p|² + g q₂ + ½k(|q| − 1)², [Ascher, Reich, On some difficulties in integrating highly oscillatory Hamiltonian systems, 1999].
-//! Start: horizontal, the spring stretched so that the centrifugal force of the speed 1 balances it to first order,
-//! q = (1 + 1/k, 0), p = (0, −1): little energy in the fast motion at any k.
+//! H = ½|p|² + g q₂ + ½k(|q| − 1)², [Ascher, Reich, On some difficulties in integrating highly oscillatory
+//! Hamiltonian systems, 1999]. Start: horizontal, the spring stretched so that the centrifugal force of the
+//! speed 1 balances it to first order, q = (1 + 1/k, 0), p = (0, −1): little energy in the fast motion at any
+//! k.
 
 use crate::entry::Entry;
 use crate::invariant::{Invariant, angular_momenta};

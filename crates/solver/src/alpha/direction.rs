@@ -1,4 +1,5 @@
-//! Directions α = D t in which the α's move: a function of the solution of the stage equations, not of the way to it.
+//! Directions α = D t in which the α's move: a function of the solution of the stage equations, not of the
+//! way to it.
 //!
 //! | needed | from |
 //! |---|---|
@@ -38,7 +39,8 @@ pub(crate) struct Direction<T: Float> {
     x: Vec<T>,
     back: Vec<T>,
     t_l: Vec<T>,
-    /// Motion of each component in the step with α = 0, and that of the component of its group (positions, momenta) that moves most.
+    /// Motion of each component in the step with α = 0, and that of the component of its group (positions,
+    /// momenta) that moves most.
     pub(crate) motion: [Vec<T>; 2],
     /// Motion of each component in the step as it is, 1 over it, and 1 over the size of the component.
     moved: Vec<T>,
@@ -53,7 +55,8 @@ pub(crate) struct Direction<T: Float> {
     v_end: DMatrix<T>,
     d: DMatrix<T>,
     least: LeastDisplacement<T>,
-    /// What the constraints were before the last move and what it was to change them by; what slopes have been found to be off since.
+    /// What the constraints were before the last move and what it was to change them by; what slopes have
+    /// been found to be off since.
     before: Vec<T>,
     predicted: Vec<T>,
     correction: DMatrix<T>,
@@ -130,7 +133,8 @@ impl<T: Float> Direction<T> {
         }
     }
 
-    /// Measures how far each component moves in the step from `y` to `next`, no less than √ε of its size, by which displacements are weighed.
+    /// Measures how far each component moves in the step from `y` to `next`, no less than √ε of its size, by
+    /// which displacements are weighed.
     pub(crate) fn weigh(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
         let rows = iterate.points().chunks_exact(self.stride);
         let ends = y.hi.iter().zip(&next.hi);
@@ -158,8 +162,8 @@ impl<T: Float> Direction<T> {
         })
     }
 
-    /// Takes the directions at the solution in `iterate`, with all its stages, to a relative `tolerance` of their displacements. `None` if there are
-    /// none.
+    /// Takes the directions at the solution in `iterate`, with all its stages, to a relative `tolerance` of
+    /// their displacements. `None` if there are none.
     pub(crate) fn take<E: Evaluate<T>>(
         &mut self,
         (iterate, constraints): (&Iterate<T>, &[Constraint<T>]),
@@ -192,7 +196,8 @@ impl<T: Float> Direction<T> {
         self.has_slopes.then_some(work)
     }
 
-    /// From `alphas` to α = D t with the constraints, to first order, at zero, into `delta`. Returns whether that is finite.
+    /// From `alphas` to α = D t with the constraints, to first order, at zero, into `delta`. Returns whether
+    /// that is finite.
     pub(crate) fn aim(&mut self, alphas: &[T], constraints: &[Constraint<T>]) -> bool {
         let moving = &alphas[self.first..][..self.free];
         for (a, (t, constraint)) in self.t.iter_mut().zip(constraints).enumerate() {
@@ -220,8 +225,8 @@ impl<T: Float> Direction<T> {
         is_finite
     }
 
-    /// A move was made: slopes are those of K(0), and are corrected by what they have promised too much (Broyden 1965), each α in units of its
-    /// displacement.
+    /// A move was made: slopes are those of K(0), and are corrected by what they have promised too much
+    /// (Broyden 1965), each α in units of its displacement.
     pub(crate) fn learn(&mut self, constraints: &[Constraint<T>]) {
         let weighed = |k: usize| {
             let weight = dot(&self.rows[k], &self.rows[k]);

@@ -1,12 +1,12 @@
 //! The α's that change the constraints for the least displacement of the end point.
 //!
-//! The α's move the end point by U α, U = (u_1 … u_f), and the constraints by Vᵀ α. Of all α with Vᵀ α = −g those with the least
-//! ½ |U α|² + ½ r Σ_k |u_k|² α_k² are
+//! The α's move the end point by U α, U = (u_1 … u_f), and the constraints by Vᵀ α. Of all α with Vᵀ α = −g
+//! those with the least ½ |U α|² + ½ r Σ_k |u_k|² α_k² are
 //!
 //! $$ \alpha = D\,t, \qquad D = (G + r\,\mathrm{diag}\,G)^{-1} V, \qquad G = U^T U, $$
 //!
-//! t from the constraints. The norm counts both ends of the step, u_k with the start held and u'_k = −Ψ⁻¹u_k with the end held, each component in units
-//! of its own motion; so D is that of the step made backwards.
+//! t from the constraints. The norm counts both ends of the step, u_k with the start held and u'_k = −Ψ⁻¹u_k
+//! with the end held, each component in units of its own motion; so D is that of the step made backwards.
 //!
 //! Cost: f² n operations and a factorisation of size f, the number of free α's.
 
@@ -32,8 +32,8 @@ impl<T: Float> LeastDisplacement<T> {
         }
     }
 
-    /// D from the displacements, 2n weighted numbers for each free α, and V: column a of both belongs to constraint a. Each column of D has 1 as
-    /// its largest number. Returns whether there is such a D.
+    /// D from the displacements, 2n weighted numbers for each free α, and V: column a of both belongs to
+    /// constraint a. Each column of D has 1 as its largest number. Returns whether there is such a D.
     pub(crate) fn solve(&mut self, rows: &[Vec<T>], v: &DMatrix<T>, d: &mut DMatrix<T>) -> bool {
         let (zero, one) = (T::int(0), T::int(1));
         let finite = |x: T| if x.is_finite() { x } else { zero };

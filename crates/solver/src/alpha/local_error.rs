@@ -7,8 +7,8 @@
 //!
 //! Cost: about s/2 + 2 iterations with s + 2 stages, from the polynomial of the stages that are there.
 
-use crate::options::Preconditioner;
-use crate::outcome::Counts;
+use crate::options::step_options::Preconditioner;
+use crate::outcome::outcome::Counts;
 use crate::step::stages::Stages;
 use equip_autodiff::{Evaluate, Kinetic, Structure};
 use equip_scalar::Float;
@@ -60,8 +60,8 @@ impl<T: Float> LocalError<T> {
         })
     }
 
-    /// The largest component of e in each of these units, of a step of size `h` from `y` whose stages have these L, component by component with this
-    /// `stride`. `None` if it was not found.
+    /// The largest component of e in each of these units, of a step of size `h` from `y` whose stages have
+    /// these L, component by component with this `stride`. `None` if it was not found.
     pub(crate) fn estimate<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,

@@ -2,9 +2,9 @@
 
 use crate::equations::constraint::Constraint;
 use crate::equations::oracle::Oracle;
-use crate::family::{Alphas, Family};
-use crate::options::{Preconditioner, StepOptions};
-use crate::outcome::Outcome;
+use crate::options::family::{Alphas, Family};
+use crate::options::step_options::{Preconditioner, StepOptions};
+use crate::outcome::outcome::Outcome;
 use crate::step::step::Core;
 use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
 use equip_scalar::{DoubleDouble, Float};
@@ -19,7 +19,8 @@ const ALL: [Preconditioner; 5] = [
     Preconditioner::Full,
 ];
 
-/// One step from `y` by each preconditioner and by the equations: the same outcome, and the same end to `most` ε of the largest component.
+/// One step from `y` by each preconditioner and by the equations: the same outcome, and the same end to
+/// `most` ε of the largest component.
 fn compare<T: Float>(
     name: &str,
     h: &Hamiltonian,
@@ -130,7 +131,8 @@ fn systems() -> Vec<Case> {
     ]
 }
 
-/// Measured: at most 40 ε, of solved steps 2e3 ε where the displacement is of 1e-4 (differences of ∇H); headroom 5.
+/// Measured: at most 40 ε, of solved steps 2e3 ε where the displacement is of 1e-4 (differences of ∇H);
+/// headroom 5.
 #[test]
 fn every_preconditioner_solves_the_equations() {
     let mut solved = 0;

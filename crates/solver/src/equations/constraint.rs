@@ -1,17 +1,18 @@
 //! The second half of system (7): g = I(y1) − I_ref = 0, and the floor below which g is round-off.
 //!
-//! I is the energy, or a further invariant that is to be kept. I_ref is its value at the start of the *run*: a defect that one step leaves is removed
-//! by a later one, and does not walk at random.
+//! I is the energy, or a further invariant that is to be kept. I_ref is its value at the start of the *run*:
+//! a defect that one step leaves is removed by a later one, and does not walk at random.
 //!
 //! *Floor* (project note, section 8). With v_k the nodes of the recording of I
 //!
 //! $$ \text{floor} = \varepsilon \Big( \sum_k |v_k\,\partial I/\partial v_k| + \sum_i |y_i\,\partial_i I| \Big) + \nu \sum_i |\partial_i I|\, \sigma_i , $$
 //!
-//! ν being the rounding of stages that have settled, relative to the sizes σ of the components. Floors swing by 30 within one oscillation of a stiff
-//! spring, and a close encounter leaves a defect as large as its own floor: a defect is judged by the largest floor of late, one that fades by
-//! [`FADING`] a step once the defect is below the floor of a step itself.
+//! ν being the rounding of stages that have settled, relative to the sizes σ of the components. Floors swing
+//! by 30 within one oscillation of a stiff spring, and a close encounter leaves a defect as large as its own
+//! floor: a defect is judged by the largest floor of late, one that fades by [`FADING`] a step once the
+//! defect is below the floor of a step itself.
 
-use crate::invariant::Invariant;
+use crate::options::invariant::Invariant;
 use crate::policy::FADING;
 use equip_autodiff::{Evaluate, Hamiltonian, System};
 use equip_scalar::Float;
@@ -70,7 +71,8 @@ impl<T: Float> Constraint<T> {
         (self.defect, self.start_defect, self.floor, self.late) = (zero, zero, zero, zero);
     }
 
-    /// Evaluates I, ∇I and the floor at `y1`; ν is the rounding of the stages relative to `sizes`. Returns whether they are finite.
+    /// Evaluates I, ∇I and the floor at `y1`; ν is the rounding of the stages relative to `sizes`. Returns
+    /// whether they are finite.
     pub(crate) fn evaluate<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
@@ -122,8 +124,8 @@ impl<T: Float> Constraint<T> {
         self.defect.abs() <= self.floor.max(self.late)
     }
 
-    /// g that the step with α = 0 made itself, over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement that is smaller, in units of σ, makes
-    /// or removes it.
+    /// g that the step with α = 0 made itself, over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement
+    /// that is smaller, in units of σ, makes or removes it.
     pub(crate) fn least_displacement(&self, of: T, sizes: &[T]) -> T {
         let both = worth(&self.gradient, sizes) + worth(&self.start_gradient, sizes);
         let least = T::int(2) * of.abs() / both;

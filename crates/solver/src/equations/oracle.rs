@@ -1,4 +1,5 @@
-//! System (7) and the step of which every path of this crate finds the solution: plain loops, full Newton, no shortcut.
+//! System (7) and the step of which every path of this crate finds the solution: plain loops, full Newton, no
+//! shortcut.
 //!
 //! With the stage increments Z_i = Y_i − y0 and L_i = h b_i J∇H(Y_i) the unknowns are Z and α:
 //!
@@ -12,9 +13,10 @@
 //! | D, the α's of least displacement | project note, section 8 | [`direction`] |
 //! | admissible α's | project note, section 8 | [`Oracle::step`] |
 //!
-//! Cost: dense matrices of size s·2m, made and allocated anew in every iteration. Tests compare the solver with it; nothing else calls it.
+//! Cost: dense matrices of size s·2m, made and allocated anew in every iteration. Tests compare the solver
+//! with it; nothing else calls it.
 
-use crate::outcome::Outcome;
+use crate::outcome::outcome::Outcome;
 use crate::policy::{BEYOND_ERROR, FARTHEST, LEADING, RIDGE};
 use equip_autodiff::{Evaluate, System};
 use equip_linear::DenseLu;
@@ -59,7 +61,8 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         }
     }
 
-    /// The step of size `h` from `y` whose defect at the start is `start_defect`. `None` if Newton does not converge.
+    /// The step of size `h` from `y` whose defect at the start is `start_defect`. `None` if Newton does not
+    /// converge.
     pub(crate) fn step(
         &mut self,
         gauss: &Gauss<T>,
@@ -220,7 +223,8 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         each.collect()
     }
 
-    /// D for the energy alone, with 1 as its largest number, and ∂g/∂α; as long as α, zero for the α's that do not move.
+    /// D for the energy alone, with 1 as its largest number, and ∂g/∂α; as long as α, zero for the α's that
+    /// do not move.
     fn direction(
         &mut self,
         gauss: &Gauss<T>,

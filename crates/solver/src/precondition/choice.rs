@@ -1,12 +1,13 @@
 //! Which preconditioner a step is iterated with: the cheapest that contracts.
 //!
-//! A step begins with the one that the last was made with. Where its iteration does not contract it is made anew at the present state, then the next
-//! dearer one is tried: 1 → springs → one ∇²H → ∇²H at all stages. A cheaper one that has failed is tried again after 1, 2, 4, … steps.
+//! A step begins with the one that the last was made with. Where its iteration does not contract it is made
+//! anew at the present state, then the next dearer one is tried: 1 → springs → one ∇²H → ∇²H at all stages. A
+//! cheaper one that has failed is tried again after 1, 2, 4, … steps.
 
-use crate::failure::{Damaged, Failure};
 use crate::memory::SolverMemory;
-use crate::options::Preconditioner as Wanted;
-use crate::outcome::Counts;
+use crate::options::step_options::Preconditioner as Wanted;
+use crate::outcome::failure::{Damaged, Failure};
+use crate::outcome::outcome::Counts;
 use crate::policy::{LONGEST_WAIT, MOST_DENSE, OUTDATED, SLOWEST, SLOWEST_SWEEPS};
 use crate::precondition::diagonal::Diagonal;
 use crate::precondition::frozen::Frozen;
@@ -120,7 +121,8 @@ impl<T: Float> Choice<T> {
         self.active == Kind::Identity
     }
 
-    /// Sees to it that M is there for a step of size `h` from `y`, at the stages as they are. Returns whether it is.
+    /// Sees to it that M is there for a step of size `h` from `y`, at the stages as they are. Returns whether
+    /// it is.
     pub(crate) fn make<E: Evaluate<T>>(
         &mut self,
         (gauss, iterate): (&Gauss<T>, &Iterate<T>),
@@ -240,10 +242,11 @@ impl<T: Float> Choice<T> {
         if self.active == Kind::Identity {
             return 1.0;
         }
-        if !self.follows_stages() && !self.amplification.is_finite() {
-            if let Some(m) = self.operator() {
-                self.amplification = iterate.amplification(m);
-            }
+        if self.follows_stages() || self.amplification.is_finite() {
+            return self.amplification;
+        }
+        if let Some(m) = self.operator() {
+            self.amplification = iterate.amplification(m);
         }
         self.amplification
     }

@@ -1,7 +1,8 @@
 //! One ∇²H for all stages (simplified Newton): M = I − h (A ⊗ J H̄), A = K(0) B.
 //!
-//! With the real Schur form A = R S L ([`crate::precondition::schur`]) the system falls apart into one for each eigenvalue of A, complex and of
-//! size 2m, or m where H is separable ([`crate::precondition::shifted_systems`]). The step made backwards has the same with −h.
+//! With the real Schur form A = R S L ([`crate::precondition::schur`]) the system falls apart into one for
+//! each eigenvalue of A, complex and of size 2m, or m where H is separable
+//! ([`crate::precondition::shifted_systems`]). The step made backwards has the same with −h.
 //!
 //! Everything is in doubles: M decides how fast the solution is found, not which.
 //!
@@ -57,8 +58,8 @@ impl Frozen {
         })
     }
 
-    /// Factorises M of this ∇²H, entries in the order of its pattern, for a step of size `h` with components of these sizes. Returns how many
-    /// systems that were.
+    /// Factorises M of this ∇²H, entries in the order of its pattern, for a step of size `h` with components
+    /// of these sizes. Returns how many systems that were.
     pub(crate) fn factor<T: Float>(
         &mut self,
         hessian: &[T],

@@ -1,8 +1,10 @@
-//! ∇²H at all stages (Newton): M = I − K(α)∘(B_1 … B_s), B_i = h b_i J∇²H(Y_i), or, where T is quadratic, of the positions alone
+//! ∇²H at all stages (Newton): M = I − K(α)∘(B_1 … B_s), B_i = h b_i J∇²H(Y_i), or, where T is quadratic, of
+//! the positions alone
 //!
 //! $$ M = I + h\,M_p^{-1} \big[ (K B K)_{ij}\, h b_j \nabla^2 U(Y_j) \big] . $$
 //!
-//! The step made backwards has Kᵀ in place of K. Everything is in doubles: M decides how fast the solution is found, not which.
+//! The step made backwards has Kᵀ in place of K. Everything is in doubles: M decides how fast the solution is
+//! found, not which.
 //!
 //! Cost: 2/3 (s u)³ operations to factorise for u unknown components, 2 (s u)² for each right-hand side.
 

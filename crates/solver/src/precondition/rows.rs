@@ -15,8 +15,9 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// Component c of stage i at `i·n + c` in units of the state, divided by the largest, which is returned; zero where a component is not
-    /// unknown. Where the end is held the stages stand in reverse order: −Kᵀ is K of the step made backwards. `None` leaves nothing to solve.
+    /// Component c of stage i at `i·n + c` in units of the state, divided by the largest, which is returned;
+    /// zero where a component is not unknown. Where the end is held the stages stand in reverse order: −Kᵀ is
+    /// K of the step made backwards. `None` leaves nothing to solve.
     pub(crate) fn gather<T: Float>(
         &self,
         held: Held,

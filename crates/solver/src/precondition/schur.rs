@@ -1,17 +1,19 @@
-//! The coefficient matrix A of the Gauss method, split so that I − h A⊗G falls apart into ⌈s/2⌉ systems of size n.
+//! The coefficient matrix A of the Gauss method, split so that I − h A⊗G falls apart into ⌈s/2⌉ systems of
+//! size n.
 //!
 //! With A = 𝒫 X 𝒫⁻¹, eqs. (3)–(4) of the paper, and the real Schur form X = W S Wᵀ
 //!
 //! $$ A = (\mathcal{P} W)\, S\, (W^T \mathcal{P}^T B), $$
 //!
-//! S upper triangular but for a 2×2 block on the diagonal for each pair of eigenvalues λ, λ̄. A block alone is solved by
-//! one complex system: with the left eigenvector (1, η) of the block and r_1, r_2 on the right-hand side
+//! S upper triangular but for a 2×2 block on the diagonal for each pair of eigenvalues λ, λ̄. A block alone
+//! is solved by one complex system: with the left eigenvector (1, η) of the block and r_1, r_2 on the
+//! right-hand side
 //!
 //! $$ (I - h\lambda G)\, v = r_1 + \eta r_2, \qquad w_2 = \mathrm{Im}\, v / \mathrm{Im}\, \eta, \quad
 //!    w_1 = \mathrm{Re}\, v - \mathrm{Re}\,\eta\; w_2 ; $$
 //!
-//! the blocks are joined by back substitution. The eigenvectors of A would do away with the joining, but their condition grows
-//! like 10^(s/2) (1e2 at s = 6, 3e10 at s = 20); W is orthogonal.
+//! the blocks are joined by back substitution. The eigenvectors of A would do away with the joining, but
+//! their condition grows like 10^(s/2) (1e2 at s = 6, 3e10 at s = 20); W is orthogonal.
 //!
 //! All in f64, once per run: cost O(s³).
 

@@ -1,4 +1,5 @@
-//! The systems (I − λ_j G) v = r for the ⌈s/2⌉ eigenvalues λ_j of the tableau, G = h J H̄ with one Hessian H̄.
+//! The systems (I − λ_j G) v = r for the ⌈s/2⌉ eigenvalues λ_j of the tableau, G = h J H̄ with one Hessian
+//! H̄.
 //!
 //! If H is separable, G = (0 G_qp; G_pq 0) and the momenta are eliminated: with v = (q, p), r = (a, b)
 //!
@@ -6,8 +7,9 @@
 //!
 //! where −λ² G_qp G_pq = h²λ² T''U''. The size d of a system is n, or m = n/2 for separable H.
 //!
-//! Sparse where d ≥ 64 and the entries are at most d²/8, dense otherwise. Cost for each eigenvalue: 8/3 d³ real operations to
-//! factorise and 8 d² to solve if dense; for chains proportional to d if sparse. f64 throughout: it is a preconditioner.
+//! Sparse where d ≥ 64 and the entries are at most d²/8, dense otherwise. Cost for each eigenvalue: 8/3 d³
+//! real operations to factorise and 8 d² to solve if dense; for chains proportional to d if sparse. f64
+//! throughout: it is a preconditioner.
 
 use crate::precondition::schur::Block;
 use equip_autodiff::Pattern;

@@ -1,16 +1,19 @@
 //! The α's of a step whose stages are solved with α = 0 and whose constraints are not at their floors.
 //!
-//! 1. α = D t with t from the constraints, D of [`crate::alpha::direction`] at the stages as they are; Z follows, and is iterated to rest.
+//! 1. α = D t with t from the constraints, D of [`crate::alpha::direction`] at the stages as they are; Z
+//!    follows, and is iterated to rest.
 //! 2. The same from the new stages, until the constraints are at their floors.
-//! 3. D is taken anew at the solution, and t with it, until that moves the end point by rounding only: α = D(Z) t then.
+//! 3. D is taken anew at the solution, and t with it, until that moves the end point by rounding only: α =
+//!    D(Z) t then.
 //!
-//! *Admissible* (project note, section 8). |α_k| is within its bound, and the end point is within [`FARTHEST`] times the displacement that the step's own
-//! defect is worth at least, each component in units of its motion, or moved by rounding. Otherwise the step with α = 0 stands, and its defect is carried.
+//! *Admissible* (project note, section 8). |α_k| is within its bound, and the end point is within
+//! [`FARTHEST`] times the displacement that the step's own defect is worth at least, each component in units
+//! of its motion, or moved by rounding. Otherwise the step with α = 0 stands, and its defect is carried.
 
 use crate::equations::constraint::Constraint;
-use crate::failure::Failure;
-use crate::options::Reach;
-use crate::outcome::Outcome;
+use crate::options::step_options::Reach;
+use crate::outcome::failure::Failure;
+use crate::outcome::outcome::Outcome;
 use crate::policy::{
     BEYOND_ERROR, BITS_A_TURN, FARTHEST, MOST_MOVES, MOST_STALLS, ROUNDING, STALLED, TURNS,
 };
@@ -58,10 +61,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         Ok(reason)
     }
 
-    /// Moves the α's until the constraints are at their floors; an error is the reason why there are no such α's.
+    /// Moves the α's until the constraints are at their floors; an error is the reason why there are no such
+    /// α's.
     ///
-    /// A direction turns with the stages, by the share that these move: it is taken anew unless that is worth less than rounding, and to the digits
-    /// that show in the end point.
+    /// A direction turns with the stages, by the share that these move: it is taken anew unless that is worth
+    /// less than rounding, and to the digits that show in the end point.
     fn move_alphas(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<(), Outcome> {
         let mut reach = self.reach((y, h), next)?;
         let rounding = T::int(ROUNDING) * T::EPSILON;
@@ -117,7 +121,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         Err(Outcome::NoSlope)
     }
 
-    /// The farthest that the end point may be moved. An error if no α's that stay within it can keep the constraints.
+    /// The farthest that the end point may be moved. An error if no α's that stay within it can keep the
+    /// constraints.
     fn reach(&mut self, (y, h): (&State<T>, T), next: &State<T>) -> Result<Bounds<T>, Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
         direction.begin(&self.stages.iterate, y, next);
@@ -237,8 +242,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 }
 
-/// How far the end point has to be moved at least to keep the constraints, and how far it may be, in units of the motion: of each component, and of
-/// the one of its group that moves most.
+/// How far the end point has to be moved at least to keep the constraints, and how far it may be, in units of
+/// the motion: of each component, and of the one of its group that moves most.
 struct Bounds<T> {
     needed: T,
     most: [T; 2],

@@ -1,8 +1,8 @@
-//! What is compiled once, with this crate: the step of recorded energies, in `f64` and double-double ([`equip_scalar::ready!`]). The step of an
-//! energy that is a type is compiled with that.
+//! What is compiled once, with this crate: the step of recorded energies, in `f64` and double-double
+//! ([`equip_scalar::ready!`]). The step of an energy that is a type is compiled with that.
 
-use crate::failure::Failure;
-use crate::outcome::Outcome;
+use crate::outcome::failure::Failure;
+use crate::outcome::outcome::Outcome;
 use crate::step::step::Core;
 use equip_autodiff::{Evaluate, Holds, RecordedEvaluator};
 use equip_scalar::Float;
@@ -36,7 +36,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// One step of size `h` from `y` at time `t` into `next`. `y` is not changed, whatever happens.
     ///
     /// # Errors
-    /// [`Failure`] when the stages do not converge, however often the step is halved, and when a defect would be left that is refused.
+    /// [`Failure`] when the stages do not converge, however often the step is halved, and when a defect would
+    /// be left that is refused.
     pub fn step(
         &mut self,
         y: &State<T>,

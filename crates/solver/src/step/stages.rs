@@ -1,8 +1,8 @@
 //! The stages of a method: Z ← Z + M⁻¹ (K(α) L(Z) − Z) from a guess until Z is at rest.
 
-use crate::failure::Failure;
-use crate::options::Preconditioner;
-use crate::outcome::Counts;
+use crate::options::step_options::Preconditioner;
+use crate::outcome::failure::Failure;
+use crate::outcome::outcome::Counts;
 use crate::policy::MOST_ITERATIONS;
 use crate::precondition::choice::Choice;
 use equip_autodiff::{Evaluate, Kinetic, Structure};
@@ -18,7 +18,8 @@ pub(crate) struct Stages<T: Float> {
     pub(crate) contraction: Contraction<T>,
     pub(crate) choice: Choice<T>,
     polynomial: Polynomial<T>,
-    /// Where the next step starts in the last (0 or 1), and the size of that, if the next is guessed from its polynomial.
+    /// Where the next step starts in the last (0 or 1), and the size of that, if the next is guessed from its
+    /// polynomial.
     pub(crate) last: Option<(T, T)>,
 }
 
@@ -50,7 +51,8 @@ impl<T: Float> Stages<T> {
         self.contraction = Contraction::new(self.iterate.is_twofold());
     }
 
-    /// Z of a step of size `h` from `y`, from the polynomial of the last step, or from Z = 0; `known` is ∇H at `y`.
+    /// Z of a step of size `h` from `y`, from the polynomial of the last step, or from Z = 0; `known` is ∇H
+    /// at `y`.
     pub(crate) fn solve<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,

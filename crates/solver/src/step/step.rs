@@ -1,15 +1,15 @@
 //! One step, as the paper reads: initial guess → stages → α → accept → update.
 //!
-//! The equations are those of [`crate::equations::oracle`]: Z = K(α) L(Z), α = λ d(Z), H(y0 + Σ L_i) = H_ref. How their solution is found is
-//! no part of what it is.
+//! The equations are those of [`crate::equations::oracle`]: Z = K(α) L(Z), α = λ d(Z), H(y0 + Σ L_i) = H_ref.
+//! How their solution is found is no part of what it is.
 
 use crate::alpha::direction::Direction;
 use crate::alpha::local_error::LocalError;
 use crate::equations::constraint::Constraint;
-use crate::failure::Failure;
-use crate::options::StepOptions;
-use crate::outcome::{Counts, Outcome};
-use crate::parts::Parts;
+use crate::options::step_options::StepOptions;
+use crate::outcome::failure::Failure;
+use crate::outcome::outcome::{Counts, Outcome};
+use crate::outcome::parts::Parts;
 use crate::step::stages::Stages;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
@@ -104,7 +104,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.constraints.iter_mut().for_each(|c| c.late = T::int(0));
     }
 
-    /// One step of size `h` from `y` at time `t` into `next`, which [`step`](Self::step) has made. `y` is not changed, whatever happens.
+    /// One step of size `h` from `y` at time `t` into `next`, which [`step`](Self::step) has made. `y` is not
+    /// changed, whatever happens.
     pub(crate) fn make(
         &mut self,
         (y, t, h): (&State<T>, T, T),

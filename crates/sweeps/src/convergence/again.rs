@@ -1,5 +1,5 @@
-//! Which sweeps are incremental ([`crate::forms::incremental`]): those that by the contraction seen leave others to come. Rows of them run inside one
-//! kernel, which asks here whether to go on.
+//! Which sweeps are incremental ([`crate::forms::incremental`]): those that by the contraction seen leave
+//! others to come. Rows of them run inside one kernel, which asks here whether to go on.
 
 use crate::convergence::contraction::{Contraction, Progress};
 use crate::policy::INCREMENTAL;

@@ -1,11 +1,13 @@
 //! How far an iteration Z ← Z + M⁻¹(K L(Z) − Z) is from its solution, by how its changes of Z shrink.
 //!
-//! With changes Δ_n of Z relative to the sizes of the components and a contraction ρ = Δ_n/Δ_{n−1} the error that the last one leaves is
+//! With changes Δ_n of Z relative to the sizes of the components and a contraction ρ = Δ_n/Δ_{n−1} the error
+//! that the last one leaves is
 //!
 //! $$ \frac{\rho}{1-\rho}\,\Delta_n, \qquad \frac{\sqrt\rho}{1-\rho}\,\Delta_n $$
 //!
-//! in the end point: the second where one sweep goes from the positions to the momenta and back, of which the end point has had the first half only.
-//! ρ is the worst seen in the step; preconditioned iterations do not begin as they end, so of these it is the worse of the last two.
+//! in the end point: the second where one sweep goes from the positions to the momenta and back, of which the
+//! end point has had the first half only. ρ is the worst seen in the step; preconditioned iterations do not
+//! begin as they end, so of these it is the worse of the last two.
 //!
 //! The iteration goes on until that error is ε/64 or the changes no longer shrink.
 
@@ -101,7 +103,8 @@ impl<T: Float> Contraction<T> {
         self.allowed = f64::INFINITY;
     }
 
-    /// A sweep has changed Z by `change`; of sizes that were measured anew since the last one `is_remeasured`.
+    /// A sweep has changed Z by `change`; of sizes that were measured anew since the last one
+    /// `is_remeasured`.
     #[inline(always)]
     pub fn observe(&mut self, change: f64, is_remeasured: bool) -> Progress {
         let eps = T::EPSILON.to_f64();

@@ -1,19 +1,23 @@
-//! Where a swept step begins: the gradients at its stages as the last step foretells them, and the sizes of the components.
+//! Where a swept step begins: the gradients at its stages as the last step foretells them, and the sizes of
+//! the components.
 //!
-//! The polynomial of degree s − 1 through the gradients at the stages of the last step, and of degree s if the gradient at the start of this one is
-//! known, is continued to the nodes of this step (project note, section 6):
+//! The polynomial of degree s − 1 through the gradients at the stages of the last step, and of degree s if
+//! the gradient at the start of this one is known, is continued to the nodes of this step (project note,
+//! section 6):
 //!
 //! $$ \nabla H(Y_i) \approx \sum_j E_{ij} L_j + \rho_i \nabla H(y_0), \qquad \rho_i = P_s(\tau_i)/P_s(a), \quad \tau_i = a + r c_i, $$
 //!
-//! P_s vanishing at the old nodes, a being where this step starts in the last one; E and ρ are made in [`crate::extrapolation::polynomial`]. What follows
-//! from them is a sweep without evaluations. With the velocities known from the momenta and the gradient at the start known from the energy, a step
-//! takes 0.8 sweeps less than from Z = ∫ of the last step's derivatives.
+//! P_s vanishing at the old nodes, a being where this step starts in the last one; E and ρ are made in
+//! [`crate::extrapolation::polynomial`]. What follows from them is a sweep without evaluations. With the
+//! velocities known from the momenta and the gradient at the start known from the energy, a step takes 0.8
+//! sweeps less than from Z = ∫ of the last step's derivatives.
 //!
-//! Where a step is long the polynomial runs off, by 6^s and more. L that it foretells larger than [`LIKELY`] times the largest of the last step is of no
-//! use, and none is foretold there: Kepler's problem with 2.24 steps a period, s = 16, begins an orbit's size off in place of a hundred.
+//! Where a step is long the polynomial runs off, by 6^s and more. L that it foretells larger than [`LIKELY`]
+//! times the largest of the last step is of no use, and none is foretold there: Kepler's problem with 2.24
+//! steps a period, s = 16, begins an orbit's size off in place of a hundred.
 //!
-//! The size of a component is max(|y_c|, max_i |Y_ic|), no less than ε^(3/4) of the largest position or momentum: the
-//! front of a wave that runs into a chain at rest is not resolved to its own last bit.
+//! The size of a component is max(|y_c|, max_i |Y_ic|), no less than ε^(3/4) of the largest position or
+//! momentum: the front of a wave that runs into a chain at rest is not resolved to its own last bit.
 //!
 //! Cost: s² products for each unknown component.
 
@@ -119,7 +123,8 @@ impl<T: Float> Foretell<'_, T> {
     }
 }
 
-/// L of a component, as large as it may be in this step, `ratio` times as long as the last, by that of the last.
+/// L of a component, as large as it may be in this step, `ratio` times as long as the last, by that of the
+/// last.
 #[inline(always)]
 pub(crate) fn most_likely<T: Float, const N: usize>(last: &[[T; N]], ratio: T) -> T {
     let mut most = [T::int(0); N];

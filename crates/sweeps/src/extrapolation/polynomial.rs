@@ -1,9 +1,11 @@
-//! E and ρ of [`crate::extrapolation::gradients`]: what the polynomial through the gradients of the last step, and the one at its end, is at the nodes of this.
+//! E and ρ of [`crate::extrapolation::gradients`]: what the polynomial through the gradients of the last
+//! step, and the one at its end, is at the nodes of this.
 //!
 //! $$ E_{ij} = -\frac1h \sum_{k<s} \bigl(P_k(\tau_i) - \rho_i P_k(a)\bigr) P_k(c_j), \qquad \rho_i = P_s(\tau_i)/P_s(a), \quad \tau_i = a + r c_i . $$
 //!
-//! Made anew whenever the ratio r of the steps changes, with variable steps at every step: the nodes stand side by side in vectors. E is the product of
-//! two matrices then, and for fewer components than stages it is cheaper to apply one after the other.
+//! Made anew whenever the ratio r of the steps changes, with variable steps at every step: the nodes stand
+//! side by side in vectors. E is the product of two matrices then, and for fewer components than stages it is
+//! cheaper to apply one after the other.
 //!
 //! Cost: s³ multiplications for E, s² without.
 
@@ -30,7 +32,8 @@ pub struct Polynomial<T> {
     nodes: Vec<T>,
     /// (2k+1)/(k+1) and k/(k+1), of the recurrence of Legendre polynomials, k = 0 … s − 1.
     recurrence: Vec<[T; 2]>,
-    /// Where the step starts in the last one, its size over that, the size of that, and whether the gradient at the start is known.
+    /// Where the step starts in the last one, its size over that, the size of that, and whether the gradient
+    /// at the start is known.
     made_for: Option<([T; 3], bool)>,
 }
 
@@ -134,7 +137,8 @@ impl<'a, T: Float> View<'a, T> {
         foretold(&guess, &self.rho.as_chunks::<N>().0[g], sign, at_start)
     }
 
-    /// E, where it is not factored, and ρ of a single group of stages: what is written elsewhere cannot change copies.
+    /// E, where it is not factored, and ρ of a single group of stages: what is written elsewhere cannot
+    /// change copies.
     #[inline(always)]
     pub(crate) fn copied<const N: usize>(&self) -> Option<([[T; N]; N], [T; N])> {
         let e = self.e.as_chunks().0.first_chunk()?;
@@ -273,7 +277,8 @@ mod tests {
     use super::*;
     use equip_scalar::DoubleDouble;
 
-    /// Polynomials of degree s, given by their values at the old nodes and at the start, are foretold exactly.
+    /// Polynomials of degree s, given by their values at the old nodes and at the start, are foretold
+    /// exactly.
     fn polynomials_are_foretold<T: Float>(most: f64) {
         for s in 2..=16 {
             let gauss = Gauss::<T>::new(s).unwrap_or_else(|e| panic!("{e}"));

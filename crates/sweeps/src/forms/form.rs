@@ -1,10 +1,12 @@
 //! The linear half of a sweep, from the gradients to the next stages, compiled for every instruction set.
 //!
-//! Three forms: [`crate::forms::full`], [`crate::forms::separable`], [`crate::forms::incremental`]. Each is written for rows of any length, and by rows of literal
-//! length for up to 16 stages of doubles: the same operations in the same order, bit for bit, and K stays in registers. In a chain of 1024 masses
-//! with 8 stages a position and its momentum take 11 ns by rows in place of 24 on AVX-512, where the arithmetic alone is 44 vector instructions, two a
-//! cycle. Products that wait for each other are done in loops of their own over a block of components. Four components written side by side are
-//! taken apart by the compiler, and are slower than the general form.
+//! Three forms: [`crate::forms::full`], [`crate::forms::separable`], [`crate::forms::incremental`]. Each is
+//! written for rows of any length, and by rows of literal length for up to 16 stages of doubles: the same
+//! operations in the same order, bit for bit, and K stays in registers. In a chain of 1024 masses with 8
+//! stages a position and its momentum take 11 ns by rows in place of 24 on AVX-512, where the arithmetic
+//! alone is 44 vector instructions, two a cycle. Products that wait for each other are done in loops of their
+//! own over a block of components. Four components written side by side are taken apart by the compiler, and
+//! are slower than the general form.
 //!
 //! Cost: s² products for each component that K is applied to.
 
@@ -15,9 +17,11 @@ use crate::matrix::product::{Columns, Mixes, Packed, Square, product_any};
 use equip_scalar::{Float, Pack};
 use std::ops::Range;
 
-/// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands at `c·stride + i`.
+/// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands
+/// at `c·stride + i`.
 pub(crate) struct Step<'a, T> {
-    /// K(α), column by column; or P and Q of [`crate::matrix::parity`]. Of [`crate::forms::incremental`] K B K, column by column.
+    /// K(α), column by column; or P and Q of [`crate::matrix::parity`]. Of [`crate::forms::incremental`] K B
+    /// K, column by column.
     pub(crate) k: &'a [T],
     /// h b_i.
     pub(crate) hb: &'a [T],
@@ -56,7 +60,8 @@ pub(crate) trait Mix<'a, T: Float> {
     /// For component c, of any number of groups.
     fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<N>);
 
-    /// All of it. Gives the largest change of Z relative to the sizes of the components; not finite if anything is not.
+    /// All of it. Gives the largest change of Z relative to the sizes of the components; not finite if
+    /// anything is not.
     #[inline(always)]
     fn mix(&mut self) -> T {
         let (k, s) = (self.step().k, self.step().s);

@@ -2,9 +2,9 @@
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};
-use crate::forms::fused::{Small, change, numbers, rows_of};
+use crate::forms::fused::{Small, rows_of, settle};
 use crate::layout::conjugate::conjugate;
-use crate::layout::row::{Row, difference, literal, placed, rows, rows_mut, times};
+use crate::layout::row::{Row, literal, rows, rows_mut, times};
 use crate::matrix::parity::{Blocks, Parts};
 use crate::matrix::product::Mixes;
 use equip_autodiff::Slopes;
@@ -106,9 +106,7 @@ impl<'a> Small<'a> for Whole<'a, f64> {
         let step = &mut self.0;
         let slopes: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));
         let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
-        let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
-        let (l, z) = (rows_of::<C, G, N>(step.l), rows_of::<C, G, N>(step.z));
-        let points = rows_of::<C, G, N>(step.points);
+        let l = rows_of::<C, G, N>(step.l);
         let kept = rows_of::<C, G, N>(step.gradients);
         let folded = rows_of::<C, G, N>(step.folded);
 
@@ -119,15 +117,6 @@ impl<'a> Small<'a> for Whole<'a, f64> {
             l[c] = row;
             kept[c] = from_fn(|g| slopes[g][c].0);
         }
-        let mut by = [[[0.0; N]; G]; C];
-        for c in 0..C {
-            let moved = k.product(&folded[c]);
-            points[c] = from_fn(|g| placed(hi[c], lo[c], &moved[g]));
-            for g in 0..G {
-                by[c][g] = difference(&moved[g], &z[c][g]);
-            }
-            z[c] = moved;
-        }
-        change(&by, numbers(step.inverse_scale))
+        settle::<C, G, N>(k, step)
     }
 }

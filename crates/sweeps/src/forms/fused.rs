@@ -1,17 +1,21 @@
-//! The sweep of a small system as one kernel: ∇H, L and Z ← K L with all lengths literal and everything in registers.
+//! The sweep of a small system as one kernel: ∇H, L and Z ← K L with all lengths literal and everything in
+//! registers.
 //!
-//! The same operations in the same order as in [`crate::forms::form`], bit for bit. What bounds a sweep is the chain of dependent operations, which is
-//! walked through for all components side by side: ∇U, then P ← p + K L_p, then Z_q ← K L_q.
+//! The same operations in the same order as in [`crate::forms::form`], bit for bit. What bounds a sweep is
+//! the chain of dependent operations, which is walked through for all components side by side: ∇U, then P ←
+//! p + K L_p, then Z_q ← K L_q.
 
 use crate::convergence::again::Again;
-use crate::forms::form::Mix;
-use crate::layout::row::{HALF, OnLines, Row, in_memory, literal};
+use crate::forms::form::{Mix, Step};
+use crate::layout::row::{HALF, OnLines, Row, difference, in_memory, literal, placed};
 use crate::matrix::product::{Anew, Mixes, Square};
 use equip_autodiff::{Fused, Slopes};
+use std::array::from_fn;
 
 /// A form of the sweep that there is a kernel for.
 pub(crate) trait Small<'a>: Mix<'a, f64> {
-    /// Sweeps of C unknown components: one, and as many more as `again` says. Gives what [`Mix::mix`] does of the last.
+    /// Sweeps of C unknown components: one, and as many more as `again` says. Gives what [`Mix::mix`] does of
+    /// the last.
     fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
         gradients: &impl Slopes<C, N>,
@@ -60,8 +64,9 @@ impl<'a, S: Small<'a>, A: Again<f64>> Fused<HALF> for TwoGroups<S, A> {
     }
 }
 
-/// The largest change of Z, `by`, relative to the sizes of the components, as an integer: of numbers that are not negative the larger has the
-/// larger bits, and what is not a number the largest. Lane by lane, and the lanes in memory: by itself the compiler takes all numbers out of their vectors.
+/// The largest change of Z, `by`, relative to the sizes of the components, as an integer: of numbers that are
+/// not negative the larger has the larger bits, and what is not a number the largest. Lane by lane, and the
+/// lanes in memory: by itself the compiler takes all numbers out of their vectors.
 #[inline(always)]
 pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
     by: &[Row<f64, G, N>; C],
@@ -85,6 +90,27 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
         }
     }
     f64::from_bits(most[0].cast_unsigned())
+}
+
+/// Z ← K L and the stages, from what the products read; the largest change of Z.
+#[inline(always)]
+pub(crate) fn settle<const C: usize, const G: usize, const N: usize>(
+    k: &impl Mixes<f64, G, N>,
+    step: &mut Step<'_, f64>,
+) -> f64 {
+    let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
+    let (folded, z) = (rows_of::<C, G, N>(step.folded), rows_of::<C, G, N>(step.z));
+    let points = rows_of::<C, G, N>(step.points);
+    let mut by = [[[0.0; N]; G]; C];
+    for c in 0..C {
+        let moved = k.product(&folded[c]);
+        points[c] = from_fn(|g| placed(hi[c], lo[c], &moved[g]));
+        for g in 0..G {
+            by[c][g] = difference(&moved[g], &z[c][g]);
+        }
+        z[c] = moved;
+    }
+    change(&by, numbers(step.inverse_scale))
 }
 
 /// A number for each of C components.

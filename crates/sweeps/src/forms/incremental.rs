@@ -1,14 +1,18 @@
-//! The sweep of [`crate::forms::separable`] in one product, without the momenta: what a change of L_p does to Z_q,
+//! The sweep of [`crate::forms::separable`] in one product, without the momenta: what a change of L_p does to
+//! Z_q,
 //!
 //! $$ Z_q \leftarrow Z_q + h M^{-1} (K B K)\, \Delta L_p, \qquad B = \mathrm{diag}(b) . $$
 //!
-//! The same in exact numbers, if Z_q is K L of the L before. Rounded, K B K is not K twice, and quadratic invariants are kept by K alone: drafts are for
-//! sweeps with others to come, and L_q is made by these. What a draft is off goes with ΔL_p, and is always to the same side: K B K is made with
-//! care ([`crate::matrix::twofold`]).
+//! The same in exact numbers, if Z_q is K L of the L before. Rounded, K B K is not K twice, and quadratic
+//! invariants are kept by K alone: drafts are for sweeps with others to come, and L_q is made by these. What
+//! a draft is off goes with ΔL_p, and is always to the same side: K B K is made with care
+//! ([`crate::matrix::twofold`]).
 //!
-//! What a sweep of a small system waits for is one product after the other, and of a long chain they are most of the work.
+//! What a sweep of a small system waits for is one product after the other, and of a long chain they are most
+//! of the work.
 //!
-//! For α = 0, with which most sweeps of a step are made: K B K costs s³ products. Where many components are worth them, for α's that have moved too.
+//! For α = 0, with which most sweeps of a step are made: K B K costs s³ products. Where many components are
+//! worth them, for α's that have moved too.
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};

@@ -1,13 +1,12 @@
-//! The sweep of H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p, the positions unknown: L_p = −h b ∇U, P = p + K L_p, L_q = h b (M⁻¹ P + b), Z_q ← K L_q.
+//! The sweep of H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p, the positions unknown: L_p = −h b ∇U, P = p + K L_p,
+//! L_q = h b (M⁻¹ P + b), Z_q ← K L_q.
 //!
 //! P is kept where it is asked for only: a long chain waits for its memory.
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};
-use crate::forms::fused::{Small, change, numbers, rows_of};
-use crate::layout::row::{
-    Row, difference, in_memory, linear, literal, placed, rows, rows_mut, times,
-};
+use crate::forms::fused::{Small, numbers, rows_of, settle};
+use crate::layout::row::{Row, in_memory, linear, literal, placed, rows, rows_mut, times};
 use crate::matrix::parity::{Blocks, Parts};
 use crate::matrix::product::Mixes;
 use equip_autodiff::Slopes;
@@ -134,7 +133,8 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
 }
 
 impl<T: Float> Half<'_, T> {
-    /// Numbers of more than one word stay in packs from one product to the next: to put the words in order and apart again takes as long as a product.
+    /// Numbers of more than one word stay in packs from one product to the next: to put the words in order
+    /// and apart again takes as long as a product.
     #[inline(always)]
     fn wide_block<const G: usize, const N: usize>(
         &mut self,
@@ -189,17 +189,12 @@ impl<'a> Small<'a> for Half<'a, f64> {
         let step = &mut self.step;
         let slopes: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));
         let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
-        let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
         let (hi_p, lo_p) = (numbers::<C>(&step.hi[C..]), numbers::<C>(&step.lo[C..]));
         let (w, b) = (numbers::<C>(self.inverse_masses), numbers::<C>(self.offset));
         let (l_q, l_p) = step.l.split_at_mut(C * G * N);
         let (l_q, l_p) = (rows_of::<C, G, N>(l_q), rows_of::<C, G, N>(l_p));
-        let (q, p) = step.points.split_at_mut(C * G * N);
-        let (q, p) = (rows_of::<C, G, N>(q), rows_of::<C, G, N>(p));
-        let (z, kept) = (
-            rows_of::<C, G, N>(step.z),
-            rows_of::<C, G, N>(step.gradients),
-        );
+        let p = rows_of::<C, G, N>(&mut step.points[C * G * N..]);
+        let kept = rows_of::<C, G, N>(step.gradients);
         let folded = rows_of::<C, G, N>(step.folded);
 
         for c in 0..C {
@@ -218,15 +213,6 @@ impl<'a> Small<'a> for Half<'a, f64> {
                 p[c] = momenta;
             }
         }
-        let mut by = [[[0.0; N]; G]; C];
-        for c in 0..C {
-            let moved = k.product(&folded[c]);
-            q[c] = from_fn(|g| placed(hi[c], lo[c], &moved[g]));
-            for g in 0..G {
-                by[c][g] = difference(&moved[g], &z[c][g]);
-            }
-            z[c] = moved;
-        }
-        change(&by, numbers(step.inverse_scale))
+        settle::<C, G, N>(k, step)
     }
 }

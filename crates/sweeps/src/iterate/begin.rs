@@ -26,8 +26,8 @@ impl<T: Float> Iterate<T> {
         (self.is_measured, self.is_incremental, self.is_of_l) = (false, false, true);
     }
 
-    /// A step of size `h` begins at `y`, `ratio` times as long as the last, with the stages that the polynomial of the last step leads to; `known`
-    /// is ∇H at `y`.
+    /// A step of size `h` begins at `y`, `ratio` times as long as the last, with the stages that the
+    /// polynomial of the last step leads to; `known` is ∇H at `y`.
     pub(crate) fn begin_from_polynomial(
         &mut self,
         gauss: &Gauss<T>,

@@ -1,4 +1,5 @@
-//! What depends on the float type alone, compiled once with this crate for `f64` and double-double ([`equip_scalar::ready!`]).
+//! What depends on the float type alone, compiled once with this crate for `f64` and double-double
+//! ([`equip_scalar::ready!`]).
 
 use crate::extrapolation::polynomial::Polynomial;
 use crate::iterate::iterate::Iterate;

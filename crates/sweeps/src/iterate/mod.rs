@@ -2,6 +2,7 @@
 
 pub(crate) mod begin;
 pub(crate) mod compiled;
+pub(crate) mod form;
 pub(crate) mod iterate;
 pub(crate) mod moved;
 pub(crate) mod precondition;

@@ -77,8 +77,8 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// Takes over a step of size `h` from `y` that has these L, stage by stage in blocks of length n, and this K(α), row by row: Z = K L and
-    /// the stages.
+    /// Takes over a step of size `h` from `y` that has these L, stage by stage in blocks of length n, and
+    /// this K(α), row by row: Z = K L and the stages.
     pub fn set_stages(&mut self, gauss: &Gauss<T>, (y, h): (&State<T>, T), (l, k): (&[T], &[T])) {
         self.set_step(gauss, h);
         self.set_increments(l);
@@ -118,7 +118,8 @@ impl<T: Float> Iterate<T> {
         &mut self.z[..len]
     }
 
-    /// What was kept plus what stands in its place, with the stages; the largest change of Z relative to the sizes of the components.
+    /// What was kept plus what stands in its place, with the stages; the largest change of Z relative to the
+    /// sizes of the components.
     pub(crate) fn add_kept(&mut self, y: &State<T>) -> T {
         let (stride, unknowns) = (self.stride, self.unknowns());
         let (mut most, mut sum) = (T::int(0), T::int(0));

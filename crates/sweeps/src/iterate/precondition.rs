@@ -11,11 +11,13 @@ pub enum Held {
     End,
 }
 
-/// M of the iteration Z ← Z + M⁻¹ (K L(Z) − Z): an approximation of I − K ∂L/∂Z, or of I + Kᵀ ∂L/∂Z where the end is held.
+/// M of the iteration Z ← Z + M⁻¹ (K L(Z) − Z): an approximation of I − K ∂L/∂Z, or of I + Kᵀ ∂L/∂Z where the
+/// end is held.
 ///
 /// M changes how the solution is found and not the solution.
 pub trait Preconditioner<T: Float> {
-    /// rows ← M⁻¹ rows. Component c of stage i stands at `c·stride + i`, for all unknown components of the iteration, and more rows than
-    /// one for each component where there are several right-hand sides: side k of component c stands at `(c·sides + k)·stride`.
+    /// rows ← M⁻¹ rows. Component c of stage i stands at `c·stride + i`, for all unknown components of the
+    /// iteration, and more rows than one for each component where there are several right-hand sides: side k
+    /// of component c stands at `(c·sides + k)·stride`.
     fn apply(&mut self, held: Held, rows: &mut [T], sides: usize);
 }

@@ -5,7 +5,8 @@ use crate::convergence::contraction::{Contraction, Progress};
 use crate::extrapolation::polynomial::Polynomial;
 use crate::forms::fused::{OneGroup, TwoGroups};
 use crate::iterate::compiled::ready;
-use crate::iterate::iterate::{Form, Iterate};
+use crate::iterate::form::Form;
+use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
 use crate::layout::row::{HALF, has_pairs};
 use crate::layout::state::State;
@@ -25,7 +26,8 @@ impl<T: Float> Iterate<T> {
         (ready::<T>().at_rest)(self, gauss, step);
     }
 
-    /// A step of size `h` begins at `y`, where the last one began (`start` = 0) or ended (1), which had the size `last`; `known` is ∇H at `y`.
+    /// A step of size `h` begins at `y`, where the last one began (`start` = 0) or ended (1), which had the
+    /// size `last`; `known` is ∇H at `y`.
     pub fn begin_from_last(
         &mut self,
         gauss: &Gauss<T>,
@@ -54,8 +56,8 @@ impl<T: Float> Iterate<T> {
         (ready::<T>().fill_k)(self, alphas);
     }
 
-    /// One sweep from the step's start `y`, or as many incremental ones as leave others to come. Returns what the last change of Z says, and how many
-    /// sweeps were made; each has evaluated the gradient at s points.
+    /// One sweep from the step's start `y`, or as many incremental ones as leave others to come. Returns what
+    /// the last change of Z says, and how many sweeps were made; each has evaluated the gradient at s points.
     pub fn sweep<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
@@ -138,10 +140,8 @@ impl<T: Float> Iterate<T> {
         m.apply(Held::Start, rows, 1);
         let rows = rows.chunks_exact(stride).zip(&self.inverse_scale);
         let worst = |most: T, (row, &inverse): (&[T], &T)| {
-            let largest = row[..self.s]
-                .iter()
-                .fold(most, |most, z| most.max((*z * inverse).abs()));
-            largest
+            let sizes = row[..self.s].iter().map(|z| (*z * inverse).abs());
+            sizes.fold(most, |most, size| most.max(size))
         };
         rows.fold(T::int(0), worst).to_f64()
     }

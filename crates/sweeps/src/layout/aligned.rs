@@ -1,8 +1,9 @@
-//! [`Aligned`]: numbers that begin where a cache line does, and each of several such at a place of its own in the page.
+//! [`Aligned`]: numbers that begin where a cache line does, and each of several such at a place of its own in
+//! the page.
 //!
-//! A processor that has just written to an address takes a load from another one with the same last 12 bits for a load of that, and waits. Sweeps
-//! of a small system write and read a dozen short arrays in turn: with their places left to the allocator a sweep was measured to
-//! take 200 cycles in one run and 300 in the next.
+//! A processor that has just written to an address takes a load from another one with the same last 12 bits
+//! for a load of that, and waits. Sweeps of a small system write and read a dozen short arrays in turn: with
+//! their places left to the allocator a sweep was measured to take 200 cycles in one run and 300 in the next.
 
 use equip_scalar::Float;
 use std::ops::{Deref, DerefMut};

@@ -2,8 +2,8 @@
 
 use equip_scalar::Float;
 
-/// The component c of ∇H that component `r` of J∇H is made of, and whether with the opposite sign: for n components the positions move by ∂H/∂p,
-/// the momenta by −∂H/∂q. The same map leads back.
+/// The component c of ∇H that component `r` of J∇H is made of, and whether with the opposite sign: for n
+/// components the positions move by ∂H/∂p, the momenta by −∂H/∂q. The same map leads back.
 #[inline(always)]
 pub(crate) fn conjugate(r: usize, n: usize) -> (usize, bool) {
     let m = n / 2;

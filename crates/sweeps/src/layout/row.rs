@@ -1,7 +1,8 @@
-//! How a component's numbers at the stages lie: a *row* is G groups of N lanes, a lane for each stage and padding behind.
+//! How a component's numbers at the stages lie: a *row* is G groups of N lanes, a lane for each stage and
+//! padding behind.
 //!
-//! Rows are arrays in memory and [`Pack`]s in arithmetic, which the compiler turns into vector instructions of whatever set it is
-//! compiled for.
+//! Rows are arrays in memory and [`Pack`]s in arithmetic, which the compiler turns into vector instructions
+//! of whatever set it is compiled for.
 
 use equip_scalar::{Float, Pack};
 use std::array::from_fn;
@@ -55,7 +56,8 @@ macro_rules! by_lanes {
 }
 pub(crate) use by_lanes;
 
-/// A task's `groups` for the number of lanes and groups that `s` stages of the float stand in, both of them literals: loops over groups are none.
+/// A task's `groups` for the number of lanes and groups that `s` stages of the float stand in, both of them
+/// literals: loops over groups are none.
 macro_rules! by_groups {
     ($float:ty, $s:expr, $task:ident) => {
         match $crate::layout::row::stride_for::<$float>($s) {
@@ -92,8 +94,8 @@ pub(crate) fn literal<R>(found: Option<R>) -> R {
     }
 }
 
-/// What is to be read from memory number by number, where it has just been written: to take the numbers out of a vector the processor needs
-/// the units that multiply and add.
+/// What is to be read from memory number by number, where it has just been written: to take the numbers out
+/// of a vector the processor needs the units that multiply and add.
 #[inline(always)]
 pub(crate) fn in_memory<R>(row: &mut R) -> &R {
     std::hint::black_box(row)
@@ -103,7 +105,8 @@ pub(crate) fn in_memory<R>(row: &mut R) -> &R {
 #[repr(align(64))]
 pub(crate) struct OnLines<R>(pub(crate) R);
 
-/// Doubles lane by lane, of which the compiler makes better vectors where many rows are at work, others in packs.
+/// Doubles lane by lane, of which the compiler makes better vectors where many rows are at work, others in
+/// packs.
 macro_rules! each_lane {
     (|$i:ident| $number:expr, $pack:expr) => {
         if T::IS_DOUBLE {
@@ -152,7 +155,8 @@ pub(crate) fn add<T: Float, const N: usize>(a: &mut [T; N], b: &[T; N]) {
     *a = each_lane!(|i| a[i] + b[i], T::Pack::of(a) + T::Pack::of(b));
 }
 
-/// The sum of N terms, a power of 2. The first and the last are added first, and so on inwards: the chain of additions is short.
+/// The sum of N terms, a power of 2. The first and the last are added first, and so on inwards: the chain of
+/// additions is short.
 #[inline(always)]
 pub(crate) fn sum_of<T: Float, const N: usize>(mut terms: [[T; N]; N]) -> [T; N] {
     let mut count = N;
@@ -166,7 +170,8 @@ pub(crate) fn sum_of<T: Float, const N: usize>(mut terms: [[T; N]; N]) -> [T; N]
     terms[0]
 }
 
-/// a x + b, of doubles rounded once. A loop: what is done in a closure is not always inlined, and calls for the operation where it is not.
+/// a x + b, of doubles rounded once. A loop: what is done in a closure is not always inlined, and calls for
+/// the operation where it is not.
 #[inline(always)]
 pub(crate) fn fused<T: Float, const N: usize>(a: &[T; N], x: T, b: &[T; N]) -> [T; N] {
     fused_each(a, &[x; N], b)
@@ -255,7 +260,8 @@ mod tests {
         }
     }
 
-    /// Products of which separate rounding would leave nothing, and uneven ones in the order that is promised.
+    /// Products of which separate rounding would leave nothing, and uneven ones in the order that is
+    /// promised.
     #[test]
     fn products_are_fused_on_every_instruction_set() {
         let e = 2.0_f64.powi(-30);

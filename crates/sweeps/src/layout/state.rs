@@ -55,8 +55,8 @@ impl<T: Float> State<T> {
         }
     }
 
-    /// The same for increments stored component by component as for `form`, the places from `s` on being zero: floats that have
-    /// vectors add up half against half, so that the chain of additions is short.
+    /// The same for increments stored component by component as for `form`, the places from `s` on being
+    /// zero: floats that have vectors add up half against half, so that the chain of additions is short.
     pub fn advance_by_component(
         &self,
         set: InstructionSet,
@@ -89,8 +89,8 @@ impl<T: Float> Kernel for Advance<'_, T> {
     }
 }
 
-/// Components that are added up abreast: so many that the compiler takes vectors of them. Of one component alone every addition waits for the
-/// one before.
+/// Components that are added up abreast: so many that the compiler takes vectors of them. Of one component
+/// alone every addition waits for the one before.
 const ABREAST: usize = 32;
 
 /// Components of short states, a vector of them.

@@ -1,15 +1,19 @@
 //! The stage equations linearised, solved by sweeps: how a step answers to small changes.
 //!
-//! With B_i = h b_i J∇²H(Y_i) a change r of the right-hand side and a change x of an end point move the stages by
+//! With B_i = h b_i J∇²H(Y_i) a change r of the right-hand side and a change x of an end point move the
+//! stages by
 //!
 //! $$ X = K\,\delta L + r \quad\text{(start held)}, \qquad X = r - K^T \delta L \quad\text{(end held)}, \qquad \delta L_i = B_i X_i , $$
 //!
-//! and the other end by Σ δL_i, K being that of α = 0. Both are iterated, momenta first, then positions; for H = T(p) + U(q) the momenta are put in
-//! ([`crate::linear::positions`]). With a preconditioner M the change that a sweep makes is multiplied by M⁻¹.
+//! and the other end by Σ δL_i, K being that of α = 0. Both are iterated, momenta first, then positions; for
+//! H = T(p) + U(q) the momenta are put in ([`crate::linear::positions`]). With a preconditioner M the change
+//! that a sweep makes is multiplied by M⁻¹.
 //!
-//! *Layout.* As of the stages, with several right-hand sides: component c of side k of stage i stands at `(c·sides + k)·stride + i`.
+//! *Layout.* As of the stages, with several right-hand sides: component c of side k of stage i stands at
+//! `(c·sides + k)·stride + i`.
 //!
-//! Cost: a sweep of one side nnz·s + 2m s² products, of positions alone less than half of that. Nothing is allocated.
+//! Cost: a sweep of one side nnz·s + 2m s² products, of positions alone less than half of that. Nothing is
+//! allocated.
 
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
@@ -61,8 +65,8 @@ impl<T: Float> LinearSweeps<T> {
         }
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged, all of which are there, for displacements to a relative `tolerance`. `None` if it
-    /// is not finite.
+    /// Takes ∇²H at the stages of an iterate that has converged, all of which are there, for displacements to
+    /// a relative `tolerance`. `None` if it is not finite.
     pub fn linearise<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
@@ -103,7 +107,8 @@ impl<T: Float> LinearSweeps<T> {
         &self.sums
     }
 
-    /// Solves for all sides, until their sums of δL, each component weighed with `weights`, change by less than `tolerance`. Returns whether they do.
+    /// Solves for all sides, until their sums of δL, each component weighed with `weights`, change by less
+    /// than `tolerance`. Returns whether they do.
     pub fn solve(
         &mut self,
         held: Held,
@@ -167,7 +172,8 @@ impl<T: Float> LinearSweeps<T> {
         }
     }
 
-    /// δL_p = −h b ∂²H/∂q∂y X, then the momenta; δL_q = h b ∂²H/∂p∂y X, then the positions; or both from the same X.
+    /// δL_p = −h b ∂²H/∂q∂y X, then the momenta; δL_q = h b ∂²H/∂p∂y X, then the positions; or both from the
+    /// same X.
     fn sweep(
         &mut self,
         held: Held,

@@ -1,9 +1,11 @@
 //! ∇²H at the stages, and δL_i = h b_i J∇²H(Y_i) X_i.
 //!
-//! Where few digits are asked for, in `f64`, by differences of ∇H at all stages at once, one for each group of columns that do not meet (Curtis,
-//! Powell, Reid 1974): right to √ε, or central ones, to ε^(2/3). Else itself, stage by stage.
+//! Where few digits are asked for, in `f64`, by differences of ∇H at all stages at once, one for each group
+//! of columns that do not meet (Curtis, Powell, Reid 1974): right to √ε, or central ones, to ε^(2/3). Else
+//! itself, stage by stage.
 //!
-//! Cost: a gradient at all stages and one more for each group of columns, or two for each group; or s Hessians.
+//! Cost: a gradient at all stages and one more for each group of columns, or two for each group; or s
+//! Hessians.
 
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
@@ -87,8 +89,8 @@ impl<T: Float> StageHessians<T> {
         }
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged, as good as what is solved for to this `tolerance` needs it. `None` if it is not
-    /// finite.
+    /// Takes ∇²H at the stages of an iterate that has converged, as good as what is solved for to this
+    /// `tolerance` needs it. `None` if it is not finite.
     pub(crate) fn take<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
@@ -158,7 +160,8 @@ impl<T: Float> StageHessians<T> {
             }
         };
         self.points[..len].copy_from_slice(&iterate.points[..len]);
-        // The gradients that others are compared with: at the stages themselves, or to the other side of them.
+        // The gradients that others are compared with: at the stages themselves, or to the other side of
+        // them.
         if !is_central {
             evaluate(&self.points[..len], &mut self.beside[..len]);
         }

@@ -1,14 +1,16 @@
 //! Z = K L by pairs of stages: half the products.
 //!
-//! Nodes and weights are symmetric about the middle of the step, and U = K − ½ 1 1ᵀ joins Legendre polynomials of different parity only:
-//! U_{s+1−i, s+1−j} = −U_ij, whatever the α's. So with S_j = L_j + L_{s+1−j} and D_j = L_j − L_{s+1−j}, j up to the middle,
+//! Nodes and weights are symmetric about the middle of the step, and U = K − ½ 1 1ᵀ joins Legendre
+//! polynomials of different parity only: U_{s+1−i, s+1−j} = −U_ij, whatever the α's. So with S_j = L_j +
+//! L_{s+1−j} and D_j = L_j − L_{s+1−j}, j up to the middle,
 //!
 //! $$ Z_i = \tfrac12 \sum_j S_j + (P S)_i + (Q D)_i, \qquad Z_{s+1-i} = \tfrac12 \sum_j S_j - (P S)_i + (Q D)_i, $$
 //! $$ P_{ij} = \tfrac12 (U_{ij} + U_{i,s+1-j}), \qquad Q_{ij} = \tfrac12 (U_{ij} - U_{i,s+1-j}) . $$
 //!
 //! Q = −Pᵀ to the last bit, as U is antisymmetric: quadratic invariants are kept as they are by K itself.
 //!
-//! Done for s = 16, where the halves fill vectors of 8 doubles. Only inside the product does the second half stand from its end backwards.
+//! Done for s = 16, where the halves fill vectors of 8 doubles. Only inside the product does the second half
+//! stand from its end backwards.
 //!
 //! Cost: s²/2 products for each component.
 

@@ -1,5 +1,5 @@
-//! K L for one component, K standing column by column. Products are fused and sums have one order ([`crate::layout::row::dot`]), so the bits are the same on every
-//! instruction set.
+//! K L for one component, K standing column by column. Products are fused and sums have one order
+//! ([`crate::layout::row::dot`]), so the bits are the same on every instruction set.
 //!
 //! Cost: s² products; by pairs of stages ([`crate::matrix::parity`]) half of them.
 
@@ -8,8 +8,8 @@ use crate::layout::row::{HALF, OnLines, Row, add, dot, has_pairs, in_memory, lit
 use equip_scalar::{Float, Pack};
 use std::hint::black_box;
 
-/// K in one of the forms it is kept in. The product has two parts: what is read number by number is best read from memory, where
-/// the first part puts it.
+/// K in one of the forms it is kept in. The product has two parts: what is read number by number is best read
+/// from memory, where the first part puts it.
 pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
     /// Whether what the product reads is not L itself.
     const FOLDS: bool = false;
@@ -53,8 +53,8 @@ pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
     }
 }
 
-/// K read where it stands for every product: where the registers are too few for it, the compiler would take it out of a loop all the same and put
-/// it on the stack, 64 vectors of K B K for 16 stages.
+/// K read where it stands for every product: where the registers are too few for it, the compiler would take
+/// it out of a loop all the same and put it on the stack, 64 vectors of K B K for 16 stages.
 pub(crate) struct Anew<M>(pub(crate) M);
 
 impl<T: Float, M: Mixes<T, G, N>, const G: usize, const N: usize> Mixes<T, G, N> for Anew<M> {

@@ -76,8 +76,8 @@ fn is_antisymmetric<T: Float>(s: usize, u: &[T]) -> bool {
     (0..s).all(|i| (0..s).all(|j| u[i * s + j] == -u[j * s + i]))
 }
 
-/// A(α) B⁻¹ against 𝒫 X_s(α) 𝒫ᵀ by matrix products, with X_s as in eq. (4): ½ in the corner, −(ξ_k + α_k) above and
-/// ξ_k + α_k below the diagonal.
+/// A(α) B⁻¹ against 𝒫 X_s(α) 𝒫ᵀ by matrix products, with X_s as in eq. (4): ½ in the corner, −(ξ_k + α_k)
+/// above and ξ_k + α_k below the diagonal.
 fn k_is_the_paper_s_matrix<T: Float>() {
     let mut random = Random(3);
     let mut worst = T::int(0);

@@ -1,4 +1,5 @@
-//! Starts at rest, energies without curvature or without a derivative, NaN and infinity inside a step, all numbers of stages.
+//! Starts at rest, energies without curvature or without a derivative, NaN and infinity inside a step, all
+//! numbers of stages.
 
 use crate::check::case::{BuildFault, Case, End, Kind, Problem, Reference, Trajectory, scene};
 use equip_autodiff::{Hamiltonian, Var};

@@ -1,4 +1,5 @@
-//! Close encounters: Kepler ellipses near a line, three bodies, the Moon passed at 0.006, a fall into the centre.
+//! Close encounters: Kepler ellipses near a line, three bodies, the Moon passed at 0.006, a fall into the
+//! centre.
 
 use crate::check::case::{BuildFault, Case, End, Kind, Problem, Reference, Trajectory, scene};
 use equip_autodiff::Hamiltonian;
@@ -159,7 +160,8 @@ mod tests {
     use super::close_pass;
     use equip_integrate::Gauss;
 
-    /// Measured: see the message. The pass is the point of these rows, and they start from a state that was integrated.
+    /// Measured: see the message. The pass is the point of these rows, and they start from a state that was
+    /// integrated.
     #[test]
     fn the_close_pass_is_within_the_interval() {
         let problem = close_pass().unwrap();

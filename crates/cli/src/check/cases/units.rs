@@ -1,4 +1,5 @@
-//! The same motion in other units, with a constant added to H, and with steps from 1e-8 to 1e+2 of the period.
+//! The same motion in other units, with a constant added to H, and with steps from 1e-8 to 1e+2 of the
+//! period.
 
 use crate::check::case::{
     BuildFault, Builder, Case, End, Kind, Problem, Reference, Trajectory, scene,
@@ -8,7 +9,8 @@ use equip_scalar::{Constant, DoubleDouble, Float};
 use std::f64::consts::TAU;
 
 const THEME: &str = "units";
-/// Scaled numbers round otherwise: 100 steps of 1/16 of Kepler e = 0.6 differ by up to 2.7e-14 (f64) and 8.3e-29 (double-double).
+/// Scaled numbers round otherwise: 100 steps of 1/16 of Kepler e = 0.6 differ by up to 2.7e-14 (f64) and
+/// 8.3e-29 (double-double).
 const SAME: Trajectory = Trajectory::Within(1e-11);
 const SAME_WIDE: Trajectory = Trajectory::Within(1e-27);
 
@@ -23,7 +25,8 @@ pub(crate) fn cases() -> Vec<Case> {
 
 /// Kepler e = 0.6 in units of length, mass and time that are powers of ten: H = |p|²/(2M) − (L³M/τ²)/|q|.
 fn in_units(length: i32, mass: i32, time: i32) -> Result<Problem, BuildFault> {
-    // The units are doubles, so that a step is the same in every number type; what follows from them is not rounded to them.
+    // The units are doubles, so that a step is the same in every number type; what follows from them is not
+    // rounded to them.
     let unit = |power: i32| DoubleDouble::exact(10.0_f64.powi(power));
     let [length, mass, time] = [length, mass, time].map(unit);
     let momentum = mass * length / time;
@@ -83,7 +86,8 @@ fn quartic(all: &mut Vec<Case>) {
         let amplitude = Constant::from(2.0_f64.powi(k));
         Ok(Problem::new(h, &[amplitude], &[0.0.into()]))
     };
-    // Powers of two scale without rounding. H = 2^(4k − 2): 2^1018, 2^-962, and 2^-1062, where doubles are subnormal.
+    // Powers of two scale without rounding. H = 2^(4k − 2): 2^1018, 2^-962, and 2^-1062, where doubles are
+    // subnormal.
     for k in [255, -240, -265] {
         let one: Builder = Box::new(move || problem(0));
         let name = format!("quartic, H = 2^{}", 4 * k - 2);

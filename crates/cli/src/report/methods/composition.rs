@@ -1,7 +1,8 @@
 //! Explicit symmetric compositions of Störmer–Verlet for H = Σ p_i²/(2m_i) + U(q).
 //!
-//! One step of size h is Φ_{γ_1 h} ∘ … ∘ Φ_{γ_r h}, Φ_h: q += h p/(2m), p −= h ∇U(q), q += h p/(2m), γ_i = γ_{r+1−i}. One gradient for
-//! each γ; neighbouring half drifts are made as one. The updates are compensated like those of the library's own methods.
+//! One step of size h is Φ_{γ_1 h} ∘ … ∘ Φ_{γ_r h}, Φ_h: q += h p/(2m), p −= h ∇U(q), q += h p/(2m), γ_i =
+//! γ_{r+1−i}. One gradient for each γ; neighbouring half drifts are made as one. The updates are compensated
+//! like those of the library's own methods.
 
 use super::flow::Flow;
 use equip_autodiff::Evaluate;

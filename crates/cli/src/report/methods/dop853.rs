@@ -1,5 +1,6 @@
-//! DOP853: the explicit Runge–Kutta method of order 8 of Dormand and Prince with step size control by errors of orders 5 and 3,
-//! [Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.10], without dense output.
+//! DOP853: the explicit Runge–Kutta method of order 8 of Dormand and Prince with step size control by errors
+//! of orders 5 and 3, [Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.10], without
+//! dense output.
 //!
 //! Twelve gradients a step. Autonomous systems only: y' = J∇H(y).
 

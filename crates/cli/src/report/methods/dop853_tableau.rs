@@ -1,5 +1,5 @@
-//! Coefficients of DOP853, nodes, weights, error weights: decimals of [Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I,
-//! code dop853.f], read in the float type of the run.
+//! Coefficients of DOP853, nodes, weights, error weights: decimals of [Hairer, Nørsett, Wanner, Solving
+//! Ordinary Differential Equations I, code dop853.f], read in the float type of the run.
 
 /// Rows of A below the diagonal, without the zeros: (column, coefficient).
 pub(super) const A: [&[(usize, &str)]; 12] = [

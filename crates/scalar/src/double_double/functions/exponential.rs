@@ -1,8 +1,8 @@
 //! eˣ and its relatives, and powers.
 //!
-//! x = (32k + j)·(ln 2)/32 + r, |r| ≤ (ln 2)/64, eˣ = 2ᵏ · 2^(j/32) · (1 + p), p = eʳ − 1 by its Taylor series
-//! [Tang 1989, with a table of 32]. (ln 2)/32 has three parts of which two have trailing zeros, so that n times
-//! them is exact [Cody–Waite].
+//! x = (32k + j)·(ln 2)/32 + r, |r| ≤ (ln 2)/64, eˣ = 2ᵏ · 2^(j/32) · (1 + p), p = eʳ − 1 by its Taylor
+//! series [Tang 1989, with a table of 32]. (ln 2)/32 has three parts of which two have trailing zeros, so
+//! that n times them is exact [Cody–Waite].
 
 use super::tables::{EXP2, INVERSE_FACTORIAL};
 use crate::double_double::number::{DoubleDouble, dd};
@@ -48,7 +48,8 @@ impl Reduced {
     }
 }
 
-/// eʳ − 1 for |r| ≤ 0.011: r + r²/2! + … + r¹³/13!. The terms from r⁸ on weigh less than 2⁻⁶⁰ and are summed in `f64`.
+/// eʳ − 1 for |r| ≤ 0.011: r + r²/2! + … + r¹³/13!. The terms from r⁸ on weigh less than 2⁻⁶⁰ and are summed
+/// in `f64`.
 #[inline(always)]
 fn small_exp_m1(r: DoubleDouble) -> DoubleDouble {
     let x = r.hi;

@@ -1,8 +1,8 @@
 //! Logarithms and the inverse hyperbolic functions.
 //!
-//! x = 2ᵉ m, √½ < m ≤ √2; with j the integer next to 32/m, f = m·j/32 − 1 is at most 0.023 and
-//! ln x = e ln 2 + ln(32/j) + ln(1 + f) [Tang 1990]; ln(1 + f) = 2 artanh(f/(2 + f)) by its series. Next to 1 the
-//! first two terms vanish and full relative precision remains.
+//! x = 2ᵉ m, √½ < m ≤ √2; with j the integer next to 32/m, f = m·j/32 − 1 is at most 0.023 and ln x = e ln
+//! 2 + ln(32/j) + ln(1 + f) [Tang 1990]; ln(1 + f) = 2 artanh(f/(2 + f)) by its series. Next to 1 the first
+//! two terms vanish and full relative precision remains.
 
 use super::tables::{INVERSE_ODD, LN};
 use crate::double_double::number::{DoubleDouble, dd};

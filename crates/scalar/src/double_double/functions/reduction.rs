@@ -1,9 +1,9 @@
 //! x modulo π/2.
 //!
-//! Up to 2³⁰ with π/2 in three doubles [Cody–Waite; QD]; beyond, and where that subtraction cancels too much, by
-//! exact integers: x·2/π with 2/π to 1280 bits [Payne–Hanek 1983]. The fraction then is right to 2⁻²⁵⁰ for every finite
-//! x, while no double-double lies closer than about 2⁻¹²⁵ to a multiple of π/2: sin, cos and tan keep their
-//! relative precision everywhere. The long way costs some microseconds.
+//! Up to 2³⁰ with π/2 in three doubles [Cody–Waite; QD]; beyond, and where that subtraction cancels too much,
+//! by exact integers: x·2/π with 2/π to 1280 bits [Payne–Hanek 1983]. The fraction then is right to 2⁻²⁵⁰ for
+//! every finite x, while no double-double lies closer than about 2⁻¹²⁵ to a multiple of π/2: sin, cos and tan
+//! keep their relative precision everywhere. The long way costs some microseconds.
 
 use super::tables::TWO_OVER_PI;
 use crate::double_double::natural::Natural;
@@ -26,7 +26,8 @@ pub(super) fn reduce(x: DoubleDouble) -> (u32, DoubleDouble) {
         let n = nearest(x.hi * std::f64::consts::FRAC_2_PI);
         let (p1, e1) = two_prod(n, PI_2[0]);
         let (p2, e2) = two_prod(n, PI_2[1]);
-        // The first difference is exact [Sterbenz]; each further sum is relative to r unless r is far below it.
+        // The first difference is exact [Sterbenz]; each further sum is relative to r unless r is far below
+        // it.
         let (s, t) = two_sum(x.hi - p1, -e1);
         let r = dd(s, t)
             .plus_double(x.lo)

@@ -5,7 +5,8 @@ use crate::double_double::number::DoubleDouble;
 use crate::error::ParseFloatError;
 use std::str::FromStr;
 
-/// Digits that are read; 1383 are enough to write any double-double exactly, a set digit beyond only breaks ties.
+/// Digits that are read; 1383 are enough to write any double-double exactly, a set digit beyond only breaks
+/// ties.
 const DIGITS_KEPT: usize = 1500;
 /// Bits behind the binary point: past the half of the smallest subnormal number, 2⁻¹⁰⁷⁵, with room to spare.
 const FRACTION_BITS: usize = 1140;
@@ -68,7 +69,8 @@ impl Decimal {
             n.times_small(10u32.pow(power.min(9) as u32), 0);
             power -= power.min(9);
         }
-        // Successive truncated divisions are one truncated division; a set bit below stands for all remainders.
+        // Successive truncated divisions are one truncated division; a set bit below stands for all
+        // remainders.
         let mut n = n.shifted_left(FRACTION_BITS);
         let mut inexact = false;
         while power < 0 {
@@ -106,8 +108,8 @@ fn read_exponent(text: &str) -> Option<i64> {
 impl FromStr for DoubleDouble {
     type Err = ParseFloatError;
 
-    /// Accepts what `f64`'s parser accepts; the result is correctly rounded, twice: hi is the nearest double, lo
-    /// the double nearest to the rest.
+    /// Accepts what `f64`'s parser accepts; the result is correctly rounded, twice: hi is the nearest double,
+    /// lo the double nearest to the rest.
     ///
     /// ```
     /// # use equip_scalar::DoubleDouble;

@@ -1,8 +1,8 @@
 //! Binary to decimal.
 //!
-//! Every double-double is a finite decimal. Its digits are computed exactly, then rounded (half to even) to the
-//! precision asked for, or to the first length in a short list that parses back to the same two doubles: 31 digits
-//! and up, of which trailing zeros are dropped.
+//! Every double-double is a finite decimal. Its digits are computed exactly, then rounded (half to even) to
+//! the precision asked for, or to the first length in a short list that parses back to the same two doubles:
+//! 31 digits and up, of which trailing zeros are dropped.
 
 use super::parse::Decimal;
 use crate::double_double::natural::Natural;
@@ -130,7 +130,8 @@ impl Decimal {
 }
 
 impl fmt::Display for DoubleDouble {
-    /// With a precision `{:.n}` exactly n decimals, as `f64`; without one, digits that parse back to the same number.
+    /// With a precision `{:.n}` exactly n decimals, as `f64`; without one, digits that parse back to the same
+    /// number.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.is_finite() {
             return fmt::Display::fmt(&self.hi, f);

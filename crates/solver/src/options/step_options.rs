@@ -1,13 +1,14 @@
 //! [`StepOptions`]: what a step is to keep, how far its α's may go, and how its stages are iterated.
 
-use crate::family::{Alphas, Family};
+use crate::options::family::{Alphas, Family};
 use equip_scalar::Float;
 
 /// How far the α's may move the end point of a step to keep the energy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]
 pub enum Reach {
-    /// Not further than some errors of the step itself. Else the step is made with α = 0, counted, and its defect left to a later one.
+    /// Not further than some errors of the step itself. Else the step is made with α = 0, counted, and its
+    /// defect left to a later one.
     #[default]
     WithinError,
     /// As far as the bound of the α's allows.
@@ -16,7 +17,8 @@ pub enum Reach {
     Refuse,
 }
 
-/// M of the iteration Z ← Z + M⁻¹ (K(α) L(Z) − Z) that finds the stages. The solution is the same to round-off with each of them.
+/// M of the iteration Z ← Z + M⁻¹ (K(α) L(Z) − Z) that finds the stages. The solution is the same to
+/// round-off with each of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]
 pub enum Preconditioner {
@@ -27,7 +29,8 @@ pub enum Preconditioner {
     Identity,
     /// Stiff springs along single components of H = T(p) + U(q); else as `Identity`.
     Diagonal,
-    /// One ∇²H for all stages (simplified Newton): ⌈s/2⌉ complex systems of size 2m, m where H is separable, sparse where ∇²H is.
+    /// One ∇²H for all stages (simplified Newton): ⌈s/2⌉ complex systems of size 2m, m where H is separable,
+    /// sparse where ∇²H is.
     Frozen,
     /// ∇²H at all stages (Newton): a dense matrix of size s·2m, s·m where T is quadratic.
     Full,

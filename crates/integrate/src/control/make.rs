@@ -1,7 +1,7 @@
 //! What a step that was not found is called outside.
 
+use crate::control::escape::escapes;
 use crate::error::IntegrateError;
-use crate::step::escape::escapes;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Failure, Outcome, State};

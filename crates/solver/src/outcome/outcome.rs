@@ -13,7 +13,8 @@ pub enum Outcome {
     AtFloor,
     /// α's were found that bring H back to its reference within the round-off floor.
     Solved,
-    /// Carried: no α changes the energy. The step was made with α = 0 and its defect is left to a later one, as in the next two.
+    /// Carried: no α changes the energy. The step was made with α = 0 and its defect is left to a later one,
+    /// as in the next two.
     NoSlope,
     /// Carried: the energy would take an α beyond its bound.
     BeyondBound,
@@ -90,7 +91,8 @@ pub struct Counts {
     pub directions: u64,
     /// Moves of the α's.
     pub alpha_moves: u64,
-    /// Local errors estimated to judge a displacement: the stages of one method more each, which are counted above.
+    /// Local errors estimated to judge a displacement: the stages of one method more each, which are counted
+    /// above.
     pub local_errors: u64,
     /// Times a step was split into two.
     pub halvings: u64,

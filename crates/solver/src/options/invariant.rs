@@ -4,8 +4,8 @@ use equip_autodiff::{Hamiltonian, System};
 
 /// A named function of the state, recorded like an energy, whose change along the run the certificate shows.
 ///
-/// Quadratic invariants of the flow (angular and linear momentum, norms) are kept by every method here for any step;
-/// others are measured only.
+/// Quadratic invariants of the flow (angular and linear momentum, norms) are kept by every method here for
+/// any step; others are measured only.
 #[derive(Debug, Clone)]
 pub struct Invariant {
     name: String,

@@ -1,0 +1,370 @@
+//! ∂H/∂y, appended to the recording of H: the reverse sweep, once and for all, on operations instead of
+//! numbers.
+//!
+//! With w the derivative of H by a result f(x, y), every operand receives w ∂f/∂x (Griewank, Walther 2008,
+//! section 3.2). What comes out is a recording like any other: derivatives are replayed as H is, in any
+//! number, with equal operations done once, constant factors multiplied beforehand, and what only H needs
+//! left out. A recording of ∂H/∂q alone contains nothing of T(p). Powers of two wait (`twos`). Cost: one to
+//! three times the operations of H, whatever the number of inputs.
+//!
+//! At kinks: |x| has derivative 0 at 0, hypot has (0, 0) at the origin, min and max give all to their first
+//! argument at a tie. √x has the derivative ∞ at 0. The derivative of xʸ by y is 0 where xʸ is 0.
+
+use crate::recording::op::{Node, Op};
+use crate::recording::recorder::Recorder;
+use equip_scalar::{Constant, Written};
+use std::collections::HashMap;
+
+/// Appends the derivatives of the node `root` by all inputs; their nodes.
+pub(crate) fn differentiate(recorder: &mut Recorder, root: u32) -> Vec<u32> {
+    Reverse::new(recorder, root).sweep(root, |_, _| {})
+}
+
+/// Which nodes up to the root depend on inputs.
+fn dependent(recorder: &Recorder, root: u32) -> Vec<bool> {
+    let mut depends: Vec<bool> = Vec::with_capacity(root as usize + 1);
+    for Node { op, a, b } in &recorder.nodes[..=(root as usize).max(recorder.inputs - 1)] {
+        let operands = [a, b].into_iter().take(op.arity());
+        let own = matches!(op, Op::Input(_)) || operands.into_iter().any(|&x| depends[x as usize]);
+        depends.push(own);
+    }
+    depends
+}
+
+/// The derivative of H by a node: ± 2^twos times what stands at another.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Adjoint {
+    pub(super) node: u32,
+    pub(super) minus: bool,
+    pub(super) twos: i32,
+}
+
+pub(super) struct Reverse<'a> {
+    pub(super) recorder: &'a mut Recorder,
+    depends: Vec<bool>,
+    /// Sums of what each node has received so far, one for each power of two.
+    received: Vec<Vec<Adjoint>>,
+    /// How often a node was given to others as a derivative by them.
+    pub(super) shares: HashMap<u32, u32>,
+}
+
+impl<'a> Reverse<'a> {
+    pub(super) fn new(recorder: &'a mut Recorder, root: u32) -> Self {
+        let depends = dependent(recorder, root);
+        Reverse {
+            received: vec![Vec::new(); depends.len()],
+            shares: HashMap::new(),
+            depends,
+            recorder,
+        }
+    }
+
+    /// The whole sweep. Calls `visit` with every operation that reaches H and the derivative of H by it.
+    pub(super) fn sweep(&mut self, root: u32, mut visit: impl FnMut(u32, Adjoint)) -> Vec<u32> {
+        let one = self.number(1.0);
+        self.received[root as usize].push(Adjoint {
+            node: one,
+            minus: false,
+            twos: 0,
+        });
+        let inputs = self.recorder.inputs;
+        for node in (inputs..=root as usize).rev() {
+            if let (true, Some(w)) = (self.depends[node], self.total(node)) {
+                visit(node as u32, w);
+                self.pass_on(node as u32, w);
+            }
+        }
+        (0..inputs).map(|i| self.result(i)).collect()
+    }
+}
+
+impl Reverse<'_> {
+    /// Gives the operands of a node their parts.
+    #[rustfmt::skip]
+    fn pass_on(&mut self, f: u32, w: Adjoint) {
+        let Node { op, a: x, b: y } = self.recorder.nodes[f as usize];
+        match op {
+            Op::Constant(_) | Op::Input(_) | Op::Sum(_) | Op::Powi(0) => {}
+            Op::Sign | Op::AtMost | Op::WhereNonzero | Op::PowfSlope(_) => {}
+            Op::SquareAdd | Op::RecipSqrt => unreachable!("what is replayed is no longer differentiated"),
+            Op::Add => { self.give(x, w); self.give(y, w); }
+            Op::Sub => { self.give(x, w); self.give_minus(y, w); }
+            Op::Neg => self.give_minus(x, w),
+            Op::Mul => { self.give_times(x, w, y); self.give_times(y, w, x); }
+            Op::Div => self.quotient(x, y, w),
+            Op::Square => { let twice = self.times_two(w, 1); self.give_times(x, twice, x); }
+            Op::Recip => { let slope = self.apply(Op::Square, f, f); self.give_times(x, opposite(w), slope); }
+            Op::Sqrt => {
+                // The reciprocal is the one of a following 1/√x.
+                let (half, slope) = (self.times_two(w, -1), self.reciprocal(f));
+                self.give_times(x, half, slope);
+            }
+            Op::Powi(n) => {
+                let factor = self.number(f64::from(n));
+                let w = self.times(w, factor);
+                let power = self.apply(Op::Powi(n.saturating_sub(1)), x, x);
+                self.give_times(x, w, power);
+            }
+            Op::HalfPower(n) => {
+                let c = self.number(0.5 * f64::from(n));
+                if n > 0 {
+                    let w = self.times(w, c);
+                    let power = self.recorder.half_power(x, n - 2);
+                    self.give_times(x, w, power);
+                } else {
+                    let multiple = self.product(c, f);
+                    let slope = self.apply(Op::Div, multiple, x);
+                    self.give_times(x, w, slope);
+                }
+            }
+            Op::Powf(k) => {
+                if self.recorder.constants[k as usize].to::<f64>() != 0.0 {
+                    let slope = self.apply(Op::PowfSlope(k), x, f);
+                    self.give_times(x, w, slope);
+                }
+            }
+            Op::Pow => {
+                let one = self.number(1.0);
+                let less = self.apply(Op::Sub, y, one);
+                let power = self.apply(Op::Pow, x, less);
+                let by_x = self.product(y, power);
+                self.give_times(x, w, by_x);
+                let ln = self.apply(Op::Ln, x, x);
+                let by_y = self.product(f, ln);
+                let by_y = self.apply(Op::WhereNonzero, by_y, f);
+                self.give_times(y, w, by_y);
+            }
+            Op::Abs => { let slope = self.apply(Op::Sign, x, x); self.give_times(x, w, slope); }
+            Op::Exp => self.give_times(x, w, f),
+            Op::ExpM1 => { let slope = self.apply(Op::Exp, x, x); self.give_times(x, w, slope); }
+            Op::Ln => self.give_over(x, w, x),
+            Op::Ln1p => { let below = self.one_plus(x); self.give_over(x, w, below); }
+            Op::Sin => { let slope = self.apply(Op::Cos, x, x); self.give_times(x, w, slope); }
+            Op::Cos => { let slope = self.apply(Op::Sin, x, x); self.give_times(x, opposite(w), slope); }
+            Op::Tan => { let slope = self.one_plus_square(f); self.give_times(x, w, slope); }
+            Op::Asin => { let below = self.root_of_rest(x); self.give_over(x, w, below); }
+            Op::Acos => { let below = self.root_of_rest(x); self.give_over(x, opposite(w), below); }
+            Op::Atan => { let below = self.one_plus_square(x); self.give_over(x, w, below); }
+            Op::Sinh => { let slope = self.apply(Op::Cosh, x, x); self.give_times(x, w, slope); }
+            Op::Cosh => { let slope = self.apply(Op::Sinh, x, x); self.give_times(x, w, slope); }
+            Op::Tanh => { let slope = self.square_of_sech(x); self.give_times(x, w, slope); }
+            Op::Atan2 => {
+                // f is the angle of the point (y, x). Divided by the radius twice, where its square could
+                // overflow.
+                let r = self.apply(Op::Hypot, y, x);
+                let by_x = self.twice_over(y, r);
+                self.give_times(x, w, by_x);
+                let by_y = self.twice_over(x, r);
+                self.give_times(y, opposite(w), by_y);
+            }
+            Op::Hypot => {
+                for z in [x, y] {
+                    let slope = self.apply(Op::Div, z, f);
+                    let slope = self.apply(Op::WhereNonzero, slope, f);
+                    self.give_times(z, w, slope);
+                }
+            }
+            Op::Min => self.either(x, y, w, [x, y]),
+            Op::Max => self.either(x, y, w, [y, x]),
+        }
+    }
+
+    /// x/y, with the reciprocal of y in place of further divisions.
+    fn quotient(&mut self, x: u32, y: u32, w: Adjoint) {
+        if !self.depends[y as usize] {
+            return self.give_over(x, w, y);
+        }
+        let r = self.reciprocal(y);
+        let by_y = if self.depends[x as usize] {
+            let by_x = self.times(w, r);
+            self.give(x, by_x);
+            self.times(by_x, x)
+        } else {
+            // Constants first: they are multiplied beforehand.
+            let wx = self.times(w, x);
+            self.times(wx, r)
+        };
+        self.give_times(y, opposite(by_y), r);
+    }
+
+    /// All to x where `smaller[0]` ≤ `smaller[1]`, all to y elsewhere.
+    fn either(&mut self, x: u32, y: u32, w: Adjoint, smaller: [u32; 2]) {
+        let first = self.apply(Op::AtMost, smaller[0], smaller[1]);
+        self.give_times(x, w, first);
+        let one = self.number(1.0);
+        let second = self.apply(Op::Sub, one, first);
+        self.give_times(y, w, second);
+    }
+
+    fn one_plus(&mut self, x: u32) -> u32 {
+        let one = self.number(1.0);
+        self.apply(Op::Add, one, x)
+    }
+
+    fn one_plus_square(&mut self, x: u32) -> u32 {
+        let square = self.apply(Op::Square, x, x);
+        self.one_plus(square)
+    }
+
+    /// √((1 − x)(1 + x)).
+    fn root_of_rest(&mut self, x: u32) -> u32 {
+        let one = self.number(1.0);
+        let (less, more) = (self.apply(Op::Sub, one, x), self.one_plus(x));
+        let rest = self.apply(Op::Mul, less, more);
+        self.apply(Op::Sqrt, rest, rest)
+    }
+
+    /// 1/cosh² from e^{−|x|}: 1 − tanh² has no correct digit left from x = 19 on, and cosh overflows.
+    fn square_of_sech(&mut self, x: u32) -> u32 {
+        let size = self.apply(Op::Abs, x, x);
+        let down = self.apply(Op::Neg, size, size);
+        let u = self.apply(Op::Exp, down, down);
+        let (above, below) = (self.apply(Op::Add, u, u), self.one_plus_square(u));
+        let sech = self.apply(Op::Div, above, below);
+        self.apply(Op::Square, sech, sech)
+    }
+
+    fn twice_over(&mut self, x: u32, r: u32) -> u32 {
+        let once = self.apply(Op::Div, x, r);
+        self.apply(Op::Div, once, r)
+    }
+
+    /// 1/y, written as users write it, so that theirs is found.
+    fn reciprocal(&mut self, y: u32) -> u32 {
+        let one = self.number(1.0);
+        self.apply(Op::Div, one, y)
+    }
+
+    fn give_over(&mut self, operand: u32, w: Adjoint, below: u32) {
+        let node = self.fold(Op::Div, w.node, below);
+        self.give(operand, Adjoint { node, ..w });
+    }
+
+    fn give_times(&mut self, operand: u32, w: Adjoint, slope: u32) {
+        if self.depends[operand as usize] {
+            let part = self.times(w, slope);
+            self.give(operand, part);
+        }
+    }
+
+    fn give_minus(&mut self, operand: u32, w: Adjoint) {
+        self.give(operand, opposite(w));
+    }
+
+    /// Adds to what the operand has received.
+    fn give(&mut self, operand: u32, new: Adjoint) {
+        if !self.depends[operand as usize] {
+            return;
+        }
+        *self.shares.entry(new.node).or_default() += 1;
+        let received = &self.received[operand as usize];
+        match received.iter().position(|old| old.twos == new.twos) {
+            Some(k) => {
+                let sum = self.joined(received[k], new);
+                self.received[operand as usize][k] = sum;
+            }
+            None => self.received[operand as usize].push(new),
+        }
+    }
+
+    /// The sum of two with the same power of two; signs are settled here.
+    fn joined(&mut self, x: Adjoint, y: Adjoint) -> Adjoint {
+        let node = match (x.minus, y.minus) {
+            (false, true) => self.apply(Op::Sub, x.node, y.node),
+            (true, false) => self.apply(Op::Sub, y.node, x.node),
+            _ => self.sum(x.node, y.node),
+        };
+        let minus = x.minus && y.minus;
+        Adjoint { node, minus, ..x }
+    }
+
+    /// All that a node has received.
+    fn total(&mut self, node: usize) -> Option<Adjoint> {
+        let mut received = std::mem::take(&mut self.received[node]).into_iter();
+        let mut total = received.next()?;
+        for w in received {
+            let (x, y) = (self.settled(total), self.settled(w));
+            total = self.joined(x, y);
+        }
+        Some(total)
+    }
+
+    fn result(&mut self, input: usize) -> u32 {
+        let Some(w) = self.total(input) else {
+            return self.number(0.0);
+        };
+        match self.settled(w) {
+            Adjoint {
+                node, minus: false, ..
+            } => node,
+            Adjoint { node, .. } => self.apply(Op::Neg, node, node),
+        }
+    }
+
+    fn times(&mut self, w: Adjoint, factor: u32) -> Adjoint {
+        let node = self.product(w.node, factor);
+        Adjoint { node, ..w }
+    }
+
+    pub(super) fn product(&mut self, x: u32, y: u32) -> u32 {
+        self.fold(Op::Mul, x, y)
+    }
+
+    pub(super) fn sum(&mut self, x: u32, y: u32) -> u32 {
+        self.fold(Op::Add, x, y)
+    }
+
+    /// The operation, or its result where both are doubles and no bit of it is lost: ½ + ½ is 1, and 1·x is
+    /// x.
+    fn fold(&mut self, op: Op, x: u32, y: u32) -> u32 {
+        match (self.double(x), self.double(y)) {
+            (Some(a), Some(b)) => match exact(op, a, b) {
+                Some(result) => self.number(result),
+                None => self.apply(op, x, y),
+            },
+            _ => self.apply(op, x, y),
+        }
+    }
+
+    pub(super) fn double(&self, node: u32) -> Option<f64> {
+        match self.recorder.nodes[node as usize].op {
+            Op::Constant(k) => match self.recorder.constants[k as usize].written() {
+                Written::Double(x) => Some(x),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    pub(super) fn number(&mut self, x: f64) -> u32 {
+        self.recorder.constant(Constant::double(x))
+    }
+
+    pub(super) fn apply(&mut self, op: Op, x: u32, y: u32) -> u32 {
+        self.recorder.apply(op, x, y)
+    }
+}
+
+fn opposite(w: Adjoint) -> Adjoint {
+    Adjoint {
+        minus: !w.minus,
+        ..w
+    }
+}
+
+/// The result if it is exact, far from overflow and underflow.
+pub(super) fn exact(op: Op, a: f64, b: f64) -> Option<f64> {
+    let moderate = |x: f64| x == 0.0 || (1e-100..1e100).contains(&x.abs());
+    let result = match op {
+        Op::Add => a + b,
+        Op::Mul => a * b,
+        Op::Div => a / b,
+        _ => return None,
+    };
+    let is_exact = match op {
+        Op::Add => result - a == b && result - b == a,
+        Op::Mul => a.mul_add(b, -result) == 0.0,
+        _ => result.mul_add(b, -a) == 0.0,
+    };
+    (is_exact && [a, b, result].into_iter().all(moderate)).then_some(result)
+}

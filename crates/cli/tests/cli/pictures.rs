@@ -1,0 +1,135 @@
+//! Pictures: what is drawn, and that it is well-formed SVG.
+
+use crate::{failure, file, stdout, table, well_formed};
+
+#[test]
+fn the_plot_shows_gauss_beside_it_unless_told_not_to() {
+    let plot = file("compare.svg");
+    let path = plot.to_str().unwrap();
+    let drawn = |more: &[&str]| {
+        stdout(
+            &[
+                &["run", "henon-heiles", "--until", "20", "--plot", path][..],
+                more,
+            ]
+            .concat(),
+        );
+        std::fs::read_to_string(&plot).unwrap()
+    };
+    assert!(drawn(&[]).contains("Gauss, same steps"));
+    assert!(!drawn(&["--no-compare"]).contains("Gauss"));
+    assert!(!drawn(&["--method", "gauss"]).contains("same steps"));
+}
+
+/// With 8 steps a revolution a line from step to step would be an octagon, which leaves the orbit by 1 −
+/// cos(π/8) = 7.6 %.
+#[test]
+fn orbits_are_drawn_between_their_steps() {
+    let plot = file("curve.svg");
+    let arguments =
+        "run kepler --e 0 --steps-per-period 8 --stages 8 --periods 1 --no-compare --plot";
+    let arguments: Vec<&str> = arguments
+        .split(' ')
+        .chain([plot.to_str().unwrap()])
+        .collect();
+    stdout(&arguments);
+    let picture = std::fs::read_to_string(&plot).unwrap();
+    let path = picture
+        .split("<path d=\"")
+        .skip(1)
+        .map(|p| p.split('"').next().unwrap());
+    let points = |path: &str| -> Vec<(f64, f64)> {
+        let numbers = path.trim_start_matches('M').split('L').map(|point| {
+            let (x, y) = point.split_once(' ').unwrap();
+            (x.parse().unwrap(), y.parse().unwrap())
+        });
+        numbers.collect()
+    };
+    let orbit = path
+        .filter(|path| path.contains('L'))
+        .map(points)
+        .max_by_key(Vec::len)
+        .unwrap();
+    assert!(orbit.len() > 80, "{}", orbit.len());
+    let range = |x: fn(&(f64, f64)) -> f64| {
+        let (low, high) = orbit
+            .iter()
+            .map(x)
+            .fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
+        ((low + high) / 2.0, (high - low) / 2.0)
+    };
+    let ((x, radius), (y, _)) = (range(|p| p.0), range(|p| p.1));
+    for point in &orbit {
+        let off = (point.0 - x).hypot(point.1 - y) / radius - 1.0;
+        assert!(off.abs() < 0.01, "{off}");
+    }
+}
+
+#[test]
+fn growth_is_drawn() {
+    let (plot, csv) = (file("growth.svg"), file("growth.csv"));
+    let text = stdout(&[
+        "growth",
+        "--eccentricities",
+        "0.6,0.9",
+        "--tolerances",
+        "1e-12",
+        "--revolutions",
+        "30",
+        "--plot",
+        plot.to_str().unwrap(),
+        "--csv",
+        csv.to_str().unwrap(),
+    ]);
+    assert_eq!(
+        text.lines()
+            .filter(|line| line.contains("| EQUIP |"))
+            .count(),
+        2
+    );
+    well_formed(&std::fs::read_to_string(&plot).unwrap());
+    let rows = table(&csv);
+    let last = |method: &str| -> f64 {
+        let of_method = |row: &&Vec<String>| row[0] == "0.9" && row[2] == method;
+        let row = rows.iter().rfind(of_method).unwrap();
+        assert_eq!(row[3], "30.3");
+        row[4].parse().unwrap()
+    };
+    // Measured 1e-11 and 2e-9.
+    assert!(last("EQUIP") < 1e-10 && last("Gauss") > 10.0 * last("EQUIP"));
+    failure(2, &["growth", "--tolerances", "no"]);
+    failure(
+        2,
+        &["growth", "--eccentricities", "2", "--revolutions", "1"],
+    );
+}
+
+#[test]
+fn a_section_is_drawn() {
+    let (plot, csv) = (file("section.svg"), file("section.csv"));
+    let text = stdout(&[
+        "section",
+        "henon-heiles",
+        "--energy",
+        "1/12",
+        "--orbits",
+        "5",
+        "--until",
+        "200",
+        "--plot",
+        plot.to_str().unwrap(),
+        "--csv",
+        csv.to_str().unwrap(),
+    ]);
+    assert!(text.contains("of 5 orbits"), "{text}");
+    let rows = table(&csv);
+    // About one crossing every 2π.
+    assert!(rows.len() > 100 && rows.len() < 220, "{}", rows.len());
+    for row in &rows[1..] {
+        let (q2, p2): (f64, f64) = (row[1].parse().unwrap(), row[2].parse().unwrap());
+        // p1² is what is left.
+        assert!(1.0 / 6.0 - q2 * q2 + 2.0 / 3.0 * q2.powi(3) - p2 * p2 > 0.0);
+    }
+    assert!(std::fs::read_to_string(&plot).unwrap().contains("<path"));
+    failure(2, &["section", "kepler"]);
+}

@@ -1,4 +1,0 @@
-//! One step, and what a failure of it is called.
-
-pub(crate) mod escape;
-pub(crate) mod make;

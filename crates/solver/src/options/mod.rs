@@ -1,0 +1,5 @@
+//! What is asked of a step.
+
+pub(crate) mod family;
+pub(crate) mod invariant;
+pub(crate) mod step_options;

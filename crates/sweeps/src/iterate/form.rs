@@ -1,0 +1,68 @@
+//! The forms of one sweep Z ← K(α) L(Z):
+//!
+//! | H | unknowns | one sweep | file |
+//! |---|---|---|---|
+//! | any | Z of all 2m components | ∇H at the stages; Z ← K L | [`crate::forms::full`] |
+//! | T(p) + U(q), T = ½ Σ w_c p_c² + b·p | Z of the m positions | ∇U at the stages; P ← p + K L_p; L_q = h b ∇T(P); Z_q ← K L_q | [`crate::forms::separable`] |
+//! | the same, while Z is far from the solution | Z of the m positions | ∇U at the stages; Z_q ← Z_q + h M⁻¹ K B K ΔL_p | [`crate::forms::incremental`] |
+
+use crate::forms::form::Step;
+use crate::forms::full::Whole;
+use crate::forms::incremental::Draft;
+use crate::forms::separable::Half;
+use crate::iterate::iterate::Iterate;
+use crate::layout::state::State;
+use equip_scalar::Float;
+
+/// The form of a sweep, with all it reads and writes.
+pub(crate) enum Form<'a, T> {
+    Full(Whole<'a, T>),
+    Separable(Half<'a, T>),
+    Incremental(Draft<'a, T>),
+}
+
+impl<T: Float> Iterate<T> {
+    /// What the next sweep does.
+    #[inline(always)]
+    pub(crate) fn form<'a>(&'a mut self, y: &'a State<T>) -> Form<'a, T> {
+        let twofold = self.twofold.as_ref().filter(|_| self.is_incremental);
+        let twofold = twofold.and_then(|twofold| twofold.get(self.k_has_moved, self.h));
+        let step = Step {
+            k: twofold.map_or(&*self.k, |(twofold, _)| twofold),
+            hb: &self.hb,
+            hi: &y.hi,
+            lo: &y.lo,
+            inverse_scale: &self.inverse_scale,
+            gradients: &mut self.gradients,
+            l: &mut self.l,
+            folded: &mut self.folded,
+            z: &mut self.z,
+            points: &mut self.points,
+            s: self.s,
+        };
+        let Some(kinetic) = &self.kinetic else {
+            return Form::Full(Whole(step));
+        };
+        let half = Half {
+            step,
+            inverse_masses: kinetic.diagonal().unwrap_or_default(),
+            offset: kinetic.offset(),
+            keeps_momenta: self.has_momenta,
+        };
+        match twofold {
+            None => Form::Separable(half),
+            Some((_, h)) => Form::Incremental(Draft { half, h }),
+        }
+    }
+
+    /// The linear half of a sweep: L from the gradients, Z ← K L, and the stages. Gives the largest change of
+    /// Z relative to the sizes of the components; not finite if anything is not.
+    pub(crate) fn mix(&mut self, y: &State<T>) -> T {
+        let set = self.set;
+        match self.form(y) {
+            Form::Full(mut task) => set.run(&mut task),
+            Form::Separable(mut task) => set.run(&mut task),
+            Form::Incremental(mut task) => set.run(&mut task),
+        }
+    }
+}
