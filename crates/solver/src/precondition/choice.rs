@@ -56,7 +56,7 @@ pub(crate) struct Choice<T: Float> {
     frozen: Option<Frozen>,
     full: Option<Full>,
     can_be_dense: bool,
-    /// One ∇²H and the state it is taken at.
+    /// One ∇²H, empty before there is one, and the state it is taken at.
     state: Vec<T>,
     hessian: Vec<T>,
     structure: Structure,
@@ -68,7 +68,6 @@ impl<T: Float> Choice<T> {
         (gauss, iterate): (&Gauss<T>, &Iterate<T>),
         structure: &Structure,
     ) -> Self {
-        let n = iterate.components();
         Choice {
             wanted,
             active: first(wanted),
@@ -85,8 +84,8 @@ impl<T: Float> Choice<T> {
             full: (wanted == Wanted::Full)
                 .then(|| Full::new(gauss, iterate, structure.hessian.to_pattern())),
             can_be_dense: iterate.stages() * iterate.unknowns() <= MOST_DENSE,
-            state: vec![T::int(0); n],
-            hessian: vec![T::int(0); structure.hessian.len()],
+            state: vec![T::int(0); iterate.components()],
+            hessian: Vec::new(),
             structure: structure.clone(),
         }
     }
@@ -135,6 +134,7 @@ impl<T: Float> Choice<T> {
             Kind::Identity => true,
             Kind::Full => {
                 self.amplification = f64::INFINITY;
+                self.hessian.resize(self.structure.hessian.len(), T::int(0));
                 counts.hessians += iterate.stages() as u64;
                 counts.factorisations += 1;
                 let pattern = &self.structure.hessian;
@@ -148,6 +148,7 @@ impl<T: Float> Choice<T> {
             _ if is_made => true,
             kind => {
                 counts.hessians += 1;
+                self.hessian.resize(self.structure.hessian.len(), T::int(0));
                 self.mean(gauss, iterate, y);
                 energy.hessian(&self.state, &mut self.hessian);
                 let is_made = if kind == Kind::Diagonal {
@@ -325,6 +326,7 @@ impl<T: Float> Choice<T> {
         let [amplification] = memory.numbers::<1>("preconditioner amplification")?;
         self.amplification = amplification.to_f64();
         let what = "preconditioner made of";
+        let (what, n) = ("preconditioner made of", iterate.components());
         let made_of = memory.find(what).ok_or(Damaged { what })?;
         let made_of: Vec<f64> = made_of.iter().map(|x| x.to_f64()).collect();
         if self.made_for == T::int(0) || made_of.is_empty() {
@@ -338,7 +340,7 @@ impl<T: Float> Choice<T> {
                 diagonal.restore(&made_of);
                 Ok(())
             }
-            Kind::Frozen if made_of.len() == self.hessian.len() + iterate.components() => {
+            Kind::Frozen if made_of.len() == self.structure.hessian.len() + n => {
                 if self.frozen.is_none() {
                     self.frozen = Frozen::new(iterate, &self.structure);
                 }
