@@ -385,7 +385,7 @@ fn a_thousand_bounces() {
         (t, q, p) = (time, at[0], -with[0]);
         summed += if n > 0 { 2.0 * half } else { 0.0 };
     }
-    let exact = 6385.571_267_174_4;
+    let exact = 6_385.571_267_174_4;
     println!(
         "{:.1e}, of the sum {:.1e}",
         t / exact - 1.0,
