@@ -134,7 +134,7 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
             "--until or --periods ask for a run from t = {start} to t = {end}; it must be finite and run forward"
         ),
         E::StepBelowMinimum { step, time, min } => format!(
-            "--tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity of H, or the tolerance is too small: loosen it"
+            "--tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity or a kink of H, or the tolerance is too small: loosen it"
         ),
         E::StepLimit { steps, time } => format!(
             "{steps} steps were made and t = {time} is reached; loosen --tolerance, or end sooner with --until"

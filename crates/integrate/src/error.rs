@@ -20,7 +20,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The step is zero, negative, infinite or NaN.
     #[error(
-        "the step is {step}; it must be positive and finite (to go back in time, flip the sign of the momenta)"
+        "the step is {step}; it must be positive and finite (to go back in time, integrate −H, or flip the sign of the momenta where H(q, −p) = H(q, p))"
     )]
     StepNotPositive {
         /// The step given.
@@ -46,7 +46,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The interval ends before it starts or is not finite.
     #[error(
-        "the interval {start} to {end} must be finite and run forward (to go back in time, flip the sign of the momenta)"
+        "the interval {start} to {end} must be finite and run forward (to go back in time, integrate −H, or flip the sign of the momenta where H(q, −p) = H(q, p))"
     )]
     Interval {
         /// Start of the interval.
@@ -198,7 +198,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// Step control wants a step below the smallest one allowed, or below the resolution of time.
     #[error(
-        "the tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity of H, or the tolerance is too small: loosen it or lower `min_step`"
+        "the tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity or a kink of H, or the tolerance is too small: loosen it or lower `min_step`"
     )]
     StepBelowMinimum {
         /// Start of the step.

@@ -145,3 +145,19 @@ fn slow_motion_beside_a_stiff_spring_at_rest_is_left_in_peace() {
     }
     assert!(stepper.counts().carried() > 90);
 }
+
+/// p overflows along the way: a quadratic H has nothing to solve, and its energy is NaN all the same.
+#[test]
+fn an_energy_that_is_not_a_number_is_not_kept() {
+    let fall = Hamiltonian::new(1, |q, p| 1e160 * q[0] + p[0] * p[0]).unwrap();
+    let run = Equip::stages(4)
+        .step(0.1)
+        .integrate(&fall, &[0.0], &[0.0], 0.0..=10.0);
+    let certificate = match &run {
+        Ok(run) => run.certificate(),
+        Err(failure) => failure.partial.as_ref().unwrap().certificate(),
+    };
+    let is_kept = certificate.energy_kept_on_every_step();
+    println!("{is_kept}, {:?}", certificate.energy);
+    assert!(!is_kept);
+}

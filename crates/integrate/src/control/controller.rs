@@ -128,11 +128,13 @@ impl Control {
         h / 2.0
     }
 
-    /// Whether the first step is so much smaller than it could be that it is worth another try; with which
-    /// size.
-    pub(crate) fn first_is_timid(&self, h: f64, estimate: &Estimate) -> Option<f64> {
+    /// Whether the first step is so much smaller than it could be, up to `longest`, that it is worth another
+    /// try; with which size.
+    pub(crate) fn first_is_timid(&self, h: f64, estimate: &Estimate, longest: f64) -> Option<f64> {
         let longer = SAFETY * self.ratio(estimate);
-        let longer = (h * longer.min(1.0 / MOST_SHRINKAGE)).min(self.most);
+        let longer = (h * longer.min(1.0 / MOST_SHRINKAGE))
+            .min(self.most)
+            .min(longest);
         (longer > 2.0 * h).then_some(longer)
     }
 }

@@ -1,11 +1,25 @@
 //! A size to begin with, before there is a step to judge by.
 //!
-//! With f = J∇H and f' = J∇²H f at the start: 1/10 of the shorter of the times in which the state would move
-//! by its own size, |y|/|f| and √(|y|/|f'|), for positions and momenta apart. The first step is then tried at
-//! longer or shorter sizes until its error fits, so that the factor does not matter.
+//! Between 1/100 of it and the whole of the time in which the motion turns into another, the shorter one of
+//! positions and momenta. With f = J∇H, f' = A f and f'' = A² f at the start, A = J∇²H, that is the root t of
+//!
+//! $$ \lVert f'' \rVert t^2 = \lVert f \rVert + \lVert f' \rVert t . $$
+//!
+//! A turning point, where f vanishes, and a passage through the centre, where f' does, have the same t. Where A² f
+//! vanishes, as in a free fall, it is ‖f‖/‖f'‖. Coordinates, whose origin is arbitrary, choose within these bounds
+//! only: 1/10 of the time in which the state would move by its own size, |y|/|f| and √(|y|/|f'|). The first step is
+//! then tried at longer or shorter sizes until its error fits, so that the factor does not matter.
 
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
+
+/// The first try is at least this share of the time in which the motion turns.
+const LEAST_SHARE: f64 = 0.01;
+/// The first step is at most so many of these times.
+const MOST_TURNS: f64 = 10.0;
+/// Where nothing turns it is at most so many times the pace of the motion: the error of a free fall is
+/// zero for any size, and a step far beyond an event leaves its root the rounding of the whole step.
+const MOST_UNKNOWN: f64 = 4.0;
 
 /// Workspace for it.
 #[derive(Debug)]
@@ -13,6 +27,7 @@ pub(crate) struct FirstSize<T> {
     slope: Vec<T>,
     f: Vec<T>,
     second: Vec<T>,
+    third: Vec<T>,
 }
 
 impl<T: Float> FirstSize<T> {
@@ -22,38 +37,76 @@ impl<T: Float> FirstSize<T> {
             slope: zeros(),
             f: zeros(),
             second: zeros(),
+            third: zeros(),
         }
     }
 
-    /// Size of the first try from `y`; 1 where nothing moves.
-    pub(crate) fn size<E: Evaluate<T>>(&mut self, energy: &mut E, y: &[T]) -> f64 {
+    /// Size of the first try from `y`, 1 where nothing moves, and that of the longest.
+    pub(crate) fn sizes<E: Evaluate<T>>(&mut self, energy: &mut E, y: &[T]) -> [f64; 2] {
         let n = y.len();
-        let FirstSize { slope, f, second } = self;
+        let FirstSize {
+            slope,
+            f,
+            second,
+            third,
+        } = self;
         energy.gradient(y, slope);
         turn(slope, f);
         energy.hessian_vector(y, f, slope);
         turn(slope, second);
+        energy.hessian_vector(y, second, slope);
+        turn(slope, third);
         let half = n / 2;
-        let mut least = f64::INFINITY;
-        for group in [0..half, half..n] {
-            let norm = |x: &[T]| {
-                group
-                    .clone()
-                    .fold(0.0, |a: f64, j| a.max(x[j].abs().to_f64()))
-            };
-            let (size, f, second) = (norm(y), norm(f), norm(second));
+        let groups = [0..half, half..n].map(|group| {
+            [&*f, &*second, &*third].map(|x| {
+                let sizes = x[group.clone()].iter().map(|x| x.abs().to_f64());
+                sizes.fold(0.0, f64::max)
+            })
+        });
+        let shortest =
+            |of: fn([f64; 3]) -> f64| groups.map(of).into_iter().fold(f64::INFINITY, f64::min);
+        let turns = shortest(turning_time);
+        let pace = || shortest(|[f, second, _]| if f > 0.0 { f / second } else { f64::INFINITY });
+        let (time, most) = if turns < f64::INFINITY {
+            (turns, MOST_TURNS)
+        } else {
+            (pace(), MOST_UNKNOWN)
+        };
+        let mut own = f64::INFINITY;
+        for (group, [f, second, _]) in [0..half, half..n].into_iter().zip(groups) {
+            let size = y[group]
+                .iter()
+                .map(|x| x.abs().to_f64())
+                .fold(0.0, f64::max);
             if size > 0.0 {
-                least = least.min(size / f).min((size / second).sqrt());
+                own = own.min(size / f).min((size / second).sqrt());
             } else if f > 0.0 {
-                least = least.min(f / second);
+                own = own.min(f / second);
             }
         }
-        if least > 0.0 && least.is_finite() {
-            least / 10.0
+        let own = own / 10.0;
+        if time > 0.0 && time < f64::INFINITY {
+            return [own.clamp(LEAST_SHARE * time, time), most * time];
+        }
+        let size = if own > 0.0 && own < f64::INFINITY {
+            own
         } else {
             1.0
-        }
+        };
+        [size, most * size]
     }
+}
+
+/// The root t of c t² = a + b t; infinite where nothing moves or c is zero.
+fn turning_time([a, b, c]: [f64; 3]) -> f64 {
+    // In units of the largest: squares of what is far from 1 leave the range.
+    let unit = a.max(b).max(c);
+    if !(unit > 0.0 && unit.is_finite()) {
+        return f64::INFINITY;
+    }
+    let (a, b, c) = (a / unit, b / unit, c / unit);
+    let time = (b + (b * b + 4.0 * a * c).sqrt()) / (2.0 * c);
+    if time > 0.0 { time } else { f64::INFINITY }
 }
 
 /// out = J `x`.

@@ -34,7 +34,8 @@ impl<T: Float> Defect<T> {
 
     pub(crate) fn see(&mut self, difference: T) {
         self.end = difference;
-        if !(difference.abs() <= self.max) {
+        // Once infinite or NaN, always.
+        if self.max.is_finite() && !(difference.abs() <= self.max) {
             self.max = difference.abs();
         }
     }

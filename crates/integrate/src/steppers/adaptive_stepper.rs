@@ -17,6 +17,8 @@ use equip_solver::{Counts, Outcome};
 
 /// Tries of the first step.
 pub(super) const TRIES_FOR_FIRST: u32 = 20;
+/// The first step is at least so many units of the last place of the time.
+const RESOLVED: i64 = 16;
 /// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
 const STRETCH: i64 = 16;
 
@@ -29,6 +31,8 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) decay: Decay<T>,
     pub(super) first: FirstSize<T>,
     pub(super) first_step: Option<T>,
+    /// The first step is not made longer than this.
+    pub(super) longest_first: f64,
     pub(super) tolerance: T,
     /// What rounding lost of the time.
     pub(super) time_low: T,
@@ -86,7 +90,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     let estimate = self.decay.estimate(core.derivatives_by_component(), y);
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
-                        && let Some(longer) = self.control.first_is_timid(h, &estimate)
+                        && let Some(longer) =
+                            self.control
+                                .first_is_timid(h, &estimate, self.longest_first)
                     {
                         self.tries += 1;
                         self.inner.core.refuse();
@@ -182,14 +188,17 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
         self.inner.start_at(q0, p0, t0)?;
         (self.time_low, self.end) = (T::int(0), None);
-        let first = match self.first_step {
-            Some(h) => h.to_f64(),
+        let [first, longest] = match self.first_step {
+            Some(h) => [h.to_f64(); 2],
             None => {
                 let Stepper { core, y, .. } = &mut self.inner;
-                self.first.size(core.energy_mut(), &y.hi)
+                self.first.sizes(core.energy_mut(), &y.hi)
             }
         };
-        self.control.begin(first);
+        self.longest_first = longest;
+        // Time resolves no shorter step.
+        let resolved = (T::int(RESOLVED) * T::EPSILON * t0.abs()).to_f64();
+        self.control.begin(first.max(resolved));
         self.tries = match self.first_step {
             Some(_) => TRIES_FOR_FIRST,
             None => 0,

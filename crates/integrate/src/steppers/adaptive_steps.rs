@@ -32,6 +32,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
             decay: Decay::new(inner.core.gauss(), n, sizes.tolerance, sizes.scales),
             first: FirstSize::new(n),
             first_step: sizes.first_step,
+            longest_first: f64::INFINITY,
             tolerance: sizes.tolerance,
             time_low: T::int(0),
             end: None,
