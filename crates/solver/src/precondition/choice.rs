@@ -325,7 +325,6 @@ impl<T: Float> Choice<T> {
         [self.made_for] = memory.numbers("preconditioner made for")?;
         let [amplification] = memory.numbers::<1>("preconditioner amplification")?;
         self.amplification = amplification.to_f64();
-        let what = "preconditioner made of";
         let (what, n) = ("preconditioner made of", iterate.components());
         let made_of = memory.find(what).ok_or(Damaged { what })?;
         let made_of: Vec<f64> = made_of.iter().map(|x| x.to_f64()).collect();
