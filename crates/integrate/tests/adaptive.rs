@@ -339,7 +339,8 @@ fn long_kepler() {
     }
 }
 
-/// A free fall: the first step is that of the motion, whatever the coordinate, and no shorter than time resolves.
+/// A free fall: the first step is that of the motion, whatever the coordinate, and no shorter than time
+/// resolves.
 #[test]
 fn the_first_step_knows_no_origin() {
     let fall = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + 9.8 * q[0]).unwrap();
@@ -391,7 +392,8 @@ fn a_thousand_bounces() {
         t / exact - 1.0,
         t / summed - 1.0
     );
-    // Measured -2.2e-14, which is the rounding of t in a sum of 1000 equal terms: of that sum it is off by 1.1e-16.
+    // Measured -2.2e-14, which is the rounding of t in a sum of 1000 equal terms: of that sum it is off by
+    // 1.1e-16.
     assert!((t / summed - 1.0).abs() <= 1e-14);
     assert!((t / exact - 1.0).abs() <= 3e-14);
 }

@@ -5,10 +5,11 @@
 //!
 //! $$ \lVert f'' \rVert t^2 = \lVert f \rVert + \lVert f' \rVert t . $$
 //!
-//! A turning point, where f vanishes, and a passage through the centre, where f' does, have the same t. Where A² f
-//! vanishes, as in a free fall, it is ‖f‖/‖f'‖. Coordinates, whose origin is arbitrary, choose within these bounds
-//! only: 1/10 of the time in which the state would move by its own size, |y|/|f| and √(|y|/|f'|). The first step is
-//! then tried at longer or shorter sizes until its error fits, so that the factor does not matter.
+//! A turning point, where f vanishes, and a passage through the centre, where f' does, have the same t.
+//! Where A² f vanishes, as in a free fall, it is ‖f‖/‖f'‖. Coordinates, whose origin is arbitrary, choose
+//! within these bounds only: 1/10 of the time in which the state would move by its own size, |y|/|f| and
+//! √(|y|/|f'|). The first step is then tried at longer or shorter sizes until its error fits, so that the
+//! factor does not matter.
 
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;

@@ -58,7 +58,8 @@ impl<T: Float> Adaptive<T> {
         self
     }
 
-    /// Size of the first step; chosen from the motion at the start by default. Raised to the resolution of time where it is below.
+    /// Size of the first step; chosen from the motion at the start by default. Raised to the resolution of
+    /// time where it is below.
     #[must_use]
     pub fn first_step(mut self, h: T) -> Self {
         self.sizes.first_step = Some(h);

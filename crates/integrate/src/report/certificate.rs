@@ -41,8 +41,8 @@ pub struct Certificate<T> {
 }
 
 impl<T: Float> Certificate<T> {
-    /// Whether every step kept the energy: solved, at the floor, quadratic, or halved and then solved. An energy that was
-    /// infinite or NaN anywhere was not kept.
+    /// Whether every step kept the energy: solved, at the floor, quadratic, or halved and then solved. An
+    /// energy that was infinite or NaN anywhere was not kept.
     pub fn energy_kept_on_every_step(&self) -> bool {
         let is_finite = self.energy.as_ref().is_none_or(|e| e.max.is_finite());
         is_finite && self.counts.carried() == 0 && self.counts.outcome(Outcome::NotAsked) == 0

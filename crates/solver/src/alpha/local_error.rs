@@ -2,8 +2,9 @@
 //!
 //! $$ e = y_1^{(s+2)} - y_1^{(s)} . $$
 //!
-//! One stage more would not do: the stability function of s stages is (−1)^s at infinity, so that fast motion which a step passes over differs
-//! in sign between s and s + 1, and e would be that motion instead of the error of the slow one.
+//! One stage more would not do: the stability function of s stages is (−1)^s at infinity, so that fast
+//! motion which a step passes over differs in sign between s and s + 1, and e would be that motion instead
+//! of the error of the slow one.
 //!
 //! Cost: about s/2 + 2 iterations with s + 2 stages, from the polynomial of the stages that are there.
 

@@ -64,8 +64,8 @@ impl Full {
         }
     }
 
-    /// Takes ∇²H at the stages of a step of size `h` from `y`, and factorises M of the components that are unknown; of all of them, and from
-    /// the end of the step, it is factorised when it is asked for.
+    /// Takes ∇²H at the stages of a step of size `h` from `y`, and factorises M of the components that are
+    /// unknown; of all of them, and from the end of the step, it is factorised when it is asked for.
     pub(crate) fn linearise<T: Float, E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,

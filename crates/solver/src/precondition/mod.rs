@@ -7,3 +7,6 @@ pub(crate) mod full;
 pub(crate) mod rows;
 pub(crate) mod schur;
 pub(crate) mod shifted_systems;
+
+#[cfg(test)]
+mod tests;

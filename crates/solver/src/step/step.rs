@@ -203,7 +203,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         halves
     }
 
-    /// Evaluates the constraints at the end point, which the iteration for the stages has left with this `noise`.
+    /// Evaluates the constraints at the end point, which the iteration for the stages has left with this
+    /// `noise`.
     pub(crate) fn evaluate_constraints(
         &mut self,
         next: &State<T>,

@@ -126,7 +126,8 @@ impl<T: Float> Iterate<T> {
         (contraction.observe(change.to_f64(), !was_measured), 1)
     }
 
-    /// How many times as much M⁻¹ makes of the rounding of the stages as M = I does: of stages that are off by ±1 in units of their components.
+    /// How many times as much M⁻¹ makes of the rounding of the stages as M = I does: of stages that are off
+    /// by ±1 in units of their components.
     pub fn amplification(&mut self, m: &mut dyn Preconditioner<T>) -> f64 {
         let (len, stride) = (self.unknowns() * self.stride, self.stride);
         let rows = &mut self.z_before[..len];
