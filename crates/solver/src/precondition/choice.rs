@@ -241,7 +241,8 @@ impl<T: Float> Choice<T> {
         }
     }
 
-    /// How many times as much M⁻¹ makes of rounding as M = 1 does. Of M that follows the stages this is not known.
+    /// How many times as much M⁻¹ makes of rounding as M = 1 does. Of M that follows the stages this is not
+    /// known.
     pub(crate) fn amplification(&mut self, iterate: &mut Iterate<T>) -> f64 {
         if self.active == Kind::Identity {
             return 1.0;
