@@ -32,11 +32,6 @@ pub(crate) const STALLED: i64 = 8;
 pub(crate) const RIDGE: [i64; 2] = [1, 1000];
 /// Iterations for the stages of a step, at most. // iterations
 pub(crate) const MOST_ITERATIONS: u32 = 80;
-/// Sweeps that contract worse than this are slow. // ratio; a sweep then costs 7 for one digit, a
-/// factorisation of any system of the grid costs less.
-pub(crate) const SLOWEST_SWEEPS: f64 = 0.7;
-/// Iterations with another M that contract worse than this are slow. // ratio
-pub(crate) const SLOWEST: f64 = 0.5;
 /// A factorisation whose iteration contracts worse than this is made anew. // ratio
 pub(crate) const OUTDATED: f64 = 0.1;
 /// Steps for which a cheaper preconditioner that has failed is not tried again: 1, 2, 4, … up to this. //

@@ -86,7 +86,7 @@ impl<T: Float> LocalError<T> {
                     .fold(T::int(0), |sum, (&e, &l)| sum + e * l);
             }
         });
-        stages.begin_iteration();
+        stages.contraction.begin(!stages.choice.is_identity());
         if stages.iterate_to_rest(energy, (y, h), counts).is_err() {
             if !stages.choice.escalate() {
                 return None;

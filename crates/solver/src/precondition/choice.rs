@@ -8,7 +8,7 @@ use crate::memory::SolverMemory;
 use crate::options::step_options::Preconditioner as Wanted;
 use crate::outcome::failure::{Damaged, Failure};
 use crate::outcome::outcome::Counts;
-use crate::policy::{LONGEST_WAIT, MOST_DENSE, OUTDATED, SLOWEST, SLOWEST_SWEEPS};
+use crate::policy::{LONGEST_WAIT, MOST_DENSE, OUTDATED};
 use crate::precondition::diagonal::Diagonal;
 use crate::precondition::frozen::Frozen;
 use crate::precondition::full::Full;
@@ -229,15 +229,6 @@ impl<T: Float> Choice<T> {
                 .as_mut()
                 .map(|m| m as &mut dyn Preconditioner<T>),
             Kind::Full => self.full.as_mut().map(|m| m as &mut dyn Preconditioner<T>),
-        }
-    }
-
-    /// Contractions worse than this do not pay.
-    pub(crate) fn slowest(&self) -> f64 {
-        if self.active == Kind::Identity {
-            SLOWEST_SWEEPS
-        } else {
-            SLOWEST
         }
     }
 

@@ -40,7 +40,7 @@ fn one_solution<T: Float>(energy: &Hamiltonian, tolerance: f64, most: f64) {
         let mut iterate = Iterate::prepare(&gauss, 4, evaluator.kinetic(), &vec![T::int(0); s - 1]);
         iterate.begin(&gauss, (&y, h));
         let mut contraction = Contraction::new(iterate.is_twofold());
-        contraction.begin(false, 0.7);
+        contraction.begin(false);
         while iterate.sweep(&mut evaluator, &y, &mut contraction).0 == Progress::Contracts {}
         iterate.keep_momenta(&y);
         let (sides, stride) = (2, iterate.stride());

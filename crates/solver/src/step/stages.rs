@@ -69,19 +69,13 @@ impl<T: Float> Stages<T> {
                 }
                 None => self.iterate.begin(&self.gauss, (y, h)),
             }
-            self.begin_iteration();
+            self.contraction.begin(!self.choice.is_identity());
             let solved = self.iterate_to_rest(energy, (y, h), counts);
             if solved.is_ok() || !self.choice.escalate() {
                 return solved;
             }
             counts.taken_over += 1;
         }
-    }
-
-    pub(crate) fn begin_iteration(&mut self) {
-        let is_preconditioned = !self.choice.is_identity();
-        self.contraction
-            .begin(is_preconditioned, self.choice.slowest());
     }
 
     /// Iterates with the α's as they are, from Z as it is.

@@ -31,8 +31,6 @@ pub enum Progress {
 pub struct Contraction<T> {
     is_twofold: bool,
     is_preconditioned: bool,
-    /// Contractions worse than this are slow.
-    slowest: f64,
     /// Changes that are rounding if they do not shrink.
     rounding: f64,
     /// ρ, carried from step to step.
@@ -60,7 +58,6 @@ impl<T: Float> Contraction<T> {
         Contraction {
             is_twofold,
             is_preconditioned: false,
-            slowest: SLOW,
             rounding: ROUNDING * T::EPSILON.to_f64(),
             rate: 0.5,
             worst: 0.0,
@@ -76,10 +73,9 @@ impl<T: Float> Contraction<T> {
         }
     }
 
-    /// An iteration begins, with M = I or another M; contractions worse than `slowest` do not pay.
-    pub fn begin(&mut self, is_preconditioned: bool, slowest: f64) {
+    /// An iteration begins, with M = I or another M.
+    pub fn begin(&mut self, is_preconditioned: bool) {
         self.is_preconditioned = is_preconditioned;
-        self.slowest = slowest;
         self.set_amplification(1.0);
         self.rate = (self.rate / 2.0).max(BEST);
         (self.worst, self.last) = (0.0, 0.0);
@@ -118,11 +114,7 @@ impl<T: Float> Contraction<T> {
         };
         if compares && last > ROUNDING * eps {
             let ratio = change / last;
-            self.slow = if ratio > self.slowest {
-                self.slow + 1
-            } else {
-                0
-            };
+            self.slow = if ratio > SLOW { self.slow + 1 } else { 0 };
             if last <= FAR {
                 let before = if self.is_preconditioned {
                     self.last
@@ -237,7 +229,7 @@ mod tests {
     fn a_geometric_series_settles_when_its_tail_is_below_rounding() {
         for ratio in [0.5, 0.1, 1e-2] {
             let mut contraction = Contraction::<f64>::new(false);
-            contraction.begin(false, SLOW);
+            contraction.begin(false);
             let (mut change, mut made) = (1e-3, 0);
             while contraction.observe(change, false) == Progress::Contracts {
                 change *= ratio;
@@ -256,15 +248,15 @@ mod tests {
     #[test]
     fn what_does_not_shrink_diverges_unless_it_is_rounding() {
         let mut contraction = Contraction::<f64>::new(true);
-        contraction.begin(false, SLOW);
+        contraction.begin(false);
         let seen: Vec<_> = [1e-3, 9e-4, 8.5e-4, 8e-4]
             .map(|x| contraction.observe(x, false))
             .to_vec();
         assert_eq!(seen[3], Progress::Diverges);
-        contraction.begin(false, SLOW);
+        contraction.begin(false);
         assert_eq!(contraction.observe(1e-3, false), Progress::Contracts);
         assert_eq!(contraction.observe(f64::NAN, false), Progress::Diverges);
-        contraction.begin(false, SLOW);
+        contraction.begin(false);
         let seen = [1e-8, 1e-13, 2e-15, 2e-15, 2e-15, 2e-15].map(|x| contraction.observe(x, false));
         assert!(seen.contains(&Progress::Settled), "{seen:?}");
     }
@@ -273,7 +265,7 @@ mod tests {
     #[test]
     fn what_else_moves_z_is_not_compared() {
         let mut contraction = Contraction::<f64>::new(false);
-        contraction.begin(false, SLOW);
+        contraction.begin(false);
         contraction.observe(1e-2, false);
         contraction.observe(1e-3, false);
         contraction.disturb();

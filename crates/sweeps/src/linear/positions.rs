@@ -244,7 +244,7 @@ mod tests {
             let mut iterate = Iterate::new(&gauss, 4, evaluator.kinetic(), &alphas);
             iterate.begin(&gauss, (&y, h));
             let mut contraction = Contraction::new(iterate.is_twofold());
-            contraction.begin(false, 0.7);
+            contraction.begin(false);
             while iterate.sweep(&mut evaluator, &y, &mut contraction).0 == Progress::Contracts {}
             iterate.keep_momenta(&y);
             let whole = Iterate::new(&gauss, 4, None, &alphas);
