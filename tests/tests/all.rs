@@ -5,6 +5,7 @@ mod allocations;
 mod cases_step;
 mod cases_step_long;
 mod cases_step_starts;
+mod cases_tolerance;
 mod extremes;
 mod failures;
 mod growth;

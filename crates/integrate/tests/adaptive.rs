@@ -63,7 +63,7 @@ fn errors_of_a_revolution_are_about_the_tolerance() {
 #[test]
 fn errors_grow_linearly_and_those_of_gauss_do_not() {
     let scene = kepler("0.9");
-    let (tolerance, end) = (1e-12, after(100));
+    let (tolerance, end) = (1e-8, after(100));
     let equip = run(&scene, Equip::stages(8), tolerance, end);
     let gauss = run(&scene, Gauss::stages(8), tolerance, end);
     let (e, g) = (error(&scene, &equip), error(&scene, &gauss));
@@ -72,15 +72,15 @@ fn errors_grow_linearly_and_those_of_gauss_do_not() {
         steps_per_period(&equip),
         equip.certificate().variable_steps
     );
-    // Measured 1.2e-11 and 1.8e-8 with 20 steps per period.
-    assert!(e < 4e-10 && g > 20.0 * e);
+    // Measured 5.3e-11 and 3.0e-7 with 25 steps per period.
+    assert!(e < 1e-9 && g > 20.0 * e);
     assert!(steps_per_period(&equip) < 30.0);
     let certificate = equip.certificate();
     assert!(certificate.energy_kept_on_every_step());
     assert!(certificate.energy_in_floors.unwrap() <= 8.0);
-    // Steps are smooth: measured 198 refused for their error, as with Gauss, and none unsolved, of 2006.
+    // Steps are smooth: measured none refused for their error and none unsolved, of 2500; with 1e-12 92.
     let steps = certificate.variable_steps.unwrap();
-    assert!(steps.rejected <= 300 && steps.failed <= 100);
+    assert!(steps.rejected <= 20 && steps.failed == 0);
     assert!(steps.largest > 50.0 * steps.smallest);
 }
 
@@ -199,7 +199,8 @@ fn limits_are_typed_and_leave_the_state_intact() {
         options.clone().first_step(-1.0),
         options.clone().max_step(0.1).min_step(0.2),
         options.clone().max_steps(0),
-        options.clone().scales(0.0, 1.0),
+        options.clone().atol(&[-1.0], &[1.0]),
+        options.clone().atol(&[1e-9; 3], &[]),
         Gauss::stages(1).tolerance(1e-6),
     ];
     for options in faulty {

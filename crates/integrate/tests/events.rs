@@ -191,7 +191,7 @@ fn grazing_within_rounding_is_two_or_none() {
 
 #[test]
 fn a_terminal_event_ends_the_run_there() {
-    let options = Equip::stages(6).tolerance(1e-14);
+    let options = Equip::stages(6).tolerance(1e-15);
     let terminal = Event::new("top", |_, _: &[f64], p: &[f64]| p[0])
         .falling()
         .terminal();

@@ -11,7 +11,6 @@
 
 mod access;
 mod alpha;
-mod decay;
 mod equations;
 mod memory;
 mod options;
@@ -22,7 +21,6 @@ mod step;
 mod step_tangent;
 
 pub use access::FailedPart;
-pub use decay::decay;
 pub use equations::constraint::Constraint;
 pub use equip_sweeps::{MAX_STAGES, State, stride_for};
 pub use memory::SolverMemory;

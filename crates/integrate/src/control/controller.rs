@@ -32,7 +32,7 @@
 use crate::control::estimate::Estimate;
 
 /// Aim below the tolerance.
-const SAFETY: f64 = 0.95;
+const SAFETY: f64 = 0.9;
 /// Estimates up to this many tolerances are accepted: the size is within 19 % (s = 4), 9 % (s = 8) of what it
 /// should be. With 10 half as many steps are refused where the motion's pace varies, and errors of a
 /// revolution go up to 41 tolerances from 13.

@@ -3,16 +3,29 @@
 //! The stages define u'(τ) = Σ_{k<s} γ_k P_k(τ), γ_k = Σ_i b_i P_k(c_i) f(Y_i). What s stages do not resolve
 //! begins with γ_s; to the end point it is passed by the part of the flow's derivative that is orthogonal to
 //! all polynomials of degree below s, which decays alike. So the end point, of order 2s, has an error of
-//! about the *square* of the relative size of γ_s:
+//! about ϱ^{2s}, if coefficients decay by ϱ each. Of every component for itself, in units of its own motion,
 //!
-//! $$ \mathrm{est} = \varrho^{2s}, \qquad
-//!    \varrho = \max_{g \in \{q, p\}} \max\Big( \theta_{s-1}^{1/(s-1)}, \theta_{s-2}^{1/(s-2)} \Big), \qquad \theta_k = \frac{h \lVert \gamma_k \rVert_g}{\max(h \max_j \lVert \gamma_j \rVert_g, a)} . $$
+//! $$ \mathrm{est} = \varrho^{2s}, \qquad \varrho = \max_c \min_{j=0,1} \max_{k = s-1, s}
+//!    \Big( \frac{|\gamma_k|}{a_j} \Big)^{1/(k-j)} , \qquad a_0 = \max_j |\gamma_j|, \quad a_1 = |\gamma_1| . $$
 //!
-//! ϱ is the ratio of a geometric decay; two coefficients are used because every other one vanishes where the
-//! motion is even or odd about the middle of the step. Norms are maximum norms over the positions and over
-//! the momenta. Relative to the motion in the step, not to the state: that knows no origin and sees a close
-//! encounter of two bodies among many. Motion below the absolute scale a is not resolved further; a =
-//! √tolerance times the largest component of the group unless the user says otherwise.
+//! Two coefficients are used because every other one vanishes where the motion is even or odd about the
+//! middle of the step; they may decay from degree 1 because at a turning point that of degree 0 vanishes.
+//!
+//! Those from degree s on are what the polynomial is off at both ends of the step, where it has no node,
+//!
+//! $$ \gamma_s P_s(\tau) + \gamma_{s+1} P_{s+1}(\tau) = f(u(\tau)) - \sum_{k<s} \gamma_k P_k(\tau) , \qquad \tau = 0, 1 . $$
+//!
+//! *Where the decay ends*, as beside a kink of H, nothing is extrapolated. If those last ones are less than
+//! those before by a factor r each, it is
+//!
+//! $$ \mathrm{est} \ge \max_c \frac{g}{\max(a_0, a_1/r)}\, r^s , \qquad g = \max(|\gamma_s|, |\gamma_{s+1}|), \quad
+//!    r = \min\Big( 1, \frac{g}{|\gamma_{s-1}|}, \Big( \frac{g}{|\gamma_{s-2}|} \Big)^{1/2} \Big) . $$
+//!
+//! Relative to the motion in the step, not to the state: that knows no origin, no units and no masses, and
+//! sees a close encounter of two bodies among many. Motion below √tolerance of the size of a component is not
+//! resolved further, nor is one below ε of the largest component of its group, positions or momenta: what
+//! stands still by symmetry moves by rounding. A component that moves by less than the tolerance of its size
+//! may do so as it will: no step need be shorter than that, whatever H is.
 //!
 //! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1}; if what limits
 //! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z =
@@ -20,16 +33,20 @@
 //! two w the smaller one counts, and none if they differ in sign, as those of an oscillation do, which gets
 //! no faster anywhere.
 //!
-//! Cost: s² n multiplications, no evaluation of H.
+//! Cost: s² n multiplications, and ∇H at the end of the step.
 
 use equip_scalar::{Float, InstructionSet, mix_stages};
-use equip_solver::{State, decay, stride_for};
+use equip_solver::{State, stride_for};
 use equip_tableau::Gauss;
+
+/// Coefficients of so many ε of the largest are rounding, and no end of a decay. // ε; forces of a chain
+/// whose terms cancel to 1/100.
+const NOISE: f64 = 1024.0;
 
 /// What the coefficients of a step say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Estimate {
-    /// ϱ: to the power 2s it is the error of the end point relative to the motion in the step.
+    /// ϱ: to the power 2s it is the error of the end point relative to what is allowed if the tolerance is 1.
     pub(crate) decay: f64,
     /// 1/z: half a step divided by the signed distance from its middle to what the motion is about to meet,
     /// or leaves behind; within ±1.
@@ -41,20 +58,20 @@ pub(crate) struct Decay<T: Float> {
     set: InstructionSet,
     s: usize,
     stride: usize,
-    /// Scales of positions and momenta, where the user gave them.
-    scales: [Option<T>; 2],
-    /// √tolerance.
-    share: T,
+    /// Errors of a step that are allowed whatever the motion, component by component, in tolerances.
+    absolute: Option<Vec<f64>>,
+    tolerance: T,
     /// P_k(c_i) at i·stride + k.
     legendre: Vec<T>,
     /// h γ_k of component c at c·stride + k.
     coefficients: Vec<T>,
-    /// h‖γ_k‖ of positions and momenta, each of length `stride`.
-    norms: [Vec<T>; 2],
+    /// 1 over the units of the components, zero for those that do not move.
+    inverse_units: Vec<T>,
 }
 
 impl<T: Float> Decay<T> {
-    pub(crate) fn new(gauss: &Gauss<T>, n: usize, tolerance: T, scales: [Option<T>; 2]) -> Self {
+    /// Of states with n components; `absolute` are errors of a step that are allowed whatever the motion.
+    pub(crate) fn new(gauss: &Gauss<T>, n: usize, tolerance: T, absolute: Option<Vec<T>>) -> Self {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
         let zeros = |len: usize| vec![T::int(0); len];
@@ -64,63 +81,139 @@ impl<T: Float> Decay<T> {
                 legendre[i * stride + k] = p;
             }
         }
+        let absolute = absolute.map(|x| x.iter().map(|&x| (x / tolerance).to_f64()).collect());
         Decay {
             set: InstructionSet::best(),
             s,
             stride,
-            scales,
-            share: tolerance.sqrt(),
+            absolute,
+            tolerance,
             legendre,
             coefficients: zeros(n * stride),
-            norms: [zeros(stride), zeros(stride)],
+            inverse_units: zeros(n),
         }
     }
 
-    /// The estimate for the step from `y` with these L, component c of stage i at c·stride + i.
-    pub(crate) fn estimate(&mut self, l: &[T], y: &State<T>) -> Estimate {
+    /// The estimate for the step of size `h` from `y` with these L, component c of stage i at c·stride + i,
+    /// and ∇H at its start and its end.
+    pub(crate) fn estimate(
+        &mut self,
+        (y, h): (&State<T>, T),
+        l: &[T],
+        slopes: [&[T]; 2],
+    ) -> Estimate {
         let (set, s, stride) = (self.set, self.s, self.stride);
         mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
-        let half = self.coefficients.len() / 2;
-        for (norms, rows) in self
-            .norms
-            .iter_mut()
-            .zip(self.coefficients.chunks_exact(half))
-        {
-            norms.fill(T::int(0));
-            for row in rows.chunks_exact(stride) {
-                for (norm, &x) in norms.iter_mut().zip(row) {
-                    let x = x.abs();
-                    *norm = if x > *norm { x } else { *norm };
+        let half = y.hi.len() / 2;
+        let mut decay = 0.0_f64;
+        for (group, y) in y.hi.chunks_exact(half).enumerate() {
+            let largest = y.iter().fold(T::int(0), |a, y| a.max(y.abs()));
+            // f = J∇H.
+            let (sign, from) = if group == 0 { (h, half) } else { (-h, 0) };
+            for (c, &y) in y.iter().enumerate() {
+                let ends = slopes.map(|slope| sign * slope[from + c]);
+                let of_component = self.of_component(group * half + c, (y, largest), ends);
+                if of_component > decay || of_component.is_nan() {
+                    decay = of_component;
                 }
             }
         }
-        let sizes = group_norms(&y.hi);
-        let units = [0, 1].map(|g| {
-            let least = self.scales[g].unwrap_or(self.share * sizes[g]);
-            self.norms[g]
-                .iter()
-                .take(s)
-                .fold(least, |a, &norm| a.max(norm))
-        });
         Estimate {
-            decay: decay(&self.norms, units, s),
-            nearness: self.nearness(units),
+            decay: if decay.is_nan() { f64::INFINITY } else { decay },
+            nearness: self.nearness(),
         }
     }
 
-    /// 1/z from the last two ratios w of coefficients, the smaller one, and none if they differ in sign.
-    fn nearness(&self, units: [T; 2]) -> f64 {
-        let half = self.coefficients.len() / 2;
+    /// ϱ of component c, `y` at the start of the step, `largest` being the largest of its group, with h f at
+    /// both ends; its unit is left behind.
+    fn of_component(&mut self, c: usize, (y, largest): (T, T), ends: [T; 2]) -> f64 {
+        let s = self.s;
+        let row = &self.coefficients[c * self.stride..][..s];
+        let larger = |a: T, x: &T| if x.abs() <= a { a } else { x.abs() };
+        let motion = row.iter().fold(T::int(0), larger);
+        let least = (self.tolerance.sqrt() * y.abs()).max(T::EPSILON * largest);
+        let unit = larger(least, &motion);
+        let is_small = motion <= self.tolerance * y.abs();
+        self.inverse_units[c] = if is_small || unit == T::int(0) {
+            T::int(0)
+        } else {
+            T::int(1) / unit
+        };
+        let inverse = self.inverse_units[c];
+        if inverse == T::int(0) {
+            return 0.0;
+        }
+        // θ = |γ|/a_0.
+        let theta = |x: T| (x * inverse).to_f64().abs();
+        let root = |x: f64, n: usize| x.powf(1.0 / n as f64);
+        let beyond = self.beyond(row, ends).map(theta);
+        let last = theta(row[s - 1]);
+        let from = |degree: usize, unit: f64| {
+            let decays = [(s - 1, last), (s, beyond[0])].map(|(k, theta)| match k {
+                k if k > degree => root(theta / unit, k - degree),
+                _ => 0.0,
+            });
+            decays[0].max(decays[1])
+        };
+        let second = theta(larger(least, &row[1]));
+        let mut decay = from(0, 1.0).min(from(1, second));
+        let tail = beyond[0].max(beyond[1]);
+        if tail > (NOISE * T::EPSILON.to_f64()).max(self.tolerance.to_f64()) {
+            // Of two coefficients one may vanish: 92 of 2400 steps are refused in place of 450.
+            let fewest = (s - 2).max(1);
+            let decays = (fewest..s).map(|k| root(tail / theta(row[k]), s - k));
+            let r = decays.fold(1.0, f64::min);
+            let unit = (second / r).max(1.0);
+            decay = decay.max(root(tail / unit, 2 * s) * r.sqrt());
+        }
+        if let Some(absolute) = &self.absolute {
+            let allowed = 1.0 + absolute[c] * inverse.to_f64();
+            decay /= root(allowed, 2 * s);
+        }
+        if row.iter().chain(&ends).all(|x| x.is_finite()) {
+            decay
+        } else {
+            f64::NAN
+        }
+    }
+
+    /// h γ_s and h γ_{s+1}, by what the polynomial with these coefficients is off at both ends of the step.
+    fn beyond(&self, row: &[T], ends: [T; 2]) -> [T; 2] {
+        let s = self.s;
+        let at_end = |k: usize| T::int(2 * k as i64 + 1).sqrt();
+        let (mut even, mut odd) = (T::int(0), T::int(0));
+        for (k, &x) in row.iter().enumerate() {
+            let sum = if k % 2 == 0 { &mut even } else { &mut odd };
+            *sum += x * at_end(k);
+        }
+        let [start, end] = [ends[0] - (even - odd), ends[1] - (even + odd)];
+        let (even, odd) = ((end + start) / T::int(2), (end - start) / T::int(2));
+        let [first, second] = if s.is_multiple_of(2) {
+            [even, odd]
+        } else {
+            [odd, even]
+        };
+        [first / at_end(s), second / at_end(s + 1)]
+    }
+
+    /// 1/z from the last two ratios w of coefficients, the smaller one, and none if they differ in sign;
+    /// positions and momenta each in units of the one that moves most.
+    fn nearness(&self) -> f64 {
+        let half = self.inverse_units.len() / 2;
+        let units = [0, half].map(|from| {
+            let moving = self.inverse_units[from..][..half].iter();
+            let least = |a: T, &x: &T| if x > T::int(0) { a.min(x) } else { a };
+            let unit = moving.fold(T::INFINITY, least);
+            if unit.is_finite() { unit } else { T::int(0) }
+        });
         let ratio = |k: usize| {
             let (mut across, mut along) = (0.0, 0.0);
-            for (rows, unit) in self.coefficients.chunks_exact(half).zip(units) {
-                if unit > T::int(0) {
-                    let unit = T::int(1) / unit;
-                    for row in rows.chunks_exact(self.stride) {
-                        let (x, before) = ((row[k] * unit).to_f64(), (row[k - 1] * unit).to_f64());
-                        across += x * before;
-                        along += before * before;
-                    }
+            let groups = self.coefficients.chunks_exact(half * self.stride);
+            for (rows, unit) in groups.zip(units) {
+                for row in rows.chunks_exact(self.stride) {
+                    let (x, before) = ((row[k] * unit).to_f64(), (row[k - 1] * unit).to_f64());
+                    across += x * before;
+                    along += before * before;
                 }
             }
             if along > 0.0 { across / along } else { 0.0 }
@@ -134,10 +227,4 @@ impl<T: Float> Decay<T> {
         };
         2.0 * w / (1.0 + w * w)
     }
-}
-
-/// Maximum norms of the positions and of the momenta.
-fn group_norms<T: Float>(y: &[T]) -> [T; 2] {
-    let (q, p) = y.split_at(y.len() / 2);
-    [q, p].map(|x| x.iter().fold(T::int(0), |a, x| a.max(x.abs())))
 }

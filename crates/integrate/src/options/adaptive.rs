@@ -18,7 +18,7 @@ pub type Adaptive<T> = Integrator<T, Tolerance<T>>;
 #[derive(Debug, Clone)]
 pub struct Tolerance<T> {
     pub(crate) tolerance: T,
-    pub(crate) scales: [Option<T>; 2],
+    pub(crate) absolute: [Vec<T>; 2],
     pub(crate) first_step: Option<T>,
     pub(crate) min_step: T,
     pub(crate) max_step: T,
@@ -29,15 +29,15 @@ pub struct Tolerance<T> {
 const MIN_STAGES: usize = 2;
 
 impl Method {
-    /// An integrator with variable steps whose error, relative to the motion within the step, is about
-    /// `tolerance` in each step.
+    /// An integrator with variable steps whose error is about `tolerance` in each step, relative to the
+    /// motion within the step and of each component for itself: neither units nor masses matter.
     ///
-    /// The estimate behind it is the square of an extrapolated Legendre coefficient; `docs/which-steps.md`
-    /// shows measured errors beside tolerances.
+    /// The estimate behind it is from the decay of Legendre coefficients; `docs/which-steps.md` shows
+    /// measured errors beside tolerances.
     pub fn tolerance<T: Float>(self, tolerance: T) -> Adaptive<T> {
         let sizes = Tolerance {
             tolerance,
-            scales: [None, None],
+            absolute: [Vec::new(), Vec::new()],
             first_step: None,
             min_step: T::int(0),
             max_step: T::INFINITY,
@@ -50,11 +50,13 @@ impl Method {
 }
 
 impl<T: Float> Adaptive<T> {
-    /// Motion within a step below these sizes, in the units of positions and momenta, is not resolved
-    /// relative to itself. By default √tolerance times the largest position or momentum.
+    /// Errors of a step that are allowed beside those relative to its motion, in the units of positions and
+    /// momenta: of each of the m components, or one for all of them. Zero by default.
+    ///
+    /// With it a step may be off in component c by `tolerance` × its motion in the step + `atol`.
     #[must_use]
-    pub fn scales(mut self, positions: T, momenta: T) -> Self {
-        self.sizes.scales = [Some(positions), Some(momenta)];
+    pub fn atol(mut self, positions: &[T], momenta: &[T]) -> Self {
+        self.sizes.absolute = [positions.to_vec(), momenta.to_vec()];
         self
     }
 
@@ -116,9 +118,11 @@ impl<T: Float> Tolerance<T> {
             tolerance,
             "between the relative precision of the numbers and 1/100",
         )?;
-        for (scale, name) in self.scales.iter().zip(["scales (q)", "scales (p)"]) {
-            let scale = scale.unwrap_or(T::int(1));
-            check(finite(scale), name, scale, "positive and finite")?;
+        for (errors, name) in self.absolute.iter().zip(["atol (q)", "atol (p)"]) {
+            for &error in errors {
+                let ok = error >= zero && error.is_finite();
+                check(ok, name, error, "finite and not negative")?;
+            }
         }
         let first = self.first_step.unwrap_or(T::int(1));
         check(finite(first), "first_step", first, "positive and finite")?;
@@ -137,5 +141,25 @@ impl<T: Float> Tolerance<T> {
         )?;
         check(self.max_steps > 0, "max_steps", zero, "1 or more")?;
         Ok(())
+    }
+
+    /// The absolute errors of all 2m components; none if they are all zero.
+    pub(crate) fn absolute_errors(&self, m: usize) -> Result<Option<Vec<T>>, IntegrateError<T>> {
+        let mut all = Vec::with_capacity(2 * m);
+        for (errors, what) in self.absolute.iter().zip(["atol (q)", "atol (p)"]) {
+            match errors.as_slice() {
+                [] => all.extend(std::iter::repeat_n(T::int(0), m)),
+                [one] => all.extend(std::iter::repeat_n(*one, m)),
+                errors if errors.len() == m => all.extend(errors),
+                errors => {
+                    return Err(IntegrateError::WrongLength {
+                        what,
+                        expected: m,
+                        found: errors.len(),
+                    });
+                }
+            }
+        }
+        Ok(all.iter().any(|&x| x > T::int(0)).then_some(all))
     }
 }

@@ -4,7 +4,7 @@
 //! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
 
 use crate::control::controller::{Control, Judgement};
-use crate::control::estimate::Decay;
+use crate::control::estimate::{Decay, Estimate};
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
 use crate::report::certificate::Certificate;
@@ -29,6 +29,8 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(crate) inner: Stepper<T, E>,
     pub(super) control: Control,
     pub(super) decay: Decay<T>,
+    /// ∇H where the step begins, and where it ends.
+    pub(super) slopes: [Vec<T>; 2],
     pub(super) first: FirstSize<T>,
     pub(super) first_step: Option<T>,
     /// The first step is not made longer than this.
@@ -72,7 +74,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             return Err(IntegrateError::StepLimit { steps, time });
         }
         let mut size = self.control.memory.next;
-        let mut cause = None;
+        let (mut cause, mut is_retried) = (None, false);
         loop {
             let place = self.place(size, end);
             let too_small = !(place.time > self.time()) || (place.h < self.min_step && !place.cut);
@@ -86,8 +88,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             let h = place.h.to_f64();
             match self.inner.attempt(place.h) {
                 Ok(outcome) => {
-                    let (core, y) = (&mut self.inner.core, &self.inner.y);
-                    let estimate = self.decay.estimate(core.derivatives_by_component(), y);
+                    let estimate = self.estimate(place.h);
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
                         && let Some(longer) =
@@ -96,10 +97,11 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     {
                         self.tries += 1;
                         self.inner.core.refuse();
-                        size = longer;
+                        (size, is_retried) = (longer, true);
                         continue;
                     }
-                    let contraction = core.contraction();
+                    // Sweeps from the stages of a refused try do not contract as others do.
+                    let contraction = self.inner.core.contraction().filter(|_| !is_retried);
                     match self.control.judge(h, &estimate, contraction) {
                         Judgement::Accept => {
                             self.accept(place, outcome);
@@ -110,7 +112,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                             self.inner.core.refuse();
                             self.count(|steps| &mut steps.rejected);
                             cause = None;
-                            size = shorter;
+                            (size, is_retried) = (shorter, true);
                         }
                     }
                 }
@@ -126,6 +128,23 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 }
             }
         }
+    }
+
+    /// The estimate of the step of size `h` just made.
+    fn estimate(&mut self, h: T) -> Estimate {
+        let Stepper { core, y, next, .. } = &mut self.inner;
+        let [start, end] = &mut self.slopes;
+        let (energy, counts) = core.energy_and_counts();
+        counts.gradients += 1;
+        energy.gradient(&next.hi, end);
+        let l = core.derivatives_by_component();
+        self.decay.estimate((y, h), l, [start, end])
+    }
+
+    /// ∇H where the next step begins.
+    pub(super) fn take_slope(&mut self) {
+        let Stepper { core, y, .. } = &mut self.inner;
+        core.energy_mut().gradient(&y.hi, &mut self.slopes[0]);
     }
 
     fn count(&mut self, which: impl Fn(&mut VariableSteps<T>) -> &mut u64) {
@@ -179,6 +198,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             }
         }
         self.inner.accept(place.time, place.h, outcome);
+        self.slopes.swap(0, 1);
     }
 
     /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
@@ -187,6 +207,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// Faults of the initial values, and an H that is not finite there.
     pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
         self.inner.start_at(q0, p0, t0)?;
+        self.take_slope();
         (self.time_low, self.end) = (T::int(0), None);
         let [first, longest] = match self.first_step {
             Some(h) => [h.to_f64(); 2],
@@ -219,7 +240,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// # Errors
     /// Faults of the values, and an H that is not finite there.
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
-        self.inner.move_to(q, p)
+        self.inner.move_to(q, p)?;
+        self.take_slope();
+        Ok(())
     }
 
     /// The step made last, or the initial state.

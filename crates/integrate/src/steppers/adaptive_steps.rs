@@ -27,9 +27,11 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         let inner = Stepper::prepare(integrator, system, None, integrator.words())?;
         let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
         let tolerance = sizes.tolerance.to_f64();
+        let absolute = sizes.absolute_errors(n / 2)?;
         Ok(AdaptiveStepper {
             control: Control::new(tolerance, integrator.method.stages, most),
-            decay: Decay::new(inner.core.gauss(), n, sizes.tolerance, sizes.scales),
+            decay: Decay::new(inner.core.gauss(), n, sizes.tolerance, absolute),
+            slopes: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
             first_step: sizes.first_step,
             longest_first: f64::INFINITY,
@@ -46,12 +48,15 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
     fn words(&self) -> Words {
         let or =
             |x: Option<T>, automatic: &str| x.map_or(automatic.to_owned(), |x| format!("{x:?}"));
-        let [q, p] = self.scales;
+        let errors = |x: &[T]| match x {
+            [] => "zero".to_owned(),
+            x => format!("{x:?}"),
+        };
         vec![
             ("steps", "by a tolerance".to_owned()),
             ("tolerance", format!("{:?}", self.tolerance)),
-            ("scale of the positions", or(q, "automatic")),
-            ("scale of the momenta", or(p, "automatic")),
+            ("atol of the positions", errors(&self.absolute[0])),
+            ("atol of the momenta", errors(&self.absolute[1])),
             ("first_step", or(self.first_step, "automatic")),
             ("min_step", format!("{:?}", self.min_step)),
             ("max_step", format!("{:?}", self.max_step)),
@@ -83,6 +88,7 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
 
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
         self.inner.restore_from(checkpoint)?;
+        self.take_slope();
         let memory = checkpoint.control()?;
         self.time_low = checkpoint.time_low.read_finite("the time")?;
         let what = "the memory of step control";
