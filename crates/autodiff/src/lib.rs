@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | closure, [`Hamiltonian::new`] | `\|q, p\| ...` over [`Var`] | a tape of ∇H, in `f64` as machine code; coloured Hessian; any n |
 //! | type, [`Hamiltonian::from_energy`] | [`Energy`], or the macro [`hamiltonian!`] | dual numbers for n ≤ 8, else the tape |
+//! | closure of time, [`Hamiltonian::with_time`] | `\|t, q, p\| ...` over [`Var`] | of H + p_t, time and its momentum p_t as one more degree of freedom |
 //! | either with a gradient | [`Energy::gradient`], [`Hamiltonian::with_gradient`] | the given gradient; Hessian by the tape |
 //!
 //! Machine code is made of arithmetic, √ and |x|, for x86-64 with AVX2 or AVX-512, at the first call; all
@@ -32,6 +33,7 @@ mod native;
 mod recording;
 mod replay;
 mod routes;
+mod state_function;
 mod structure;
 mod system;
 
@@ -43,6 +45,7 @@ pub use routes::recorded::Recorded;
 pub use routes::recorded_evaluator::RecordedEvaluator;
 pub use routes::statics::{Static, StaticEvaluator};
 pub use routes::supplied::{Supplied, SuppliedEvaluator};
+pub use state_function::StateFunction;
 pub use structure::facts::{HessianPattern, Structure};
 pub use structure::kinetic::Kinetic;
 pub use structure::pattern::Pattern;

@@ -35,8 +35,7 @@ fn there_and_back<T: Float>(options: &Reversible<T>, steps: usize) -> f64 {
         run.advance().unwrap();
     }
     let view = run.view();
-    let back = view.p.iter().map(|&p| -p);
-    let pairs = view.q.iter().copied().chain(back).zip(q.iter().chain(&p));
+    let pairs = (view.q.iter().copied().chain(view.p.iter().copied())).zip(q.iter().chain(&p));
     pairs.fold(0.0, |most, (x, &y)| most.max((x - y).abs().to_f64()))
 }
 

@@ -10,7 +10,7 @@ use equip_solver::MAX_STAGES;
 /// sequence of steps, so variable steps cost neither; position errors then grow linearly in time where others
 /// grow quadratically.
 ///
-/// A step that fails is shortened, not halved. [`Integrator::reach`] is asked only when shorter steps
+/// All sizes are positive, also of a run that goes back in time. A step that fails is shortened, not halved. [`Integrator::reach`] is asked only when shorter steps
 /// do not help either; [`Integrator::output_at`] is served from dense output, with the accuracy of the steps.
 pub type Adaptive<T> = Integrator<T, Tolerance<T>>;
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// Which way g crosses zero, in the direction of time.
+/// Which way g crosses zero, in the direction in which the run goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Direction {
     /// Either way.
@@ -113,6 +113,6 @@ pub struct Occurrence<T> {
     pub q: Vec<T>,
     /// Momenta then.
     pub p: Vec<T>,
-    /// Whether g rises there.
+    /// Whether g rises there, in the direction in which the run goes.
     pub rising: bool,
 }

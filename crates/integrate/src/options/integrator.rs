@@ -80,7 +80,8 @@ impl<T: Float, S> Integrator<T, S> {
         self
     }
 
-    /// Times at which the state is wanted besides the grid, ascending and within the interval. Each costs one
+    /// Times at which the state is wanted besides the grid, within the interval and in the order in which the
+    /// run comes through them. Each costs one
     /// extra step of the same method from the last grid point; the steps of the run do not change by a single
     /// bit.
     #[must_use]

@@ -13,7 +13,7 @@ use std::fmt;
 pub struct Certificate<T> {
     /// The method.
     pub method: Method,
-    /// The fixed step; with variable steps their mean.
+    /// The fixed step; with variable steps their mean. Negative of a run back in time.
     pub step: T,
     /// How the steps varied; `None` if they were fixed.
     pub variable_steps: Option<VariableSteps<T>>,

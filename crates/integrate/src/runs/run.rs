@@ -183,7 +183,7 @@ impl<T: Float> Run<T> {
         self.trajectory.as_ref()
     }
 
-    /// The roots of the event functions, in the order of time.
+    /// The roots of the event functions, in the order in which the run came through them.
     pub fn events(&self) -> &[Occurrence<T>] {
         &self.occurrences
     }

@@ -52,7 +52,7 @@ pub enum Target<T> {
 
 impl Method {
     /// A fixed step for this method that reaches `target` from (`q0`, `p0`) over `interval`, which it
-    /// divides.
+    /// divides: a size, without a sign.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -80,7 +80,7 @@ impl Method {
         target: Target<T>,
     ) -> Result<T, IntegrateError<T>> {
         let (t0, t1) = interval.clone().into_inner();
-        let length = t1 - t0;
+        let length = (t1 - t0).abs();
         // Checks options, interval and start.
         let options = self.step(length);
         options.options.check_times(t0, t1)?;

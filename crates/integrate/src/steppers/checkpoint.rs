@@ -7,6 +7,7 @@ use crate::checkpoints::memories::ControlMemory;
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
 use crate::steppers::stepper::Stepper;
+use crate::time_direction::TimeDirection;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Damaged, SolverMemory};
@@ -74,6 +75,9 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             time: Exact::of(self.time),
             time_low: Exact::default(),
             index: self.index,
+            goes_back: self.direction == TimeDirection::Backward,
+            grid_start: Exact::of(self.grid_start),
+            place: self.place,
             high: Exact::all(&self.y.hi),
             low: Exact::all(&self.y.lo),
             energy_reference: Exact::of(self.h_ref),
@@ -125,6 +129,12 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         }
         self.time = from.time.read_finite("the time")?;
         self.index = from.index;
+        self.direction = match from.goes_back {
+            true => TimeDirection::Backward,
+            false => TimeDirection::Forward,
+        };
+        self.grid_start = from.grid_start.read_finite("the time")?;
+        self.place = from.place;
         self.h_ref = from.energy_reference.read_finite("the energy")?;
         let watched = self.watched.iter_mut().map(|w| &mut w.defect);
         let defects: Vec<_> = self.energy.iter_mut().chain(watched).collect();

@@ -5,6 +5,7 @@ use crate::options::common::Words;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
 use crate::steppers::stepper::Stepper;
+use crate::time_direction::TimeDirection;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Counts, MAX_STAGES, Outcome, State};
@@ -12,7 +13,7 @@ use equip_tableau::Gauss;
 use std::time::Instant;
 
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
-    /// Everything but a start, for steps of size `h`, or of any size.
+    /// Everything but a start, for steps of `h`, whose sign is the way a run begins to go, or of any size.
     pub(super) fn prepare<H: System<Evaluator<T> = E>, S>(
         integrator: &Integrator<T, S>,
         system: &H,
@@ -66,7 +67,13 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             method,
             has_target,
             t0: zero,
-            h,
+            direction: TimeDirection::Forward,
+            first_direction: h
+                .and_then(|h| TimeDirection::between(zero, h))
+                .unwrap_or_default(),
+            size: h.map(|h| h.abs()),
+            grid_start: zero,
+            place: 0,
             h_ref: zero,
             index: 0,
             time: zero,
@@ -99,25 +106,39 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         integrator: &Integrator<T, S>,
         system: &H,
     ) -> Result<Self, IntegrateError<T>> {
-        let mut other = Self::prepare(integrator, system, self.h, Words::new())?;
+        let mut other = Self::prepare(integrator, system, self.size, Words::new())?;
         let (q, p) = self.y.hi.split_at(self.y.hi.len() / 2);
-        other.start_at(q, p, self.time)?;
+        other.start_at((q, p), self.time, None)?;
         Ok(other)
     }
 
-    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated,
-    ///. After an error the run is as it was.
-    pub(super) fn start_at(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        if !t0.is_finite() || self.h.is_some_and(|h| t0 + h == t0) {
+    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared, to go `towards` a time if
+    /// that is known. Nothing is allocated. After an error the run is as it was.
+    pub(super) fn start_at(
+        &mut self,
+        (q0, p0): (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        if !t0.is_finite() || self.size.is_some_and(|h| t0 + h == t0) {
             return Err(IntegrateError::StepBelowTimeResolution {
-                step: self.h.unwrap_or(T::int(1)),
+                step: self.size.unwrap_or(T::int(1)),
                 time: t0,
             });
+        }
+        let to_end = towards.and_then(|end| TimeDirection::between(t0, end));
+        let direction = to_end.unwrap_or(self.first_direction);
+        let has_sign = self.first_direction == TimeDirection::Backward;
+        if let (true, TimeDirection::Forward, Some(end)) = (has_sign, direction, towards) {
+            let step = -self.size.unwrap_or(T::int(1));
+            let start = t0;
+            return Err(IntegrateError::StepsLeadAway { step, start, end });
         }
         self.move_to(q0, p0)?;
         *self.core.counts_mut() = Counts::default();
         (self.t0, self.time, self.index) = (t0, t0, 0);
-        self.grid = None;
+        (self.grid_start, self.place, self.grid) = (t0, 0, None);
+        self.direction = direction;
         self.start.copy_from_slice(&self.y.hi);
         self.last = (T::int(0), Outcome::NotAsked);
         self.alpha_range.fill((T::int(0), T::int(0)));
@@ -128,6 +149,22 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         }
         self.begun = Instant::now();
         Ok(())
+    }
+
+    /// Whether `end` does not lie on the other side of the start than the run goes to.
+    ///
+    /// # Errors
+    /// If it does.
+    pub(crate) fn check_end(&self, end: T) -> Result<(), IntegrateError<T>> {
+        if !self.direction.is_before(end, self.t0) {
+            return Ok(());
+        }
+        let step = self.size.unwrap_or(self.last.0.abs());
+        Err(IntegrateError::StepsLeadAway {
+            step: self.direction.signed(step),
+            start: self.t0,
+            end,
+        })
     }
 
     /// Puts the run at another state, at the time it has reached: the references of energy and invariants are
