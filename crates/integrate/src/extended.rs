@@ -1,36 +1,39 @@
-//! [`Extended`]: energies that depend on time, and time that runs at a rate of its own.
+//! [`Extended`]: time that runs at a rate of its own.
 //!
-//! With time as a further position, q_{m+1} = t, and its momentum p_t as a further momentum, a Hamiltonian
-//! with m degrees of freedom becomes an autonomous one with m + 1:
+//! *Time transformation* (Poincaré). With time as a further position, q_{m+1} = t, and its momentum p_t as a
+//! further momentum,
 //!
-//! $$ K = H(t, q, p) + p_t, \qquad \frac{dt}{d\tau} = 1, \qquad \frac{dp_t}{d\tau} = -\frac{\partial H}{\partial t} . $$
+//! $$ K = \sigma(t, q, p) \, (H(t, q, p) + p_t), \qquad \sigma > 0, \qquad p_t(0) = -H(t_0, q_0, p_0) , $$
 //!
-//! p_t(0) = −H(t_0, q_0, p_0), so K = 0, and K is what the α's keep: p_t tells exactly how much energy went
-//! in or out.
+//! has, on K = 0, the trajectories of H at another rate: dt/dτ = σ. Fixed steps in τ are then steps of σ·h in
+//! t, short where σ is small. EQUIP keeps K = 0 and so H exactly, which is what the transformation stands on.
+//! If H does not depend on time, p_t is constant.
 //!
-//! *Time transformation* (Poincaré). K = σ(t, q, p) (H(t, q, p) + p_t) with σ > 0 has, on K = 0, the same
-//! trajectories at another rate: dt/dτ = σ. Fixed steps in τ are then steps of σ·h in t, short where σ is
-//! small. EQUIP keeps K = 0 and so H exactly, which is what the transformation stands on. If H does not
-//! depend on time, p_t is constant.
+//! An H(t, q, p) at the rate of time itself is a [`Hamiltonian::with_time`].
 
 use equip_autodiff::{BuildError, Evaluate, Hamiltonian, System, Var};
 use equip_scalar::Float;
 
-/// A Hamiltonian H(t, q, p) in the extended phase space: positions (q, t), momenta (p, p_t).
+/// A Hamiltonian H(t, q, p) in a transformed time τ, on the extended phase space: positions (q, t), momenta
+/// (p, p_t).
 ///
 /// ```
 /// use equip_integrate::{Equip, Extended};
 ///
-/// // An oscillator that is pushed: q'' = −q + cos t/2.
-/// let pushed = Extended::time_dependent(1, |t, q, p| {
-///     0.5 * (p[0] * p[0] + q[0] * q[0]) - q[0] * (0.5 * t).cos()
-/// })?;
-/// let (q, p) = pushed.start(&[0.0], &[0.0], 0.0);
-/// let run = Equip::stages(4).tolerance(1e-12).integrate(pushed.hamiltonian(), &q, &p, 0.0..=10.0)?;
+/// // Two bodies, e = 0.9, with dt/dτ = r: 40 equal steps in τ go once around.
+/// let r = |q: &[equip_autodiff::Var]| (q[0] * q[0] + q[1] * q[1]).sqrt();
+/// let transformed = Extended::transformed(
+///     2,
+///     |_, q, p| 0.5 * (p[0] * p[0] + p[1] * p[1]) - r(q).recip(),
+///     |_, q, _| r(q),
+/// )?;
+/// let (q, p) = transformed.start(&[0.1, 0.0], &[0.0, 19f64.sqrt()], 0.0);
+/// let around = std::f64::consts::TAU;
+/// let run = Equip::stages(6)
+///     .step(around / 40.0)
+///     .integrate(transformed.hamiltonian(), &q, &p, 0.0..=around)?;
 /// let (_, q, _) = run.last();
-/// let exact = 4.0 / 3.0 * (5f64.cos() - 10f64.cos());
-/// assert!((q[0] - exact).abs() < 1e-10);
-/// assert!((q[1] - 10.0).abs() < 1e-14); // time
+/// assert!((q[0] - 0.1).abs() < 1e-9 && (q[2] - around).abs() < 1e-9); // q[2] is the time
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -42,20 +45,8 @@ pub struct Extended {
 }
 
 impl Extended {
-    /// H(t, q, p) with m degrees of freedom. What a run keeps as its energy is K = H + p_t.
-    ///
-    /// # Errors
-    /// See [`Hamiltonian::new`].
-    pub fn time_dependent(
-        m: usize,
-        energy: impl Fn(Var, &[Var], &[Var]) -> Var,
-    ) -> Result<Self, BuildError> {
-        let system = Hamiltonian::new(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]) + p[m])?;
-        Self::of(m, system, energy)
-    }
-
-    /// The same at the rate dt/dτ = σ(t, q, p) > 0: the independent variable of the run is τ, and what it
-    /// keeps is K = σ (H + p_t) = 0.
+    /// H(t, q, p) with m degrees of freedom at the rate dt/dτ = σ(t, q, p) > 0: the independent variable of the
+    /// run is τ, and what it keeps is K = σ (H + p_t) = 0.
     ///
     /// # Errors
     /// See [`Hamiltonian::new`].
@@ -68,14 +59,6 @@ impl Extended {
             let (t, x, y) = (q[m], &q[..m], &p[..m]);
             rate(t, x, y) * (energy(t, x, y) + p[m])
         })?;
-        Self::of(m, system, energy)
-    }
-
-    fn of(
-        m: usize,
-        system: Hamiltonian,
-        energy: impl Fn(Var, &[Var], &[Var]) -> Var,
-    ) -> Result<Self, BuildError> {
         let energy = Hamiltonian::new(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]))?;
         Ok(Extended { system, energy, m })
     }

@@ -1,7 +1,7 @@
 //! Runs of energy-preserving steps for Hamiltonian systems y' = J∇H(y): step control, dense output, events,
 //! checkpoints, the tangent map and the certificate.
 //!
-//! Folders, each importing from those before it only: `error`, `time_direction` ← `options`, `control` ← `report` ←
+//! Folders, each importing from those before it only: `error`, `time_direction`, `visible` ← `options`, `control` ← `report` ←
 //! `checkpoints`, `dense` ← `events`, `tangent` ← `steppers` (one step at a time) ← `runs` (whole intervals).
 //! The step itself is `equip-solver`'s, whose public names are given here as well.
 #![forbid(unsafe_code)]
@@ -18,6 +18,7 @@ mod runs;
 mod steppers;
 mod tangent;
 mod time_direction;
+mod visible;
 
 pub use checkpoints::checkpoint::Checkpoint;
 pub use dense::trajectory::Trajectory;

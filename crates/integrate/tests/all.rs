@@ -16,6 +16,7 @@ mod reversible;
 mod suggest;
 mod tangent;
 mod there_and_back;
+mod with_time;
 
 /// A file of tests that is not named above would be left out in silence.
 #[test]

@@ -227,12 +227,19 @@ impl Checkpoint {
         sum.hexadecimal()
     }
 
-    /// Positions and momenta, rounded.
-    pub(crate) fn state<T: Float>(&self) -> Result<(Vec<T>, Vec<T>), IntegrateError<T>> {
-        let mut y = vec![T::int(0); self.high.len()];
-        Exact::read_all(&self.high, &mut y, "the state")?;
-        let p = y.split_off(y.len() / 2);
-        Ok((y, p))
+    /// Positions and momenta, rounded; without time, where H depends on it.
+    pub(crate) fn state<T: Float>(
+        &self,
+        has_time: bool,
+    ) -> Result<(Vec<T>, Vec<T>), IntegrateError<T>> {
+        let mut q = vec![T::int(0); self.high.len()];
+        Exact::read_all(&self.high, &mut q, "the state")?;
+        let mut p = q.split_off(q.len() / 2);
+        if has_time {
+            q.pop();
+            p.pop();
+        }
+        Ok((q, p))
     }
 
     /// What step control has remembered.

@@ -61,6 +61,8 @@ impl<T: Float> StepDensity<T> {
     ) -> Result<Self, IntegrateError<T>> {
         let (m, zero) = (system.degrees_of_freedom(), T::int(0));
         let n = 2 * m;
+        // Of (t, q, p) it is a function of the state where that has time in it.
+        let sigma = sigma.map(Hamiltonian::alone);
         let source = match sigma {
             Some(sigma) if sigma.degrees_of_freedom() != m => {
                 return Err(IntegrateError::WrongLength {

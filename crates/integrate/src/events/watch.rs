@@ -3,13 +3,14 @@
 use crate::dense::piece::Piece;
 use crate::error::IntegrateError;
 use crate::events::roots::Roots;
-use crate::options::event::{Direction, Event, Occurrence};
+use crate::options::event::{Direction, Event, EventFunction, Occurrence};
 use crate::time_direction::TimeDirection;
 use equip_scalar::Float;
 
 #[derive(Debug)]
-pub(crate) struct EventWatch<T> {
+pub(crate) struct EventWatch<T: Float> {
     events: Vec<Event<T>>,
+    functions: Vec<EventFunction<T>>,
     roots: Roots<T>,
     /// (place in the piece, event, rising).
     found: Vec<(T, usize, bool)>,
@@ -26,6 +27,7 @@ impl<T: Float> EventWatch<T> {
     ) -> Self {
         EventWatch {
             events: events.to_vec(),
+            functions: events.iter().map(Event::function).collect(),
             roots: Roots::new(),
             found: Vec::new(),
             y: vec![T::int(0); n],
@@ -47,11 +49,12 @@ impl<T: Float> EventWatch<T> {
         let resolution =
             (T::EPSILON / T::int(2) * largest / piece.h.abs()).max(T::EPSILON / T::int(4));
         self.found.clear();
-        for (number, event) in self.events.iter().enumerate() {
+        let functions = self.events.iter().zip(&mut self.functions);
+        for (number, (event, function)) in functions.enumerate() {
             let y = &mut self.y;
             let g = |place: T| {
                 piece.state_at(place, y);
-                event.value(piece.time_at(place), &y[..m], &y[m..])
+                function.value(piece.time_at(place), &y[..m], &y[m..])
             };
             self.roots
                 .find(g, resolution)

@@ -37,7 +37,7 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
             return Ok(None);
         }
         stepper.core.keep_parts();
-        let m = system.degrees_of_freedom();
+        let m = stepper.m;
         let preconditioner = options.preconditioner;
         Ok(Some(DenseWatch {
             refiner: Refiner::new(system, stepper.core.gauss(), preconditioner)?,

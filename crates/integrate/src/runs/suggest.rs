@@ -84,7 +84,7 @@ impl Method {
         // Checks options, interval and start.
         let options = self.step(length);
         options.options.check_times(t0, t1)?;
-        options.start(system, q0, p0, t0)?;
+        let start = options.start(system, q0, p0, t0)?.y.hi;
         let (name, value) = match target {
             Target::Phase(x) => ("phase", x),
             Target::Trajectory(x) => ("target error", x),
@@ -98,7 +98,6 @@ impl Method {
         if !(value > T::int(0)) || !value.is_finite() {
             return Err(refused(value, "positive and finite"));
         }
-        let start = [q0, p0].concat();
         let pace = pace(&mut system.evaluator::<T>(), &start);
         if let Target::Phase(phase) = target {
             return if pace > T::int(0) && pace.is_finite() {

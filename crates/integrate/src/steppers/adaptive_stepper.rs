@@ -4,16 +4,17 @@
 //! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
 
 use crate::control::controller::{Control, Judgement};
-use crate::control::estimate::Decay;
+use crate::control::estimate::{Decay, Estimate};
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
+use crate::visible;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Counts, Outcome};
+use equip_solver::{Counts, Outcome, State};
 
 /// Tries of the first step.
 pub(super) const TRIES_FOR_FIRST: u32 = 20;
@@ -29,6 +30,8 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(crate) inner: Stepper<T, E>,
     pub(super) control: Control,
     pub(super) decay: Decay<T>,
+    /// L and the state without time, where H depends on it.
+    pub(super) visible: Option<(Vec<T>, State<T>)>,
     pub(super) first: FirstSize<T>,
     pub(super) first_step: Option<T>,
     /// The first step is not made longer than this.
@@ -94,8 +97,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             let h = place.size.to_f64();
             match self.inner.attempt(self.inner.direction.signed(place.size)) {
                 Ok(outcome) => {
-                    let (core, y) = (&mut self.inner.core, &self.inner.y);
-                    let estimate = self.decay.estimate(core.derivatives_by_component(), y);
+                    let estimate = self.estimate();
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
                         && let Some(longer) =
@@ -107,7 +109,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                         size = longer;
                         continue;
                     }
-                    let contraction = core.contraction();
+                    let contraction = self.inner.core.contraction();
                     match self.control.judge(h, &estimate, contraction) {
                         Judgement::Accept => {
                             self.accept(place, outcome);
@@ -134,6 +136,22 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 }
             }
         }
+    }
+
+    /// Of positions and momenta alone: how long a step may be is no matter of the time it is made at.
+    fn estimate(&mut self) -> Estimate {
+        let Stepper { core, y, m, .. } = &self.inner;
+        let (l, n) = (core.derivatives_by_component(), y.hi.len());
+        let Some((some, state)) = &mut self.visible else {
+            return self.decay.estimate(l, y);
+        };
+        let stride = l.len() / n;
+        for (j, row) in some.chunks_exact_mut(stride).enumerate() {
+            let place = visible::place(j, *m, n);
+            row.copy_from_slice(&l[place * stride..][..stride]);
+            state.hi[j] = y.hi[place];
+        }
+        self.decay.estimate(some, state)
     }
 
     fn count(&mut self, which: impl Fn(&mut VariableSteps<T>) -> &mut u64) {
@@ -237,7 +255,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// # Errors
     /// Faults of the values, and an H that is not finite there.
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
-        self.inner.move_to(q, p)
+        self.inner.set_state(q, p)
     }
 
     /// The step made last, or the initial state.

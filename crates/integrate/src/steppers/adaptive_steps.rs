@@ -15,6 +15,7 @@ use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
+use equip_solver::State;
 
 impl<T: Float> StepSizes<T> for Tolerance<T> {
     type Stepper<E: Evaluate<T>> = AdaptiveStepper<T, E>;
@@ -26,12 +27,18 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         let sizes = &integrator.sizes;
         sizes.validate(integrator.method.stages)?;
         let inner = Stepper::prepare(integrator, system, None, integrator.words())?;
-        let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
+        let (n, all, most) = (2 * inner.m, inner.y.hi.len(), sizes.max_step.to_f64());
+        let visible = system.has_time().then(|| {
+            let l = inner.core.derivatives_by_component().len() / all * n;
+            let zeros = |len| vec![T::int(0); len];
+            (zeros(l), State::new(&zeros(n), &[]))
+        });
         let tolerance = sizes.tolerance.to_f64();
         Ok(AdaptiveStepper {
             control: Control::new(tolerance, integrator.method.stages, most),
             decay: Decay::new(inner.core.gauss(), n, sizes.tolerance, sizes.scales),
-            first: FirstSize::new(n),
+            visible,
+            first: FirstSize::new(all),
             first_step: sizes.first_step,
             longest_first: f64::INFINITY,
             tolerance: sizes.tolerance,

@@ -207,7 +207,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// # Errors
     /// Faults of the values, an H that is not finite there, and a σ that is not positive.
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
-        self.inner.move_to(q, p)?;
+        self.inner.set_state(q, p)?;
         self.begin_density()
     }
 

@@ -70,7 +70,7 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
         checkpoint.check::<T>(&self.words())?;
         let mut stepper = S::stepper(self, system)?;
-        let (q, p) = checkpoint.state()?;
+        let (q, p) = checkpoint.state(system.has_time())?;
         let t0 = checkpoint.start.read_finite("the start")?;
         stepper.begin((&q, &p), t0, None)?;
         stepper.inner_mut().check_functions(checkpoint)?;

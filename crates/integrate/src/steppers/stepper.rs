@@ -10,6 +10,7 @@ use crate::report::variable_steps::VariableSteps;
 use crate::steppers::grid::Grid;
 use crate::steppers::view::{Step, StepView};
 use crate::time_direction::TimeDirection;
+use crate::visible::visible;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Core, Counts, Outcome, State};
@@ -19,6 +20,8 @@ use std::time::Instant;
 #[derive(Debug)]
 pub struct Stepper<T: Float, E> {
     pub(crate) core: Core<T, E>,
+    /// Degrees of freedom, time not counted.
+    pub(crate) m: usize,
     pub(super) method: Method,
     pub(super) has_target: bool,
     pub(crate) t0: T,
@@ -97,7 +100,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// # Errors
     /// Faults of the values, and an H that is not finite there.
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
-        self.move_to(q, p)
+        self.move_to(q, p, self.time)
     }
 
     /// The step of the grid, with its sign.
@@ -186,13 +189,13 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             }
         }
         for watched in &mut self.watched {
-            watched.see(&self.y.hi);
+            watched.see(self.time, &self.y.hi);
         }
     }
 
     /// The step made last, or the initial state.
     pub fn view(&self) -> StepView<'_, T> {
-        let (q, p) = self.y.hi.split_at(self.y.hi.len() / 2);
+        let (q, p) = visible(&self.y.hi, self.m);
         StepView {
             index: self.index,
             time: self.time,

@@ -18,6 +18,7 @@ use crate::error::IntegrateError;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::tangent::steps::Steps;
 use crate::tangent::tangent_map::TangentMap;
+use crate::visible;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 
@@ -49,7 +50,7 @@ pub struct Chaos<T: Float, E> {
 
 impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
     /// Follows `run`, made of the same `system`, from now on, with a deviation of any length but zero (2m
-    /// components).
+    /// components, time not counted).
     pub fn new<H: System<Evaluator<T> = E>>(
         system: &H,
         run: &mut impl Steps<T, E>,
@@ -57,9 +58,14 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
     ) -> Self {
         let zero = T::int(0);
         let time = run.time_reached();
+        let n = 2 * system.degrees_of_freedom();
+        let mut whole = vec![zero; n];
+        for (j, &x) in deviation.iter().enumerate() {
+            whole[visible::place(j, deviation.len() / 2, n)] = x;
+        }
         let mut chaos = Chaos {
             tangent: TangentMap::new(system, run),
-            deviation: deviation.to_vec(),
+            deviation: whole,
             start: time,
             time,
             growth: zero,

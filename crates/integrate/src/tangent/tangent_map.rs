@@ -12,6 +12,9 @@ use equip_solver::StepTangent;
 
 /// The tangent map along a run.
 ///
+/// A deviation has 2m components, those of (q, p). Where H depends on time it has 2m + 2, those of
+/// (q, t, p, p_t): that of t is one of the time at which the run starts.
+///
 /// ```
 /// use equip_autodiff::Hamiltonian;
 /// use equip_integrate::{Equip, TangentMap};
@@ -47,13 +50,13 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
     }
 
     /// Makes the steps of `run` to the time `t`, forward or back, and carries `deviations`, one after the
-    /// other, each of length 2m, over every one of them.
+    /// other, over every one of them.
     ///
     /// # Errors
     /// Those of the run's own `advance_to`, and those of [`carry`](Self::carry).
     ///
     /// # Panics
-    /// When the length of `deviations` is no multiple of 2m.
+    /// When the length of `deviations` is no multiple of that of one.
     pub fn advance_to(
         &mut self,
         run: &mut impl Steps<T, E>,
@@ -67,7 +70,7 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
         Ok(())
     }
 
-    /// Carries `deviations`, one after the other, each of length 2m, over the step that `run` made last.
+    /// Carries `deviations`, one after the other, over the step that `run` made last.
     ///
     /// # Errors
     /// [`IntegrateError::Singular`] if the linearised stages cannot be solved for; the step could then not
@@ -75,7 +78,7 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
     /// several steps since deviations were last carried.
     ///
     /// # Panics
-    /// When the length of `deviations` is no multiple of 2m.
+    /// When the length of `deviations` is no multiple of that of one.
     pub fn carry(
         &mut self,
         run: &impl Steps<T, E>,
