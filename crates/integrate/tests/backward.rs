@@ -40,7 +40,10 @@ fn stiff(sign: f64) -> Hamiltonian {
     .unwrap()
 }
 
-const STARTS: [(fn(f64) -> Hamiltonian, [f64; 4]); 3] = [
+/// A system by its sign, and a start.
+type Case = (fn(f64) -> Hamiltonian, [f64; 4]);
+
+const STARTS: [Case; 3] = [
     (particle, [0.8, -0.3, 0.2, 0.6]),
     (kepler, [0.5, 0.1, -0.2, 1.9]),
     (stiff, [1.1, 0.02, 0.3, 1.4]),

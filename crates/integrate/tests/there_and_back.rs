@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Chaos, Equip, Gauss, IntegrateError, TangentMap};
+use equip_integrate::{Chaos, Equip, Gauss, IntegrateError, NoObserver, TangentMap};
 
 /// Sun and Mars in the rotating frame; positions and momenta p = v + (−y, x, 0).
 fn sun_mars() -> Hamiltonian {
@@ -139,6 +139,49 @@ fn times_are_met_by_every_stepper_in_any_order() {
     meets!(Equip::stages(8).step(0.1));
     meets!(Equip::stages(8).tolerance(1e-13));
     meets!(Equip::stages(8).reversible_automatic(0.2));
+}
+
+#[test]
+fn a_run_that_has_turned_goes_on_the_way_it_went() {
+    let (h, q, p) = (particle(), [0.8, -0.3], [0.2, 0.6]);
+    let options = Equip::stages(6).step(0.125);
+    let mut run = options.start(&h, &q, &p, 0.0).unwrap();
+    run.advance_to(5.0).unwrap();
+    run.turn_back();
+    run.advance().unwrap();
+    let (checkpoint, mut observer) = (run.checkpoint(), NoObserver);
+    let options = options.output_at(&[3.0, 2.5]);
+    let rest = options
+        .integrate_from(&h, &checkpoint, 2.0, &mut observer)
+        .unwrap();
+    assert_eq!((rest.times()[0], rest.last().0), (4.875, 2.0));
+    assert_eq!(rest.outputs().count(), 2);
+    assert_eq!(rest.last().1, run.advance_to(2.0).unwrap().q);
+    let error = options
+        .integrate_from(&h, &checkpoint, 7.0, &mut observer)
+        .unwrap_err();
+    assert!(matches!(error.error, IntegrateError::StepsLeadAway { .. }));
+}
+
+#[test]
+fn an_escape_is_told_back_in_time_too() {
+    // q'' = q³ from (1, ±2): infinity is reached at ±1.0847.
+    let h = Hamiltonian::new(1, |q, p| 0.5 * p[0].powi(2) - 0.25 * q[0].powi(4)).unwrap();
+    let made = |p: f64, end: f64| {
+        let options = Equip::stages(4).step(0.1).max_halvings(0);
+        let failure = options.integrate(&h, &[1.0], &[p], 0.0..=end);
+        failure.unwrap_err().error
+    };
+    let (
+        IntegrateError::Escape {
+            time: t, step: h, ..
+        },
+        IntegrateError::Escape { time, step, .. },
+    ) = (made(2.0, 5.0), made(-2.0, -5.0))
+    else {
+        panic!("{}, {}", made(2.0, 5.0), made(-2.0, -5.0));
+    };
+    assert_eq!((t, h), (-time, -step));
 }
 
 #[test]

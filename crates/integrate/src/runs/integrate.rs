@@ -92,8 +92,9 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         from: Option<&Checkpoint>,
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
-        self.options.check_times(stepper.inner().t0, end)?;
         stepper.inner().check_end(end)?;
+        let start = stepper.inner().stretch_start();
+        self.options.check_times(start, end)?;
         stepper.set_end(end)?;
         let (now, direction) = (stepper.inner().time(), stepper.inner().direction);
         let times = &self.options.output_times;

@@ -150,12 +150,18 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Ok(())
     }
 
-    /// Whether `end` does not lie on the other side of the start than the run goes to.
+    /// Where the stretch begins that the run is on: its start, or the time reached if it has turned back since.
+    pub(crate) fn stretch_start(&self) -> T {
+        let is_turned = self.direction.is_before(self.time, self.t0);
+        if is_turned { self.time } else { self.t0 }
+    }
+
+    /// Whether `end` does not lie behind the stretch that the run is on.
     ///
     /// # Errors
     /// If it does.
     pub(crate) fn check_end(&self, end: T) -> Result<(), IntegrateError<T>> {
-        if !self.direction.is_before(end, self.t0) {
+        if !self.direction.is_before(end, self.stretch_start()) {
             return Ok(());
         }
         let step = self.size.unwrap_or(self.last.0.abs());
