@@ -1,7 +1,6 @@
 //! [`Hamiltonian`]: an energy with everything derived from it.
 
-use crate::{BuildError, Recorded, StateFunction, Var};
-use equip_scalar::Float;
+use crate::{BuildError, Recorded, Var};
 
 /// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any float type.
 ///
@@ -62,8 +61,8 @@ impl Hamiltonian<Recorded> {
     ///
     /// $$ K = H(t, q, p) + p_t, \qquad \frac{dt}{dt} = 1, \qquad \frac{dp_t}{dt} = -\frac{\partial H}{\partial t} , $$
     ///
-    /// of states (q, t, p, p_t). With p_t = 0 at the start −p_t is the energy that has gone in since, and K is
-    /// H less that: it stays what it was.
+    /// of states (q, t, p, p_t). With p_t = 0 at the start −p_t is the energy that has gone in since, and K
+    /// is H less that: it stays what it was.
     ///
     /// # Errors
     /// See [`new`](Self::new). The closure is called twice.
@@ -103,12 +102,6 @@ impl Hamiltonian<Recorded> {
             route: self.alone.as_ref().unwrap_or(&self.route).clone(),
             alone: None,
         }
-    }
-
-    /// H as a function (t, q, p) ↦ H in one float type, for observers; t does not matter where H does not
-    /// depend on it.
-    pub fn function<T: Float>(&self) -> StateFunction<T> {
-        StateFunction::new(self)
     }
 
     /// Number of directions the Hessian is computed with: columns of the pattern that share no row share one.

@@ -33,7 +33,6 @@ mod native;
 mod recording;
 mod replay;
 mod routes;
-mod state_function;
 mod structure;
 mod system;
 
@@ -43,9 +42,9 @@ pub use hamiltonian::Hamiltonian;
 pub use recording::trace::{Trace, Var};
 pub use routes::recorded::Recorded;
 pub use routes::recorded_evaluator::RecordedEvaluator;
+pub use routes::state_function::StateFunction;
 pub use routes::statics::{Static, StaticEvaluator};
 pub use routes::supplied::{Supplied, SuppliedEvaluator};
-pub use state_function::StateFunction;
 pub use structure::facts::{HessianPattern, Structure};
 pub use structure::kinetic::Kinetic;
 pub use structure::pattern::Pattern;

@@ -8,8 +8,8 @@ pub trait System {
     /// Values and derivatives in one float type, with their workspace.
     type Evaluator<T: Float>: Evaluate<T>;
 
-    /// Degrees of freedom m; the state y = (q, p) has 2m components. Where H depends on time it counts as one,
-    /// the last.
+    /// Degrees of freedom m; the state y = (q, p) has 2m components. Where H depends on time it counts as
+    /// one, the last.
     fn degrees_of_freedom(&self) -> usize {
         self.structure().degrees_of_freedom
     }

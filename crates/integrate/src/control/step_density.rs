@@ -20,7 +20,7 @@
 
 use crate::control::first_step::turn;
 use crate::error::IntegrateError;
-use crate::time_direction::TimeDirection;
+use crate::time::direction::TimeDirection;
 use equip_autodiff::{Evaluate, Hamiltonian, Pattern, System};
 use equip_scalar::Float;
 use equip_solver::Counts;

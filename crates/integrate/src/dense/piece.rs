@@ -1,6 +1,6 @@
 //! The refined polynomial of one step, and its values.
 
-use crate::visible;
+use crate::time::visible;
 use equip_scalar::Float;
 use equip_solver::{MAX_STAGES, State};
 use equip_tableau::legendre_integrals_at;

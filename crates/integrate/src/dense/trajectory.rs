@@ -1,7 +1,7 @@
 //! [`Trajectory`]: a run at any time.
 
 use crate::dense::piece::Piece;
-use crate::time_direction::TimeDirection;
+use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 
 /// The trajectory of a run between its start and its end, with the accuracy of its steps. Kept by runs that

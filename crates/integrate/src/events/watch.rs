@@ -4,7 +4,7 @@ use crate::dense::piece::Piece;
 use crate::error::IntegrateError;
 use crate::events::roots::Roots;
 use crate::options::event::{Direction, Event, EventFunction, Occurrence};
-use crate::time_direction::TimeDirection;
+use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 
 #[derive(Debug)]

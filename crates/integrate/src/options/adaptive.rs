@@ -10,8 +10,9 @@ use equip_solver::MAX_STAGES;
 /// sequence of steps, so variable steps cost neither; position errors then grow linearly in time where others
 /// grow quadratically.
 ///
-/// All sizes are positive, also of a run that goes back in time. A step that fails is shortened, not halved. [`Integrator::reach`] is asked only when shorter steps
-/// do not help either; [`Integrator::output_at`] is served from dense output, with the accuracy of the steps.
+/// All sizes are positive, also of a run that goes back in time. A step that fails is shortened, not halved.
+/// [`Integrator::reach`] is asked only when shorter steps do not help either; [`Integrator::output_at`] is
+/// served from dense output, with the accuracy of the steps.
 pub type Adaptive<T> = Integrator<T, Tolerance<T>>;
 
 /// Sizes by a tolerance, within bounds.

@@ -4,7 +4,7 @@ use crate::error::IntegrateError;
 use crate::options::event::Event;
 use crate::options::method::Method;
 use crate::options::record::Record;
-use crate::time_direction::TimeDirection;
+use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOptions};
 

@@ -69,8 +69,8 @@ impl<T> Event<T> {
         }
     }
 
-    /// The roots of a function recorded like an energy, by [`Hamiltonian::new`] or [`Hamiltonian::with_time`]: with
-    /// constants as exact as the float type of the run.
+    /// The roots of a function recorded like an energy, by [`Hamiltonian::new`] or
+    /// [`Hamiltonian::with_time`]: with constants as exact as the float type of the run.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;

@@ -66,8 +66,8 @@ impl<T: Float, S> Integrator<T, S> {
 
     /// A further invariant to be *kept* like the energy, by the same α's: one more equation for them. For
     /// invariants that are not quadratic; the quadratic ones are kept anyway. Needs a method that solves for
-    /// the α's, with at least as many of them as equations: s − 1 ≥ 1 + the invariants kept. Where H depends on
-    /// time it is recorded [with time](equip_autodiff::Hamiltonian::with_time) as well.
+    /// the α's, with at least as many of them as equations: s − 1 ≥ 1 + the invariants kept. Where H depends
+    /// on time it is recorded [with time](equip_autodiff::Hamiltonian::with_time) as well.
     #[must_use]
     pub fn keep(mut self, invariant: Invariant) -> Self {
         self.options.kept.push(invariant);

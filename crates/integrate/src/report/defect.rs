@@ -1,6 +1,6 @@
 //! [`Defect`]: how far a quantity has strayed along a run.
 
-use crate::visible::visible;
+use crate::time::visible::visible;
 use equip_autodiff::{RecordedEvaluator, StateFunction};
 use equip_scalar::Float;
 use equip_solver::Invariant;

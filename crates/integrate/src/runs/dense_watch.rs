@@ -8,7 +8,7 @@ use crate::events::watch::EventWatch;
 use crate::options::common::Options;
 use crate::runs::run::Run;
 use crate::steppers::stepper::Stepper;
-use crate::time_direction::TimeDirection;
+use crate::time::direction::TimeDirection;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use std::ops::ControlFlow;

@@ -14,8 +14,8 @@ use equip_scalar::Float;
 use std::ops::RangeInclusive;
 
 impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
-    /// Integrates from (`q0`, `p0`), each of length m, over `interval`: forward in time, or back from its start
-    /// if its end lies before that.
+    /// Integrates from (`q0`, `p0`), each of length m, over `interval`: forward in time, or back from its
+    /// start if its end lies before that.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;

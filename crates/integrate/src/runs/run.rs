@@ -6,7 +6,7 @@ use crate::options::event::Occurrence;
 use crate::report::certificate::Certificate;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
-use crate::visible::visible;
+use crate::time::visible::visible;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::Outcome;

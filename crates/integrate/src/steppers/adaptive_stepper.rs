@@ -11,7 +11,7 @@ use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
-use crate::visible;
+use crate::time::visible;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome, State};
@@ -57,8 +57,8 @@ struct Place<T> {
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
-    /// Makes the next step, of the size that control proposes, the way the run goes: forward in time, unless it
-    /// was [turned back](Self::turn_back).
+    /// Makes the next step, of the size that control proposes, the way the run goes: forward in time, unless
+    /// it was [turned back](Self::turn_back).
     ///
     /// # Errors
     /// When no step above the smallest size can be made; the state then is that before the step.

@@ -68,7 +68,8 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
-    /// Goes to the time `t`, forward or back, which the last step meets exactly. At `t` already, no step is made.
+    /// Goes to the time `t`, forward or back, which the last step meets exactly. At `t` already, no step is
+    /// made.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -84,8 +85,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// ```
     ///
     /// # Errors
-    /// A time that is not finite, and those of [`advance`](Self::advance); the run then is where the last good
-    /// step ended.
+    /// A time that is not finite, and those of [`advance`](Self::advance); the run then is where the last
+    /// good step ended.
     pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
         while self.step_towards(t)? {}
         Ok(self.view())

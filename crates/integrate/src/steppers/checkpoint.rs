@@ -7,7 +7,7 @@ use crate::checkpoints::memories::ControlMemory;
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
 use crate::steppers::stepper::Stepper;
-use crate::time_direction::TimeDirection;
+use crate::time::direction::TimeDirection;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Damaged, SolverMemory};

@@ -13,8 +13,8 @@ use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
-    /// Goes to the time `t`, forward or back: steps of the grid, and a shorter one that ends at `t` if that is
-    /// none of its points. The grid then begins anew there. At `t` already, no step is made.
+    /// Goes to the time `t`, forward or back: steps of the grid, and a shorter one that ends at `t` if that
+    /// is none of its points. The grid then begins anew there. At `t` already, no step is made.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;

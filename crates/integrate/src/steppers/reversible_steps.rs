@@ -130,8 +130,8 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// ```
     ///
     /// # Errors
-    /// A time that is not finite, and those of [`advance`](Self::advance); the run then is where the last good
-    /// step ended.
+    /// A time that is not finite, and those of [`advance`](Self::advance); the run then is where the last
+    /// good step ended.
     pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
         while self.step_towards(t)? {}
         Ok(self.view())

@@ -30,9 +30,9 @@ pub trait StepSizes<T: Float>: Clone + fmt::Debug {
 }
 
 impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
-    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step. It goes forward in
-    /// time, back if its step is negative, and either way by `advance_to` and `turn_back` of what makes its
-    /// steps.
+    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step. It goes forward
+    /// in time, back if its step is negative, and either way by `advance_to` and `turn_back` of what makes
+    /// its steps.
     ///
     /// # Errors
     /// Every fault of options, steps and initial values, and an H that is not finite at the start.

@@ -6,8 +6,8 @@ use crate::options::event::Event;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
 use crate::steppers::stepper::Stepper;
-use crate::time_direction::TimeDirection;
-use crate::visible::visible;
+use crate::time::direction::TimeDirection;
+use crate::time::visible::visible;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Counts, Invariant, MAX_STAGES, Outcome, State};
@@ -150,7 +150,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Ok(())
     }
 
-    /// Where the stretch begins that the run is on: its start, or the time reached if it has turned back since.
+    /// Where the stretch begins that the run is on: its start, or the time reached if it has turned back
+    /// since.
     pub(crate) fn stretch_start(&self) -> T {
         let is_turned = self.direction.is_before(self.time, self.t0);
         if is_turned { self.time } else { self.t0 }
@@ -172,8 +173,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         })
     }
 
-    /// Puts the run at another state, at the time `t` it has reached: the references of energy and invariants are
-    /// those of this state from now on, and nothing of the steps before is prolonged into the next one.
+    /// Puts the run at another state, at the time `t` it has reached: the references of energy and invariants
+    /// are those of this state from now on, and nothing of the steps before is prolonged into the next one.
     pub(super) fn move_to(&mut self, q: &[T], p: &[T], t: T) -> Result<(), IntegrateError<T>> {
         let m = self.m;
         check_initial(m, q, p)?;

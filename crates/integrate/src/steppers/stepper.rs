@@ -9,8 +9,8 @@ use crate::report::defect::{Defect, Watched};
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::grid::Grid;
 use crate::steppers::view::{Step, StepView};
-use crate::time_direction::TimeDirection;
-use crate::visible::visible;
+use crate::time::direction::TimeDirection;
+use crate::time::visible::visible;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Core, Counts, Outcome, State};
@@ -30,8 +30,8 @@ pub struct Stepper<T: Float, E> {
     pub(super) first_direction: TimeDirection,
     /// Size of the steps; none if it varies.
     pub(super) size: Option<T>,
-    /// Where the grid of time begins, and how many of its steps ahead of that, in the order of travel, the run
-    /// is.
+    /// Where the grid of time begins, and how many of its steps ahead of that, in the order of travel, the
+    /// run is.
     pub(super) grid_start: T,
     pub(super) place: i64,
     /// The grid up to the end of the run, if that is known.

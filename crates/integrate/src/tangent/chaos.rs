@@ -18,7 +18,7 @@ use crate::error::IntegrateError;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::tangent::steps::Steps;
 use crate::tangent::tangent_map::TangentMap;
-use crate::visible;
+use crate::time::visible;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 

@@ -102,8 +102,8 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
         Ok(())
     }
 
-    /// Whether the run has made no more than so many steps since deviations were last carried, or since it was
-    /// begun anew.
+    /// Whether the run has made no more than so many steps since deviations were last carried, or since it
+    /// was begun anew.
     fn check_followed(&self, run: &impl Steps<T, E>, most: u64) -> Result<(), IntegrateError<T>> {
         let made = run.steps_made();
         let steps = made.checked_sub(self.carried).unwrap_or(made);

@@ -1,8 +1,8 @@
 //! Stiff springs along single components of H = T(p) + U(q), T with the masses 1/w: M = 1 + h² w κ (A A), A =
 //! K(0) B, for the positions on springs, and 1 for all others.
 //!
-//! κ_c = ∂²U/∂q_c² where it has the sign of the mass, stands out of its row of ∇²U, and h² w κ is not small. What the
-//! iteration contracts by is then the rest of ∇²U, whatever hω.
+//! κ_c = ∂²U/∂q_c² where it has the sign of the mass, stands out of its row of ∇²U, and h² w κ is not small.
+//! What the iteration contracts by is then the rest of ∇²U, whatever hω.
 //!
 //! With momenta as unknowns besides, M = (1, −h w A; h κ A, 1).
 //!

@@ -1,10 +1,10 @@
 //! [`StateFunction`]: a recorded function of time and state, evaluated at (t, q, p).
 
-use crate::{Evaluate, Hamiltonian, RecordedEvaluator, System};
+use crate::{Evaluate, Hamiltonian, Recorded, RecordedEvaluator, System};
 use equip_scalar::Float;
 
-/// A recorded function (t, q, p) ↦ g in one float type, made by [`Hamiltonian::function`]. Its constants are as
-/// exact as those of an energy.
+/// A recorded function (t, q, p) ↦ g in one float type, made by [`Hamiltonian::function`]. Its constants are
+/// as exact as those of an energy.
 #[derive(Debug)]
 pub struct StateFunction<T: Float> {
     evaluator: RecordedEvaluator<T>,
@@ -13,8 +13,16 @@ pub struct StateFunction<T: Float> {
     y: Vec<T>,
 }
 
+impl Hamiltonian<Recorded> {
+    /// H as a function (t, q, p) ↦ H in one float type, for observers; t does not matter where H does not
+    /// depend on it.
+    pub fn function<T: Float>(&self) -> StateFunction<T> {
+        StateFunction::new(self)
+    }
+}
+
 impl<T: Float> StateFunction<T> {
-    pub(crate) fn new(function: &Hamiltonian) -> Self {
+    fn new(function: &Hamiltonian) -> Self {
         let alone = function.alone();
         StateFunction {
             evaluator: alone.evaluator::<T>(),

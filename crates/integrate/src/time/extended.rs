@@ -45,8 +45,8 @@ pub struct Extended {
 }
 
 impl Extended {
-    /// H(t, q, p) with m degrees of freedom at the rate dt/dτ = σ(t, q, p) > 0: the independent variable of the
-    /// run is τ, and what it keeps is K = σ (H + p_t) = 0.
+    /// H(t, q, p) with m degrees of freedom at the rate dt/dτ = σ(t, q, p) > 0: the independent variable of
+    /// the run is τ, and what it keeps is K = σ (H + p_t) = 0.
     ///
     /// # Errors
     /// See [`Hamiltonian::new`].
