@@ -25,6 +25,8 @@ use crate::{BuildError, Recorded, Var};
 #[derive(Debug, Clone)]
 pub struct Hamiltonian<R = Recorded> {
     pub(crate) route: R,
+    /// H(t, q, p) alone, where the route has H + p_t.
+    pub(crate) alone: Option<Recorded>,
 }
 
 impl Hamiltonian<Recorded> {
@@ -47,7 +49,59 @@ impl Hamiltonian<Recorded> {
     pub fn new(m: usize, energy: impl FnOnce(&[Var], &[Var]) -> Var) -> Result<Self, BuildError> {
         Ok(Hamiltonian {
             route: Recorded::new(m, energy)?,
+            alone: None,
         })
+    }
+
+    /// Records an energy H(t, q, p) that depends on time, of a system with m degrees of freedom. Runs of it
+    /// start, and are read, like all others; as a function to be watched or to find events of it is H itself.
+    ///
+    /// As a [`System`](crate::System) it is what an integrator can keep: time as a further position, and its
+    /// momentum p_t as a further one,
+    ///
+    /// $$ K = H(t, q, p) + p_t, \qquad \frac{dt}{dt} = 1, \qquad \frac{dp_t}{dt} = -\frac{\partial H}{\partial t} , $$
+    ///
+    /// of states (q, t, p, p_t). With p_t = 0 at the start −p_t is the energy that has gone in since, and K
+    /// is H less that: it stays what it was.
+    ///
+    /// # Errors
+    /// See [`new`](Self::new). The closure is called twice.
+    ///
+    /// ```
+    /// use equip_autodiff::{Hamiltonian, System};
+    ///
+    /// // An oscillator that is pushed: q'' = −q + cos t/2.
+    /// let pushed = Hamiltonian::with_time(1, |t, q, p| {
+    ///     0.5 * (p[0] * p[0] + q[0] * q[0]) - q[0] * (0.5 * t).cos()
+    /// })?;
+    /// assert!(pushed.has_time());
+    /// let mut energy = pushed.function::<f64>();
+    /// assert_eq!(energy.value(0.0, &[2.0], &[1.0]), 0.5);
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn with_time(
+        m: usize,
+        energy: impl Fn(Var, &[Var], &[Var]) -> Var,
+    ) -> Result<Self, BuildError> {
+        if m == 0 {
+            return Err(BuildError::NoDegreesOfFreedom);
+        }
+        let alone = Recorded::new(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]))?;
+        let route = Recorded::new(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]) + p[m])?;
+        Ok(Hamiltonian {
+            route,
+            alone: Some(alone),
+        })
+    }
+
+    /// What is recorded, as a function of the state alone: H, also where H depends on time, which is the last
+    /// position then.
+    #[must_use]
+    pub fn alone(&self) -> Hamiltonian {
+        Hamiltonian {
+            route: self.alone.as_ref().unwrap_or(&self.route).clone(),
+            alone: None,
+        }
     }
 
     /// Number of directions the Hessian is computed with: columns of the pattern that share no row share one.

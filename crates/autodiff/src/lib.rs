@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | closure, [`Hamiltonian::new`] | `\|q, p\| ...` over [`Var`] | a tape of ∇H, in `f64` as machine code; coloured Hessian; any n |
 //! | type, [`Hamiltonian::from_energy`] | [`Energy`], or the macro [`hamiltonian!`] | dual numbers for n ≤ 8, else the tape |
+//! | closure of time, [`Hamiltonian::with_time`] | `\|t, q, p\| ...` over [`Var`] | of H + p_t, time and its momentum p_t as one more degree of freedom |
 //! | either with a gradient | [`Energy::gradient`], [`Hamiltonian::with_gradient`] | the given gradient; Hessian by the tape |
 //!
 //! Machine code is made of arithmetic, √ and |x|, for x86-64 with AVX2 or AVX-512, at the first call; all
@@ -41,6 +42,7 @@ pub use hamiltonian::Hamiltonian;
 pub use recording::trace::{Trace, Var};
 pub use routes::recorded::Recorded;
 pub use routes::recorded_evaluator::RecordedEvaluator;
+pub use routes::state_function::StateFunction;
 pub use routes::statics::{Static, StaticEvaluator};
 pub use routes::supplied::{Supplied, SuppliedEvaluator};
 pub use structure::facts::{HessianPattern, Structure};

@@ -8,9 +8,16 @@ pub trait System {
     /// Values and derivatives in one float type, with their workspace.
     type Evaluator<T: Float>: Evaluate<T>;
 
-    /// Degrees of freedom m; the state y = (q, p) has 2m components.
+    /// Degrees of freedom m; the state y = (q, p) has 2m components. Where H depends on time it counts as
+    /// one, the last.
     fn degrees_of_freedom(&self) -> usize {
         self.structure().degrees_of_freedom
+    }
+
+    /// Whether H depends on time, which is the last position then, and K = H + p_t is what is integrated
+    /// ([`Hamiltonian::with_time`]).
+    fn has_time(&self) -> bool {
+        false
     }
 
     /// Separability, degree and sparsity of H.
@@ -23,6 +30,10 @@ pub trait System {
 impl<H: System> System for &H {
     type Evaluator<T: Float> = H::Evaluator<T>;
 
+    fn has_time(&self) -> bool {
+        (**self).has_time()
+    }
+
     fn structure(&self) -> &Structure {
         (**self).structure()
     }
@@ -34,6 +45,10 @@ impl<H: System> System for &H {
 
 impl<R: System> System for Hamiltonian<R> {
     type Evaluator<T: Float> = R::Evaluator<T>;
+
+    fn has_time(&self) -> bool {
+        self.alone.is_some()
+    }
 
     fn structure(&self) -> &Structure {
         self.route.structure()

@@ -127,11 +127,14 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
             let flag = option.replace('_', "-");
             format!("--{flag} is {value}; it must be {expected}")
         }
-        E::StepNotPositive { step } => {
-            format!("--step is {step}; it must be positive and finite")
+        E::StepOutOfRange { step } => {
+            format!("--step is {step}; it must be finite and not zero")
         }
+        E::StepsLeadAway { step, end, .. } => format!(
+            "--until or --periods ask for t = {end}, which lies behind the start for steps of {step}: give --step without its sign; a run that goes on from a checkpoint goes on the way it went"
+        ),
         E::Interval { start, end } => format!(
-            "--until or --periods ask for a run from t = {start} to t = {end}; it must be finite and run forward"
+            "--until or --periods ask for a run from t = {start} to t = {end}; it must be finite"
         ),
         E::StepBelowMinimum { step, time, min } => format!(
             "--tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity or a kink of H, or the tolerance is too small: loosen it"

@@ -77,7 +77,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     } else {
         Vec::new()
     };
-    let steps = (end / h).to_f64().ceil() as u64;
+    let steps = (end / h).abs().to_f64().ceil() as u64;
     // How many steps a tolerance will take is not known.
     let shown = !args.quiet && args.tolerance.is_none();
     let progress = Progress::new("integrating", steps, shown);
@@ -162,7 +162,8 @@ fn resume<T: Float>(
         ..
     } = saved;
     let time = checkpoint.time::<T>().map_err(Fault::start)?;
-    if time > end {
+    // Behind the start of the run is for the integrator to refuse.
+    if time * end > end * end {
         return Err(Fault::Option {
             option: if args.periods.is_some() {
                 "--periods"
@@ -261,13 +262,14 @@ fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), F
     Ok((h, end))
 }
 
-/// The step for an error at the end, from trial runs over a period.
+/// The step for an error at the end, from trial runs over a period, forward or back in time as the run.
 fn step_for<T: Float>(target: T, instance: &Instance, method: Method, end: T) -> Result<T, Fault> {
     let period = instance.period::<T>();
-    let whole = end < T::int(2) * period;
+    let whole = end.abs() < T::int(2) * period;
     let (stretch, target) = if whole {
         (end, target)
     } else {
+        let period = if end < T::int(0) { -period } else { period };
         (period, target * (period / end))
     };
     let (q, p) = instance.initial::<T>();

@@ -48,6 +48,32 @@ fn certificate(output: &Output) -> String {
 }
 
 #[test]
+fn a_run_back_in_time_goes_on_too() {
+    for steps in [
+        ["--step", "1/32"],
+        ["--step", "-1/32"],
+        ["--tolerance", "1e-9"],
+    ] {
+        let name = format!("back-{}", steps.join("-").replace('/', "-"));
+        let (whole, parts) = (directory(&name), directory(&format!("{name}-parts")));
+        let until = |time| [&["kepler", "--e", "0.3", "--until", time], &steps[..]].concat();
+        let first = run(&parts, &until("-1"));
+        assert_eq!(first.status.code(), Some(0));
+        let wrong = failure(2, &parts, &until("-0.5"));
+        assert!(wrong.contains("no earlier than the checkpoint"), "{wrong}");
+        let wrong = failure(2, &parts, &until("1"));
+        assert!(wrong.contains("--until"), "{wrong}");
+        let [made, gone_on] = [&whole, &parts].map(|home| certificate(&run(home, &until("-2"))));
+        assert!(made.contains("0.000000 to -2.000000"), "{made}");
+        if steps[0] == "--step" {
+            // Variable steps that meet -1 are other ones.
+            assert_eq!(made, gone_on);
+            assert_eq!(read(&whole, "t.csv"), read(&parts, "t.csv"));
+        }
+    }
+}
+
+#[test]
 fn a_finished_run_repeated_changes_nothing() {
     for scene in equip_scenes::all() {
         let home = directory(&format!("repeated-{}", scene.name));

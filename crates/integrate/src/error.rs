@@ -18,13 +18,25 @@ pub enum IntegrateError<T: Float> {
         /// Most stages the tableau is made for.
         max: usize,
     },
-    /// The step is zero, negative, infinite or NaN.
+    /// The step is zero, infinite or NaN.
     #[error(
-        "the step is {step}; it must be positive and finite (to go back in time, integrate −H, or flip the sign of the momenta where H(q, −p) = H(q, p))"
+        "the step is {step}; it must be finite and not zero (a negative one goes back in time)"
     )]
-    StepNotPositive {
+    StepOutOfRange {
         /// The step given.
         step: T,
+    },
+    /// The steps lead away from where the run is to end.
+    #[error(
+        "steps of {step} lead from {start} away from {end}; give a step without a sign, which goes the way of the interval, or an end on the other side; a resumed run goes on the way it went"
+    )]
+    StepsLeadAway {
+        /// A step, with its sign.
+        step: T,
+        /// Start of the run.
+        start: T,
+        /// Where it is to end.
+        end: T,
     },
     /// The step is lost in the rounding of the time.
     #[error(
@@ -44,15 +56,21 @@ pub enum IntegrateError<T: Float> {
         /// Interval divided by step.
         steps: f64,
     },
-    /// The interval ends before it starts or is not finite.
-    #[error(
-        "the interval {start} to {end} must be finite and run forward (to go back in time, integrate −H, or flip the sign of the momenta where H(q, −p) = H(q, p))"
-    )]
+    /// The interval is not finite.
+    #[error("the interval {start} to {end} must be finite; give two finite times, in either order")]
     Interval {
         /// Start of the interval.
         start: T,
         /// End of the interval.
         end: T,
+    },
+    /// Deviations were not carried over all steps of a run.
+    #[error(
+        "the run has made {steps} steps since deviations were last carried; carry them after every step, or go on with `advance_to` of the tangent map"
+    )]
+    StepsNotFollowed {
+        /// Steps made since.
+        steps: u64,
     },
     /// A vector has the wrong length.
     #[error("{what} has length {found}, but this Hamiltonian needs {expected}")]
@@ -102,7 +120,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// An output time lies outside the interval or before the one ahead of it.
     #[error(
-        "output time {time} (number {index}) must lie in {start} to {end} and not before the one ahead of it"
+        "output time {time} (number {index}) must lie in {start} to {end} and not before the one ahead of it, in the order in which the run goes"
     )]
     OutputTime {
         /// The time given.

@@ -1,7 +1,7 @@
 //! Runs of energy-preserving steps for Hamiltonian systems y' = J∇H(y): step control, dense output, events,
 //! checkpoints, the tangent map and the certificate.
 //!
-//! Folders, each importing from those before it only: `error` ← `options`, `control` ← `report` ←
+//! Folders, each importing from those before it only: `error`, `time` ← `options`, `control` ← `report` ←
 //! `checkpoints`, `dense` ← `events`, `tangent` ← `steppers` (one step at a time) ← `runs` (whole intervals).
 //! The step itself is `equip-solver`'s, whose public names are given here as well.
 #![forbid(unsafe_code)]
@@ -11,12 +11,12 @@ mod control;
 mod dense;
 mod error;
 mod events;
-mod extended;
 mod options;
 mod report;
 mod runs;
 mod steppers;
 mod tangent;
+mod time;
 
 pub use checkpoints::checkpoint::Checkpoint;
 pub use dense::trajectory::Trajectory;
@@ -24,7 +24,6 @@ pub use equip_solver::{
     Alphas, Counts, Family, Invariant, MAX_STAGES, Outcome, Preconditioner, Reach,
 };
 pub use error::IntegrateError;
-pub use extended::Extended;
 pub use options::adaptive::{Adaptive, Tolerance};
 pub use options::event::{Direction, Event, Occurrence};
 pub use options::fixed_step::{Fixed, FixedStep};
@@ -48,3 +47,4 @@ pub use steppers::view::{Step, StepView};
 pub use tangent::chaos::Chaos;
 pub use tangent::steps::Steps;
 pub use tangent::tangent_map::TangentMap;
+pub use time::extended::Extended;

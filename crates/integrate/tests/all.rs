@@ -1,6 +1,7 @@
 //! Tests of the integrators, in one program: every one of them alone would compile the integrators anew.
 
 mod adaptive;
+mod backward;
 mod beside_gauss;
 mod checkpoint;
 #[cfg(feature = "serde")]
@@ -14,6 +15,8 @@ mod restart;
 mod reversible;
 mod suggest;
 mod tangent;
+mod there_and_back;
+mod with_time;
 
 /// A file of tests that is not named above would be left out in silence.
 #[test]

@@ -1,51 +1,9 @@
-//! Time as a coordinate: driven systems, and transformed time.
+//! Transformed time.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Var;
 use equip_integrate::{Equip, Extended, Gauss, Invariant, Method};
-use equip_scalar::{DoubleDouble, Float, ratio};
-
-fn driven(t: Var, q: &[Var], p: &[Var]) -> Var {
-    0.5 * (p[0] * p[0] + q[0] * q[0]) - q[0] * (ratio(1, 2) * t).cos()
-}
-
-/// q'' = −q + cos(t/2) from rest at 0: q = 4/3 (cos(t/2) − cos t).
-fn exact<T: Float>(t: T) -> [T; 2] {
-    let half = t / T::int(2);
-    let q = half.cos() - t.cos();
-    let p = t.sin() - half.sin() / T::int(2);
-    [q, p].map(|x| T::ratio(4, 3) * x)
-}
-
-#[test]
-fn a_driven_oscillator_in_both_precisions() {
-    let driven = Extended::time_dependent(1, driven).unwrap();
-    let (q, p) = driven.start(&[0.0], &[0.0], 0.0);
-    let options = Equip::stages(6).tolerance(1e-13);
-    let run = options
-        .integrate(driven.hamiltonian(), &q, &p, 0.0..=50.0)
-        .unwrap();
-    let (_, q, p) = run.last();
-    let [x, y] = exact(50.0);
-    let error = (q[0] - x).abs().max((p[0] - y).abs());
-    println!("{error:.1e}, time {:.1e}", (q[1] - 50.0).abs());
-    // Measured 1e-13.
-    assert!(error < 2e-12 && (q[1] - 50.0).abs() < 1e-13);
-    // K = 0 at every step.
-    assert!(run.certificate().energy.as_ref().unwrap().max < 2e-14);
-
-    let int = DoubleDouble::int;
-    let (q, p) = driven.start(&[int(0)], &[int(0)], int(0));
-    let options = Equip::stages(10).tolerance(DoubleDouble::decimal("1e-25").unwrap());
-    let run = options
-        .integrate(driven.hamiltonian(), &q, &p, int(0)..=int(10))
-        .unwrap();
-    let [x, _] = exact(int(10));
-    let error = (run.last().1[0] - x).abs().to_f64();
-    println!("{error:.1e}");
-    // Measured 5e-29: the oscillation is resolved beyond the tolerance.
-    assert!(error < 1e-25);
-}
+use equip_scalar::ratio;
 
 fn two_bodies(_: Var, q: &[Var], p: &[Var]) -> Var {
     0.5 * (p[0] * p[0] + p[1] * p[1]) - (q[0] * q[0] + q[1] * q[1]).sqrt().recip()

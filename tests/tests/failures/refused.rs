@@ -44,29 +44,26 @@ fn stages_out_of_range() {
 }
 
 fn steps_that_are_none<T: Float>() {
-    for step in [T::int(0), T::int(-1), T::INFINITY, -T::INFINITY, T::NAN] {
+    for step in [T::int(0), T::INFINITY, -T::INFINITY, T::NAN] {
         let (error, text) = kepler_failure(&Equip::stages(3).step(step));
         assert!(
-            matches!(error, IntegrateError::StepNotPositive { .. }),
+            matches!(error, IntegrateError::StepOutOfRange { .. }),
             "{error:?}"
         );
         says(
             &text,
-            &[
-                "must be positive and finite",
-                "flip the sign of the momenta",
-            ],
+            &["must be finite and not zero", "a negative one goes back"],
         );
         let (h, start) = kepler::<T>(6);
         let error = Equip::stages(3)
             .step(step)
             .start(&h, &start.q, &start.p, T::int(0));
-        assert!(matches!(error, Err(IntegrateError::StepNotPositive { .. })));
+        assert!(matches!(error, Err(IntegrateError::StepOutOfRange { .. })));
     }
 }
 
 #[test]
-fn a_step_that_is_not_positive() {
+fn a_step_that_is_none() {
     steps_that_are_none::<f64>();
     steps_that_are_none::<DoubleDouble>();
 }
@@ -117,7 +114,7 @@ fn more_steps_than_can_be_counted() {
 }
 
 fn intervals_that_are_none<T: Float>() {
-    for end in [T::int(-1), T::INFINITY, T::NAN] {
+    for end in [T::INFINITY, -T::INFINITY, T::NAN] {
         let options = Equip::stages(3).step(T::ratio(1, 10));
         let (error, text) = kepler_failure_until(&options, end);
         assert!(
@@ -126,16 +123,13 @@ fn intervals_that_are_none<T: Float>() {
         );
         says(
             &text,
-            &[
-                "must be finite and run forward",
-                "flip the sign of the momenta",
-            ],
+            &["must be finite", "two finite times, in either order"],
         );
     }
 }
 
 #[test]
-fn an_interval_that_does_not_run_forward() {
+fn an_interval_that_is_not_finite() {
     intervals_that_are_none::<f64>();
     intervals_that_are_none::<DoubleDouble>();
 }

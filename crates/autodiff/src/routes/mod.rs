@@ -7,5 +7,6 @@ pub(crate) mod one;
 pub(crate) mod recorded;
 pub(crate) mod recorded_evaluator;
 pub(crate) mod results;
+pub(crate) mod state_function;
 pub(crate) mod statics;
 pub(crate) mod supplied;

@@ -78,6 +78,7 @@ impl<E: Energy> Hamiltonian<Static<E>> {
     pub fn from_energy(energy: E) -> Result<Self, BuildError> {
         Ok(Hamiltonian {
             route: Static::new(energy)?,
+            alone: None,
         })
     }
 

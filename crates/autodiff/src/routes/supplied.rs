@@ -45,7 +45,8 @@ impl<G: Fn(&[f64], &[f64], &mut [f64], &mut [f64])> Supplied<G> {
 
 impl Hamiltonian<Recorded> {
     /// The same energy with a gradient written by hand, used in place of automatic differentiation when the
-    /// float type is `f64`: `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into `dp`.
+    /// float type is `f64`: `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into `dp`. Where H
+    /// depends on time these are (q, t) and (p, p_t), and ∂/∂p_t is 1.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -63,6 +64,7 @@ impl Hamiltonian<Recorded> {
     {
         Hamiltonian {
             route: Supplied::new(self.route, gradient),
+            alone: self.alone,
         }
     }
 }

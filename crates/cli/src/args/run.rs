@@ -38,7 +38,7 @@ pub(crate) struct RunArgs {
     /// given)
     #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
     pub(crate) method: MethodName,
-    /// Step; the scene's suggestion if not given
+    /// Step, positive or, back in time, negative; the scene's suggestion if not given
     #[arg(
         long,
         value_name = "H",
@@ -75,7 +75,8 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) target_error: Option<String>,
-    /// Time to end at; the scene's suggestion if not given
+    /// Time to end at, from the start at 0; a negative one runs back in time; the scene's suggestion if not
+    /// given
     #[arg(
         long,
         value_name = "T",
@@ -84,7 +85,7 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) until: Option<String>,
-    /// Time to end at, in periods of the scene
+    /// Time to end at, in periods of the scene; negative back in time
     #[arg(
         long,
         value_name = "P",

@@ -80,10 +80,17 @@ fn orbit(
     let values = [("energy", args.energy.as_str()), ("q2", &q2), ("p2", &p2)];
     let instance = scene.instance(&values)?;
     let (q, p) = instance.initial::<f64>();
+    let crossing = Event::new("q1 = 0", |_, q: &[f64], _: &[f64]| q[0]);
+    // p1 > 0 is where q1 rises with time.
+    let crossing = if end < 0.0 {
+        crossing.falling()
+    } else {
+        crossing.rising()
+    };
     let run = Equip::stages(args.stages)
         .tolerance(tolerance)
         .record(Record::Ends)
-        .event(Event::new("q1 = 0", |_, q: &[f64], _: &[f64]| q[0]).rising())
+        .event(crossing)
         .integrate(instance.hamiltonian(), &q, &p, 0.0..=end)
         .map_err(|failure| match failure.partial {
             None => Fault::start(failure.error),

@@ -88,11 +88,17 @@ pub(crate) fn draw<T: Float>(
         &watch.picture.energy,
         name,
         comparison,
-        Axis::between(0.0, end, &time),
+        Axis::between(end.min(0.0), end.max(0.0), &time),
         floor,
     );
     if watch.follows_chaos {
-        chaos(&mut svg, &watch.picture.chaos, end, &time);
+        let since = if end < 0.0 {
+            "time since the start"
+        } else {
+            "time t"
+        };
+        let time = labelled(since, instance.units().time);
+        chaos(&mut svg, &watch.picture.chaos, end.abs(), &time);
     }
     svg.finish()
 }

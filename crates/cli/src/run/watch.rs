@@ -96,11 +96,13 @@ impl<'a, T: Float> Watch<'a, T> {
         if !self.begun {
             self.begin()?;
         }
-        self.at_end = view.time >= self.end;
+        // The run begins at time 0.
+        let (left, size) = (self.end.abs() - view.time.abs(), view.step.abs());
+        self.at_end = left <= T::int(0);
         (self.is_on_grid, self.is_last_place) = match self.grid {
             None => (true, self.at_end),
             // The last step of a run may be shorter than those of the grid.
-            Some(h) => (view.step == h, view.time + h >= self.end),
+            Some(h) => (size == h.abs(), left <= h.abs()),
         };
         self.progress.see(view.index);
         let picture = &mut self.picture;
@@ -109,7 +111,8 @@ impl<'a, T: Float> Watch<'a, T> {
             (picture.energy).see(view.time.to_f64(), defect.to_f64());
         }
         if let Some(chaos) = &view.chaos {
-            let seen = [view.time, chaos.lyapunov, view.time, chaos.megno];
+            let time = view.time.abs();
+            let seen = [time, chaos.lyapunov, time, chaos.megno];
             (picture.chaos).see(view.index, |i| seen[i].to_f64());
         }
         if let (Some(rows), Some((path, _))) = (&mut self.rows, &self.out) {

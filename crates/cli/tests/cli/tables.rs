@@ -4,6 +4,46 @@ use crate::{failure, file, stdout, table, well_formed};
 use equip_scalar::{DoubleDouble, Float};
 
 #[test]
+fn a_run_back_in_time_ends_where_the_orbit_was() {
+    // Kepler's orbit from its pericentre is the same backwards, mirrored.
+    let run = |until: &'static str| {
+        let out = file(&format!("kepler{until}.csv"));
+        let plot = file(&format!("kepler{until}.svg"));
+        let paths = [&out, &plot].map(|path| path.to_str().unwrap());
+        let [out_path, plot_path] = paths;
+        stdout(&[
+            "run",
+            "kepler",
+            "--e",
+            "0.3",
+            "--until",
+            until,
+            "--out",
+            out_path,
+            "--plot",
+            plot_path,
+            "--lyapunov",
+            "--quiet",
+        ]);
+        well_formed(&std::fs::read_to_string(&plot).unwrap());
+        let rows = table(&out);
+        let last: Vec<f64> = rows.last().unwrap()[..5]
+            .iter()
+            .map(|x| x.parse().unwrap())
+            .collect();
+        (rows.len(), last)
+    };
+    let ((there_rows, there), (back_rows, back)) = (run("7.5"), run("-7.5"));
+    assert_eq!(there_rows, back_rows);
+    for (i, sign) in [-1.0, 1.0, -1.0, -1.0, 1.0].into_iter().enumerate() {
+        assert!(
+            (there[i] - sign * back[i]).abs() < 1e-12,
+            "{there:?} {back:?}"
+        );
+    }
+}
+
+#[test]
 fn table_of_a_run_reads_back() {
     let out = file("kepler.csv");
     stdout(&[

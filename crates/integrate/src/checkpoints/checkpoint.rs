@@ -15,7 +15,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 4;
+pub(crate) const FORMAT: u32 = 5;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
@@ -52,6 +52,10 @@ pub struct Checkpoint {
     pub(crate) time: Exact,
     pub(crate) time_low: Exact,
     pub(crate) index: u64,
+    /// Which way the run goes, and where on which grid of time it is.
+    pub(crate) goes_back: bool,
+    pub(crate) grid_start: Exact,
+    pub(crate) place: i64,
     pub(crate) high: Vec<Exact>,
     pub(crate) low: Vec<Exact>,
     pub(crate) energy_reference: Exact,
@@ -177,6 +181,9 @@ impl Checkpoint {
             sum.numbers(numbers);
         }
         sum.count(self.index);
+        sum.count(self.goes_back.into());
+        sum.numbers([&self.grid_start]);
+        sum.count(self.place.cast_unsigned());
         sum.numbers(self.defects.iter().flatten());
         sum.numbers(&self.in_floors);
         sum.numbers(&self.floor);
@@ -220,12 +227,19 @@ impl Checkpoint {
         sum.hexadecimal()
     }
 
-    /// Positions and momenta, rounded.
-    pub(crate) fn state<T: Float>(&self) -> Result<(Vec<T>, Vec<T>), IntegrateError<T>> {
-        let mut y = vec![T::int(0); self.high.len()];
-        Exact::read_all(&self.high, &mut y, "the state")?;
-        let p = y.split_off(y.len() / 2);
-        Ok((y, p))
+    /// Positions and momenta, rounded; without time, where H depends on it.
+    pub(crate) fn state<T: Float>(
+        &self,
+        has_time: bool,
+    ) -> Result<(Vec<T>, Vec<T>), IntegrateError<T>> {
+        let mut q = vec![T::int(0); self.high.len()];
+        Exact::read_all(&self.high, &mut q, "the state")?;
+        let mut p = q.split_off(q.len() / 2);
+        if has_time {
+            q.pop();
+            p.pop();
+        }
+        Ok((q, p))
     }
 
     /// What step control has remembered.

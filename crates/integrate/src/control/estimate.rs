@@ -58,6 +58,8 @@ pub(crate) struct Decay<T: Float> {
     set: InstructionSet,
     s: usize,
     stride: usize,
+    /// The first so many positions and momenta are judged.
+    m: usize,
     /// Errors of a step that are allowed whatever the motion, component by component, in tolerances.
     absolute: Option<Vec<f64>>,
     tolerance: T,
@@ -70,8 +72,15 @@ pub(crate) struct Decay<T: Float> {
 }
 
 impl<T: Float> Decay<T> {
-    /// Of states with n components; `absolute` are errors of a step that are allowed whatever the motion.
-    pub(crate) fn new(gauss: &Gauss<T>, n: usize, tolerance: T, absolute: Option<Vec<T>>) -> Self {
+    /// Of states with n components, of which the first `m` positions and momenta are judged: how long a step
+    /// may be is no matter of the time it is made at. `absolute` are errors of a step that are allowed
+    /// whatever the motion.
+    pub(crate) fn new(
+        gauss: &Gauss<T>,
+        (n, m): (usize, usize),
+        tolerance: T,
+        absolute: Option<Vec<T>>,
+    ) -> Self {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
         let zeros = |len: usize| vec![T::int(0); len];
@@ -86,6 +95,7 @@ impl<T: Float> Decay<T> {
             set: InstructionSet::best(),
             s,
             stride,
+            m,
             absolute,
             tolerance,
             legendre,
@@ -107,10 +117,10 @@ impl<T: Float> Decay<T> {
         let half = y.hi.len() / 2;
         let mut decay = 0.0_f64;
         for (group, y) in y.hi.chunks_exact(half).enumerate() {
-            let largest = y.iter().fold(T::int(0), |a, y| a.max(y.abs()));
+            let largest = y[..self.m].iter().fold(T::int(0), |a, y| a.max(y.abs()));
             // f = J∇H.
             let (sign, from) = if group == 0 { (h, half) } else { (-h, 0) };
-            for (c, &y) in y.iter().enumerate() {
+            for (c, &y) in y[..self.m].iter().enumerate() {
                 let ends = slopes.map(|slope| sign * slope[from + c]);
                 let of_component = self.of_component(group * half + c, (y, largest), ends);
                 if of_component > decay || of_component.is_nan() {
@@ -210,7 +220,7 @@ impl<T: Float> Decay<T> {
             let (mut across, mut along) = (0.0, 0.0);
             let groups = self.coefficients.chunks_exact(half * self.stride);
             for (rows, unit) in groups.zip(units) {
-                for row in rows.chunks_exact(self.stride) {
+                for row in rows.chunks_exact(self.stride).take(self.m) {
                     let (x, before) = ((row[k] * unit).to_f64(), (row[k - 1] * unit).to_f64());
                     across += x * before;
                     along += before * before;

@@ -20,6 +20,7 @@
 
 use crate::control::first_step::turn;
 use crate::error::IntegrateError;
+use crate::time::direction::TimeDirection;
 use equip_autodiff::{Evaluate, Hamiltonian, Pattern, System};
 use equip_scalar::Float;
 use equip_solver::Counts;
@@ -60,6 +61,8 @@ impl<T: Float> StepDensity<T> {
     ) -> Result<Self, IntegrateError<T>> {
         let (m, zero) = (system.degrees_of_freedom(), T::int(0));
         let n = 2 * m;
+        // Of (t, q, p) it is a function of the state where that has time in it.
+        let sigma = sigma.map(Hamiltonian::alone);
         let source = match sigma {
             Some(sigma) if sigma.degrees_of_freedom() != m => {
                 return Err(IntegrateError::WrongLength {
@@ -104,22 +107,25 @@ impl<T: Float> StepDensity<T> {
         self.source.at(y, energy, counts)
     }
 
-    /// d ln(1/σ)/dt along the motion at `y`.
+    /// d ln(1/σ)/dt along the motion at `y`, t growing the way that a run goes.
     pub(crate) fn rate<E: Evaluate<T>>(
         &mut self,
         y: &[T],
+        direction: TimeDirection,
         energy: &mut E,
         counts: &mut Counts,
     ) -> Result<T, IntegrateError<T>> {
         counts.gradients += 1;
         energy.gradient(y, &mut self.slope);
         turn(&self.slope, &mut self.f);
+        (self.f.iter_mut()).for_each(|f| *f = direction.signed(*f));
         if let Source::Given(sigma) = &mut self.source {
             let value = checked(sigma.gradient(y, &mut self.slope))?;
             return Ok(-(dot(&self.slope, &self.f) / value));
         }
         energy.hessian_vector(y, &self.f, &mut self.slope);
         turn(&self.slope, &mut self.second);
+        (self.second.iter_mut()).for_each(|x| *x = direction.signed(*x));
         let now = self.source.at(y, energy, counts)?;
         let delta = T::ratio(1, SHARE) / now;
         let mut end = |delta: T| {

@@ -1,5 +1,6 @@
 //! The refined polynomial of one step, and its values.
 
+use crate::time::visible;
 use equip_scalar::Float;
 use equip_solver::{MAX_STAGES, State};
 use equip_tableau::legendre_integrals_at;
@@ -29,17 +30,21 @@ impl<T: Float> Piece<T> {
         self.time + (self.time_low + place * self.h)
     }
 
-    /// u at `place` into `y`.
+    /// (q, p) of u at `place` into `y`.
     pub(crate) fn state_at(&self, place: T, y: &mut [T]) {
-        if place == T::int(1) {
-            y.copy_from_slice(&self.end);
-            return;
-        }
-        let n = y.len();
+        let (m, n) = (y.len() / 2, self.end.len());
+        let is_end = place == T::int(1);
         let mut integrals = [T::int(0); MAX_STAGES];
         let integrals = &mut integrals[..self.coefficients.len() / n];
-        legendre_integrals_at(place, integrals);
+        if !is_end {
+            legendre_integrals_at(place, integrals);
+        }
         for (j, y) in y.iter_mut().enumerate() {
+            let j = visible::place(j, m, n);
+            if is_end {
+                *y = self.end[j];
+                continue;
+            }
             let terms = self.coefficients[j..].iter().step_by(n);
             // From the smallest to the largest.
             let sum = terms.zip(&*integrals).rev();

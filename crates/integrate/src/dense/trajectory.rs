@@ -1,6 +1,7 @@
 //! [`Trajectory`]: a run at any time.
 
 use crate::dense::piece::Piece;
+use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 
 /// The trajectory of a run between its start and its end, with the accuracy of its steps. Kept by runs that
@@ -33,7 +34,7 @@ impl<T: Float> Trajectory<T> {
         self.end = time;
     }
 
-    /// First and last time; equal if no step was made.
+    /// First and last time, in the order in which the run went; equal if no step was made.
     pub fn interval(&self) -> (T, T) {
         let start = self.pieces.first().map_or(self.end, |piece| piece.time);
         (start, self.end)
@@ -56,10 +57,13 @@ impl<T: Float> Trajectory<T> {
     pub fn at_into(&self, t: T, y: &mut [T]) -> bool {
         assert_eq!(y.len(), 2 * self.m, "the state has 2m components");
         let (start, end) = self.interval();
-        if !(t >= start && t <= end) {
+        let way = TimeDirection::between(start, end).unwrap_or_default();
+        if way.is_before(t, start) || way.is_before(end, t) || t.is_nan() {
             return false;
         }
-        let after = self.pieces.partition_point(|piece| piece.time <= t);
+        let after = self
+            .pieces
+            .partition_point(|piece| !way.is_before(t, piece.time));
         let Some(piece) = after.checked_sub(1).and_then(|i| self.pieces.get(i)) else {
             return false;
         };

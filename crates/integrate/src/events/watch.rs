@@ -3,27 +3,36 @@
 use crate::dense::piece::Piece;
 use crate::error::IntegrateError;
 use crate::events::roots::Roots;
-use crate::options::event::{Direction, Event, Occurrence};
+use crate::options::event::{Direction, Event, EventFunction, Occurrence};
+use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 
 #[derive(Debug)]
-pub(crate) struct EventWatch<T> {
+pub(crate) struct EventWatch<T: Float> {
     events: Vec<Event<T>>,
+    functions: Vec<EventFunction<T>>,
     roots: Roots<T>,
     /// (place in the piece, event, rising).
     found: Vec<(T, usize, bool)>,
     y: Vec<T>,
     start: T,
+    direction: TimeDirection,
 }
 
 impl<T: Float> EventWatch<T> {
-    pub(crate) fn new(events: &[Event<T>], n: usize, start: T) -> Self {
+    pub(crate) fn new(
+        events: &[Event<T>],
+        n: usize,
+        (start, direction): (T, TimeDirection),
+    ) -> Self {
         EventWatch {
             events: events.to_vec(),
+            functions: events.iter().map(Event::function).collect(),
             roots: Roots::new(),
             found: Vec::new(),
             y: vec![T::int(0); n],
             start,
+            direction,
         }
     }
 
@@ -37,13 +46,15 @@ impl<T: Float> EventWatch<T> {
         let m = self.y.len() / 2;
         // Places closer than an ulp of the time are one.
         let largest = piece.time.abs().max(piece.time_at(T::int(1)).abs());
-        let resolution = (T::EPSILON / T::int(2) * largest / piece.h).max(T::EPSILON / T::int(4));
+        let resolution =
+            (T::EPSILON / T::int(2) * largest / piece.h.abs()).max(T::EPSILON / T::int(4));
         self.found.clear();
-        for (number, event) in self.events.iter().enumerate() {
+        let functions = self.events.iter().zip(&mut self.functions);
+        for (number, (event, function)) in functions.enumerate() {
             let y = &mut self.y;
             let g = |place: T| {
                 piece.state_at(place, y);
-                event.value(piece.time_at(place), &y[..m], &y[m..])
+                function.value(piece.time_at(place), &y[..m], &y[m..])
             };
             self.roots
                 .find(g, resolution)
@@ -64,7 +75,7 @@ impl<T: Float> EventWatch<T> {
         for &(place, event, rising) in &self.found {
             let time = piece.time_at(place);
             // A run that starts on a root has not crossed it.
-            if time <= self.start {
+            if !self.direction.is_before(self.start, time) {
                 continue;
             }
             piece.state_at(place, &mut self.y);

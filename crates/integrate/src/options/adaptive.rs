@@ -10,8 +10,9 @@ use equip_solver::MAX_STAGES;
 /// sequence of steps, so variable steps cost neither; position errors then grow linearly in time where others
 /// grow quadratically.
 ///
-/// A step that fails is shortened, not halved. [`Integrator::reach`] is asked only when shorter steps
-/// do not help either; [`Integrator::output_at`] is served from dense output, with the accuracy of the steps.
+/// All sizes are positive, also of a run that goes back in time. A step that fails is shortened, not halved.
+/// [`Integrator::reach`] is asked only when shorter steps do not help either; [`Integrator::output_at`] is
+/// served from dense output, with the accuracy of the steps.
 pub type Adaptive<T> = Integrator<T, Tolerance<T>>;
 
 /// Sizes by a tolerance, within bounds.
@@ -143,14 +144,20 @@ impl<T: Float> Tolerance<T> {
         Ok(())
     }
 
-    /// The absolute errors of all 2m components; none if they are all zero.
-    pub(crate) fn absolute_errors(&self, m: usize) -> Result<Option<Vec<T>>, IntegrateError<T>> {
-        let mut all = Vec::with_capacity(2 * m);
-        for (errors, what) in self.absolute.iter().zip(["atol (q)", "atol (p)"]) {
+    /// The absolute errors of all components, `pairs` positions and as many momenta of which the first `m` are
+    /// the user's; none if they are all zero.
+    pub(crate) fn absolute_errors(
+        &self,
+        m: usize,
+        pairs: usize,
+    ) -> Result<Option<Vec<T>>, IntegrateError<T>> {
+        let mut all = vec![T::int(0); 2 * pairs];
+        let groups = all.chunks_exact_mut(pairs).zip(&self.absolute);
+        for ((all, errors), what) in groups.zip(["atol (q)", "atol (p)"]) {
             match errors.as_slice() {
-                [] => all.extend(std::iter::repeat_n(T::int(0), m)),
-                [one] => all.extend(std::iter::repeat_n(*one, m)),
-                errors if errors.len() == m => all.extend(errors),
+                [] => {}
+                [one] => all[..m].fill(*one),
+                errors if errors.len() == m => all[..m].copy_from_slice(errors),
                 errors => {
                     return Err(IntegrateError::WrongLength {
                         what,

@@ -4,6 +4,7 @@ use crate::error::IntegrateError;
 use crate::options::event::Event;
 use crate::options::method::Method;
 use crate::options::record::Record;
+use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOptions};
 
@@ -127,14 +128,16 @@ impl<T: Float> Options<T> {
         ]
     }
 
-    /// The interval, and the output times in it.
+    /// The interval, and the output times in it, in the order in which a run comes through them.
     pub(crate) fn check_times(&self, start: T, end: T) -> Result<(), IntegrateError<T>> {
-        if !(end >= start) || !start.is_finite() || !end.is_finite() {
+        if !start.is_finite() || !end.is_finite() {
             return Err(IntegrateError::Interval { start, end });
         }
+        let way = TimeDirection::between(start, end).unwrap_or_default();
         let mut previous = start;
         for (index, &time) in self.output_times.iter().enumerate() {
-            if !(time >= previous && time <= end) {
+            let is_out = way.is_before(time, previous) || way.is_before(end, time);
+            if is_out || !time.is_finite() {
                 return Err(IntegrateError::OutputTime {
                     time,
                     index,

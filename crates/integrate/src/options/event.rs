@@ -1,9 +1,11 @@
 //! [`Event`]: a function of time and state whose roots along the run are wanted.
 
+use equip_autodiff::{Hamiltonian, StateFunction};
+use equip_scalar::Float;
 use std::fmt;
 use std::sync::Arc;
 
-/// Which way g crosses zero, in the direction of time.
+/// Which way g crosses zero, in the direction in which the run goes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Direction {
     /// Either way.
@@ -16,6 +18,13 @@ pub enum Direction {
 }
 
 type Function<T> = Arc<dyn Fn(T, &[T], &[T]) -> T + Send + Sync>;
+
+/// Where g comes from.
+#[derive(Clone)]
+enum Source<T> {
+    Closure(Function<T>),
+    Recording(Box<Hamiltonian>),
+}
 
 /// A function g(t, q, p) whose sign changes along the run are found, between the steps as well, all of those
 /// within a step.
@@ -41,7 +50,7 @@ type Function<T> = Arc<dyn Fn(T, &[T], &[T]) -> T + Send + Sync>;
 #[derive(Clone)]
 pub struct Event<T> {
     name: String,
-    function: Function<T>,
+    source: Source<T>,
     pub(crate) direction: Direction,
     pub(crate) terminal: bool,
 }
@@ -54,7 +63,33 @@ impl<T> Event<T> {
     ) -> Self {
         Event {
             name: name.into(),
-            function: Arc::new(function),
+            source: Source::Closure(Arc::new(function)),
+            direction: Direction::Both,
+            terminal: false,
+        }
+    }
+
+    /// The roots of a function recorded like an energy, by [`Hamiltonian::new`] or
+    /// [`Hamiltonian::with_time`]: with constants as exact as the float type of the run.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// use equip_integrate::{Equip, Event};
+    ///
+    /// let oscillator = Hamiltonian::new(1, |q, p| 0.5 * (q[0] * q[0] + p[0] * p[0]))?;
+    /// let moving = Hamiltonian::with_time(1, |t, q, _| q[0] - 0.1 * t)?;
+    /// let run = Equip::stages(8)
+    ///     .tolerance(1e-13)
+    ///     .event(Event::recorded("a wall that moves", moving).terminal())
+    ///     .integrate(&oscillator, &[0.0], &[1.0], 0.0..=20.0)?;
+    /// let (t, q, _) = run.last();
+    /// assert!(run.stopped() && (q[0] - 0.1 * t).abs() < 1e-14);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn recorded(name: impl Into<String>, function: Hamiltonian) -> Self {
+        Event {
+            name: name.into(),
+            source: Source::Recording(Box::new(function)),
             direction: Direction::Both,
             terminal: false,
         }
@@ -86,9 +121,44 @@ impl<T> Event<T> {
         &self.name
     }
 
-    /// g.
-    pub(crate) fn value(&self, t: T, q: &[T], p: &[T]) -> T {
-        (self.function)(t, q, p)
+    /// What was recorded.
+    pub(crate) fn recording(&self) -> Option<&Hamiltonian> {
+        match &self.source {
+            Source::Closure(_) => None,
+            Source::Recording(function) => Some(function),
+        }
+    }
+
+    /// g, ready to be evaluated.
+    pub(crate) fn function(&self) -> EventFunction<T>
+    where
+        T: Float,
+    {
+        match &self.source {
+            Source::Closure(function) => EventFunction::Closure(Arc::clone(function)),
+            Source::Recording(function) => EventFunction::Recording(Box::new(function.function())),
+        }
+    }
+}
+
+/// g of an event in one run.
+pub(crate) enum EventFunction<T: Float> {
+    Closure(Function<T>),
+    Recording(Box<StateFunction<T>>),
+}
+
+impl<T: Float> EventFunction<T> {
+    pub(crate) fn value(&mut self, t: T, q: &[T], p: &[T]) -> T {
+        match self {
+            EventFunction::Closure(function) => function(t, q, p),
+            EventFunction::Recording(function) => function.value(t, q, p),
+        }
+    }
+}
+
+impl<T: Float> fmt::Debug for EventFunction<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("EventFunction")
     }
 }
 
@@ -113,6 +183,6 @@ pub struct Occurrence<T> {
     pub q: Vec<T>,
     /// Momenta then.
     pub p: Vec<T>,
-    /// Whether g rises there.
+    /// Whether g rises there, in the direction in which the run goes.
     pub rising: bool,
 }

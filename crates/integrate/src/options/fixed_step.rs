@@ -16,7 +16,8 @@ pub struct Fixed<T> {
 }
 
 impl Method {
-    /// An integrator with the fixed step `h`, in the float type of `h`.
+    /// An integrator with the fixed step `h`, in the float type of `h`. A run over an interval goes its way
+    /// with steps of |h|; one that is started and made step by step goes back in time if h < 0.
     pub fn step<T: Float>(self, h: T) -> FixedStep<T> {
         Integrator::new(self, Fixed { h })
     }
@@ -33,10 +34,10 @@ impl<T: Float> FixedStep<T> {
 
 impl<T: Float> Fixed<T> {
     pub(crate) fn validate(&self) -> Result<(), IntegrateError<T>> {
-        if self.h > T::int(0) && self.h.is_finite() {
+        if self.h != T::int(0) && self.h.is_finite() {
             Ok(())
         } else {
-            Err(IntegrateError::StepNotPositive { step: self.h })
+            Err(IntegrateError::StepOutOfRange { step: self.h })
         }
     }
 }

@@ -66,7 +66,8 @@ impl<T: Float, S> Integrator<T, S> {
 
     /// A further invariant to be *kept* like the energy, by the same α's: one more equation for them. For
     /// invariants that are not quadratic; the quadratic ones are kept anyway. Needs a method that solves for
-    /// the α's, with at least as many of them as equations: s − 1 ≥ 1 + the invariants kept.
+    /// the α's, with at least as many of them as equations: s − 1 ≥ 1 + the invariants kept. Where H depends
+    /// on time it is recorded [with time](equip_autodiff::Hamiltonian::with_time) as well.
     #[must_use]
     pub fn keep(mut self, invariant: Invariant) -> Self {
         self.options.kept.push(invariant);
@@ -80,7 +81,8 @@ impl<T: Float, S> Integrator<T, S> {
         self
     }
 
-    /// Times at which the state is wanted besides the grid, ascending and within the interval. Each costs one
+    /// Times at which the state is wanted besides the grid, within the interval and in the order in which the
+    /// run comes through them. Each costs one
     /// extra step of the same method from the last grid point; the steps of the run do not change by a single
     /// bit.
     #[must_use]

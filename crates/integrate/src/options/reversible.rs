@@ -49,8 +49,8 @@ pub struct Symmetric<T> {
 
 impl Method {
     /// An integrator with steps of about ε σ(q, p), chosen so that the run backwards takes the same ones.
-    /// `sigma` is a positive function of the state, recorded like an energy ([`Hamiltonian::new`]), even in
-    /// p.
+    /// `sigma` is a positive function of the state, recorded like an energy ([`Hamiltonian::new`], or
+    /// [`Hamiltonian::with_time`] where H is), even in p.
     pub fn reversible<T: Float>(self, epsilon: T, sigma: Hamiltonian) -> Reversible<T> {
         let sigma = Some(sigma);
         Integrator::new(self, Symmetric::new(epsilon, sigma))

@@ -13,7 +13,7 @@ use std::fmt;
 pub struct Certificate<T> {
     /// The method.
     pub method: Method,
-    /// The fixed step; with variable steps their mean.
+    /// The fixed step; with variable steps their mean. Negative of a run back in time.
     pub step: T,
     /// How the steps varied; `None` if they were fixed.
     pub variable_steps: Option<VariableSteps<T>>,
@@ -21,7 +21,8 @@ pub struct Certificate<T> {
     pub start: T,
     /// Time reached.
     pub end: T,
-    /// H at the start, H − H_ref over the run. `None` if it was not measured.
+    /// H at the start, H − H_ref over the run, less the energy that has gone in where H depends on time.
+    /// `None` if it was not measured.
     pub energy: Option<Defect<T>>,
     /// Largest |H − H_ref| in units of its round-off floor, over the steps that solved for the energy.
     pub energy_in_floors: Option<T>,

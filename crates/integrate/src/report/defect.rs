@@ -1,6 +1,7 @@
 //! [`Defect`]: how far a quantity has strayed along a run.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use crate::time::visible::visible;
+use equip_autodiff::{RecordedEvaluator, StateFunction};
 use equip_scalar::Float;
 use equip_solver::Invariant;
 
@@ -45,29 +46,36 @@ impl<T: Float> Defect<T> {
 #[derive(Debug)]
 pub(crate) struct Watched<T: Float> {
     pub(crate) defect: Defect<T>,
-    evaluator: <Hamiltonian as System>::Evaluator<T>,
+    function: StateFunction<T>,
 }
 
 impl<T: Float> Watched<T> {
     pub(crate) fn new(invariant: &Invariant) -> Self {
         Watched {
             defect: Defect::new(invariant.name()),
-            evaluator: invariant.function().evaluator::<T>(),
+            function: invariant.function().function(),
         }
     }
 
-    /// The quantity is compared with its value at `y` from now on.
-    pub(crate) fn begin(&mut self, y: &[T]) {
-        self.defect.begin(self.evaluator.compensated_value(y));
+    /// The quantity is compared with its value at `y` and time `t` from now on.
+    pub(crate) fn begin(&mut self, t: T, y: &[T]) {
+        let value = self.value(t, y);
+        self.defect.begin(value);
     }
 
-    /// The function.
-    pub(crate) fn function_mut(&mut self) -> &mut <Hamiltonian as System>::Evaluator<T> {
-        &mut self.evaluator
+    /// What evaluates the function, and the state as that takes it.
+    pub(crate) fn evaluator_at(&mut self, t: T, y: &[T]) -> (&mut RecordedEvaluator<T>, &[T]) {
+        let (q, p) = visible(y, self.function.degrees_of_freedom());
+        self.function.evaluator_at(t, q, p)
     }
 
-    pub(crate) fn see(&mut self, y: &[T]) {
-        let value = self.evaluator.compensated_value(y);
+    pub(crate) fn see(&mut self, t: T, y: &[T]) {
+        let value = self.value(t, y);
         self.defect.see(value - self.defect.start);
+    }
+
+    fn value(&mut self, t: T, y: &[T]) -> T {
+        let (q, p) = visible(y, self.function.degrees_of_freedom());
+        self.function.compensated_value(t, q, p)
     }
 }

@@ -22,7 +22,7 @@ pub(crate) fn chaos_of_run<T: Float, E: Evaluate<T>, H: System<Evaluator<T> = E>
     if !options.chaos {
         return Ok(None);
     }
-    let mut chaos = Chaos::new(system, stepper, &any_deviation(stepper.y.hi.len()));
+    let mut chaos = Chaos::new(system, stepper, &any_deviation(2 * stepper.m));
     if let Some(from) = from {
         let Some(memory) = &from.chaos else {
             return Err(IntegrateError::CheckpointMismatch {

@@ -8,6 +8,7 @@ use crate::events::watch::EventWatch;
 use crate::options::common::Options;
 use crate::runs::run::Run;
 use crate::steppers::stepper::Stepper;
+use crate::time::direction::TimeDirection;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use std::ops::ControlFlow;
@@ -36,13 +37,15 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
             return Ok(None);
         }
         stepper.core.keep_parts();
-        let m = system.degrees_of_freedom();
+        let m = stepper.m;
         let preconditioner = options.preconditioner;
         Ok(Some(DenseWatch {
             refiner: Refiner::new(system, stepper.core.gauss(), preconditioner)?,
             trajectory: options.dense.then(|| Trajectory::new(m, stepper.time())),
-            events: (!options.events.is_empty())
-                .then(|| EventWatch::new(&options.events, 2 * m, stepper.time())),
+            events: (!options.events.is_empty()).then(|| {
+                let from = (stepper.time(), stepper.direction);
+                EventWatch::new(&options.events, 2 * m, from)
+            }),
             times: times.to_vec(),
             done: 0,
             y: vec![T::int(0); 2 * m],
@@ -61,7 +64,8 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
         for (i, part) in parts.iter().enumerate() {
             let next = parts.get(i + 1);
             let mut end = next.map_or(stepper.time(), |next| next.time);
-            let due = self.times.get(self.done).is_some_and(|&t| t < end);
+            let is_due = |&t: &T| stepper.direction.is_before(t, end);
+            let due = self.times.get(self.done).is_some_and(is_due);
             if !due && self.trajectory.is_none() && self.events.is_none() {
                 continue;
             }
@@ -74,7 +78,7 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
             if let Some(place) = stop {
                 end = piece.time_at(place);
             }
-            self.outputs(&piece, end, run);
+            self.outputs(&piece, (end, stepper.direction), run);
             if let Some(place) = stop {
                 piece.state_at(place, &mut self.y);
             }
@@ -89,8 +93,14 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
         Ok(ControlFlow::Continue(()))
     }
 
-    fn outputs(&mut self, piece: &Piece<T>, end: T, run: &mut Run<T>) {
-        while let Some(&time) = self.times.get(self.done).filter(|&&t| t < end) {
+    fn outputs(
+        &mut self,
+        piece: &Piece<T>,
+        (end, direction): (T, TimeDirection),
+        run: &mut Run<T>,
+    ) {
+        let is_due = |t: T| direction.is_before(t, end);
+        while let Some(&time) = self.times.get(self.done).filter(|&&t| is_due(t)) {
             piece.state_at(piece.place_of(time), &mut self.y);
             run.output(time, &self.y);
             self.done += 1;

@@ -14,7 +14,21 @@ use equip_scalar::Float;
 use std::ops::RangeInclusive;
 
 impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
-    /// Integrates from (`q0`, `p0`), each of length m, over `interval`.
+    /// Integrates from (`q0`, `p0`), each of length m, over `interval`: forward in time, or back from its
+    /// start if its end lies before that.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// use equip_integrate::Equip;
+    ///
+    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+    /// let options = Equip::stages(6).tolerance(1e-12);
+    /// let there = options.integrate(&pendulum, &[1.0], &[0.5], 0.0..=10.0)?;
+    /// let (t, q, p) = there.last();
+    /// let back = options.integrate(&pendulum, q, p, t..=0.0)?;
+    /// assert!((back.last().1[0] - 1.0).abs() < 1e-11);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// Fixed steps are on the grid t0 + n h, and a last, shorter one reaches the end if h does not divide the
     /// interval; variable ones meet the end, where a step of the proposed size would leave a sliver with two
@@ -46,7 +60,7 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     ) -> Result<Run<T>, RunFailure<T>> {
         let (t0, t1) = interval.into_inner();
         self.options.check_times(t0, t1)?;
-        let mut stepper = self.start(system, q0, p0, t0)?;
+        let mut stepper = self.start_towards(system, (q0, p0), t0, Some(t1))?;
         self.run(system, &mut stepper, t1, None, observer)
     }
 
@@ -78,11 +92,13 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         from: Option<&Checkpoint>,
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
+        stepper.inner().check_end(end)?;
+        let start = stepper.inner().stretch_start();
+        self.options.check_times(start, end)?;
         stepper.set_end(end)?;
-        self.options.check_times(stepper.inner().t0, end)?;
-        let now = stepper.inner().time();
+        let (now, direction) = (stepper.inner().time(), stepper.inner().direction);
         let times = &self.options.output_times;
-        let times = &times[times.partition_point(|&t| t < now)..];
+        let times = &times[times.partition_point(|&t| direction.is_before(t, now))..];
         // Where the next time is known outputs take steps of their own, which the run must not feel.
         let by_steps = stepper.next_time().is_some();
         let outputs = match times {

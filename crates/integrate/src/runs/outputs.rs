@@ -25,16 +25,17 @@ impl<'a, T: Float, E: Evaluate<T>> Outputs<'a, T, E> {
         }
     }
 
-    /// Makes the outputs before `end`, starting from the state that `main` has now.
+    /// Makes the outputs before `end`, or all that are left, starting from the state that `main` has now.
     pub(crate) fn up_to(
         &mut self,
         main: &Stepper<T, E>,
-        end: T,
+        end: Option<T>,
         run: &mut Run<T>,
     ) -> Result<(), IntegrateError<T>> {
-        while let Some(&time) = self.times.get(self.done).filter(|&&time| time < end) {
+        let is_due = |time: T| end.is_none_or(|end| main.direction.is_before(time, end));
+        while let Some(&time) = self.times.get(self.done).filter(|&&time| is_due(time)) {
             let h = time - main.time();
-            if h > T::int(0) {
+            if main.direction.is_before(main.time(), time) {
                 self.stepper.core.forget();
                 let side = &mut self.stepper;
                 make_step(&mut side.core, (&main.y, main.time(), h), &mut side.y)?;

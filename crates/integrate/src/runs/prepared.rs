@@ -60,7 +60,7 @@ impl<T: Float, S: StepSizes<T>, H: System> Prepared<T, S, H> {
         p0: &[T],
         t0: T,
     ) -> Result<&mut S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
-        self.stepper.begin(q0, p0, t0)?;
+        self.stepper.begin((q0, p0), t0, None)?;
         Ok(&mut self.stepper)
     }
 
@@ -76,7 +76,7 @@ impl<T: Float, S: StepSizes<T>, H: System> Prepared<T, S, H> {
     ) -> Result<Run<T>, RunFailure<T>> {
         let (t0, t1) = interval.into_inner();
         self.integrator.options.check_times(t0, t1)?;
-        self.stepper.begin(q0, p0, t0)?;
+        self.stepper.begin((q0, p0), t0, Some(t1))?;
         let (system, stepper) = (&self.system, &mut self.stepper);
         self.integrator
             .run(system, stepper, t1, None, &mut NoObserver)

@@ -6,6 +6,7 @@ use crate::options::event::Occurrence;
 use crate::report::certificate::Certificate;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
+use crate::time::visible::visible;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::Outcome;
@@ -50,7 +51,7 @@ impl<T: Float> From<IntegrateError<T>> for RunFailure<T> {
 impl<T: Float> Run<T> {
     pub(crate) fn new<E: Evaluate<T>>(stepper: &Stepper<T, E>) -> Self {
         let mut run = Run {
-            m: stepper.y.hi.len() / 2,
+            m: stepper.m,
             times: Vec::new(),
             states: Vec::new(),
             energy_defects: Vec::new(),
@@ -78,7 +79,9 @@ impl<T: Float> Run<T> {
     /// The state at a time asked for.
     pub(crate) fn output(&mut self, time: T, y: &[T]) {
         self.output_times.push(time);
-        self.outputs.extend_from_slice(y);
+        let (q, p) = visible(y, self.m);
+        self.outputs.extend_from_slice(q);
+        self.outputs.extend_from_slice(p);
     }
 
     /// An observer ends the run here.
@@ -183,7 +186,7 @@ impl<T: Float> Run<T> {
         self.trajectory.as_ref()
     }
 
-    /// The roots of the event functions, in the order of time.
+    /// The roots of the event functions, in the order in which the run came through them.
     pub fn events(&self) -> &[Occurrence<T>] {
         &self.occurrences
     }

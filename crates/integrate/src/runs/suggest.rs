@@ -52,7 +52,7 @@ pub enum Target<T> {
 
 impl Method {
     /// A fixed step for this method that reaches `target` from (`q0`, `p0`) over `interval`, which it
-    /// divides.
+    /// divides: a size, without a sign.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -80,11 +80,11 @@ impl Method {
         target: Target<T>,
     ) -> Result<T, IntegrateError<T>> {
         let (t0, t1) = interval.clone().into_inner();
-        let length = t1 - t0;
+        let length = (t1 - t0).abs();
         // Checks options, interval and start.
         let options = self.step(length);
         options.options.check_times(t0, t1)?;
-        options.start(system, q0, p0, t0)?;
+        let start = options.start(system, q0, p0, t0)?.y.hi;
         let (name, value) = match target {
             Target::Phase(x) => ("phase", x),
             Target::Trajectory(x) => ("target error", x),
@@ -98,7 +98,6 @@ impl Method {
         if !(value > T::int(0)) || !value.is_finite() {
             return Err(refused(value, "positive and finite"));
         }
-        let start = [q0, p0].concat();
         let pace = pace(&mut system.evaluator::<T>(), &start);
         if let Target::Phase(phase) = target {
             return if pace > T::int(0) && pace.is_finite() {

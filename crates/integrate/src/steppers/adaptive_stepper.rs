@@ -46,17 +46,18 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) tries: u32,
 }
 
-/// A size and where it leads.
+/// A size, without a sign, and where it leads.
 #[derive(Debug, Clone, Copy)]
 struct Place<T> {
-    h: T,
+    size: T,
     time: T,
     time_low: T,
     cut: bool,
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
-    /// Makes the next step, of the size that control proposes.
+    /// Makes the next step, of the size that control proposes, the way the run goes: forward in time, unless
+    /// it was [turned back](Self::turn_back).
     ///
     /// # Errors
     /// When no step above the smallest size can be made; the state then is that before the step.
@@ -64,7 +65,13 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         self.advance_within(None)
     }
 
-    /// The same, but not beyond `end`, which the last step meets exactly.
+    /// Turns the run round in time: the steps from here on go the other way.
+    pub fn turn_back(&mut self) {
+        self.inner.turn_back();
+        self.end = None;
+    }
+
+    /// Makes the next step, but not beyond `end`, which the last step meets exactly.
     pub(crate) fn advance_within(
         &mut self,
         end: Option<T>,
@@ -77,18 +84,19 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let (mut cause, mut is_retried) = (None, false);
         loop {
             let place = self.place(size, end);
-            let too_small = !(place.time > self.time()) || (place.h < self.min_step && !place.cut);
+            let too_small = !self.inner.direction.is_before(self.time(), place.time)
+                || (place.size < self.min_step && !place.cut);
             if too_small {
                 return Err(cause.unwrap_or(IntegrateError::StepBelowMinimum {
                     time: self.time(),
-                    step: place.h,
+                    step: place.size,
                     min: self.min_step,
                 }));
             }
-            let h = place.h.to_f64();
-            match self.inner.attempt(place.h) {
+            let h = place.size.to_f64();
+            match self.inner.attempt(self.inner.direction.signed(place.size)) {
                 Ok(outcome) => {
-                    let estimate = self.estimate(place.h);
+                    let estimate = self.estimate(self.inner.direction.signed(place.size));
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
                         && let Some(longer) =
@@ -159,12 +167,12 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let h = T::exact(size);
         let (now, low) = (self.time(), self.time_low);
         if let Some(end) = end {
-            let left = (end - now) - low;
+            let left = self.inner.direction.signed((end - now) - low);
             let zero = T::int(0);
             let allowed = left <= h || left.to_f64() <= self.control.most;
             if left <= h + h / T::int(STRETCH) && allowed {
                 return Place {
-                    h: left,
+                    size: left,
                     time: end,
                     time_low: zero,
                     cut: true,
@@ -177,11 +185,11 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         self.step_to(h, false)
     }
 
-    fn step_to(&self, h: T, cut: bool) -> Place<T> {
-        let (sum, lost) = T::two_sum(self.time(), h);
+    fn step_to(&self, size: T, cut: bool) -> Place<T> {
+        let (sum, lost) = T::two_sum(self.time(), self.inner.direction.signed(size));
         let (time, time_low) = T::two_sum(sum, lost + self.time_low);
         Place {
-            h,
+            size,
             time,
             time_low,
             cut,
@@ -192,12 +200,13 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         self.tries = TRIES_FOR_FIRST;
         self.time_low = place.time_low;
         if let Some(steps) = &mut self.inner.variable {
-            steps.largest = steps.largest.max(place.h);
+            steps.largest = steps.largest.max(place.size);
             if !place.cut || steps.smallest > steps.largest {
-                steps.smallest = steps.smallest.min(place.h);
+                steps.smallest = steps.smallest.min(place.size);
             }
         }
-        self.inner.accept(place.time, place.h, outcome);
+        let h = self.inner.direction.signed(place.size);
+        self.inner.accept(place.time, h, outcome);
         self.slopes.swap(0, 1);
     }
 
@@ -206,7 +215,16 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// # Errors
     /// Faults of the initial values, and an H that is not finite there.
     pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        self.inner.start_at(q0, p0, t0)?;
+        self.begin_at((q0, p0), t0, None)
+    }
+
+    pub(super) fn begin_at(
+        &mut self,
+        start: (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        self.inner.start_at(start, t0, towards)?;
         self.take_slope();
         (self.time_low, self.end) = (T::int(0), None);
         let [first, longest] = match self.first_step {
@@ -240,7 +258,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// # Errors
     /// Faults of the values, and an H that is not finite there.
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
-        self.inner.move_to(q, p)?;
+        self.inner.set_state(q, p)?;
         self.take_slope();
         Ok(())
     }

@@ -12,6 +12,7 @@ use crate::options::integrator::Integrator;
 use crate::steppers::adaptive_stepper::{AdaptiveStepper, TRIES_FOR_FIRST};
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
+use crate::steppers::view::StepView;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 
@@ -27,10 +28,10 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         let inner = Stepper::prepare(integrator, system, None, integrator.words())?;
         let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
         let tolerance = sizes.tolerance.to_f64();
-        let absolute = sizes.absolute_errors(n / 2)?;
+        let absolute = sizes.absolute_errors(inner.m, n / 2)?;
         Ok(AdaptiveStepper {
             control: Control::new(tolerance, integrator.method.stages, most),
-            decay: Decay::new(inner.core.gauss(), n, sizes.tolerance, absolute),
+            decay: Decay::new(inner.core.gauss(), (n, inner.m), sizes.tolerance, absolute),
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
             first_step: sizes.first_step,
@@ -65,6 +66,30 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
+    /// Goes to the time `t`, forward or back, which the last step meets exactly. At `t` already, no step is
+    /// made.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// use equip_integrate::Equip;
+    ///
+    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+    /// let mut run = Equip::stages(6).tolerance(1e-12).start(&pendulum, &[1.0], &[0.5], 0.0)?;
+    /// for t in [1.0, 2.5, -4.0, 0.0] {
+    ///     assert_eq!(run.advance_to(t)?.time, t);
+    /// }
+    /// assert!((run.view().q[0] - 1.0).abs() < 1e-11);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A time that is not finite, and those of [`advance`](Self::advance); the run then is where the last
+    /// good step ended.
+    pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        while self.step_towards(t)? {}
+        Ok(self.view())
+    }
+
     /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let Memory { next } = self.control.memory;
@@ -82,8 +107,13 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
         &mut self.inner
     }
 
-    fn begin(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        self.restart(q0, p0, t0)
+    fn begin(
+        &mut self,
+        start: (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        self.begin_at(start, t0, towards)
     }
 
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
@@ -111,11 +141,30 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
     }
 
     fn is_done(&self) -> bool {
-        self.end.is_some_and(|end| !(self.time() < end))
+        let is_ahead = |end| self.inner.direction.is_before(self.time(), end);
+        self.end.is_some_and(|end| !is_ahead(end))
     }
 
     fn step(&mut self) -> Result<(), IntegrateError<T>> {
         self.advance_within(self.end).map(|_| ())
+    }
+
+    fn step_towards(&mut self, t: T) -> Result<bool, IntegrateError<T>> {
+        if self.inner.has_passed(t)? {
+            self.turn_back();
+        }
+        if t == self.time() {
+            self.time_low = T::int(0);
+            return Ok(false);
+        }
+        let refused = |run: &Self| (run.inner.variable).map(|steps| steps.rejected + steps.failed);
+        let (proposed, before) = (self.control.memory.next, refused(self));
+        self.advance_within(Some(t))?;
+        // A step that was cut says nothing against the size that was proposed.
+        if refused(self) == before && self.inner.last.0.abs().to_f64() < proposed {
+            self.control.memory.next = self.control.memory.next.max(proposed);
+        }
+        Ok(true)
     }
 
     fn time_low(&self) -> T {

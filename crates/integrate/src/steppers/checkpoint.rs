@@ -7,35 +7,36 @@ use crate::checkpoints::memories::ControlMemory;
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
 use crate::steppers::stepper::Stepper;
+use crate::time::direction::TimeDirection;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Damaged, SolverMemory};
 use std::time::{Duration, Instant};
 
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
-    /// The names of the invariants, kept and watched, and their checksums.
-    fn invariants(&mut self) -> Vec<(String, String)> {
-        let y = &self.y.hi;
+    /// The names of the invariants, kept and watched, and their checksums at `y` and time `t`.
+    fn invariants(&mut self, t: T, y: &[T]) -> Vec<(String, String)> {
         let all = self.watched.iter_mut();
         let named = |watched: &mut Watched<T>| {
-            let sum = of_function(watched.function_mut(), y);
+            let (function, point) = watched.evaluator_at(t, y);
+            let sum = of_function(function, point);
             (watched.defect.name.clone(), sum)
         };
         all.map(named).collect()
     }
 
-    /// Whether H and the invariants are those of the run that `checkpoint` was made of, at whose state this
-    /// one begins.
+    /// Whether H and the invariants are those of the run that `checkpoint` was made of.
     pub(super) fn check_functions(
         &mut self,
         checkpoint: &Checkpoint,
     ) -> Result<(), IntegrateError<T>> {
-        if of_function(self.core.energy_mut(), &self.y.hi) != checkpoint.energy {
-            let time = checkpoint.time.read()?;
+        let (time, mut y) = (checkpoint.time.read()?, self.y.hi.clone());
+        Exact::read_all(&checkpoint.high, &mut y, "the state")?;
+        if of_function(self.core.energy_mut(), &y) != checkpoint.energy {
             return Err(IntegrateError::CheckpointOtherEnergy { time });
         }
         let stored = checkpoint.invariants.iter();
-        for ((name, now), (_, stored)) in self.invariants().iter().zip(stored) {
+        for ((name, now), (_, stored)) in self.invariants(time, &y).iter().zip(stored) {
             if stored != now {
                 return Err(IntegrateError::CheckpointMismatch {
                     what: "an invariant",
@@ -55,7 +56,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             .map(|(name, numbers)| (name.clone(), Exact::all(numbers)))
             .collect();
         let energy = of_function(self.core.energy_mut(), &self.y.hi);
-        let invariants = self.invariants();
+        let invariants = self.invariants(self.time, &self.y.hi.clone());
         let words = self.fingerprint.iter();
         let options = words.map(|(name, value)| ((*name).to_owned(), value.clone()));
         let defects = self
@@ -74,6 +75,9 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             time: Exact::of(self.time),
             time_low: Exact::default(),
             index: self.index,
+            goes_back: self.direction == TimeDirection::Backward,
+            grid_start: Exact::of(self.grid_start),
+            place: self.place,
             high: Exact::all(&self.y.hi),
             low: Exact::all(&self.y.lo),
             energy_reference: Exact::of(self.h_ref),
@@ -125,6 +129,12 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         }
         self.time = from.time.read_finite("the time")?;
         self.index = from.index;
+        self.direction = match from.goes_back {
+            true => TimeDirection::Backward,
+            false => TimeDirection::Forward,
+        };
+        self.grid_start = from.grid_start.read_finite("the time")?;
+        self.place = from.place;
         self.h_ref = from.energy_reference.read_finite("the energy")?;
         let watched = self.watched.iter_mut().map(|w| &mut w.defect);
         let defects: Vec<_> = self.energy.iter_mut().chain(watched).collect();

@@ -8,8 +8,34 @@ use crate::options::integrator::Integrator;
 use crate::steppers::grid::Grid;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
+use crate::steppers::view::StepView;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
+
+impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+    /// Goes to the time `t`, forward or back: steps of the grid, and a shorter one that ends at `t` if that
+    /// is none of its points. The grid then begins anew there. At `t` already, no step is made.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// use equip_integrate::Equip;
+    ///
+    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+    /// let mut run = Equip::stages(6).step(0.1).start(&pendulum, &[1.0], &[0.5], 0.0)?;
+    /// assert_eq!(run.advance_to(2.345)?.time, 2.345);
+    /// let back = run.advance_to(0.0)?;
+    /// assert!((back.q[0] - 1.0).abs() < 1e-13 && (back.p[0] - 0.5).abs() < 1e-13);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A time that is not finite, and a step that cannot be made; the run then is where the last good one
+    /// ended.
+    pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        while self.step_towards(t)? {}
+        Ok(self.view())
+    }
+}
 
 impl<T: Float, E: Evaluate<T>> Advance<T, E> for Stepper<T, E> {
     fn inner(&self) -> &Stepper<T, E> {
@@ -20,8 +46,13 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for Stepper<T, E> {
         self
     }
 
-    fn begin(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        self.start_at(q0, p0, t0)
+    fn begin(
+        &mut self,
+        start: (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        self.start_at(start, t0, towards)
     }
 
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
@@ -33,28 +64,53 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for Stepper<T, E> {
     }
 
     fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>> {
-        let h = self.h.unwrap_or(T::int(0));
-        let grid = Grid::new(self.t0, end.max(self.time), h)?;
         // The last step of a run that is over may be shorter than the grid's.
-        if self.index > grid.steps() || grid.time(self.index) != self.time {
+        if !self.is_on_grid() {
             return Err(IntegrateError::CheckpointOffGrid { time: self.time });
         }
-        self.grid = Some(grid);
+        let is_over = self.direction.is_before(end, self.time);
+        let end = if is_over { self.time } else { end };
+        self.grid = Some(Grid::new(self.grid_start, end, self.grid_step())?);
         Ok(())
     }
 
     fn is_done(&self) -> bool {
-        self.grid.is_some_and(|grid| self.index >= grid.steps())
+        self.grid.is_some_and(|grid| self.place >= grid.last())
     }
 
     fn step(&mut self) -> Result<(), IntegrateError<T>> {
         match self.grid {
             Some(grid) => {
-                let (time, h) = (grid.time(self.index + 1), grid.size(self.index + 1));
-                self.advance_to(time, h).map(|_| ())
+                let next = self.place + 1;
+                self.make(grid.time(next), grid.size(next))
             }
             None => self.advance().map(|_| ()),
         }
+    }
+
+    fn step_towards(&mut self, t: T) -> Result<bool, IntegrateError<T>> {
+        if self.has_passed(t)? {
+            self.turn_back();
+        }
+        if !self.is_on_grid() {
+            self.begin_grid();
+        }
+        let (grid, next) = (
+            Grid::new(self.grid_start, t, self.grid_step())?,
+            self.place + 1,
+        );
+        if next > grid.last() {
+            // Within the rounding of time it is there.
+            self.time = t;
+            return Ok(false);
+        }
+        let time = if next == grid.last() {
+            t
+        } else {
+            grid.time(next)
+        };
+        self.make(time, grid.size(next))?;
+        Ok(true)
     }
 
     fn time_low(&self) -> T {
@@ -62,7 +118,7 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for Stepper<T, E> {
     }
 
     fn next_time(&self) -> Option<T> {
-        self.grid.map(|grid| grid.time(self.index + 1))
+        self.grid.map(|grid| grid.time(self.place + 1))
     }
 }
 
@@ -85,7 +141,7 @@ impl<T: Float> StepSizes<T> for Fixed<T> {
     fn words(&self) -> Words {
         vec![
             ("steps", "of one size".to_owned()),
-            ("step", format!("{:?}", self.h)),
+            ("step", format!("{:?}", self.h.abs())),
         ]
     }
 }

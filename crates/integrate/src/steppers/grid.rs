@@ -1,35 +1,30 @@
-//! The fixed grid of time, the run on it, and output between its points.
+//! The fixed grid of time.
 
 use crate::error::IntegrateError;
 use equip_scalar::Float;
 
-/// The grid t0 + n h over an interval.
+/// The grid t0 + n h, h of either sign, up to the end of a run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Grid<T> {
     t0: T,
     t1: T,
     h: T,
-    pub(crate) whole: u64,
+    /// Place of the last point of the grid, and whether a shorter step follows it.
+    whole: i64,
     rest: bool,
 }
 
 impl<T: Float> Grid<T> {
     pub(crate) fn new(t0: T, t1: T, h: T) -> Result<Self, IntegrateError<T>> {
-        if !(h > T::int(0)) || !h.is_finite() {
-            return Err(IntegrateError::StepNotPositive { step: h });
-        }
-        if !(t1 >= t0) || !t0.is_finite() || !t1.is_finite() {
-            return Err(IntegrateError::Interval { start: t0, end: t1 });
-        }
         let ratio = (t1 - t0) / h;
         // The step count must be exact in an f64 and fit the time grid of T.
-        if !(ratio.to_f64() < 9e15) {
+        if !(ratio.abs().to_f64() < 9e15) {
             return Err(IntegrateError::TooManySteps {
-                steps: ratio.to_f64(),
+                steps: ratio.abs().to_f64(),
             });
         }
         let largest = t0.abs().max(t1.abs());
-        if ratio > T::int(0) && largest + h == largest {
+        if ratio > T::int(0) && largest + h.abs() == largest {
             return Err(IntegrateError::StepBelowTimeResolution {
                 step: h,
                 time: largest,
@@ -38,31 +33,33 @@ impl<T: Float> Grid<T> {
         // h divides the interval if the rounded number of steps meets t1 within the rounding of the time.
         let nearest = ratio.round();
         let miss = (t0 + nearest * h - t1).abs();
-        let divides = miss <= T::int(2) * T::EPSILON * largest.max(t1 - t0);
+        let divides = miss <= T::int(2) * T::EPSILON * largest.max((t1 - t0).abs());
         let whole = if divides { nearest } else { ratio.floor() };
         Ok(Grid {
             t0,
             t1,
             h,
-            whole: whole.to_f64() as u64,
+            whole: whole.to_f64() as i64,
             rest: !divides,
         })
     }
 
-    pub(crate) fn steps(&self) -> u64 {
-        self.whole + u64::from(self.rest)
+    /// The place of the end.
+    pub(crate) fn last(&self) -> i64 {
+        self.whole + i64::from(self.rest)
     }
 
-    pub(crate) fn time(&self, index: u64) -> T {
-        if index > self.whole {
+    pub(crate) fn time(&self, place: i64) -> T {
+        if place > self.whole {
             self.t1
         } else {
-            self.t0 + T::int(index as i64) * self.h
+            self.t0 + T::int(place) * self.h
         }
     }
 
-    pub(crate) fn size(&self, index: u64) -> T {
-        if index > self.whole {
+    /// Size of the step that ends at `place`, with its sign.
+    pub(crate) fn size(&self, place: i64) -> T {
+        if place > self.whole {
             self.t1 - self.time(self.whole)
         } else {
             self.h

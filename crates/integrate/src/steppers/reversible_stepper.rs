@@ -26,16 +26,17 @@ pub struct ReversibleStepper<T: Float, E> {
     /// z of the last step.
     pub(super) density: T,
     pub(super) time_low: T,
-    pub(super) end: T,
+    pub(super) end: Option<T>,
     /// The stages Y_i, one after the other.
     pub(super) points: Vec<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
-    /// ε G at the present state.
+    /// ε G at the present state, G in the direction in which the run goes.
     fn change(&mut self) -> Result<T, IntegrateError<T>> {
+        let direction = self.inner.direction;
         let (energy, counts) = self.inner.core.energy_and_counts();
-        let rate = self.sigma.rate(&self.inner.y.hi, energy, counts)?;
+        let rate = (self.sigma).rate(&self.inner.y.hi, direction, energy, counts)?;
         Ok(self.epsilon * rate)
     }
 
@@ -45,30 +46,40 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// When the step cannot be made, or σ or the density is not positive; the state then is that before
     /// the step.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        self.advance_within(None)
+    }
+
+    /// Makes the next step, but not beyond `end`, which the last step meets exactly.
+    pub(super) fn advance_within(
+        &mut self,
+        end: Option<T>,
+    ) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        let direction = self.inner.direction;
         let mut density = self.density + self.change()?;
         let (now, low) = (self.inner.time(), self.time_low);
-        let left = (self.end - now) - low;
-        let mut h = self.epsilon / density;
+        let left = end.map_or(T::INFINITY, |end| direction.signed((end - now) - low));
+        let mut size = self.epsilon / density;
         let mut made = None;
-        if self.rule == StepRule::Integral && left > h {
-            let (met, outcome) = self.meet_rule(h)?;
-            (h, density) = (met, self.epsilon / met);
+        if self.rule == StepRule::Integral && left > size {
+            let (met, outcome) = self.meet_rule(size)?;
+            (size, density) = (met, self.epsilon / met);
             made = Some(outcome);
         }
-        let cut = left <= h;
-        let h = if cut { left } else { h };
-        let (sum, lost) = T::two_sum(now, h);
-        let (time, time_low) = T::two_sum(sum, lost + low);
-        let (time, time_low) = if cut {
-            (self.end, T::int(0))
-        } else {
-            (time, time_low)
+        let end = end.filter(|_| left <= size);
+        let size = if end.is_some() { left } else { size };
+        let h = direction.signed(size);
+        let (time, time_low) = match end {
+            Some(end) => (end, T::int(0)),
+            None => {
+                let (sum, lost) = T::two_sum(now, h);
+                T::two_sum(sum, lost + low)
+            }
         };
-        if !(density > T::int(0)) || !(time > now) {
+        if !(density > T::int(0)) || !direction.is_before(now, time) {
             return Err(IntegrateError::StepBelowTimeResolution { step: h, time: now });
         }
         let outcome = match made {
-            Some(outcome) if !cut => outcome,
+            Some(outcome) if end.is_none() => outcome,
             Some(_) => {
                 self.inner.core.refuse();
                 self.inner.attempt(h)?
@@ -78,9 +89,9 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         self.density = density;
         self.time_low = time_low;
         if let Some(steps) = &mut self.inner.variable {
-            steps.largest = steps.largest.max(h);
-            if !cut {
-                steps.smallest = steps.smallest.min(h);
+            steps.largest = steps.largest.max(size);
+            if end.is_none() {
+                steps.smallest = steps.smallest.min(size);
             }
         }
         self.inner.accept(time, h, outcome);
@@ -118,7 +129,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     ) -> Result<(Outcome, T), IntegrateError<T>> {
         let (near, mut before) = (T::EPSILON.cbrt(), T::INFINITY);
         for _ in 0..MOST_TRIES {
-            let outcome = self.inner.attempt(secant.h)?;
+            let outcome = self.inner.attempt(self.inner.direction.signed(secant.h))?;
             let miss = secant.h * self.mean_density()? / self.epsilon - T::int(1);
             let stagnates = miss.abs() <= near * near && miss.abs() > before / T::int(4);
             if miss.abs() <= close || stagnates {
@@ -152,20 +163,15 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         Ok(sum)
     }
 
-    /// Turns the momenta round: the steps from here on are the steps so far, backwards, while time goes on.
-    /// For an H that is even in p.
+    /// Turns the run round in time: the steps from here on are the steps so far, backwards.
     ///
     /// # Errors
     /// When σ is not positive.
     pub fn turn_back(&mut self) -> Result<(), IntegrateError<T>> {
         let change = self.change()?;
         self.density += change;
-        let m = self.inner.y.hi.len() / 2;
-        for j in m..2 * m {
-            self.inner.y.hi[j] = -self.inner.y.hi[j];
-            self.inner.y.lo[j] = -self.inner.y.lo[j];
-        }
-        self.inner.core.forget();
+        self.inner.turn_back();
+        self.end = None;
         Ok(())
     }
 
@@ -174,8 +180,17 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// # Errors
     /// Faults of the initial values, an H that is not finite there, and a σ that is not positive.
     pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        self.inner.start_at(q0, p0, t0)?;
-        (self.time_low, self.end) = (T::int(0), T::INFINITY);
+        self.begin_at((q0, p0), t0, None)
+    }
+
+    pub(super) fn begin_at(
+        &mut self,
+        start: (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        self.inner.start_at(start, t0, towards)?;
+        (self.time_low, self.end) = (T::int(0), None);
         self.inner.variable = Some(VariableSteps {
             tolerance: self.epsilon,
             smallest: T::INFINITY,
@@ -192,7 +207,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// # Errors
     /// Faults of the values, an H that is not finite there, and a σ that is not positive.
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
-        self.inner.move_to(q, p)?;
+        self.inner.set_state(q, p)?;
         self.begin_density()
     }
 

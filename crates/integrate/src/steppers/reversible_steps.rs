@@ -10,6 +10,7 @@ use crate::options::reversible::Symmetric;
 use crate::steppers::reversible_stepper::ReversibleStepper;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
+use crate::steppers::view::StepView;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 
@@ -30,7 +31,7 @@ impl<T: Float> StepSizes<T> for Symmetric<T> {
             epsilon: sizes.epsilon,
             density: T::int(0),
             time_low: T::int(0),
-            end: T::INFINITY,
+            end: None,
             points: vec![T::int(0); stages * n],
             inner,
         })
@@ -60,8 +61,13 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
         &mut self.inner
     }
 
-    fn begin(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        self.restart(q0, p0, t0)
+    fn begin(
+        &mut self,
+        start: (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        self.begin_at(start, t0, towards)
     }
 
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
@@ -78,16 +84,29 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
     }
 
     fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>> {
-        self.end = end;
+        self.end = Some(end);
         Ok(())
     }
 
     fn is_done(&self) -> bool {
-        !(self.inner.time() < self.end)
+        let is_ahead = |end| self.inner.direction.is_before(self.inner.time(), end);
+        self.end.is_some_and(|end| !is_ahead(end))
     }
 
     fn step(&mut self) -> Result<(), IntegrateError<T>> {
-        self.advance().map(|_| ())
+        self.advance_within(self.end).map(|_| ())
+    }
+
+    fn step_towards(&mut self, t: T) -> Result<bool, IntegrateError<T>> {
+        if self.inner.has_passed(t)? {
+            self.turn_back()?;
+        }
+        if t == self.time() {
+            self.time_low = T::int(0);
+            return Ok(false);
+        }
+        self.advance_within(Some(t))?;
+        Ok(true)
     }
 
     fn time_low(&self) -> T {
@@ -96,6 +115,28 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
 }
 
 impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
+    /// Goes to the time `t`, forward or back, which the last step meets exactly: a shorter one, so that the
+    /// steps back from there are other ones. At `t` already, no step is made.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// use equip_integrate::Equip;
+    ///
+    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+    /// let options = Equip::stages(6).reversible_automatic(0.3);
+    /// let mut run = options.start(&pendulum, &[1.0], &[0.5], 0.0)?;
+    /// assert_eq!(run.advance_to(-4.5)?.time, -4.5);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// A time that is not finite, and those of [`advance`](Self::advance); the run then is where the last
+    /// good step ended.
+    pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
+        while self.step_towards(t)? {}
+        Ok(self.view())
+    }
+
     /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let next = Exact::of(self.density);

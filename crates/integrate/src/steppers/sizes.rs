@@ -30,7 +30,9 @@ pub trait StepSizes<T: Float>: Clone + fmt::Debug {
 }
 
 impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
-    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step.
+    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step. It goes forward
+    /// in time, back if its step is negative, and either way by `advance_to` and `turn_back` of what makes
+    /// its steps.
     ///
     /// # Errors
     /// Every fault of options, steps and initial values, and an H that is not finite at the start.
@@ -41,8 +43,19 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         p0: &[T],
         t0: T,
     ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
+        self.start_towards(system, (q0, p0), t0, None)
+    }
+
+    /// The same, to go `towards` a time if that is known.
+    pub(crate) fn start_towards<H: System>(
+        &self,
+        system: &H,
+        start: (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
         let mut stepper = S::stepper(self, system)?;
-        stepper.begin(q0, p0, t0)?;
+        stepper.begin(start, t0, towards)?;
         Ok(stepper)
     }
 
@@ -59,8 +72,9 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
         checkpoint.check::<T>(&self.words())?;
         let mut stepper = S::stepper(self, system)?;
-        let (q, p) = checkpoint.state()?;
-        stepper.begin(&q, &p, checkpoint.start.read_finite("the start")?)?;
+        let (q, p) = checkpoint.state(system.has_time())?;
+        let t0 = checkpoint.start.read_finite("the start")?;
+        stepper.begin((&q, &p), t0, None)?;
         stepper.inner_mut().check_functions(checkpoint)?;
         stepper.restore(checkpoint)?;
         Ok(stepper)
@@ -86,6 +100,14 @@ impl<T: Float, E: Evaluate<T>, S: Advance<T, E>> Followed<T, E> for S {
     fn time_reached(&self) -> T {
         self.inner().time
     }
+
+    fn steps_made(&self) -> u64 {
+        self.inner().index
+    }
+
+    fn step_to(&mut self, t: T) -> Result<bool, IntegrateError<T>> {
+        self.step_towards(t)
+    }
 }
 
 /// What steppers of all step sizes have in common, as whole runs and preparations use it.
@@ -94,11 +116,16 @@ pub trait Advance<T: Float, E: Evaluate<T>> {
     fn inner(&self) -> &Stepper<T, E>;
     /// The same, to be asked for the parts of its steps.
     fn inner_mut(&mut self) -> &mut Stepper<T, E>;
-    /// Begins anew at (`q0`, `p0`) and `t0`.
+    /// Begins anew at a state (q0, p0) and `t0`, to go `towards` a time if that is known.
     ///
     /// # Errors
     /// Faults of the start, for which the run stays as it was.
-    fn begin(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>>;
+    fn begin(
+        &mut self,
+        start: (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<(), IntegrateError<T>>;
     /// Goes on where the run of `checkpoint` was; it has begun at its state.
     ///
     /// # Errors
@@ -118,6 +145,12 @@ pub trait Advance<T: Float, E: Evaluate<T>> {
     /// # Errors
     /// When it cannot be made.
     fn step(&mut self) -> Result<(), IntegrateError<T>>;
+    /// Makes the next step towards `t`, forward or back, but not beyond it. Returns whether there was one to
+    /// make.
+    ///
+    /// # Errors
+    /// A time that is not finite, and a step that cannot be made.
+    fn step_towards(&mut self, t: T) -> Result<bool, IntegrateError<T>>;
     /// What rounding lost of the time.
     fn time_low(&self) -> T;
     /// Time at the end of the next step where that is known, and outputs before it take steps of their own.

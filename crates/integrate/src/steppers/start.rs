@@ -1,18 +1,21 @@
 //! A [`Stepper`] is prepared once and begun as often as wanted.
 
 use crate::error::IntegrateError;
-use crate::options::common::Words;
+use crate::options::common::{Options, Words};
+use crate::options::event::Event;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
 use crate::steppers::stepper::Stepper;
+use crate::time::direction::TimeDirection;
+use crate::time::visible::visible;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::{Constraint, Core, Counts, MAX_STAGES, Outcome, State};
+use equip_solver::{Constraint, Core, Counts, Invariant, MAX_STAGES, Outcome, State};
 use equip_tableau::Gauss;
 use std::time::Instant;
 
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
-    /// Everything but a start, for steps of size `h`, or of any size.
+    /// Everything but a start, for steps of `h`, whose sign is the way a run begins to go, or of any size.
     pub(super) fn prepare<H: System<Evaluator<T> = E>, S>(
         integrator: &Integrator<T, S>,
         system: &H,
@@ -21,30 +24,25 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     ) -> Result<Self, IntegrateError<T>> {
         let (method, options) = (integrator.method, &integrator.options);
         let settings = options.validate(method)?;
-        let (m, zero) = (system.degrees_of_freedom(), T::int(0));
+        // Time counts as one of `all`.
+        let (all, zero) = (system.degrees_of_freedom(), T::int(0));
+        let m = all - usize::from(system.has_time());
         let stages = settings.stages;
         let gauss = Gauss::new(stages).map_err(|_| IntegrateError::StagesOutOfRange {
             stages,
             min: 1,
             max: MAX_STAGES,
         })?;
-        for invariant in options.invariants.iter().chain(&options.kept) {
-            let found = invariant.function().degrees_of_freedom();
-            if found != m {
-                return Err(IntegrateError::WrongLength {
-                    what: "an invariant",
-                    expected: m,
-                    found,
-                });
-            }
-        }
+        check_functions(options, m, all)?;
         let has_target = settings.first_alpha.is_some() && !system.structure().is_quadratic();
         let mut constraints = Vec::new();
         if has_target {
-            constraints.push(Constraint::energy(2 * m));
+            constraints.push(Constraint::energy(2 * all));
         }
-        let kept = options.kept.iter();
-        constraints.extend(kept.map(|i| Constraint::invariant(i, 2 * m)));
+        constraints.extend(options.kept.iter().map(|kept| {
+            let alone = Invariant::new(kept.name(), kept.function().alone());
+            Constraint::invariant(&alone, 2 * all)
+        }));
         let free = settings.first_alpha.map_or(0, |first| stages - first);
         if constraints.len() > free {
             let (kept, alphas) = (constraints.len(), free);
@@ -57,16 +55,23 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         };
         let measured = has_target || options.measure_energy;
         let mut evaluator = system.evaluator::<T>();
-        let mut slope = vec![zero; 2 * m];
-        let y = State::new(&slope[..m], &slope[m..]);
+        let mut slope = vec![zero; 2 * all];
+        let y = State::new(&slope[..all], &slope[all..]);
         // What an evaluator makes at its first call is made here.
         evaluator.gradient_with_compensated_value(&y.hi, &mut slope);
         Ok(Stepper {
             core: Core::new(system, evaluator, settings, gauss, constraints),
+            m,
             method,
             has_target,
             t0: zero,
-            h,
+            direction: TimeDirection::Forward,
+            first_direction: h
+                .and_then(|h| TimeDirection::between(zero, h))
+                .unwrap_or_default(),
+            size: h.map(|h| h.abs()),
+            grid_start: zero,
+            place: 0,
             h_ref: zero,
             index: 0,
             time: zero,
@@ -88,7 +93,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             variable: None,
             begun: Instant::now(),
             fingerprint: words,
-            start: y.hi.clone(),
+            start: vec![zero; 2 * m],
             y,
         })
     }
@@ -99,26 +104,41 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         integrator: &Integrator<T, S>,
         system: &H,
     ) -> Result<Self, IntegrateError<T>> {
-        let mut other = Self::prepare(integrator, system, self.h, Words::new())?;
-        let (q, p) = self.y.hi.split_at(self.y.hi.len() / 2);
-        other.start_at(q, p, self.time)?;
+        let mut other = Self::prepare(integrator, system, self.size, Words::new())?;
+        let (q, p) = visible(&self.y.hi, self.m);
+        other.start_at((q, p), self.time, None)?;
         Ok(other)
     }
 
-    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated,
-    ///. After an error the run is as it was.
-    pub(super) fn start_at(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        if !t0.is_finite() || self.h.is_some_and(|h| t0 + h == t0) {
+    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared, to go `towards` a time if
+    /// that is known. Nothing is allocated. After an error the run is as it was.
+    pub(super) fn start_at(
+        &mut self,
+        (q0, p0): (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        if !t0.is_finite() || self.size.is_some_and(|h| t0 + h == t0) {
             return Err(IntegrateError::StepBelowTimeResolution {
-                step: self.h.unwrap_or(T::int(1)),
+                step: self.size.unwrap_or(T::int(1)),
                 time: t0,
             });
         }
-        self.move_to(q0, p0)?;
+        let to_end = towards.and_then(|end| TimeDirection::between(t0, end));
+        let direction = to_end.unwrap_or(self.first_direction);
+        let has_sign = self.first_direction == TimeDirection::Backward;
+        if let (true, TimeDirection::Forward, Some(end)) = (has_sign, direction, towards) {
+            let step = -self.size.unwrap_or(T::int(1));
+            let start = t0;
+            return Err(IntegrateError::StepsLeadAway { step, start, end });
+        }
+        self.move_to(q0, p0, t0)?;
         *self.core.counts_mut() = Counts::default();
         (self.t0, self.time, self.index) = (t0, t0, 0);
-        self.grid = None;
-        self.start.copy_from_slice(&self.y.hi);
+        (self.grid_start, self.place, self.grid) = (t0, 0, None);
+        self.direction = direction;
+        self.start[..self.m].copy_from_slice(q0);
+        self.start[self.m..].copy_from_slice(p0);
         self.last = (T::int(0), Outcome::NotAsked);
         self.alpha_range.fill((T::int(0), T::int(0)));
         self.in_floors = self.has_target.then_some(T::int(0));
@@ -130,14 +150,42 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Ok(())
     }
 
-    /// Puts the run at another state, at the time it has reached: the references of energy and invariants are
-    /// those of this state from now on, and nothing of the steps before is prolonged into the next one.
-    pub(super) fn move_to(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
-        let m = self.y.hi.len() / 2;
+    /// Where the stretch begins that the run is on: its start, or the time reached if it has turned back
+    /// since.
+    pub(crate) fn stretch_start(&self) -> T {
+        let is_turned = self.direction.is_before(self.time, self.t0);
+        if is_turned { self.time } else { self.t0 }
+    }
+
+    /// Whether `end` does not lie behind the stretch that the run is on.
+    ///
+    /// # Errors
+    /// If it does.
+    pub(crate) fn check_end(&self, end: T) -> Result<(), IntegrateError<T>> {
+        if !self.direction.is_before(end, self.stretch_start()) {
+            return Ok(());
+        }
+        let step = self.size.unwrap_or(self.last.0.abs());
+        Err(IntegrateError::StepsLeadAway {
+            step: self.direction.signed(step),
+            start: self.t0,
+            end,
+        })
+    }
+
+    /// Puts the run at another state, at the time `t` it has reached: the references of energy and invariants
+    /// are those of this state from now on, and nothing of the steps before is prolonged into the next one.
+    pub(super) fn move_to(&mut self, q: &[T], p: &[T], t: T) -> Result<(), IntegrateError<T>> {
+        let m = self.m;
         check_initial(m, q, p)?;
         let y = &mut self.next.hi;
-        y[..m].copy_from_slice(q);
-        y[m..].copy_from_slice(p);
+        let half = y.len() / 2;
+        let (positions, momenta) = y.split_at_mut(half);
+        positions[..m].copy_from_slice(q);
+        momenta[..m].copy_from_slice(p);
+        // Time, where it is one of them, and what has gone in since.
+        positions[m..].fill(t);
+        momenta[m..].fill(T::int(0));
         let energy = self.core.energy_mut();
         let h_ref = energy.gradient_with_compensated_value(y, &mut self.slope);
         if !h_ref.is_finite() || self.slope.iter().any(|g| !g.is_finite()) {
@@ -152,10 +200,47 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             energy.begin(h_ref);
         }
         for watched in &mut self.watched {
-            watched.begin(&self.y.hi);
+            watched.begin(t, &self.y.hi);
         }
         Ok(())
     }
+}
+
+/// Whether events, invariants and those to be kept are functions of states of m degrees of freedom, or of
+/// `all`, time counted where H depends on it.
+fn check_functions<T: Float>(
+    options: &Options<T>,
+    m: usize,
+    all: usize,
+) -> Result<(), IntegrateError<T>> {
+    let wrong = |what, expected, found| {
+        Err(IntegrateError::WrongLength {
+            what,
+            expected,
+            found,
+        })
+    };
+    let events = options.events.iter().filter_map(Event::recording);
+    let functions = events.map(|function| ("a recorded event", function));
+    let invariants = options.invariants.iter();
+    for (what, function) in functions.chain(invariants.map(|i| ("an invariant", i.function()))) {
+        let found = function.degrees_of_freedom() - usize::from(function.has_time());
+        if found != m && (found != all || function.has_time()) {
+            return wrong(what, m, found);
+        }
+    }
+    for kept in &options.kept {
+        let found = kept.function().degrees_of_freedom();
+        if found != all {
+            let what = if found + 1 == all {
+                "an invariant to be kept (recorded without time, where H is one `with_time`)"
+            } else {
+                "an invariant to be kept"
+            };
+            return wrong(what, all, found);
+        }
+    }
+    Ok(())
 }
 
 fn check_initial<T: Float>(m: usize, q0: &[T], p0: &[T]) -> Result<(), IntegrateError<T>> {

@@ -9,6 +9,8 @@ use crate::report::defect::{Defect, Watched};
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::grid::Grid;
 use crate::steppers::view::{Step, StepView};
+use crate::time::direction::TimeDirection;
+use crate::time::visible::visible;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Core, Counts, Outcome, State};
@@ -18,11 +20,20 @@ use std::time::Instant;
 #[derive(Debug)]
 pub struct Stepper<T: Float, E> {
     pub(crate) core: Core<T, E>,
+    /// Degrees of freedom, time not counted.
+    pub(crate) m: usize,
     pub(super) method: Method,
     pub(super) has_target: bool,
     pub(crate) t0: T,
-    /// Their size; none if it varies.
-    pub(super) h: Option<T>,
+    /// Which way the run goes, and which way it goes when it begins.
+    pub(crate) direction: TimeDirection,
+    pub(super) first_direction: TimeDirection,
+    /// Size of the steps; none if it varies.
+    pub(super) size: Option<T>,
+    /// Where the grid of time begins, and how many of its steps ahead of that, in the order of travel, the
+    /// run is.
+    pub(super) grid_start: T,
+    pub(super) place: i64,
     /// The grid up to the end of the run, if that is known.
     pub(super) grid: Option<Grid<T>>,
     /// Room for ∇H.
@@ -55,9 +66,20 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// When the step cannot be made; the state then is that before the step, and may be read or stepped
     /// again.
     pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        let h = self.h.unwrap_or(T::int(0));
-        let time = self.t0 + T::int((self.index + 1) as i64) * h;
-        self.advance_to(time, h)
+        if !self.is_on_grid() {
+            self.begin_grid();
+        }
+        let h = self.grid_step();
+        let time = self.grid_start + T::int(self.place + 1) * h;
+        self.make(time, h)?;
+        Ok(self.view())
+    }
+
+    /// Turns the run round in time: the steps from here on go the other way.
+    pub fn turn_back(&mut self) {
+        self.direction = self.direction.turned();
+        self.place = -self.place;
+        self.grid = None;
     }
 
     /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready:
@@ -67,7 +89,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// # Errors
     /// Faults of the initial values, and an H that is not finite there.
     pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        self.start_at(q0, p0, t0)
+        self.start_at((q0, p0), t0, None)
     }
 
     /// Puts the run at (`q`, `p`), each of length m, at the time it has reached, as after a kick: H and the
@@ -78,16 +100,41 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// # Errors
     /// Faults of the values, and an H that is not finite there.
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
-        self.move_to(q, p)
+        self.move_to(q, p, self.time)
     }
 
-    /// Makes a step of size `h` that is taken to end at `time`.
-    pub(crate) fn advance_to(
-        &mut self,
-        time: T,
-        h: T,
-    ) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        if !(time > self.time) {
+    /// The step of the grid, with its sign.
+    pub(super) fn grid_step(&self) -> T {
+        self.direction.signed(self.size.unwrap_or(T::int(0)))
+    }
+
+    /// Whether the run is at a point of its grid, within the rounding of time.
+    pub(super) fn is_on_grid(&self) -> bool {
+        let miss = self.grid_start + T::int(self.place) * self.grid_step() - self.time;
+        let largest = self.grid_start.abs().max(self.time.abs());
+        miss.abs() <= T::int(2) * T::EPSILON * largest
+    }
+
+    /// The grid begins anew at the time reached.
+    pub(super) fn begin_grid(&mut self) {
+        (self.grid_start, self.place) = (self.time, 0);
+    }
+
+    /// Whether the run has to turn back to come to `t`.
+    ///
+    /// # Errors
+    /// A time that is not finite.
+    pub(super) fn has_passed(&self, t: T) -> Result<bool, IntegrateError<T>> {
+        if !t.is_finite() {
+            let (start, end) = (self.time, t);
+            return Err(IntegrateError::Interval { start, end });
+        }
+        Ok(self.direction.is_before(t, self.time))
+    }
+
+    /// Makes a step of size `h`, signed, that is taken to end at `time`.
+    pub(super) fn make(&mut self, time: T, h: T) -> Result<(), IntegrateError<T>> {
+        if !self.direction.is_before(self.time, time) {
             return Err(IntegrateError::StepBelowTimeResolution {
                 step: h,
                 time: self.time,
@@ -95,7 +142,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         }
         let outcome = self.attempt(h)?;
         self.accept(time, h, outcome);
-        Ok(self.view())
+        Ok(())
     }
 
     /// Makes a step of size `h` that may still be refused.
@@ -107,6 +154,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     pub(crate) fn accept(&mut self, time: T, h: T, outcome: Outcome) {
         std::mem::swap(&mut self.y, &mut self.next);
         self.index += 1;
+        self.place += 1;
         self.time = time;
         self.last = (h, outcome);
         self.core.counts_mut().record(outcome);
@@ -141,13 +189,13 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             }
         }
         for watched in &mut self.watched {
-            watched.see(&self.y.hi);
+            watched.see(self.time, &self.y.hi);
         }
     }
 
     /// The step made last, or the initial state.
     pub fn view(&self) -> StepView<'_, T> {
-        let (q, p) = self.y.hi.split_at(self.y.hi.len() / 2);
+        let (q, p) = visible(&self.y.hi, self.m);
         StepView {
             index: self.index,
             time: self.time,
@@ -181,8 +229,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     pub fn certificate(&self) -> Certificate<T> {
         Certificate {
             method: self.method,
-            step: match self.h {
-                Some(h) => h,
+            step: match self.size {
+                Some(_) => self.grid_step(),
                 None => self.mean_step(),
             },
             variable_steps: self.variable,

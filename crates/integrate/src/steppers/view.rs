@@ -11,7 +11,7 @@ pub struct StepView<'a, T> {
     pub index: u64,
     /// Time at its end: t0 + index · h.
     pub time: T,
-    /// Its size.
+    /// Its size, negative if it went back in time.
     pub step: T,
     /// Positions at its end.
     pub q: &'a [T],

@@ -7,6 +7,8 @@
 //!   mean over time, which tends to 2 for quasi-periodic motion and to λt/2 for chaotic motion: it decides
 //!   much earlier than λ(t).
 //!
+//! t is the time since the deviation began, also of a run that goes back in time.
+//!
 //! The integral is a sum over the steps, the growth of each at its middle: an error of O(h²) of the growth,
 //! which does not matter here.
 
@@ -16,6 +18,7 @@ use crate::error::IntegrateError;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::tangent::steps::Steps;
 use crate::tangent::tangent_map::TangentMap;
+use crate::time::visible;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 
@@ -29,10 +32,7 @@ use equip_scalar::Float;
 /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
 /// let mut run = Equip::stages(6).tolerance(1e-10).start(&pendulum, &[0.0], &[1.0], 0.0)?;
 /// let mut chaos = Chaos::new(&pendulum, &mut run, &[1.0, 0.0]);
-/// while run.time() < 500.0 {
-///     run.advance()?;
-///     chaos.see(&run)?;
-/// }
+/// chaos.advance_to(&mut run, 500.0)?;
 /// assert!(chaos.megno() < 2.5 && chaos.lyapunov() < 0.02); // one degree of freedom is regular
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -50,7 +50,7 @@ pub struct Chaos<T: Float, E> {
 
 impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
     /// Follows `run`, made of the same `system`, from now on, with a deviation of any length but zero (2m
-    /// components).
+    /// components, time not counted).
     pub fn new<H: System<Evaluator<T> = E>>(
         system: &H,
         run: &mut impl Steps<T, E>,
@@ -58,9 +58,14 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
     ) -> Self {
         let zero = T::int(0);
         let time = run.time_reached();
+        let n = 2 * system.degrees_of_freedom();
+        let mut whole = vec![zero; n];
+        for (j, &x) in deviation.iter().enumerate() {
+            whole[visible::place(j, deviation.len() / 2, n)] = x;
+        }
         let mut chaos = Chaos {
             tangent: TangentMap::new(system, run),
-            deviation: deviation.to_vec(),
+            deviation: whole,
             start: time,
             time,
             growth: zero,
@@ -78,12 +83,27 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
     pub fn see(&mut self, run: &impl Steps<T, E>) -> Result<(), IntegrateError<T>> {
         self.tangent.carry(run, &mut self.deviation)?;
         let growth = self.normalise().ln();
-        let (before, now) = (self.time - self.start, run.time_reached() - self.start);
+        let [before, now] = [self.time, run.time_reached()].map(|t| (t - self.start).abs());
         self.growth += growth;
         self.weighted += growth * (before + now) / T::int(2);
         // Y at the end of the step stands for the step.
         self.sum += T::int(2) * self.weighted / now * (now - before);
         self.time = run.time_reached();
+        Ok(())
+    }
+
+    /// Makes the steps of `run` to the time `t`, and sees every one of them.
+    ///
+    /// # Errors
+    /// Those of the run's own `advance_to`, and those of [`see`](Self::see).
+    pub fn advance_to(
+        &mut self,
+        run: &mut impl Steps<T, E>,
+        t: T,
+    ) -> Result<(), IntegrateError<T>> {
+        while run.step_to(t)? {
+            self.see(run)?;
+        }
         Ok(())
     }
 
@@ -97,12 +117,12 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
 
     /// λ(t), per unit of time.
     pub fn lyapunov(&self) -> T {
-        self.growth / (self.time - self.start)
+        self.growth / (self.time - self.start).abs()
     }
 
     /// The mean of MEGNO over time.
     pub fn megno(&self) -> T {
-        self.sum / (self.time - self.start)
+        self.sum / (self.time - self.start).abs()
     }
 
     /// λ(t) and MEGNO.

@@ -8,6 +8,7 @@ pub trait Steps<T: Float, E>: sealed::Followed<T, E> {}
 impl<T: Float, E, S: sealed::Followed<T, E>> Steps<T, E> for S {}
 
 pub(crate) mod sealed {
+    use crate::error::IntegrateError;
     use equip_scalar::Float;
     use equip_solver::Core;
 
@@ -19,5 +20,12 @@ pub(crate) mod sealed {
         fn core_mut(&mut self) -> &mut Core<T, E>;
         /// The time it has reached.
         fn time_reached(&self) -> T;
+        /// How many steps it has made.
+        fn steps_made(&self) -> u64;
+        /// Makes the next step towards `t`, but not beyond it. Returns whether there was one to make.
+        ///
+        /// # Errors
+        /// A time that is not finite, and a step that cannot be made.
+        fn step_to(&mut self, t: T) -> Result<bool, IntegrateError<T>>;
     }
 }

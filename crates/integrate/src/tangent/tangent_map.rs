@@ -12,6 +12,9 @@ use equip_solver::StepTangent;
 
 /// The tangent map along a run.
 ///
+/// A deviation has 2m components, those of (q, p). Where H depends on time it has 2m + 2, those of
+/// (q, t, p, p_t): that of t is one of the time at which the run starts.
+///
 /// ```
 /// use equip_autodiff::Hamiltonian;
 /// use equip_integrate::{Equip, TangentMap};
@@ -19,17 +22,21 @@ use equip_solver::StepTangent;
 /// let oscillator = Hamiltonian::new(1, |q, p| 0.5 * (q[0] * q[0] + p[0] * p[0]))?;
 /// let mut run = Equip::stages(4).step(0.1).start(&oscillator, &[1.0], &[0.0], 0.0)?;
 /// let mut tangent = TangentMap::new(&oscillator, &mut run);
-/// let mut deviation = vec![1.0, 0.0];
-/// for _ in 0..10 {
-///     run.advance()?;
-///     tangent.carry(&run, &mut deviation)?;
-/// }
-/// assert!((deviation[0] - 1f64.cos()).abs() < 1e-14);
+/// // The columns of the identity: (∂q, ∂p)/∂q0, then (∂q, ∂p)/∂p0.
+/// let mut columns = vec![1.0, 0.0, 0.0, 1.0];
+/// tangent.advance_to(&mut run, 1.0, &mut columns)?;
+/// assert!((columns[0] - 1f64.cos()).abs() < 1e-14 && (columns[1] + 1f64.sin()).abs() < 1e-14);
+///
+/// // The same step by step.
+/// run.advance()?;
+/// tangent.carry(&run, &mut columns)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct TangentMap<T: Float, E> {
     step: StepTangent<T, E>,
+    /// Number of the step up to which deviations were carried.
+    carried: u64,
 }
 
 impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
@@ -38,17 +45,40 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
         run.core_mut().keep_parts();
         TangentMap {
             step: StepTangent::new(system, run.core().gauss().clone()),
+            carried: run.steps_made(),
         }
     }
 
-    /// Carries `deviations`, one after the other, each of length 2m, over the step that `run` made last.
+    /// Makes the steps of `run` to the time `t`, forward or back, and carries `deviations`, one after the
+    /// other, over every one of them.
+    ///
+    /// # Errors
+    /// Those of the run's own `advance_to`, and those of [`carry`](Self::carry).
+    ///
+    /// # Panics
+    /// When the length of `deviations` is no multiple of that of one.
+    pub fn advance_to(
+        &mut self,
+        run: &mut impl Steps<T, E>,
+        t: T,
+        deviations: &mut [T],
+    ) -> Result<(), IntegrateError<T>> {
+        self.check_followed(run, 0)?;
+        while run.step_to(t)? {
+            self.carry(run, deviations)?;
+        }
+        Ok(())
+    }
+
+    /// Carries `deviations`, one after the other, over the step that `run` made last.
     ///
     /// # Errors
     /// [`IntegrateError::Singular`] if the linearised stages cannot be solved for; the step could then not
-    /// have been made by Newton's method either.
+    /// have been made by Newton's method either. [`IntegrateError::StepsNotFollowed`] if the run has made
+    /// several steps since deviations were last carried.
     ///
     /// # Panics
-    /// When the length of `deviations` is no multiple of 2m.
+    /// When the length of `deviations` is no multiple of that of one.
     pub fn carry(
         &mut self,
         run: &impl Steps<T, E>,
@@ -56,6 +86,8 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
     ) -> Result<(), IntegrateError<T>> {
         let n = self.step.components();
         assert_eq!(deviations.len() % n, 0, "a deviation has 2m components");
+        self.check_followed(run, 1)?;
+        self.carried = run.steps_made();
         for part in run.core().parts() {
             self.step.linearise(part);
             for deviation in deviations.chunks_exact_mut(n) {
@@ -66,6 +98,17 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
                     halvings: 0,
                 })?;
             }
+        }
+        Ok(())
+    }
+
+    /// Whether the run has made no more than so many steps since deviations were last carried, or since it
+    /// was begun anew.
+    fn check_followed(&self, run: &impl Steps<T, E>, most: u64) -> Result<(), IntegrateError<T>> {
+        let made = run.steps_made();
+        let steps = made.checked_sub(self.carried).unwrap_or(made);
+        if steps > most {
+            return Err(IntegrateError::StepsNotFollowed { steps });
         }
         Ok(())
     }

@@ -13,7 +13,8 @@ pub struct Invariant {
 }
 
 impl Invariant {
-    /// A quantity I(q, p) under a name, recorded by [`Hamiltonian::new`].
+    /// A quantity I(q, p) under a name, recorded by [`Hamiltonian::new`], or I(t, q, p) by
+    /// [`Hamiltonian::with_time`].
     pub fn new(name: impl Into<String>, function: Hamiltonian) -> Self {
         Invariant {
             name: name.into(),

@@ -1,8 +1,8 @@
 //! Stiff springs along single components of H = T(p) + U(q), T with the masses 1/w: M = 1 + h² w κ (A A), A =
 //! K(0) B, for the positions on springs, and 1 for all others.
 //!
-//! κ_c = ∂²U/∂q_c² where it is positive, stands out of its row of ∇²U, and h² w κ is not small. What the
-//! iteration contracts by is then the rest of ∇²U, whatever hω.
+//! κ_c = ∂²U/∂q_c² where it has the sign of the mass, stands out of its row of ∇²U, and h² w κ is not small.
+//! What the iteration contracts by is then the rest of ∇²U, whatever hω.
 //!
 //! With momenta as unknowns besides, M = (1, −h w A; h κ A, 1).
 //!
@@ -112,17 +112,17 @@ impl Diagonal {
     }
 }
 
-/// κ_c, if it is positive and stands out of its row.
+/// κ_c, if it pulls back and stands out of its row.
 fn spring_constant<T: Float>(pattern: &Pattern, hessian: &[T], w: &[T], c: usize) -> Option<T> {
     let (mut kappa, mut rest) = (T::int(0), T::int(0));
     for (place, j) in pattern.row(c) {
         if j == c {
             kappa = hessian[place];
         } else if j < w.len() {
-            rest += hessian[place].abs() * (w[j] / w[c]).sqrt();
+            rest += hessian[place].abs() * (w[j] / w[c]).abs().sqrt();
         }
     }
-    (kappa > T::int(0) && kappa >= T::exact(OUTWEIGHS) * rest).then_some(kappa)
+    (kappa * w[c] > T::int(0) && kappa.abs() >= T::exact(OUTWEIGHS) * rest).then_some(kappa)
 }
 
 impl<T: Float> Preconditioner<T> for Diagonal {

@@ -1,0 +1,73 @@
+//! [`StateFunction`]: a recorded function of time and state, evaluated at (t, q, p).
+
+use crate::{Evaluate, Hamiltonian, Recorded, RecordedEvaluator, System};
+use equip_scalar::Float;
+
+/// A recorded function (t, q, p) ↦ g in one float type, made by [`Hamiltonian::function`]. Its constants are
+/// as exact as those of an energy.
+#[derive(Debug)]
+pub struct StateFunction<T: Float> {
+    evaluator: RecordedEvaluator<T>,
+    has_time: bool,
+    /// (q, p), or (q, t, p, 0).
+    y: Vec<T>,
+}
+
+impl Hamiltonian<Recorded> {
+    /// H as a function (t, q, p) ↦ H in one float type, for observers; t does not matter where H does not
+    /// depend on it.
+    pub fn function<T: Float>(&self) -> StateFunction<T> {
+        StateFunction::new(self)
+    }
+}
+
+impl<T: Float> StateFunction<T> {
+    fn new(function: &Hamiltonian) -> Self {
+        let alone = function.alone();
+        StateFunction {
+            evaluator: alone.evaluator::<T>(),
+            has_time: function.has_time(),
+            y: vec![T::int(0); 2 * alone.degrees_of_freedom()],
+        }
+    }
+
+    /// Degrees of freedom m, time not counted.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.y.len() / 2 - usize::from(self.has_time)
+    }
+
+    /// g at time `t`, positions `q` and momenta `p`, each of length m.
+    ///
+    /// # Panics
+    /// When `q` or `p` has another length.
+    pub fn value(&mut self, t: T, q: &[T], p: &[T]) -> T {
+        self.place(t, q, p);
+        self.evaluator.value(&self.y)
+    }
+
+    /// The same, long sums in it [compensated](Evaluate::compensated_value).
+    ///
+    /// # Panics
+    /// When `q` or `p` has another length.
+    pub fn compensated_value(&mut self, t: T, q: &[T], p: &[T]) -> T {
+        self.place(t, q, p);
+        self.evaluator.compensated_value(&self.y)
+    }
+
+    /// What evaluates it, and the point (t, `q`, `p`) as that takes it.
+    #[doc(hidden)]
+    pub fn evaluator_at(&mut self, t: T, q: &[T], p: &[T]) -> (&mut RecordedEvaluator<T>, &[T]) {
+        self.place(t, q, p);
+        (&mut self.evaluator, &self.y)
+    }
+
+    fn place(&mut self, t: T, q: &[T], p: &[T]) {
+        let m = self.degrees_of_freedom();
+        let (positions, momenta) = self.y.split_at_mut(m + usize::from(self.has_time));
+        positions[..m].copy_from_slice(q);
+        momenta[..m].copy_from_slice(p);
+        if let Some(time) = positions.get_mut(m) {
+            *time = t;
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! Time: which way it goes, and time as a coordinate.
+
+pub(crate) mod direction;
+pub(crate) mod extended;
+pub(crate) mod visible;
