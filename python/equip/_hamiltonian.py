@@ -142,6 +142,8 @@ class Hamiltonian:
         return f"<Hamiltonian of shape {self._shape}, {kind}, {self.operations} operations>"
 
     def __reduce__(self) -> tuple[Any, ...]:
+        if self._function is None:
+            raise TypeError("this quantity belongs to a scene: pickle the scene")
         return Hamiltonian, (self._function, self._shape)
 
 

@@ -7,7 +7,9 @@ import equip
 # Sun, Jupiter, Saturn, Uranus, Neptune, Pluto: AU, days, solar masses. Hairer, Lubich, Wanner, Geometric Numerical
 # Integration, I.2.4; started here on circles in one plane.
 G = 2.95912208286e-4
-masses = np.array([1.00000597682, 9.54786104043e-4, 2.85583733151e-4, 4.37273164546e-5, 5.17759138449e-5, 7.7e-9])
+masses = np.array(
+    [1.00000597682, 9.54786104043e-4, 2.85583733151e-4, 4.37273164546e-5, 5.17759138449e-5, 7.7e-9]
+)
 radii = np.array([0.0, 5.2, 9.6, 19.2, 30.1, 39.5])
 angles = np.arange(6.0)
 q0 = radii[:, None] * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)

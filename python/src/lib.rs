@@ -1,20 +1,16 @@
 //! The native part of the Python package `equip`: recording of a Python callable, evaluation, runs.
 #![allow(missing_docs)] // What Python sees is documented in the package.
 
-mod certificate;
-mod constant;
-mod ensemble;
 mod faults;
 mod number;
 mod options;
-mod recorded;
-mod run;
+mod recording;
+mod runs;
 mod scene;
-mod signals;
-mod steps;
-mod variable;
 
 use pyo3::prelude::*;
+use recording::{constant, recorded, variable};
+use runs::{ensemble, run, steps};
 
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -2,7 +2,7 @@
 
 use crate::faults::value_error;
 use crate::number::{Number, Pair};
-use crate::recorded::Recorded;
+use crate::recording::recorded::Recorded;
 use equip::autodiff::{Evaluate, RecordedEvaluator};
 use equip::prelude::*;
 use equip::solver::{Fixed, Tolerance};

@@ -1,7 +1,7 @@
 //! Scenes: named Hamiltonians with a start and a time scale.
 
 use crate::faults::value_error;
-use crate::recorded::Recorded;
+use crate::recording::recorded::Recorded;
 use equip::prelude::DoubleDouble;
 use equip::scenes;
 use pyo3::prelude::*;

@@ -153,6 +153,8 @@ def test_pickles():
     assert again.shape == (3,) and again([1, 2, 3], [0, 0, 0]) == 14
     scene = pickle.loads(pickle.dumps(equip.scenes.kepler(e=0.3)))
     assert scene.parameters["e"] == "0.3" and np.array_equal(scene.q0, [0.7, 0])
+    with pytest.raises(TypeError, match="pickle the scene"):
+        pickle.dumps(scene.invariants["angular momentum"])
 
 
 def test_repr():

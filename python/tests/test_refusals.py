@@ -110,7 +110,6 @@ REFUSALS = {
     "np.linalg.inv": (lambda q, p: np.linalg.inv(np.outer(q, q))[0, 0], "the function inv" + MAY_USE),
     "np.linalg.solve": (lambda q, p: np.linalg.solve(np.eye(2), q).sum(), "the function solve" + MAY_USE),
     "np.interp": (lambda q, p: np.interp(q[0], [0, 1], [1, 2]), "the function interp" + MAY_USE),
-    "np.fft": (lambda q, p: np.fft.fft(q).sum(), "the function fft" + MAY_USE),
     "array": (
         lambda q, p: q,
         "H(q, p) must return one number; it returned an array of shape (2,): sum over it, for instance with .sum() or @",

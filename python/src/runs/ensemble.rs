@@ -2,8 +2,8 @@
 
 use crate::faults::of_run;
 use crate::options::{Options, WithIntegrator};
-use crate::recorded::Recorded;
-use crate::signals::PATIENCE;
+use crate::recording::recorded::Recorded;
+use crate::runs::signals::PATIENCE;
 use equip::prelude::*;
 use equip::solver::{Fixed, StepSizes, Tolerance};
 use numpy::IntoPyArray;

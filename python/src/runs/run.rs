@@ -1,11 +1,11 @@
 //! Whole runs: the GIL is free while steps are made.
 
-use crate::certificate::certificate;
 use crate::faults::{of_run, value_error};
 use crate::number::{Number, Pair};
 use crate::options::{Options, WithIntegrator};
-use crate::recorded::Recorded;
-use crate::signals::Signals;
+use crate::recording::recorded::Recorded;
+use crate::runs::certificate::certificate;
+use crate::runs::signals::Signals;
 use equip::autodiff::Evaluate;
 use equip::prelude::*;
 use equip::solver::{Fixed, StepSizes, Tolerance};

@@ -1,9 +1,9 @@
 //! [`Steps`]: a run one step at a time, with deviations carried along.
 
-use crate::certificate::certificate;
 use crate::faults::of_run;
 use crate::options::{Options, WithIntegrator};
-use crate::recorded::Recorded;
+use crate::recording::recorded::Recorded;
+use crate::runs::certificate::certificate;
 use equip::autodiff::RecordedEvaluator;
 use equip::prelude::*;
 use equip::solver::{Fixed, Tolerance};

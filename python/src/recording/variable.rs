@@ -1,6 +1,6 @@
 //! [`Variable`]: a component of q or p, or what is computed of them, while H(q, p) is recorded.
 
-use crate::constant::constant;
+use crate::recording::constant::constant;
 use equip::prelude::{DoubleDouble, Var};
 use pyo3::basic::CompareOp;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError};

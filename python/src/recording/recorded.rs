@@ -1,8 +1,8 @@
 //! [`Recorded`]: a function of (q, p) recorded from a Python callable, or that of a scene.
 
-use crate::constant::constant;
 use crate::faults::value_error;
-use crate::variable::{Begun, Variable};
+use crate::recording::constant::constant;
+use crate::recording::variable::{Begun, Variable};
 use equip::autodiff::{Evaluate, RecordedEvaluator};
 use equip::prelude::{Hamiltonian, System, Var};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
