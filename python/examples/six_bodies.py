@@ -4,8 +4,8 @@ import numpy as np
 
 import equip
 
-# Sun, Jupiter, Saturn, Uranus, Neptune, Pluto: AU, days, solar masses. Hairer, Lubich, Wanner, Geometric Numerical
-# Integration, I.2.4; started here on circles in one plane.
+# Sun, Jupiter, Saturn, Uranus, Neptune, Pluto: AU, days, solar masses. Hairer, Lubich, Wanner, Geometric
+# Numerical Integration, I.2.4; started here on circles in one plane.
 G = 2.95912208286e-4
 masses = np.array(
     [1.00000597682, 9.54786104043e-4, 2.85583733151e-4, 4.37273164546e-5, 5.17759138449e-5, 7.7e-9]
