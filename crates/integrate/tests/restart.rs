@@ -10,6 +10,7 @@ use equip_integrate::{
 };
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
+use std::ops::ControlFlow;
 
 fn scene(name: &str, values: &[(&str, &str)]) -> Instance {
     equip_scenes::find(name).unwrap().instance(values).unwrap()
@@ -224,6 +225,29 @@ fn whole_runs_of_one_preparation_are_those_of_many() {
         };
         assert_eq!(states(&again), states(&fresh));
     }
+}
+
+#[test]
+fn an_observer_ends_a_prepared_run_and_the_next_is_whole() {
+    let kepler = scene("kepler", &[("e", "0.6")]);
+    let h = kepler.hamiltonian();
+    let (q, p) = kepler.initial::<f64>();
+    let options = Equip::stages(4).step(0.125);
+    let mut prepared = options.prepare(h).unwrap();
+    let mut seen = 0;
+    let mut watch = |_: &StepView<'_, f64>| {
+        seen += 1;
+        match seen {
+            3 => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
+        }
+    };
+    let run = prepared.integrate_observed(&q, &p, 0.0..=20.0, &mut watch);
+    let run = run.unwrap();
+    assert!(run.stopped() && run.last().0 == 0.375);
+    let whole = prepared.integrate(&q, &p, 0.0..=20.0).unwrap();
+    let fresh = options.integrate(h, &q, &p, 0.0..=20.0).unwrap();
+    assert_eq!(whole.last(), fresh.last());
 }
 
 /// Measured: a start beside a step of Kepler's problem; run with

@@ -2,7 +2,7 @@
 
 use crate::error::IntegrateError;
 use crate::options::integrator::Integrator;
-use crate::runs::observer::NoObserver;
+use crate::runs::observer::{NoObserver, Observer};
 use crate::runs::run::{Run, RunFailure};
 use crate::steppers::sizes::{Advance, StepSizes};
 use equip_autodiff::System;
@@ -74,12 +74,25 @@ impl<T: Float, S: StepSizes<T>, H: System> Prepared<T, S, H> {
         p0: &[T],
         interval: RangeInclusive<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
+        self.integrate_observed(q0, p0, interval, &mut NoObserver)
+    }
+
+    /// The same, with an observer that sees every step and may end the run.
+    ///
+    /// # Errors
+    /// [`RunFailure`], which carries the part that was made.
+    pub fn integrate_observed(
+        &mut self,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+        observer: &mut impl Observer<T>,
+    ) -> Result<Run<T>, RunFailure<T>> {
         let (t0, t1) = interval.into_inner();
         self.integrator.options.check_times(t0, t1)?;
         self.stepper.begin((q0, p0), t0, Some(t1))?;
         let (system, stepper) = (&self.system, &mut self.stepper);
-        self.integrator
-            .run(system, stepper, t1, None, &mut NoObserver)
+        self.integrator.run(system, stepper, t1, None, observer)
     }
 
     /// The Hamiltonian.

@@ -1,0 +1,36 @@
+"""Energy-conserving integration of Hamiltonian systems from the scalar H(q, p) alone."""
+
+from . import scenes
+from ._certificate import Certificate, Counts, Defect, VariableSteps
+from ._ensemble import Ensemble, ensemble
+from ._hamiltonian import Hamiltonian
+from ._methods import Equip, FixedAlpha, Gauss
+from ._native import IntegrationError, __version__
+from ._numbers import DoubleDouble
+from ._solution import Solution, load
+from ._solve import solve
+from ._steps import Step, Steps, steps, suggest_step
+
+__all__ = [
+    "Certificate",
+    "Counts",
+    "Defect",
+    "DoubleDouble",
+    "Ensemble",
+    "Equip",
+    "FixedAlpha",
+    "Gauss",
+    "Hamiltonian",
+    "IntegrationError",
+    "Solution",
+    "Step",
+    "Steps",
+    "VariableSteps",
+    "__version__",
+    "ensemble",
+    "load",
+    "scenes",
+    "solve",
+    "steps",
+    "suggest_step",
+]

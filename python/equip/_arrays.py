@@ -1,0 +1,197 @@
+"""Arrays of variables, as H(q, p) receives them: what NumPy does to them is recorded, or refused in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, Optional
+
+import numpy as np
+
+from ._native import Variable
+
+COMPARED = (
+    "variables of H cannot be compared: H(q, p) is called once, before any state is known, to record its "
+    "formula. Use np.minimum, np.maximum, np.clip or abs() on q and p, or choose between two Hamiltonians "
+    "outside H"
+)
+STORED = (
+    "variables of H cannot be stored in an array of numbers: collect them with np.stack or in a list, or "
+    "make the array with dtype=object"
+)
+
+COMPLEX = "H is real: use no complex numbers in it"
+
+
+def unavailable(name: str) -> TypeError:
+    return TypeError(
+        f"the function {name} cannot be recorded: H may use + - * / ** @, sums, products, einsum, norms, "
+        "exponentials, logarithms, trigonometric and hyperbolic functions, np.arctan2, np.hypot, np.minimum, "
+        "np.maximum, np.clip and abs() of q and p, and any function of numbers alone"
+    )
+
+
+class Variables(np.ndarray):
+    """An array of variables of H."""
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **keywords: Any) -> Any:
+        return apply(ufunc, method, inputs, keywords)
+
+    def __array_function__(self, function: Any, types: Any, arguments: Any, keywords: Any) -> Any:
+        return call(function, arguments, keywords)
+
+
+def variables(flat: list[Variable], shape: tuple[int, ...]) -> Variables:
+    """`flat` in the given shape."""
+    array = np.empty(len(flat), dtype=object)
+    array[:] = flat
+    return array.reshape(shape).view(Variables)
+
+
+def _is_variable(x: Any) -> bool:
+    return isinstance(x, Variable)
+
+
+def _minimum(x: Any, y: Any) -> Any:
+    if _is_variable(x):
+        return x.minimum(y)
+    return y.minimum(x) if _is_variable(y) else min(x, y)
+
+
+def _maximum(x: Any, y: Any) -> Any:
+    if _is_variable(x):
+        return x.maximum(y)
+    return y.maximum(x) if _is_variable(y) else max(x, y)
+
+
+def _clip(x: Any, low: Any, high: Any) -> Any:
+    return _minimum(_maximum(x, low), high)
+
+
+def _arctan2(y: Any, x: Any) -> Any:
+    if _is_variable(y):
+        return y.arctan2(x)
+    return x.arctan2_of(y) if _is_variable(x) else math.atan2(y, x)
+
+
+def _hypot(x: Any, y: Any) -> Any:
+    if _is_variable(x):
+        return x.hypot(y)
+    return y.hypot(x) if _is_variable(y) else math.hypot(x, y)
+
+
+def _function(python: Callable[..., Any], arguments: int) -> np.ufunc:
+    function: np.ufunc = np.frompyfunc(python, arguments, 1, identity=None)
+    return function
+
+
+_MINIMUM, _MAXIMUM, _CLIP = _function(_minimum, 2), _function(_maximum, 2), _function(_clip, 3)
+
+#: What NumPy does by comparing, or by a method of the first argument only, and what is done instead.
+_INSTEAD: dict[Any, np.ufunc] = {
+    np.minimum: _MINIMUM,
+    np.fmin: _MINIMUM,
+    np.maximum: _MAXIMUM,
+    np.fmax: _MAXIMUM,
+    np.arctan2: _function(_arctan2, 2),
+    np.hypot: _function(_hypot, 2),
+    np.float_power: np.power,
+    np.radians: np.deg2rad,
+    np.degrees: np.rad2deg,
+}
+
+_COMPARISONS = {
+    np.greater, np.greater_equal, np.less, np.less_equal, np.equal, np.not_equal, np.sign, np.heaviside,
+    np.logical_and, np.logical_or, np.logical_not, np.logical_xor, np.isnan, np.isfinite, np.isinf,
+    np.signbit,
+}  # fmt: skip
+
+_RECORDED = {
+    "add", "subtract", "multiply", "divide", "negative", "positive", "absolute", "fabs", "square",
+    "reciprocal",
+    "power", "sqrt", "exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "sin", "cos", "tan", "arcsin",
+    "arccos", "arctan", "sinh", "cosh", "tanh", "deg2rad", "rad2deg", "conjugate", "matmul", "vecdot",
+    "matvec", "vecmat",
+}  # fmt: skip
+
+
+def _exact(x: Any) -> Any:
+    """A long double as a fraction: NumPy would ask it for the product with a variable, and it NumPy."""
+    return Fraction(*x.as_integer_ratio()) if np.isfinite(x) else float(x)
+
+
+def _plain(x: Any) -> Any:
+    """An array that NumPy works on element by element."""
+    kind = getattr(x, "dtype", None)
+    if kind == np.longdouble and kind != np.float64:
+        numbers = np.array([_exact(number) for number in np.ravel(x)], dtype=object)
+        return numbers.reshape(np.shape(x))
+    if kind is not None and kind.kind == "c":
+        raise TypeError(COMPLEX)
+    if isinstance(x, Variables):
+        return x.view(np.ndarray)
+    if _is_variable(x):
+        array = np.empty((), dtype=object)
+        array[()] = x
+        return array
+    return x
+
+
+def _dressed(x: Any) -> Any:
+    if isinstance(x, tuple):
+        return tuple(_dressed(part) for part in x)
+    if isinstance(x, list):
+        return [_dressed(part) for part in x]
+    if isinstance(x, np.ndarray) and x.dtype == object:
+        return x[()] if x.ndim == 0 else x.view(Variables)
+    return x
+
+
+def apply(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], keywords: Optional[dict[str, Any]]) -> Any:
+    """A ufunc on operands of which at least one is a variable or an array of them."""
+    if ufunc in _COMPARISONS:
+        raise TypeError(COMPARED)
+    used = _INSTEAD.get(ufunc, ufunc)
+    if ufunc.__name__ == "clip":
+        used = _CLIP
+    elif used is ufunc and ufunc.__name__ not in _RECORDED:
+        raise unavailable(ufunc.__name__)
+    options = dict(keywords or {})
+    targets = options.pop("out", None)
+    if targets is not None:
+        for target in targets:
+            if isinstance(target, np.ndarray) and target.dtype != object:
+                raise TypeError(STORED)
+        options["out"] = tuple(_plain(target) for target in targets)
+    result = getattr(used, method)(*(_plain(x) for x in inputs), **options)
+    if targets is not None and len(targets) == 1:
+        return targets[0]
+    return _dressed(result)
+
+
+def _arrays(x: Any) -> Any:
+    """Variables as arrays without an axis, wherever they stand in the arguments of a function."""
+    if _is_variable(x):
+        return _plain(x).view(Variables)
+    if isinstance(x, (tuple, list)):
+        return type(x)(_arrays(part) for part in x) if type(x) in (tuple, list) else x
+    return x
+
+
+_EMPTY = np.empty(0, dtype=object).view(Variables)
+
+
+def call(function: Any, arguments: tuple[Any, ...], keywords: dict[str, Any]) -> Any:
+    """A function of NumPy with variables among its arguments."""
+    given = {name: _arrays(x) for name, x in keywords.items()}
+    try:
+        result = np.ndarray.__array_function__(
+            _EMPTY, function, (Variables,), _arrays(tuple(arguments)), given
+        )
+    except TypeError as error:
+        text = str(error)
+        if "of H" in text or "recorded" in text:
+            raise
+        raise unavailable(function.__name__) from error
+    return _dressed(result)

@@ -1,0 +1,150 @@
+"""`Certificate`: what a run kept, measured."""
+
+from __future__ import annotations
+
+import html
+from dataclasses import asdict, dataclass
+from typing import Any, Optional
+
+
+@dataclass(frozen=True)
+class Defect:
+    """How far a quantity has strayed from its value at the start, in its own unit."""
+
+    name: str
+    start: float
+    #: Largest absolute difference over all steps.
+    max: float
+    #: Difference at the last step.
+    end: float
+
+
+@dataclass(frozen=True)
+class VariableSteps:
+    """What step control did."""
+
+    tolerance: float
+    smallest: float
+    largest: float
+    #: Steps refused because their error estimate was too large, and because they could not be solved.
+    rejected: int
+    failed: int
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Counts of work. Equal runs have equal counts on every machine."""
+
+    steps: int
+    carried: int
+    sweeps: int
+    newton_iterations: int
+    taken_over: int
+    factorisations: int
+    simplified_factorisations: int
+    gradients: int
+    hessians: int
+    energies: int
+    directions: int
+    alpha_moves: int
+    local_errors: int
+    halvings: int
+    output_steps: int
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
+
+    Times are in the unit of time of H, defects in that of their quantity, `seconds` are those of the wall
+    clock. `str` is the text that the command line program prints; notebooks show a table.
+    """
+
+    method: str
+    #: "f64" or "dd".
+    precision: str
+    #: The fixed step; of variable steps the mean.
+    step: float
+    variable_steps: Optional[VariableSteps]
+    start: float
+    end: float
+    #: H at the start, H - H(start) over the run; None if it was not measured.
+    energy: Optional[Defect]
+    #: Largest defect in units of its round-off floor, over the steps that solved for the energy.
+    energy_in_floors: Optional[float]
+    invariants: tuple[Defect, ...]
+    #: Smallest and largest α_1 ... α_{s-1} used; empty if none was solved for.
+    alpha_range: tuple[tuple[float, float], ...]
+    #: Largest Lyapunov exponent, per unit of time, and MEGNO, if a deviation was followed.
+    lyapunov: Optional[float]
+    megno: Optional[float]
+    counts: Counts
+    #: Steps by outcome.
+    outcomes: dict[str, int]
+    #: Whether every step kept the energy to round-off.
+    energy_kept_on_every_step: bool
+    seconds: float
+    text: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields as numbers, texts, lists and dicts, ready for JSON."""
+        return {
+            **asdict(self),
+            "invariants": [asdict(i) for i in self.invariants],
+            "alpha_range": [list(r) for r in self.alpha_range],
+        }
+
+    def __str__(self) -> str:
+        return self.text
+
+    def _repr_html_(self) -> str:
+        def row(line: str) -> str:
+            label, _, value = line.strip().partition("  ")
+            cells = (f"<td>{html.escape(text.strip())}</td>" for text in (label, value))
+            return f"<tr>{''.join(cells)}</tr>"
+
+        return f"<table>{''.join(row(line) for line in self.text.splitlines())}</table>"
+
+    @classmethod
+    def _of(cls, found: dict[str, Any]) -> Certificate:
+        """Of what the native part hands over."""
+        names = Counts.__dataclass_fields__
+        return cls(
+            counts=Counts(**{name: found[name] for name in names}),
+            energy=Defect(*found["energy"]) if found["energy"] else None,
+            invariants=tuple(Defect(*defect) for defect in found["invariants"]),
+            variable_steps=VariableSteps(*found["variable_steps"]) if found["variable_steps"] else None,
+            alpha_range=tuple(found["alpha_range"]),
+            outcomes={name: count for name, count in found["outcomes"] if count},
+            **{
+                name: found[name]
+                for name in (
+                    "method",
+                    "precision",
+                    "step",
+                    "start",
+                    "end",
+                    "energy_in_floors",
+                    "lyapunov",
+                    "megno",
+                    "energy_kept_on_every_step",
+                    "seconds",
+                    "text",
+                )
+            },
+        )
+
+    @classmethod
+    def _from_dict(cls, stored: dict[str, Any]) -> Certificate:
+        """What `to_dict` has written."""
+        steps, energy = stored["variable_steps"], stored["energy"]
+        return cls(
+            **{
+                **stored,
+                "counts": Counts(**stored["counts"]),
+                "energy": Defect(**energy) if energy else None,
+                "invariants": tuple(Defect(**defect) for defect in stored["invariants"]),
+                "variable_steps": VariableSteps(**steps) if steps else None,
+                "alpha_range": tuple((low, high) for low, high in stored["alpha_range"]),
+            }
+        )

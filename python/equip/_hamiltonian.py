@@ -1,0 +1,164 @@
+"""`Hamiltonian`: the energy, recorded from a function of q and p."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Union
+
+import numpy as np
+
+from . import _arrays, _native
+from ._numbers import Floats, Shape, shape_of
+
+Function = Callable[[Any, Any], Any]
+
+
+def _scalar(found: Any) -> Any:
+    """What H returned, if it is one number."""
+    if isinstance(found, np.ndarray):
+        if found.shape:
+            raise TypeError(
+                f"H(q, p) must return one number; it returned an array of shape {found.shape}: sum over it, "
+                "for instance with .sum() or @"
+            )
+        return found[()]
+    return found
+
+
+class Hamiltonian:
+    """The scalar energy H(q, p) of a system, and its derivatives.
+
+    `function(q, p)` is called once, here, with arrays of variables, and its formula is recorded: the arrays
+    it captures are read now, and changing them later changes nothing. Its derivatives are exact to
+    rounding, and all evaluations run as machine code, without Python.
+
+    Parameters
+    ----------
+    function
+        H as a function of positions q and momenta p, two arrays of the given shape. It may use operators,
+        NumPy functions, `@`, `np.einsum`, `np.linalg.norm`, loops, and captured numbers and arrays.
+        Constants with more digits than a double has are given as `Fraction`, `Decimal` or text. It must not
+        branch on q and p.
+    shape
+        The shape of q, which is that of p: `2` for a plane, `(6, 3)` for six bodies in space.
+
+    Raises
+    ------
+    TypeError
+        If the function compares variables, converts them to numbers or stores them as such. The traceback
+        ends in the line that does so.
+    ValueError
+        If a constant is infinite or not a number.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> kepler = Hamiltonian(lambda q, p: 0.5 * p @ p - 1 / np.sqrt(q @ q), shape=2)
+    >>> kepler([2.0, 0.0], [0.0, 0.5])
+    -0.375
+    """
+
+    def __init__(self, function: Function, shape: Union[int, Shape]) -> None:
+        axes = shape_of(shape)
+        if not callable(function):
+            raise TypeError("the first argument is the energy: a function of q and p")
+
+        def call(q: list[_native.Variable], p: list[_native.Variable]) -> Any:
+            return _scalar(function(_arrays.variables(q, axes), _arrays.variables(p, axes)))
+
+        self._function: Any = function
+        self._shape = axes
+        self._recorded = _native.Recorded(call, int(np.prod(axes)))
+
+    @property
+    def shape(self) -> Shape:
+        """The shape of q and of p."""
+        return self._shape
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """The number m of positions."""
+        return self._recorded.degrees_of_freedom
+
+    @property
+    def separable(self) -> bool:
+        """Whether H = T(p) + U(q)."""
+        return self._recorded.separable
+
+    @property
+    def quadratic(self) -> bool:
+        """Whether H has degree at most two: every method then keeps it."""
+        degree = self._recorded.degree
+        return degree is not None and degree <= 2
+
+    @property
+    def operations(self) -> int:
+        """Operations of one evaluation of H, repeated ones counted once."""
+        return self._recorded.operations
+
+    @property
+    def gradient_operations(self) -> int:
+        """Operations of one evaluation of the gradient."""
+        return self._recorded.gradient_operations
+
+    def _states(self, q: Any, p: Any) -> tuple[Floats, Shape]:
+        """States (q, p), flat, and the axes before those of one state."""
+        q, p = np.asarray(q, dtype=float), np.asarray(p, dtype=float)
+        axes = len(self._shape)
+        for name, x in (("q", q), ("p", p)):
+            if x.shape[x.ndim - axes :] != self._shape or x.ndim < axes:
+                raise ValueError(
+                    f"{name} has shape {x.shape}, but this Hamiltonian needs {self._shape}, "
+                    "after any further axes"
+                )
+        batch = np.broadcast_shapes(q.shape[: q.ndim - axes], p.shape[: p.ndim - axes])
+        m = self.degrees_of_freedom
+        q, p = (np.broadcast_to(x, batch + self._shape).reshape(*batch, m) for x in (q, p))
+        return np.concatenate([q, p], axis=-1).ravel(), batch
+
+    def __call__(self, q: Any, p: Any) -> Any:
+        """H, in its own unit: a number, or an array if q and p have axes before those of `shape`."""
+        y, batch = self._states(q, p)
+        values = self._recorded.values(y).reshape(batch)
+        return values if batch else float(values)
+
+    def gradient(self, q: Any, p: Any) -> tuple[Floats, Floats]:
+        """(∂H/∂q, ∂H/∂p), each of the shape of q, after any further axes."""
+        y, batch = self._states(q, p)
+        gradients = self._recorded.gradients(y).reshape(*batch, 2, *self._shape)
+        return gradients[(..., 0) + (slice(None),) * len(self._shape)], gradients[
+            (..., 1) + (slice(None),) * len(self._shape)
+        ]
+
+    def hessian(self, q: Any, p: Any) -> Floats:
+        """∇²H, 2m × 2m, by the components of q.ravel() and then those of p.ravel(), after any further
+        axes."""
+        y, batch = self._states(q, p)
+        n = 2 * self.degrees_of_freedom
+        return self._recorded.hessians(y).reshape(*batch, n, n)
+
+    def __repr__(self) -> str:
+        kind = "quadratic" if self.quadratic else "separable" if self.separable else "not separable"
+        return f"<Hamiltonian of shape {self._shape}, {kind}, {self.operations} operations>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._function is None:
+            raise TypeError("this quantity belongs to a scene: pickle the scene")
+        return Hamiltonian, (self._function, self._shape)
+
+
+def recorded_quantity(function: Any, shape: Shape, name: str) -> _native.Recorded:
+    """An invariant: a function of q and p, or a Hamiltonian."""
+    quantity = function if isinstance(function, Hamiltonian) else Hamiltonian(function, shape)
+    if quantity.degrees_of_freedom != int(np.prod(shape)):
+        raise ValueError(f"{name} is made for shape {quantity.shape}, but this Hamiltonian has {shape}")
+    return quantity._recorded
+
+
+def recorded_event(function: Callable[[Any, Any, Any], Any], shape: Shape) -> _native.Recorded:
+    """g(t, q, p) as a function of positions (t, q) and momenta (0, p)."""
+
+    def call(q: list[_native.Variable], p: list[_native.Variable]) -> Any:
+        return _scalar(function(q[0], _arrays.variables(q[1:], shape), _arrays.variables(p[1:], shape)))
+
+    return _native.Recorded(call, int(np.prod(shape)) + 1)

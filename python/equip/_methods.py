@@ -1,0 +1,87 @@
+"""Methods: members of the Gauss family of Runge-Kutta methods."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, Union
+
+from ._numbers import pair
+
+_PRECONDITIONERS = ("automatic", "identity", "diagonal", "frozen", "full")
+
+
+def _chosen(name: str, value: str, words: tuple[str, ...]) -> str:
+    """`value`, which must be one of the words."""
+    if value not in words:
+        raise ValueError(f"{name} is {value!r}; it must be {' or '.join(map(repr, words))}")
+    return value
+
+
+def _options(family: str, stages: int, preconditioner: str) -> dict[str, Any]:
+    return {
+        "family": family,
+        "stages": int(stages),
+        "alpha": (0.0, 0.0),
+        "reach": "within error",
+        "alpha_bound": 0.05,
+        "preconditioner": _chosen("preconditioner", preconditioner, _PRECONDITIONERS),
+    }
+
+
+@dataclass(frozen=True)
+class Equip:
+    """Gauss methods of order 2s whose parameters α are solved for at every step, so that H is kept.
+
+    Parameters
+    ----------
+    stages
+        s, from 2 to 32.
+    alphas
+        Which α's are free: "all", or the "last" one only.
+    reach
+        How far the α's may move the end point of a step to keep the energy: "within error" of the step,
+        "always", or "refuse", which ends the run where "within error" would leave a defect to a later step.
+    alpha_bound
+        Largest |α|, dimensionless.
+    preconditioner
+        How the stages are iterated; the solution is the same.
+    """
+
+    stages: int = 8
+    alphas: Literal["all", "last"] = "all"
+    reach: Literal["within error", "always", "refuse"] = "within error"
+    alpha_bound: float = 0.05
+    preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
+
+    def _options(self) -> dict[str, Any]:
+        family = "equip" if _chosen("alphas", self.alphas, ("all", "last")) == "all" else "equip-last"
+        options = _options(family, self.stages, self.preconditioner)
+        reach = _chosen("reach", self.reach, ("within error", "always", "refuse"))
+        return {**options, "reach": reach, "alpha_bound": float(self.alpha_bound)}
+
+
+@dataclass(frozen=True)
+class Gauss:
+    """Gauss-Legendre collocation of order 2s: quadratic invariants are kept, the energy is not."""
+
+    stages: int = 8
+    preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
+
+    def _options(self) -> dict[str, Any]:
+        return _options("gauss", self.stages, self.preconditioner)
+
+
+@dataclass(frozen=True)
+class FixedAlpha:
+    """The symplectic method of order 2s - 2 whose last α is `alpha` (dimensionless) in every step."""
+
+    stages: int
+    alpha: Any
+    preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
+
+    def _options(self) -> dict[str, Any]:
+        options = _options("fixed-alpha", self.stages, self.preconditioner)
+        return {**options, "alpha": pair(self.alpha, "alpha")}
+
+
+Method = Union[Equip, Gauss, FixedAlpha]

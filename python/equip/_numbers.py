@@ -1,0 +1,78 @@
+"""Numbers from Python: doubles, and what has more digits, as unevaluated sums of two doubles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+
+Floats = NDArray[np.float64]
+Shape = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class DoubleDouble:
+    """An array of numbers with 31 digits: `high + low`, of which `high` is the nearest doubles."""
+
+    high: Floats
+    low: Floats
+
+
+def shape_of(shape: Union[int, Shape]) -> Shape:
+    """`shape` as a tuple of positive integers."""
+    axes = tuple(int(n) for n in (shape if isinstance(shape, tuple) else (shape,)))
+    if not axes or min(axes) < 1:
+        raise ValueError(
+            f"shape is {shape}; it must be the shape of q: a positive integer or a tuple of such"
+        )
+    return axes
+
+
+def pairs(x: Any, name: str) -> tuple[Floats, Floats]:
+    """`x` as two arrays of doubles whose sum it is: exactly, or to 31 digits where it is a fraction or a
+    decimal."""
+    if isinstance(x, DoubleDouble):
+        high, low = np.asarray(x.high, dtype=float), np.asarray(x.low, dtype=float)
+        if high.shape != low.shape:
+            raise ValueError(
+                f"the parts of {name} have shapes {high.shape} and {low.shape}; they must be equal"
+            )
+        return high, low
+    array = np.asarray(x)
+    kind = array.dtype.kind
+    if kind == "c":
+        raise ValueError(f"{name} is complex; it must be real")
+    if kind in "biu" or array.dtype in (np.float64, np.float32, np.float16):
+        high = array.astype(float)
+        low = (array - high.astype(array.dtype)).astype(float) if kind in "iu" else np.zeros(array.shape)
+        return high, low
+    try:
+        split = (
+            [_native.split(number) for number in array.astype(object).ravel().tolist()]
+            if kind in "OUS"
+            else [_native.split(number) for number in array.ravel()]
+        )
+    except TypeError as error:
+        raise ValueError(f"{name}: {error}") from error
+    both = np.array(split, dtype=float).reshape((*array.shape, 2))
+    return both[..., 0].copy(), both[..., 1].copy()
+
+
+def pair(x: Any, name: str) -> tuple[float, float]:
+    """One number as two doubles whose sum it is."""
+    high, low = pairs(x, name)
+    if high.shape != ():
+        raise ValueError(f"{name} has shape {high.shape}; it must be one number")
+    return float(high), float(low)
+
+
+def state(x: Any, shape: Shape, name: str) -> tuple[list[float], list[float]]:
+    """A position or a momentum of the given shape, flat."""
+    high, low = pairs(x, name)
+    if high.shape != shape:
+        raise ValueError(f"{name} has shape {high.shape}, but this Hamiltonian needs {shape}")
+    return high.ravel().tolist(), low.ravel().tolist()

@@ -1,0 +1,75 @@
+"""`Scene`: a named Hamiltonian with a start."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+
+from . import _native
+from ._hamiltonian import Hamiltonian
+from ._numbers import DoubleDouble, Floats
+
+
+class Scene(Hamiltonian):
+    """A named Hamiltonian with a start. Positions and momenta have the shape (m,).
+
+    Attributes
+    ----------
+    name, title, formula, source, solution, hard
+        Texts: what it is, where it comes from, which solutions are known, and where it becomes hard.
+    parameters
+        The values of the parameters, as text.
+    q0, p0
+        The start, (m,).
+    period
+        The natural unit of time.
+    step, end
+        A fixed step that resolves the motion with order 8, and an end worth a picture.
+    invariants
+        What is kept besides H, by name: Hamiltonians, for `invariants` of `equip.solve`.
+    """
+
+    def __init__(self, name: str, parameters: dict[str, Any]) -> None:
+        found = _native.scene(
+            name, [(key.replace("_", "-"), str(value)) for key, value in parameters.items()]
+        )
+        self._name, self._given, self._found = name, parameters, found
+        self._function = None
+        self._recorded = found["hamiltonian"]
+        self._shape = (self._recorded.degrees_of_freedom,)
+        self.name = name
+        self.title: str = found["title"]
+        self.formula: str = found["formula"]
+        self.source: str = found["source"]
+        self.solution: str = found["solution"]
+        self.hard: str = found["hard"]
+        self.parameters: dict[str, str] = dict(found["parameters"])
+        self.q0: Floats = np.array(found["start"][0])
+        self.p0: Floats = np.array(found["start"][1])
+        self.period: float = found["period"]
+        self.step: float = found["step"]
+        self.end: float = found["end"]
+        self.invariants: dict[str, Hamiltonian] = {
+            name: _quantity(recorded, self._shape) for name, recorded in found["invariants"]
+        }
+
+    def start(self, precision: Literal["f64", "dd"] = "f64") -> tuple[Any, Any]:
+        """(q0, p0): arrays of floats, or with "dd" `equip.DoubleDouble`s, computed with 31 digits."""
+        if precision == "f64":
+            return self.q0, self.p0
+        q, p = ((np.array(high), np.array(low)) for high, low in (self._found["q"], self._found["p"]))
+        return DoubleDouble(*q), DoubleDouble(*p)
+
+    def __repr__(self) -> str:
+        given = ", ".join(f"{name}={value}" for name, value in self.parameters.items())
+        return f"<scene {self.name.replace('-', '_')}({given}): {self.formula}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Scene, (self._name, self._given)
+
+
+def _quantity(recorded: _native.Recorded, shape: tuple[int, ...]) -> Hamiltonian:
+    quantity = Hamiltonian.__new__(Hamiltonian)
+    quantity._function, quantity._recorded, quantity._shape = None, recorded, shape
+    return quantity

@@ -1,0 +1,222 @@
+"""`Solution`: what a run leaves."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from os import PathLike
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._certificate import Certificate
+from ._numbers import Floats, Shape
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The states of a run, and what it kept. Times and states are in the units of H.
+
+    Attributes
+    ----------
+    t
+        Times, (n,).
+    y
+        States, (n, 2m): the components of q.ravel() and then those of p.ravel().
+    energy_defect
+        H - H(start), (n,); empty if it was not measured.
+    outcome
+        How the step before each state ended, (n,); empty with `t_eval`.
+    t_events, y_events
+        Times (k,) and states (k, 2m) of the roots of each event, in the order of the events.
+    success
+        Whether the end, or a terminal event, was reached.
+    message
+        In words; if a step could not be made, why, and what to change.
+    certificate
+        What was kept, measured.
+    """
+
+    shape: Shape
+    t: Floats
+    y: Floats
+    energy_defect: Floats
+    outcome: np.ndarray[Any, Any]
+    t_events: tuple[Floats, ...]
+    y_events: tuple[Floats, ...]
+    success: bool
+    message: str
+    certificate: Certificate
+    #: What double-double has below `t` and `y`; zero in a run in doubles.
+    t_low: Floats = field(repr=False)
+    y_low: Floats = field(repr=False)
+    _curve: Optional[_native.Curve] = field(default=None, repr=False)
+
+    def _part(self, y: Floats, part: int) -> Floats:
+        """Positions (0) or momenta (1) of states."""
+        m = self.y.shape[-1] // 2
+        return y[..., part * m : (part + 1) * m].reshape(*y.shape[:-1], *self.shape)
+
+    @property
+    def q(self) -> Floats:
+        """Positions, (n, *shape)."""
+        return self._part(self.y, 0)
+
+    @property
+    def p(self) -> Floats:
+        """Momenta, (n, *shape)."""
+        return self._part(self.y, 1)
+
+    @property
+    def q_low(self) -> Floats:
+        """What double-double has below `q`."""
+        return self._part(self.y_low, 0)
+
+    @property
+    def p_low(self) -> Floats:
+        """What double-double has below `p`."""
+        return self._part(self.y_low, 1)
+
+    def q_text(self, digits: int = 31) -> np.ndarray[Any, Any]:
+        """Positions as decimals with so many significant digits, (n, *shape)."""
+        return _text(self.q, self.q_low, digits)
+
+    def p_text(self, digits: int = 31) -> np.ndarray[Any, Any]:
+        """Momenta as decimals with so many significant digits, (n, *shape)."""
+        return _text(self.p, self.p_low, digits)
+
+    def sol(self, t: Any) -> tuple[Floats, Floats]:
+        """(q, p) at any time of the run, each of the shape of `t` and then `shape`. Asks for
+        `dense_output=True`.
+
+        Raises
+        ------
+        ValueError
+            Without dense output, and for a time outside the run.
+        """
+        if self._curve is None:
+            raise ValueError("the run has no dense output: solve with dense_output=True")
+        times = np.asarray(t, dtype=float)
+        states = self._curve.at(times.ravel()).reshape(*times.shape, self.y.shape[-1])
+        return self._part(states, 0), self._part(states, 1)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the motion: p against q with one degree of freedom, paths in the plane of the first two
+        coordinates where the last axis of q has two or more, else every q against time. Returns the axes of
+        matplotlib."""
+        ax = _axes(ax)
+        q = self.q
+        if self.shape == (1,):
+            ax.plot(q[:, 0], self.p[:, 0])
+            ax.set(xlabel="q", ylabel="p")
+        elif self.shape[-1] in (2, 3):
+            bodies = q.reshape(len(q), -1, self.shape[-1])
+            for body in range(bodies.shape[1]):
+                ax.plot(bodies[:, body, 0], bodies[:, body, 1])
+            ax.set(xlabel="x", ylabel="y", aspect="equal")
+        else:
+            ax.plot(self.t, q.reshape(len(q), -1))
+            ax.set(xlabel="t", ylabel="q")
+        return ax
+
+    def plot_energy(self, ax: Any = None) -> Any:
+        """Draws |H - H(start)| against time, on a logarithmic axis. Returns the axes of matplotlib."""
+        ax = _axes(ax)
+        defect = np.abs(self.energy_defect)
+        ax.semilogy(self.t[: len(defect)], np.where(defect > 0, defect, np.nan), ".", markersize=2)
+        ax.set(xlabel="t", ylabel="|H − H(0)|")
+        return ax
+
+    def to_dataframe(self) -> Any:
+        """A pandas DataFrame with the columns t, q[...], p[...] and energy_defect, a row for each state."""
+        import pandas
+
+        names = [",".join(map(str, index)) for index in np.ndindex(*self.shape)]
+        columns = {"t": self.t}
+        m = len(names)
+        for part, x in enumerate("qp"):
+            columns |= {f"{x}[{name}]": self.y[:, part * m + j] for j, name in enumerate(names)}
+        if len(self.energy_defect):
+            columns["energy_defect"] = self.energy_defect
+        return pandas.DataFrame(columns)
+
+    def to_xarray(self) -> Any:
+        """An xarray Dataset with q, p and energy_defect over the coordinate t; axes of q are axis_0,
+        axis_1, ..."""
+        import xarray
+
+        axes = ("t", *(f"axis_{i}" for i in range(len(self.shape))))
+        variables: dict[str, Any] = {"q": (axes, self.q), "p": (axes, self.p)}
+        if len(self.energy_defect):
+            variables["energy_defect"] = ("t", self.energy_defect)
+        attributes = {"message": self.message, "method": self.certificate.method}
+        return xarray.Dataset(variables, coords={"t": self.t}, attrs=attributes)
+
+    def save(self, path: Union[str, PathLike[str]]) -> None:
+        """Writes all but the dense output to a NumPy archive, by custom of the ending `.npz`; `equip.load`
+        reads it."""
+        events: dict[str, Any] = {f"t_event_{i}": t for i, t in enumerate(self.t_events)}
+        events |= {f"y_event_{i}": y for i, y in enumerate(self.y_events)}
+        words = {
+            "format": FORMAT,
+            "success": self.success,
+            "message": self.message,
+            "shape": self.shape,
+            "certificate": self.certificate.to_dict(),
+            "events": len(self.t_events),
+        }
+        with open(path, "wb") as file:
+            np.savez_compressed(
+                file,
+                t=self.t,
+                y=self.y,
+                energy_defect=self.energy_defect,
+                outcome=self.outcome,
+                t_low=self.t_low,
+                y_low=self.y_low,
+                words=np.array(json.dumps(words)),
+                **events,
+            )
+
+
+#: Of files written by `save`.
+FORMAT = "equip solution 1"
+
+
+def load(path: Union[str, PathLike[str]]) -> Solution:
+    """The solution that `Solution.save` wrote to `path`; it has no dense output.
+
+    Raises
+    ------
+    ValueError
+        If the file was not written by `Solution.save`.
+    """
+    with np.load(path) as stored:
+        words = json.loads(str(stored["words"])) if "words" in stored else {}
+        if words.get("format") != FORMAT:
+            raise ValueError(f"{path} is not a solution written by Solution.save")
+        names = ("t", "y", "energy_defect", "outcome", "t_low", "y_low")
+        return Solution(
+            **{name: stored[name] for name in names},
+            shape=tuple(words["shape"]),
+            t_events=tuple(stored[f"t_event_{i}"] for i in range(words["events"])),
+            y_events=tuple(stored[f"y_event_{i}"] for i in range(words["events"])),
+            success=words["success"],
+            message=words["message"],
+            certificate=Certificate._from_dict(words["certificate"]),
+        )
+
+
+def _text(high: Floats, low: Floats, digits: int) -> np.ndarray[Any, Any]:
+    pairs = zip(high.ravel().tolist(), low.ravel().tolist())
+    texts = [_native.decimal_text(hi, lo, digits) for hi, lo in pairs]
+    return np.array(texts).reshape(high.shape)
+
+
+def _axes(ax: Any) -> Any:
+    if ax is not None:
+        return ax
+    from matplotlib import pyplot
+
+    return pyplot.subplots()[1]

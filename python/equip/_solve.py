@@ -1,0 +1,264 @@
+"""`solve`: a run over an interval of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, Optional, Union
+
+import numpy as np
+
+from . import _native
+from ._certificate import Certificate
+from ._hamiltonian import Function, Hamiltonian, recorded_event, recorded_quantity
+from ._methods import Equip, Method
+from ._numbers import Floats, Shape, pair, pairs, state
+from ._solution import Solution
+
+Event = Callable[[Any, Any, Any], Any]
+
+#: Tolerances taken when neither a step nor a tolerance is given.
+_TOLERANCE = {"f64": 1e-12, "dd": 1e-24}
+
+
+def options(
+    h: Hamiltonian,
+    method: Method,
+    step: Any,
+    tolerance: Optional[float],
+    precision: str = "f64",
+    *,
+    first_step: Optional[float] = None,
+    min_step: float = 0.0,
+    max_step: float = np.inf,
+    max_steps: Optional[int] = None,
+    scales: Optional[tuple[float, float]] = None,
+    invariants: Optional[Mapping[str, Function]] = None,
+    keep: Optional[Mapping[str, Function]] = None,
+    measure_energy: bool = True,
+    chaos: bool = False,
+) -> dict[str, Any]:
+    """Options as the native part reads them."""
+    if not isinstance(h, Hamiltonian):
+        raise TypeError("the first argument is an equip.Hamiltonian: equip.Hamiltonian(function, shape)")
+    if precision not in _TOLERANCE:
+        raise ValueError(f"precision is {precision!r}; it must be 'f64' or 'dd' (double-double, 31 digits)")
+    if step is not None and tolerance is not None:
+        raise ValueError("give a step or a tolerance, not both")
+    adaptive = {
+        "first_step": first_step,
+        "scales": scales,
+        "max_steps": max_steps,
+        "min_step": min_step or None,
+        "max_step": None if max_step == np.inf else max_step,
+    }
+    given = [name for name, value in adaptive.items() if value is not None]
+    if step is not None and given:
+        raise ValueError(f"{' and '.join(given)} belong to variable steps: leave out step, or them")
+
+    def quantities(functions: Optional[Mapping[str, Function]]) -> list[tuple[str, _native.Recorded]]:
+        return [(name, recorded_quantity(f, h.shape, name)) for name, f in (functions or {}).items()]
+
+    return {
+        **method._options(),
+        "step": None if step is None else pair(step, "step"),
+        "tolerance": float(_TOLERANCE[precision] if tolerance is None else tolerance),
+        "first_step": first_step,
+        "min_step": float(min_step),
+        "max_step": float(max_step),
+        "max_steps": 2**64 - 1 if max_steps is None else int(max_steps),
+        "scales": scales,
+        "invariants": quantities(invariants),
+        "keep": quantities(keep),
+        "measure_energy": measure_energy,
+        "chaos": chaos,
+        "t_eval": ([], []),
+        "dense": False,
+        "record": 1,
+        "events": [],
+    }
+
+
+def interval_of(span: Any) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Start and end."""
+    if len(span) != 2:
+        raise ValueError(f"span has two numbers, start and end; this one has {len(span)}")
+    return pair(span[0], "span"), pair(span[1], "span")
+
+
+def _events(events: Union[None, Event, Sequence[Event]], shape: Shape) -> list[tuple[Any, ...]]:
+    found = []
+    for number, event in enumerate([] if events is None else [events] if callable(events) else events):
+        name = getattr(event, "__name__", "event")
+        terminal = getattr(event, "terminal", False)
+        if terminal not in (True, False):
+            raise ValueError(
+                f"event {number} ({name}) has terminal = {terminal}; it must be True, which ends the run at "
+                "the first root, or False"
+            )
+        direction = int(np.sign(getattr(event, "direction", 0)))
+        found.append((name, recorded_event(event, shape), direction, bool(terminal)))
+    return found
+
+
+def solve(
+    h: Hamiltonian,
+    q0: Any,
+    p0: Any,
+    span: tuple[Any, Any],
+    *,
+    method: Method = Equip(stages=8),
+    step: Any = None,
+    tolerance: Optional[float] = None,
+    t_eval: Any = None,
+    dense_output: bool = False,
+    events: Union[None, Event, Sequence[Event]] = None,
+    invariants: Optional[Mapping[str, Function]] = None,
+    keep: Optional[Mapping[str, Function]] = None,
+    record: Union[int, Literal["ends"]] = 1,
+    measure_energy: bool = True,
+    chaos: bool = False,
+    first_step: Optional[float] = None,
+    min_step: float = 0.0,
+    max_step: float = np.inf,
+    max_steps: Optional[int] = None,
+    scales: Optional[tuple[float, float]] = None,
+    precision: Literal["f64", "dd"] = "f64",
+    progress: bool = False,
+) -> Solution:
+    """Integrates q' = ∂H/∂p, p' = -∂H/∂q over an interval of time. All numbers are in the units of H.
+
+    Other threads of Python run meanwhile, and Ctrl-C ends the run within a tenth of a second or a step.
+
+    Parameters
+    ----------
+    h
+        The energy.
+    q0, p0
+        Positions and momenta at the start, each of the shape `h.shape`. In double-double also text,
+        `Decimal`, `Fraction`, `np.longdouble` or `equip.DoubleDouble`.
+    span
+        Start and end of the interval, the end not before the start.
+    method
+        `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
+    step, tolerance
+        A fixed step, or an error per step relative to the motion within it: one of them. Without both, the
+        tolerance is 1e-12, in double-double 1e-24.
+    t_eval
+        Ascending times within the span at which states are wanted; `t` is then these. The steps do not
+        change.
+    dense_output
+        Whether `Solution.sol` is to have the state at any time.
+    events
+        Smooth functions g(t, q, p) whose roots are wanted: each is recorded like H, so the same rules hold.
+        Attributes as of `scipy.integrate.solve_ivp`: `terminal = True` ends the run at the first root,
+        `direction` of 1 or -1 takes rising or falling roots only.
+    invariants
+        Further quantities f(q, p) by name, whose defects the certificate shows.
+    keep
+        Further quantities f(q, p) by name that are kept like the energy; for those that are not quadratic.
+    record
+        k: every k-th step is in the solution; "ends": first and last state only.
+    measure_energy
+        Whether methods that do not solve for the energy evaluate it.
+    chaos
+        Whether the certificate has the largest Lyapunov exponent and MEGNO.
+    first_step, min_step, max_step, max_steps, scales
+        Of variable steps: sizes, their number, and the sizes of positions and momenta below which motion is
+        not resolved.
+    precision
+        "f64", or "dd" for double-double, 31 digits.
+    progress
+        Whether to show a bar; asks for the package tqdm.
+
+    Returns
+    -------
+    Solution
+        If a step cannot be made, `success` is False, `message` says what to change, and the states are
+        those before.
+
+    Raises
+    ------
+    ValueError
+        For input that cannot be used.
+    TypeError
+        For events and quantities that cannot be recorded.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> kepler = Hamiltonian(lambda q, p: 0.5 * p @ p - 1 / np.sqrt(q @ q), shape=2)
+    >>> sol = solve(kepler, [0.4, 0.0], [0.0, 2.0], (0, 100))
+    >>> sol.success, bool(abs(sol.energy_defect).max() < 1e-14)
+    (True, True)
+    """
+    given = options(
+        h,
+        method,
+        step,
+        tolerance,
+        precision,
+        first_step=first_step,
+        min_step=min_step,
+        max_step=max_step,
+        max_steps=max_steps,
+        scales=scales,
+        invariants=invariants,
+        keep=keep,
+        measure_energy=measure_energy,
+        chaos=chaos,
+    )
+    if record != "ends" and (isinstance(record, str) or int(record) != record or record < 1):
+        raise ValueError(f"record is {record!r}; it must be a positive integer or 'ends'")
+    at_times = t_eval is not None
+    if at_times:
+        high, low = pairs(t_eval, "t_eval")
+        given["t_eval"] = (high.ravel().tolist(), low.ravel().tolist())
+    given["record"] = 0 if record == "ends" or at_times else int(record)
+    given["dense"] = dense_output
+    given["events"] = _events(events, h.shape)
+    start, end = interval_of(span)
+    interval = (state(q0, h.shape, "q0"), state(p0, h.shape, "p0"), start, end)
+    if not progress:
+        return _solution(
+            h.shape, _native.solve(h._recorded, interval, given, precision, None), given, at_times
+        )
+    from tqdm.auto import tqdm
+
+    with tqdm(
+        total=end[0] - start[0], unit="time", bar_format="{l_bar}{bar}| t = {n:.6g} [{elapsed}<{remaining}]"
+    ) as bar:
+
+        def show(time: float) -> None:
+            bar.update(time - start[0] - bar.n)
+
+        found = _native.solve(h._recorded, interval, given, precision, show)
+        show(found["certificate"]["end"])
+    return _solution(h.shape, found, given, at_times)
+
+
+def _solution(shape: Shape, found: dict[str, Any], given: dict[str, Any], at_times: bool) -> Solution:
+    n = 2 * int(np.prod(shape))
+    prefix = "output_" if at_times else ""
+    (t, t_low), (y, y_low) = found[prefix + "t"], found[prefix + "y"]
+    which: Floats = np.array(found["event"], dtype=int)
+    roots = found["event_y"].reshape(-1, n)
+    events = range(len(given["events"]))
+    fault = found["fault"]
+    message = fault or (
+        "a terminal event ended the run" if found["stopped"] else "the end of the interval was reached"
+    )
+    return Solution(
+        shape=shape,
+        t=t,
+        y=y.reshape(-1, n),
+        energy_defect=found.get(prefix + "energy_defect", np.empty(0)),
+        outcome=np.array([] if at_times else found["outcome"], dtype=str),
+        t_events=tuple(found["event_t"][which == event] for event in events),
+        y_events=tuple(roots[which == event] for event in events),
+        success=fault is None,
+        message=message,
+        certificate=Certificate._of(found["certificate"]),
+        t_low=t_low,
+        y_low=y_low.reshape(-1, n),
+        _curve=found["curve"],
+    )

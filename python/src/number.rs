@@ -1,0 +1,38 @@
+//! [`Number`]: what a run computes in, from and to pairs of doubles.
+
+use equip::prelude::DoubleDouble;
+use equip::scalar::Float;
+
+/// A number as Python hands it over: an unevaluated sum of two doubles.
+pub(crate) type Pair = (f64, f64);
+
+/// A number type that runs from Python can have.
+pub(crate) trait Number: Float<Pack<4>: Send, Pack<8>: Send> {
+    fn read(pair: Pair) -> Self;
+    fn low(self) -> f64;
+
+    fn read_all((high, low): &(Vec<f64>, Vec<f64>)) -> Vec<Self> {
+        let rest = low.iter().copied().chain(std::iter::repeat(0.0));
+        high.iter().copied().zip(rest).map(Self::read).collect()
+    }
+}
+
+impl Number for f64 {
+    fn read((high, low): Pair) -> f64 {
+        high + low
+    }
+
+    fn low(self) -> f64 {
+        0.0
+    }
+}
+
+impl Number for DoubleDouble {
+    fn read((high, low): Pair) -> DoubleDouble {
+        DoubleDouble::new(high, low)
+    }
+
+    fn low(self) -> f64 {
+        self.lo()
+    }
+}

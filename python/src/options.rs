@@ -1,0 +1,149 @@
+//! [`Options`]: method, steps and what is wanted of a run, as the Python code hands them over.
+
+use crate::faults::value_error;
+use crate::number::{Number, Pair};
+use crate::recording::recorded::Recorded;
+use equip::autodiff::{Evaluate, RecordedEvaluator};
+use equip::prelude::*;
+use equip::solver::{Fixed, Tolerance};
+use pyo3::prelude::*;
+use std::sync::{Mutex, PoisonError};
+
+/// Name, function, direction and whether it ends the run.
+type EventOptions = (String, Py<Recorded>, i8, bool);
+
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Options {
+    family: String,
+    stages: usize,
+    alpha: Pair,
+    reach: String,
+    alpha_bound: f64,
+    preconditioner: String,
+    measure_energy: bool,
+    pub(crate) step: Option<Pair>,
+    tolerance: f64,
+    scales: Option<(f64, f64)>,
+    first_step: Option<f64>,
+    min_step: f64,
+    max_step: f64,
+    max_steps: u64,
+    record: u64,
+    t_eval: (Vec<f64>, Vec<f64>),
+    dense: bool,
+    chaos: bool,
+    invariants: Vec<(String, Py<Recorded>)>,
+    keep: Vec<(String, Py<Recorded>)>,
+    events: Vec<EventOptions>,
+}
+
+/// Something to do with an integrator, whatever its steps.
+pub(crate) trait WithIntegrator<T: Number> {
+    type Output;
+    fn fixed(self, integrator: Integrator<T, Fixed<T>>) -> Self::Output;
+    fn adaptive(self, integrator: Integrator<T, Tolerance<T>>) -> Self::Output;
+}
+
+impl Options {
+    pub(crate) fn method(&self) -> PyResult<Method> {
+        Ok(match self.family.as_str() {
+            "equip" => Equip::stages(self.stages),
+            "equip-last" => Equip::stages(self.stages).alphas(Alphas::Last),
+            "gauss" => Gauss::stages(self.stages),
+            "fixed-alpha" => {
+                Method::fixed_alpha(self.stages, DoubleDouble::new(self.alpha.0, self.alpha.1))
+            }
+            other => return Err(value_error(format!("unknown family {other}"))),
+        })
+    }
+
+    /// Hands the integrator to `task`.
+    pub(crate) fn with<T: Number, W: WithIntegrator<T>>(&self, task: W) -> PyResult<W::Output> {
+        let method = self.method()?;
+        Ok(match self.step {
+            Some(h) => task.fixed(self.fill(method.step(T::read(h)))?),
+            None => {
+                let tolerance = T::exact(self.tolerance);
+                let sizes = method.tolerance(tolerance).max_steps(self.max_steps);
+                let mut sizes = sizes
+                    .min_step(T::exact(self.min_step))
+                    .max_step(T::exact(self.max_step));
+                if let Some((q, p)) = self.scales {
+                    sizes = sizes.scales(T::exact(q), T::exact(p));
+                }
+                if let Some(h) = self.first_step {
+                    sizes = sizes.first_step(T::exact(h));
+                }
+                task.adaptive(self.fill(sizes)?)
+            }
+        })
+    }
+
+    fn fill<T: Number, S>(&self, integrator: Integrator<T, S>) -> PyResult<Integrator<T, S>> {
+        let mut integrator = integrator
+            .output_at(&T::read_all(&self.t_eval))
+            .alpha_bound(T::exact(self.alpha_bound))
+            .measure_energy(self.measure_energy)
+            .record(match self.record {
+                0 => Record::Ends,
+                k => Record::Every(k),
+            })
+            .reach(match self.reach.as_str() {
+                "within error" => Reach::WithinError,
+                "always" => Reach::Always,
+                "refuse" => Reach::Refuse,
+                other => return Err(value_error(format!("unknown reach {other}"))),
+            })
+            .preconditioner(match self.preconditioner.as_str() {
+                "automatic" => Preconditioner::Automatic,
+                "identity" => Preconditioner::Identity,
+                "diagonal" => Preconditioner::Diagonal,
+                "frozen" => Preconditioner::Frozen,
+                "full" => Preconditioner::Full,
+                other => return Err(value_error(format!("unknown preconditioner {other}"))),
+            });
+        if self.dense {
+            integrator = integrator.dense();
+        }
+        if self.chaos {
+            integrator = integrator.chaos();
+        }
+        let invariant = |(name, function): &(String, Py<Recorded>)| {
+            Invariant::new(name, function.get().hamiltonian.clone())
+        };
+        for watched in &self.invariants {
+            integrator = integrator.invariant(invariant(watched));
+        }
+        for kept in &self.keep {
+            integrator = integrator.keep(invariant(kept));
+        }
+        for event in &self.events {
+            integrator = integrator.event(recorded_event(event));
+        }
+        Ok(integrator)
+    }
+}
+
+/// g(t, q, p), recorded as a function of positions (t, q) and momenta (anything, p).
+fn recorded_event<T: Number>((name, function, direction, ends): &EventOptions) -> Event<T> {
+    let hamiltonian = &function.get().hamiltonian;
+    let n = 2 * hamiltonian.degrees_of_freedom();
+    let evaluator: RecordedEvaluator<T> = hamiltonian.evaluator();
+    let held = Mutex::new((evaluator, vec![T::int(0); n]));
+    let mut event = Event::new(name, move |t, q: &[T], p: &[T]| {
+        let mut held = held.lock().unwrap_or_else(PoisonError::into_inner);
+        let (evaluator, y) = &mut *held;
+        y[0] = t;
+        y[1..=q.len()].copy_from_slice(q);
+        y[q.len() + 2..].copy_from_slice(p);
+        evaluator.value(y)
+    });
+    if *direction > 0 {
+        event = event.rising();
+    }
+    if *direction < 0 {
+        event = event.falling();
+    }
+    if *ends { event.terminal() } else { event }
+}

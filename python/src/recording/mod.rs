@@ -1,0 +1,5 @@
+//! A function of Python, called once and recorded.
+
+pub(crate) mod constant;
+pub(crate) mod recorded;
+pub(crate) mod variable;

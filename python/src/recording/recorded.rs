@@ -1,0 +1,143 @@
+//! [`Recorded`]: a function of (q, p) recorded from a Python callable, or that of a scene.
+
+use crate::faults::value_error;
+use crate::recording::constant::constant;
+use crate::recording::variable::{Begun, Variable};
+use equip::autodiff::{Evaluate, RecordedEvaluator};
+use equip::prelude::{Hamiltonian, System, Var};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+type Doubles<'py> = Bound<'py, PyArray1<f64>>;
+
+/// A function of y = (q, p), 2m numbers.
+#[pyclass(frozen, module = "equip._native")]
+pub(crate) struct Recorded {
+    pub(crate) hamiltonian: Hamiltonian,
+    evaluator: Mutex<Option<RecordedEvaluator<f64>>>,
+}
+
+impl From<Hamiltonian> for Recorded {
+    fn from(hamiltonian: Hamiltonian) -> Self {
+        Recorded {
+            hamiltonian,
+            evaluator: Mutex::new(None),
+        }
+    }
+}
+
+impl Recorded {
+    /// Values for each of the states in `y`, one after the other, `width` numbers each.
+    fn each<'py>(
+        &self,
+        y: &PyReadonlyArray1<'py, f64>,
+        width: usize,
+        f: impl Fn(&mut RecordedEvaluator<f64>, &[f64], &mut [f64]),
+    ) -> PyResult<Doubles<'py>> {
+        let py = y.py();
+        let y = y.as_slice()?;
+        let n = 2 * self.hamiltonian.degrees_of_freedom();
+        let mut results = vec![0.0; y.len() / n * width];
+        let mut held = self
+            .evaluator
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let evaluator = held.get_or_insert_with(|| self.hamiltonian.evaluator());
+        let states = y.chunks_exact(n).zip(results.chunks_exact_mut(width));
+        states.for_each(|(y, result)| f(evaluator, y, result));
+        Ok(results.into_pyarray(py))
+    }
+}
+
+#[pymethods]
+impl Recorded {
+    /// Calls `function(q, p)` once, with lists of m variables, and keeps its formula.
+    #[new]
+    fn new(function: &Bound<'_, PyAny>, m: usize) -> PyResult<Self> {
+        static LAST: AtomicU64 = AtomicU64::new(0);
+        let recording = LAST.fetch_add(1, Ordering::Relaxed) + 1;
+        let mut fault = None;
+        let made = Hamiltonian::new(m, |q, p| {
+            let _begun = Begun::new(recording);
+            call(function, recording, q, p).unwrap_or_else(|error| {
+                fault = Some(error);
+                q[0]
+            })
+        });
+        match fault {
+            Some(error) => Err(error),
+            None => made.map(Recorded::from).map_err(value_error),
+        }
+    }
+
+    #[getter]
+    fn degrees_of_freedom(&self) -> usize {
+        self.hamiltonian.degrees_of_freedom()
+    }
+
+    #[getter]
+    fn separable(&self) -> bool {
+        self.hamiltonian.structure().separable
+    }
+
+    #[getter]
+    fn degree(&self) -> Option<u32> {
+        self.hamiltonian.structure().degree
+    }
+
+    #[getter]
+    fn operations(&self) -> usize {
+        self.hamiltonian.operations()
+    }
+
+    #[getter]
+    fn gradient_operations(&self) -> usize {
+        self.hamiltonian.gradient_operations()
+    }
+
+    /// H of each state.
+    fn values<'py>(&self, y: PyReadonlyArray1<'py, f64>) -> PyResult<Doubles<'py>> {
+        self.each(&y, 1, |evaluator, y, result| result[0] = evaluator.value(y))
+    }
+
+    /// The 2m components of ∇H of each state.
+    fn gradients<'py>(&self, y: PyReadonlyArray1<'py, f64>) -> PyResult<Doubles<'py>> {
+        let n = 2 * self.hamiltonian.degrees_of_freedom();
+        self.each(&y, n, |evaluator, y, result| {
+            evaluator.gradient(y, result);
+        })
+    }
+
+    /// The 2m × 2m entries of ∇²H of each state.
+    fn hessians<'py>(&self, y: PyReadonlyArray1<'py, f64>) -> PyResult<Doubles<'py>> {
+        let n = 2 * self.hamiltonian.degrees_of_freedom();
+        let pattern = &self.hamiltonian.structure().hessian;
+        self.each(&y, n * n, |evaluator, y, result| {
+            let mut entries = vec![0.0; pattern.len()];
+            evaluator.hessian(y, &mut entries);
+            for (i, row) in result.chunks_exact_mut(n).enumerate() {
+                pattern.row(i).for_each(|(k, j)| row[j] = entries[k]);
+            }
+        })
+    }
+}
+
+fn call(function: &Bound<'_, PyAny>, recording: u64, q: &[Var], p: &[Var]) -> PyResult<Var> {
+    let variables = |all: &[Var]| -> Vec<Variable> {
+        all.iter().map(|&var| Variable { var, recording }).collect()
+    };
+    let found = function.call1((variables(q), variables(p)))?;
+    if let Ok(found) = found.cast::<Variable>() {
+        return found.get().here();
+    }
+    match constant(&found)? {
+        Some(c) => Ok(Var::from(c)),
+        None => Err(PyTypeError::new_err(format!(
+            "H(q, p) must return one number made of q and p; it returned {}",
+            found.get_type().name()?
+        ))),
+    }
+}

@@ -1,0 +1,83 @@
+//! The certificate of a run as a dict.
+
+use equip::prelude::{Certificate, Outcome};
+use equip::scalar::Float;
+use equip::solver::Defect;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+pub(crate) fn certificate<'py, T: Float>(
+    py: Python<'py>,
+    certificate: &Certificate<T>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let set = |name: &str, x: T| dict.set_item(name, x.to_f64());
+    dict.set_item("text", certificate.to_string())?;
+    dict.set_item("precision", T::NAME)?;
+    dict.set_item("method", certificate.method.to_string())?;
+    set("step", certificate.step)?;
+    set("start", certificate.start)?;
+    set("end", certificate.end)?;
+    dict.set_item("energy", certificate.energy.as_ref().map(defect))?;
+    dict.set_item(
+        "energy_in_floors",
+        certificate.energy_in_floors.map(T::to_f64),
+    )?;
+    let invariants: Vec<_> = certificate.invariants.iter().map(defect).collect();
+    dict.set_item("invariants", invariants)?;
+    let ranges = certificate.alpha_range.iter();
+    let ranges: Vec<_> = ranges
+        .map(|(low, high)| (low.to_f64(), high.to_f64()))
+        .collect();
+    dict.set_item("alpha_range", ranges)?;
+    let steps = certificate.variable_steps.map(|steps| {
+        let sizes = (steps.tolerance, steps.smallest, steps.largest);
+        let sizes = (sizes.0.to_f64(), sizes.1.to_f64(), sizes.2.to_f64());
+        (sizes.0, sizes.1, sizes.2, steps.rejected, steps.failed)
+    });
+    dict.set_item("variable_steps", steps)?;
+    let chaos = certificate.chaos;
+    dict.set_item("lyapunov", chaos.map(|chaos| chaos.lyapunov.to_f64()))?;
+    dict.set_item("megno", chaos.map(|chaos| chaos.megno.to_f64()))?;
+    let counts = &certificate.counts;
+    let all = [
+        ("steps", counts.steps),
+        ("carried", counts.carried()),
+        ("sweeps", counts.sweeps),
+        ("newton_iterations", counts.newton_iterations),
+        ("taken_over", counts.taken_over),
+        ("factorisations", counts.factorisations),
+        (
+            "simplified_factorisations",
+            counts.simplified_factorisations,
+        ),
+        ("gradients", counts.gradients),
+        ("hessians", counts.hessians),
+        ("energies", counts.energies),
+        ("directions", counts.directions),
+        ("alpha_moves", counts.alpha_moves),
+        ("local_errors", counts.local_errors),
+        ("halvings", counts.halvings),
+        ("output_steps", certificate.output_steps),
+    ];
+    for (name, count) in all {
+        dict.set_item(name, count)?;
+    }
+    let outcomes = Outcome::ALL.map(|outcome| (outcome.label(), counts.outcome(outcome)));
+    dict.set_item("outcomes", outcomes.to_vec())?;
+    let kept = certificate.energy_kept_on_every_step();
+    dict.set_item("energy_kept_on_every_step", kept)?;
+    dict.set_item("seconds", certificate.seconds)?;
+    Ok(dict)
+}
+
+/// Name, start, largest and last difference.
+fn defect<T: Float>(defect: &Defect<T>) -> (String, f64, f64, f64) {
+    let (start, max, end) = (defect.start, defect.max, defect.end);
+    (
+        defect.name.clone(),
+        start.to_f64(),
+        max.to_f64(),
+        end.to_f64(),
+    )
+}

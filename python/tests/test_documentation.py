@@ -1,0 +1,31 @@
+"""Examples in the documentation run, and say what comes out."""
+
+import doctest
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+import equip
+
+README = Path(__file__).parent.parent / "README.md"
+
+
+@pytest.mark.parametrize("name", ["_hamiltonian", "_solve", "_steps", "_ensemble"])
+def test_examples_of_docstrings(name):
+    failed, tried = doctest.testmod(importlib.import_module(f"equip.{name}"))
+    assert tried > 0 and failed == 0
+
+
+def test_programs_of_the_readme():
+    blocks = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert len(blocks) >= 3
+    names = {}
+    for block in blocks:
+        exec(compile(block, README.name, "exec"), names)
+
+
+def test_all_that_is_exported_is_documented():
+    for name in set(equip.__all__) - {"__version__"}:
+        assert getattr(equip, name).__doc__, name

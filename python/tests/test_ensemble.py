@@ -1,0 +1,61 @@
+"""Many runs over threads."""
+
+import numpy as np
+import pytest
+
+import equip
+
+
+def starts(n):
+    rng = np.random.default_rng(5)
+    return [0.4, 0.0] + 0.05 * rng.normal(size=(n, 2)), [0.0, 2.0] + 0.05 * rng.normal(size=(n, 2))
+
+
+@pytest.mark.parametrize("how", [{"step": 0.1}, {"tolerance": 1e-10}])
+def test_bits_are_those_of_single_runs_whatever_the_threads(kepler, how):
+    q0, p0 = starts(40)
+    ends = [equip.ensemble(kepler, q0, p0, (0, 30), threads=threads, **how) for threads in (1, 2, 3, 7, None)]
+    assert ends[0].success and ends[0].q.shape == ends[0].p.shape == (40, 2)
+    for other in ends[1:]:
+        for name in ("t", "q", "p", "energy_defect", "energy_kept", "steps"):
+            assert np.array_equal(getattr(ends[0], name), getattr(other, name))
+    for i in (0, 13, 39):
+        sol = equip.solve(kepler, q0[i], p0[i], (0, 30), record="ends", **how)
+        assert np.array_equal(sol.q[-1], ends[0].q[i]) and np.array_equal(sol.p[-1], ends[0].p[i])
+        assert sol.certificate.energy.max == ends[0].energy_defect[i] < 1e-13
+        assert sol.certificate.counts.steps == ends[0].steps[i] and ends[0].t[i] == 30
+        assert sol.certificate.energy_kept_on_every_step == ends[0].energy_kept[i]
+
+
+def test_failing_members_are_rows_of_nan():
+    h = equip.Hamiltonian(lambda q, p: p @ p / 2 - q[0] ** 4, 1)
+    q0, p0 = np.array([[0.1], [1.0], [0.1], [np.nan]]), np.array([[0.0], [1.5], [0.1], [0.0]])
+    ends = equip.ensemble(h, q0, p0, (0, 2), step=0.01, threads=2)
+    assert sorted(ends.errors) == [1, 3] and not ends.success
+    assert "runs away to infinity" in ends.errors[1] and "initial value q0[0] is NaN" in ends.errors[3]
+    assert (
+        np.isnan(ends.q[[1, 3]]).all()
+        and np.isnan(ends.t[[1, 3]]).all()
+        and np.isfinite(ends.q[[0, 2]]).all()
+    )
+    assert ends.energy_kept.tolist() == [True, False, True, False]
+
+
+def test_shapes(kepler):
+    q0, p0 = starts(3)
+    with pytest.raises(ValueError, match=r"q0 has shape \(2,\); it must be \(N, 2\)"):
+        equip.ensemble(kepler, q0[0], p0, (0, 1))
+    with pytest.raises(ValueError, match="q0 has 3 starts, but p0 has 2"):
+        equip.ensemble(kepler, q0, p0[:2], (0, 1))
+    with pytest.raises(ValueError, match="threads is 0; it must be 1 or more"):
+        equip.ensemble(kepler, q0, p0, (0, 1), threads=0)
+    with pytest.raises(ValueError, match="the step is -1; it must be positive"):
+        equip.ensemble(kepler, q0, p0, (0, 1), step=-1)
+    none = equip.ensemble(kepler, np.empty((0, 2)), np.empty((0, 2)), (0, 1))
+    assert none.q.shape == (0, 2) and none.success
+
+
+def test_progress(kepler, capsys):
+    q0, p0 = starts(10)
+    assert equip.ensemble(kepler, q0, p0, (0, 10), progress=True).success
+    assert "10/10" in capsys.readouterr().err

@@ -1,0 +1,191 @@
+"""What cannot be recorded is refused at the user's own line, and the text says what to write instead."""
+
+import math
+import traceback
+
+import numpy as np
+import pytest
+
+import equip
+
+ONCE = "H(q, p) is called once, before any state is known, to record its formula. "
+OUTSIDE = "or choose between two Hamiltonians outside H"
+COMPARED = (
+    "a variable of H cannot be compared: "
+    + ONCE
+    + "Use np.minimum, np.maximum, np.clip or abs() on q and p, on lists "
+    "of variables after np.stack (np.array makes an array that compares), " + OUTSIDE
+)
+ARRAYS_COMPARED = (
+    "variables of H cannot be compared: "
+    + ONCE
+    + "Use np.minimum, np.maximum, np.clip or abs() on q and p, "
+    + OUTSIDE
+)
+TRUTH = (
+    "a variable of H is neither true nor false: "
+    + ONCE
+    + "Use np.minimum, np.maximum, np.clip or abs() on q and p, "
+    + OUTSIDE
+)
+NUMBER = (
+    "a variable of H is not a number: "
+    + ONCE
+    + "Use np.sin, np.sqrt, ... in place of math.sin, math.sqrt; leave out "
+    "float() and int(); collect variables with np.stack or in a list, not in an array of floats"
+)
+STORED = (
+    "variables of H cannot be stored in an array of numbers: collect them with np.stack or in a list, or make the array "
+    "with dtype=object"
+)
+HASHED = (
+    "a variable of H has no value, so that it cannot be a key of a dict or a member of a set. Use lists, and the "
+    "positions in them"
+)
+JUMPS = (
+    "%, // and round() of a variable of H cannot be recorded: they jump, and H must be smooth. Use np.cos and np.sin of "
+    "periodic coordinates, and / for quotients"
+)
+COMPLEX = "H is real: use no complex numbers in it"
+MAY_USE = (
+    " cannot be recorded: H may use + - * / ** @, sums, products, einsum, norms, exponentials, logarithms, trigonometric "
+    "and hyperbolic functions, np.arctan2, np.hypot, np.minimum, np.maximum, np.clip and abs() of q and p, and any "
+    "function of numbers alone"
+)
+
+
+def store_one(q):
+    row = np.zeros(2)
+    row[0] = q[0]
+    return row.sum()
+
+
+def store_all(q):
+    row = np.zeros(2)
+    row[:] = q
+    return row.sum()
+
+
+def add_to_floats(q):
+    row = np.zeros(2)
+    row += q
+    return row.sum()
+
+
+REFUSALS = {
+    "if": (lambda q, p: q[0] if q[0] > 0 else p[0], COMPARED),
+    "equal": (lambda q, p: q[0] if q[0] == p[0] else p[0], COMPARED),
+    "max": (lambda q, p: max(q), COMPARED),
+    "min": (lambda q, p: min(q[0], 1.0), COMPARED),
+    "sorted": (lambda q, p: sorted(q)[0], COMPARED),
+    "np.sort": (lambda q, p: np.sort(q)[0], COMPARED),
+    "np.argmax": (lambda q, p: q[np.argmax(q)], COMPARED),
+    "np.maximum of np.array": (lambda q, p: np.maximum(np.array([q[0], q[1]]), 0).sum(), COMPARED),
+    "array > 0": (lambda q, p: (q > 0).sum(), ARRAYS_COMPARED),
+    "np.where": (lambda q, p: np.where(q > 0, q, 0).sum(), ARRAYS_COMPARED),
+    "np.sign": (lambda q, p: np.sign(q).sum(), ARRAYS_COMPARED),
+    "np.isnan": (lambda q, p: np.isnan(q).any(), ARRAYS_COMPARED),
+    "truth": (lambda q, p: q[0] and p[0], TRUTH),
+    "not": (lambda q, p: not q[0], TRUTH),
+    "math.sin": (lambda q, p: math.sin(q[0]), NUMBER),
+    "math.sqrt": (lambda q, p: math.sqrt(q @ q), NUMBER),
+    "float": (lambda q, p: float(q[0]), NUMBER),
+    "int": (lambda q, p: int(q[0]), NUMBER),
+    "complex": (lambda q, p: complex(q[0]), NUMBER),
+    "store one": (lambda q, p: store_one(q), NUMBER),
+    "store all": (lambda q, p: store_all(q), NUMBER),
+    "astype": (lambda q, p: q.astype(float).sum(), NUMBER),
+    "asarray": (lambda q, p: np.asarray(q, float).sum(), NUMBER),
+    "add to floats": (lambda q, p: add_to_floats(q), STORED),
+    "dict": (lambda q, p: {q[0]: 1}, HASHED),
+    "modulo": (lambda q, p: q[0] % 1.0, JUMPS),
+    "modulo of": (lambda q, p: 1.0 % q[0], JUMPS),
+    "floor division": (lambda q, p: q[0] // 1, JUMPS),
+    "floor division by": (lambda q, p: 1 // q[0], JUMPS),
+    "round": (lambda q, p: round(q[0]), JUMPS),
+    "1j": (lambda q, p: 1j * q[0], COMPLEX),
+    "array of 1j": (lambda q, p: (1j * q).sum(), COMPLEX),
+    "np.floor": (lambda q, p: np.floor(q).sum(), "the function floor" + MAY_USE),
+    "np.arcsinh": (lambda q, p: np.arcsinh(q[0]), "the function arcsinh" + MAY_USE),
+    "np.linalg.inv": (lambda q, p: np.linalg.inv(np.outer(q, q))[0, 0], "the function inv" + MAY_USE),
+    "np.linalg.solve": (lambda q, p: np.linalg.solve(np.eye(2), q).sum(), "the function solve" + MAY_USE),
+    "np.interp": (lambda q, p: np.interp(q[0], [0, 1], [1, 2]), "the function interp" + MAY_USE),
+    "array": (
+        lambda q, p: q,
+        "H(q, p) must return one number; it returned an array of shape (2,): sum over it, for instance with .sum() or @",
+    ),
+    "None": (lambda q, p: None, "H(q, p) must return one number made of q and p; it returned NoneType"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_refusals(name):
+    formula, text = REFUSALS[name]
+    with pytest.raises(TypeError) as refusal:
+        equip.Hamiltonian(formula, 2)
+    assert str(refusal.value) == text
+
+
+def test_the_traceback_names_the_line():
+    def energy(q, p):
+        kinetic = p @ p / 2
+        if q[0] > 0:  # this line
+            return kinetic
+        return kinetic + q[0]
+
+    with pytest.raises(TypeError) as refusal:
+        equip.Hamiltonian(energy, 2)
+    last = traceback.extract_tb(refusal.value.__traceback__)[-1]
+    assert last.line == "if q[0] > 0:  # this line"
+
+
+def test_exceptions_of_the_user_come_through():
+    with pytest.raises(ZeroDivisionError):
+        equip.Hamiltonian(lambda q, p: 1 / 0, 1)
+    with pytest.raises(IndexError):
+        equip.Hamiltonian(lambda q, p: q[7], 1)
+
+
+def test_variables_of_another_recording_are_refused():
+    kept = []
+    equip.Hamiltonian(lambda q, p: kept.append(q[0]) or q[0] * p[0], 1)
+    text = (
+        "this variable belongs to another call of an H, or to another thread: make all of H from its own q and p and "
+        "from plain numbers"
+    )
+    for formula in (lambda q, p: q[0] + kept[0], lambda q, p: kept[0]):
+        with pytest.raises(RuntimeError) as refusal:
+            equip.Hamiltonian(formula, 1)
+        assert str(refusal.value) == text
+
+
+def test_recordings_may_be_nested():
+    def energy(q, p):
+        inner = equip.Hamiltonian(lambda q, p: q[0] ** 2, 1)
+        return q[0] * inner([3.0], [0.0]) + p[0]
+
+    assert equip.Hamiltonian(energy, 1)([2.0], [1.0]) == 19
+
+
+@pytest.mark.parametrize("constant", [float("nan"), float("inf"), "nan"])
+def test_constants_must_be_finite(constant):
+    with pytest.raises(
+        ValueError, match="a constant of the energy is (NaN|infinite); check the parameters captured by it"
+    ):
+        equip.Hamiltonian(lambda q, p: q[0] * constant, 1)
+
+
+def test_texts_must_be_numbers():
+    with pytest.raises(ValueError, match="one tenth"):
+        equip.Hamiltonian(lambda q, p: q[0] * "one tenth", 1)
+
+
+@pytest.mark.parametrize("shape", [0, (), (2, 0), -1])
+def test_shapes_are_positive(shape):
+    with pytest.raises(ValueError, match="it must be the shape of q: a positive integer or a tuple of such"):
+        equip.Hamiltonian(lambda q, p: q.sum(), shape)
+
+
+def test_the_energy_is_a_function():
+    with pytest.raises(TypeError, match="the first argument is the energy: a function of q and p"):
+        equip.Hamiltonian(3, 2)

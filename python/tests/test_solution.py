@@ -1,0 +1,105 @@
+"""What a run leaves: certificate, files, tables, pictures."""
+
+import json
+
+import matplotlib
+import numpy as np
+import pytest
+
+import equip
+
+matplotlib.use("Agg")
+
+
+@pytest.fixture(scope="module")
+def sol():
+    scene = equip.scenes.kepler()
+    return equip.solve(
+        scene,
+        scene.q0,
+        scene.p0,
+        (0, 10),
+        invariants=scene.invariants,
+        events=lambda t, q, p: q[1],
+        chaos=True,
+    )
+
+
+def test_certificate(sol):
+    certificate = sol.certificate
+    assert certificate.energy_kept_on_every_step and certificate.energy.max < 1e-15
+    assert certificate.energy.start == pytest.approx(-0.5, abs=1e-15)
+    assert certificate.counts.steps == sum(certificate.outcomes.values()) == len(sol.t) - 1
+    assert certificate.start == 0 and certificate.end == 10 and certificate.precision == "f64"
+    assert certificate.variable_steps.smallest <= certificate.step <= certificate.variable_steps.largest
+    assert certificate.variable_steps.tolerance == 1e-12
+    assert len(certificate.alpha_range) in (0, 7) and certificate.lyapunov is not None
+    assert certificate.energy.max == np.abs(sol.energy_defect).max()
+    assert str(certificate).startswith("method") and "energy defect" in str(certificate)
+    with pytest.raises(AttributeError):
+        certificate.step = 1
+
+
+def test_certificate_as_a_dict_and_a_table(sol):
+    stored = json.loads(json.dumps(sol.certificate.to_dict()))
+    assert (
+        stored["energy"]["max"] == sol.certificate.energy.max
+        and stored["counts"]["steps"] == sol.certificate.counts.steps
+    )
+    assert equip.Certificate._from_dict(stored) == sol.certificate
+    table = sol.certificate._repr_html_()
+    assert table.count("<tr>") == len(str(sol.certificate).splitlines())
+    assert "<td>method</td><td>EQUIP, 8 stages, order 16 in f64</td>" in table
+
+
+def test_files(sol, tmp_path):
+    path = tmp_path / "run.npz"
+    sol.save(path)
+    again = equip.load(path)
+    for name in ("t", "y", "q", "p", "energy_defect", "outcome", "t_low", "y_low"):
+        assert np.array_equal(getattr(again, name), getattr(sol, name))
+    assert again.certificate == sol.certificate and again.success and again.message == sol.message
+    assert all(
+        np.array_equal(a, b) for a, b in zip(again.y_events + again.t_events, sol.y_events + sol.t_events)
+    )
+    with pytest.raises(ValueError, match="no dense output"):
+        again.sol(1.0)
+    np.savez(path, t=sol.t)
+    with pytest.raises(ValueError, match="is not a solution written by Solution.save"):
+        equip.load(path)
+
+
+def test_tables(sol):
+    frame = sol.to_dataframe()
+    assert list(frame.columns) == ["t", "q[0]", "q[1]", "p[0]", "p[1]", "energy_defect"]
+    assert np.array_equal(frame["p[1]"], sol.p[:, 1])
+    dataset = sol.to_xarray()
+    assert (
+        dataset.q.dims == ("t", "axis_0")
+        and np.array_equal(dataset.q, sol.q)
+        and np.array_equal(dataset.t, sol.t)
+    )
+
+
+def test_pictures(sol):
+    from matplotlib import pyplot
+
+    ax = sol.plot()
+    assert len(ax.lines) == 1 and np.array_equal(ax.lines[0].get_xdata(), sol.q[:, 0])
+    assert sol.plot_energy(pyplot.subplots()[1]).get_yscale() == "log"
+    swing = equip.solve(equip.scenes.pendulum(), [0.0], [1.0], (0, 1))
+    assert np.array_equal(swing.plot(pyplot.subplots()[1]).lines[0].get_ydata(), swing.p[:, 0])
+    chain = equip.scenes.fput_beta(n=8)
+    assert len(equip.solve(chain, chain.q0, chain.p0, (0, 1)).plot(pyplot.subplots()[1]).lines) == 8
+    pyplot.close("all")
+
+
+def test_matplotlib_is_imported_on_call_only():
+    import subprocess
+    import sys
+
+    code = "import sys, equip; print([m for m in ('matplotlib', 'pandas', 'xarray', 'scipy', 'tqdm') if m in sys.modules])"
+    assert (
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+        == "[]\n"
+    )

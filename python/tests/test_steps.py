@@ -1,0 +1,98 @@
+"""Runs one step at a time, the tangent map, suggested steps."""
+
+from itertools import islice
+
+import numpy as np
+import pytest
+
+import equip
+
+START = ([0.4, 0.0], [0.0, 2.0])
+
+
+@pytest.mark.parametrize("how", [{"step": 0.1}, {"tolerance": 1e-10}])
+def test_steps_are_those_of_the_run(kepler, how):
+    run = equip.solve(kepler, *START, (0, 100), **how)
+    made = list(islice(equip.steps(kepler, *START, **how), 100))
+    assert [step.index for step in made] == list(range(1, 101))
+    assert np.array_equal([step.q for step in made], run.q[1:101]) and np.array_equal(
+        [step.p for step in made], run.p[1:101]
+    )
+    assert np.array_equal([step.t for step in made], run.t[1:101])
+    assert np.array_equal([step.energy_defect for step in made], run.energy_defect[1:101])
+    assert made[0].alphas.shape == (7,) and made[0].outcome in run.outcome
+    assert made[0].t == pytest.approx(made[0].step)
+
+
+def test_restart_gives_the_bits_of_a_new_run(kepler):
+    steps = equip.steps(kepler, *START, tolerance=1e-10)
+    first = [step.q for step in islice(steps, 50)]
+    assert steps.certificate.counts.steps == 50
+    steps.restart(*START, t0=0.0)
+    assert steps.last.index == 0 and np.array_equal(steps.last.q, START[0])
+    assert np.array_equal([step.q for step in islice(steps, 50)], first)
+    with pytest.raises(ValueError, match="initial value q0.0. is NaN"):
+        steps.restart([np.nan, 0], [0, 1])
+    assert steps.last.index == 50
+
+
+def test_kicks(kepler):
+    steps = equip.steps(kepler, *START, 1.0, step=0.1)
+    step = next(steps)
+    assert step.t == 1.1
+    steps.set_state(step.q, 1.01 * step.p)
+    kicked = next(steps)
+    assert kicked.t == pytest.approx(1.2) and abs(kicked.energy_defect) < 1e-15
+    assert kepler(kicked.q, kicked.p) == pytest.approx(kepler(step.q, 1.01 * step.p), abs=1e-15)
+    assert kepler(kicked.q, kicked.p) > kepler(*START) + 0.01
+
+
+def test_deviations_follow_the_tangent_map(kepler):
+    steps = equip.steps(kepler, *START, step=0.05, deviations=np.eye(4))
+    step = next(islice(steps, 99, None))
+    map_ = steps.deviations.T
+    # Symplectic, and the derivative of the flow.
+    j = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.eye(2), np.zeros((2, 2))]])
+    assert np.abs(map_.T @ j @ map_ - j).max() < 1e-10
+    d = 1e-6
+    ends = []
+    for sign in (1, -1):
+        q = np.array(START[0]) + sign * d * np.array([1, 0])
+        ends.append(equip.solve(kepler, q, START[1], (0, step.t), step=0.05, record="ends").y[-1])
+    assert np.abs(map_[:, 0] - (ends[0] - ends[1]) / (2 * d)).max() < 1e-6
+    steps.deviations = np.zeros((4, 4))
+    assert next(islice(steps, 0, None)) is not None and not steps.deviations.any()
+    with pytest.raises(ValueError, match=r"they must keep \(4, 4\)"):
+        steps.deviations = np.zeros(4)
+    with pytest.raises(ValueError, match=r"they must have \(k, 4\)"):
+        equip.steps(kepler, *START, step=0.1, deviations=np.eye(3))
+    assert equip.steps(kepler, *START, step=0.1, deviations=[1, 0, 0, 0]).deviations.shape == (1, 4)
+
+
+def test_a_step_that_cannot_be_made_raises_and_leaves_the_state():
+    h = equip.Hamiltonian(lambda q, p: p @ p / 2 - q[0] ** 4, 1)
+    steps = equip.steps(h, [1.0], [1.5], step=0.01)
+    with pytest.raises(equip.IntegrationError, match="end the run before that time"):
+        for step in steps:
+            last = step
+    assert np.array_equal(steps.last.q, last.q) and steps.last.index == last.index
+    assert issubclass(equip.IntegrationError, RuntimeError)
+
+
+def test_suggested_steps(kepler):
+    span = (0, 2 * np.pi)
+    step = equip.suggest_step(kepler, *START, span, 1e-9, method=equip.Equip(4))
+    run = equip.solve(kepler, *START, span, step=step, method=equip.Equip(4))
+    error = np.abs(run.y[-1] - np.concatenate(START)).max()
+    assert 1e-12 < error < 2e-9
+    assert span[1] / step == pytest.approx(round(span[1] / step))
+    assert equip.suggest_step(kepler, *START, span, 0.5, by="phase") < equip.suggest_step(
+        kepler, *START, span, 1.0, by="phase"
+    )
+    assert equip.suggest_step(kepler, *START, span, 1e-6, by="energy") > 0
+    with pytest.raises(equip.IntegrationError, match="take a larger target"):
+        equip.suggest_step(kepler, *START, span, 1e-17)
+    with pytest.raises(ValueError, match="`target error` is -1; it must be positive"):
+        equip.suggest_step(kepler, *START, span, -1)
+    with pytest.raises(ValueError, match="by is 'error'; it must be 'trajectory', 'energy' or 'phase'"):
+        equip.suggest_step(kepler, *START, span, 1e-9, by="error")
