@@ -63,7 +63,7 @@ def ensemble(
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
-    scales: Optional[tuple[float, float]] = None,
+    atol: Optional[tuple[float, float]] = None,
     threads: Optional[int] = None,
     progress: bool = False,
 ) -> Ensemble:
@@ -101,7 +101,7 @@ def ensemble(
         min_step=min_step,
         max_step=max_step,
         max_steps=max_steps,
-        scales=scales,
+        atol=atol,
         keep=keep,
         measure_energy=measure_energy,
     )

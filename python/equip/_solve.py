@@ -31,7 +31,7 @@ def options(
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
-    scales: Optional[tuple[float, float]] = None,
+    atol: Optional[tuple[float, float]] = None,
     invariants: Optional[Mapping[str, Function]] = None,
     keep: Optional[Mapping[str, Function]] = None,
     measure_energy: bool = True,
@@ -46,7 +46,7 @@ def options(
         raise ValueError("give a step or a tolerance, not both")
     adaptive = {
         "first_step": first_step,
-        "scales": scales,
+        "atol": atol,
         "max_steps": max_steps,
         "min_step": min_step or None,
         "max_step": None if max_step == np.inf else max_step,
@@ -66,7 +66,7 @@ def options(
         "min_step": float(min_step),
         "max_step": float(max_step),
         "max_steps": 2**64 - 1 if max_steps is None else int(max_steps),
-        "scales": scales,
+        "atol": atol,
         "invariants": quantities(invariants),
         "keep": quantities(keep),
         "measure_energy": measure_energy,
@@ -121,7 +121,7 @@ def solve(
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
-    scales: Optional[tuple[float, float]] = None,
+    atol: Optional[tuple[float, float]] = None,
     precision: Literal["f64", "dd"] = "f64",
     progress: bool = False,
 ) -> Solution:
@@ -162,9 +162,9 @@ def solve(
         Whether methods that do not solve for the energy evaluate it.
     chaos
         Whether the certificate has the largest Lyapunov exponent and MEGNO.
-    first_step, min_step, max_step, max_steps, scales
-        Of variable steps: sizes, their number, and the sizes of positions and momenta below which motion is
-        not resolved.
+    first_step, min_step, max_step, max_steps, atol
+        Of variable steps: sizes, their number, and errors of a step in positions and in momenta that are
+        allowed beside those relative to its motion.
     precision
         "f64", or "dd" for double-double, 31 digits.
     progress
@@ -201,7 +201,7 @@ def solve(
         min_step=min_step,
         max_step=max_step,
         max_steps=max_steps,
-        scales=scales,
+        atol=atol,
         invariants=invariants,
         keep=keep,
         measure_energy=measure_energy,

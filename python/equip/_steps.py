@@ -104,7 +104,7 @@ def steps(
     first_step: Optional[float] = None,
     min_step: float = 0.0,
     max_step: float = np.inf,
-    scales: Optional[tuple[float, float]] = None,
+    atol: Optional[tuple[float, float]] = None,
 ) -> Steps:
     """A run one step at a time: an endless iterator. Parameters are those of `equip.solve`.
 
@@ -136,7 +136,7 @@ def steps(
         first_step=first_step,
         min_step=min_step,
         max_step=max_step,
-        scales=scales,
+        atol=atol,
         invariants=invariants,
         keep=keep,
         measure_energy=measure_energy,

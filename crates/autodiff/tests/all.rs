@@ -4,6 +4,7 @@ mod allocations;
 mod closures;
 mod common;
 mod floor;
+mod functions;
 mod growth;
 mod half_powers;
 mod lanes;
@@ -14,6 +15,7 @@ mod random;
 mod refused;
 mod routes;
 mod size;
+mod switches;
 
 /// A file of tests that is not named above would be left out in silence.
 #[test]

@@ -10,3 +10,4 @@ pub(crate) mod results;
 pub(crate) mod state_function;
 pub(crate) mod statics;
 pub(crate) mod supplied;
+pub(crate) mod switches;
