@@ -6,7 +6,7 @@ use equip_scalar::{Float, Num, Scalar};
 ///
 /// What a closure cannot be: generic over the number. The compiler turns it into machine code for floats and
 /// for dual numbers, which for up to four degrees of freedom beats any tape. A comparison of the state does
-/// not compile here, as [`Num`] has none; use `.min()`, `.max()` and `.abs()`. Mark the method
+/// not compile here, as [`Num`] has none; use `.min()`, `.max()`, `.abs()` and `.select()`. Mark the method
 /// `#[inline(always)]`: it is compiled together with the stage sweeps then, which take half the time.
 ///
 /// The macro [`hamiltonian!`](crate::hamiltonian) writes such a type from closure-like text.

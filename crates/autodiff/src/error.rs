@@ -30,7 +30,7 @@ pub enum BuildError {
     /// The energy compared the state with something.
     #[error(
         "the energy compares the state at {location}, but it is recorded once and replayed at every state; \
-         write the piecewise part with .min(), .max() or .abs(), or choose between two Hamiltonians outside"
+         write the piecewise part with .min(), .max(), .abs() or .select(), or choose between two Hamiltonians outside"
     )]
     Branch {
         /// Where the comparison stands.

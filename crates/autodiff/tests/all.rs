@@ -4,6 +4,7 @@ mod allocations;
 mod closures;
 mod common;
 mod floor;
+mod functions;
 mod growth;
 mod half_powers;
 mod lanes;

@@ -202,6 +202,19 @@ operations! {
     sinh(-2.0..2.0, -1.0..1.0): |x, y| (x * y).sinh();
     cosh(-2.0..2.0, -1.0..1.0): |x, y| (x * y).cosh();
     tanh(-2.0..2.0, -1.0..1.0): |x, y| (x * y).tanh();
+    cbrt(-2.0..-0.5, 0.5..2.0): |x, y| (x * y).cbrt() + (y * y).cbrt() * x;
+    exp2(-2.0..2.0, -2.0..2.0): |x, y| (x * y).exp2();
+    log10(0.5..2.0, 0.5..2.0): |x, y| (x * y + x).log10() * y;
+    asinh(-2.0..2.0, -2.0..2.0): |x, y| (x * y).asinh();
+    acosh(1.1..2.0, 1.1..2.0): |x, y| (x * y).acosh();
+    atanh(-0.9..0.9, -0.9..0.9): |x, y| (x * y).atanh();
+    erf(-1.5..1.5, -1.5..1.5): |x, y| (x * y).erf();
+    erfc(-1.5..1.5, -1.5..1.5): |x, y| (x * y).erfc();
+    signum(-2.0..-0.5, 0.5..2.0): |x, y| (x * y).signum() * x * x + y.signum() * y;
+    select_left(0.5..1.0, 0.5..2.0): |x, y| (x * y).select(x * x * y, y * y * y * y);
+    select_right(-1.0..-0.5, 0.5..2.0): |x, y| (x * y).select(x * x, y * y * y * y) * x;
+    select_constant(-1.0..-0.5, 0.5..2.0): |x, y| y.select(1, x) * (x - 3).select(7.5, x * y) * x;
+    integers(0.5..2.0, 0.5..2.0): |x, y| (2 * x - y / 3 + 1) * (5 - x) / (4 + y) - 1 / x;
     hypot(0.5..2.0, -2.0..-0.5): |x, y| (x * x).hypot(y);
     abs_negative(-2.0..-0.5, 0.5..2.0): |x, y| (x * y).abs() * x;
     abs_positive(0.5..2.0, 0.5..2.0): |x, y| (x * y).abs() * x;
@@ -209,7 +222,7 @@ operations! {
     min_right(1.5..2.0, 0.5..1.0): |x, y| (x * x).min(y * y) * y;
     max_left(1.5..2.0, 0.5..1.0): |x, y| (x * x).max(y * y) * y;
     max_right(0.5..1.0, 1.5..2.0): |x, y| (x * x).max(y * y) * y;
-    clamp(-1.0..1.0, 0.5..2.0): |x, y| x.max(-2.0).min(3.0) * y * x;
+    clamp(-1.0..1.0, 0.5..2.0): |x, y| x.clamp(-2, 3.0) * y * x + y.clamp(x * x, 1.2) * y;
     long_sum(0.5..2.0, 0.5..2.0): |x, y| {
         let mut h = x * y;
         for k in 1..12 {

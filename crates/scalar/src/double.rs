@@ -5,7 +5,8 @@ use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
 use crate::half_power::half_power;
 use crate::kernels::Lanes;
-use crate::traits::{Float, Scalar};
+use crate::traits::{Float, Outside, Piecewise, Scalar};
+use std::sync::Arc;
 
 macro_rules! functions {
     ($($f:ident),*) => {$(
@@ -52,8 +53,45 @@ impl Scalar for f64 {
     fn max(x: f64, y: f64) -> f64 {
         f64::max(x, y)
     }
+    /// ln(1 + (t + √(t(t + 2)))), t = x − 1: near 1 the logarithm of x + √(x² − 1) has half of the digits.
+    #[inline(always)]
+    fn acosh(x: f64) -> f64 {
+        if x < 1e100 {
+            let t = x - 1.0;
+            (t + (t * (t + 2.0)).sqrt()).ln_1p()
+        } else {
+            x.ln() + std::f64::consts::LN_2
+        }
+    }
+    /// ½ ln(1 + 2x/(1 − x)) for x ≥ 0: near −1 the quotient would have no correct digit.
+    #[inline(always)]
+    fn atanh(x: f64) -> f64 {
+        let size = x.abs();
+        (0.5 * ((size + size) / (1.0 - size)).ln_1p()).copysign(x)
+    }
+    #[inline(always)]
+    fn erf(x: f64) -> f64 {
+        libm::erf(x)
+    }
+    #[inline(always)]
+    fn erfc(x: f64) -> f64 {
+        libm::erfc(x)
+    }
+    #[inline(always)]
+    fn signum(x: f64) -> f64 {
+        Piecewise::sign(x)
+    }
+    #[inline(always)]
+    fn select(test: f64, at_least_zero: f64, below: f64) -> f64 {
+        Piecewise::by_sign(test, at_least_zero, below)
+    }
+    #[inline(always)]
+    fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], x: [f64; 2]) -> f64 {
+        f.derivative(orders, x)
+    }
     functions!(
-        recip, sqrt, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, abs
+        recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh,
+        cosh, tanh, asinh, abs
     );
 }
 

@@ -10,10 +10,11 @@
 
 use crate::constant::Constant;
 use crate::glue::DualFloat;
-use crate::traits::{FirstOrder, Float, Scalar, SecondOrder};
+use crate::traits::{FirstOrder, Float, Outside, Scalar, SecondOrder};
 use nalgebra::{ComplexField, SMatrix};
 use num_dual::{Derivative, Dual2SVec, DualNum, DualSVec};
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
 /// Dual number with N first derivatives.
 #[derive(Debug, Clone, Copy)]
@@ -199,6 +200,56 @@ fn real_power<T: Float>(x: T, c: Constant) -> (T, T, T) {
     (f0, power(c, less), power(c * less, less - T::int(1)))
 }
 
+/// The functions that are not num-dual's, by their values and derivatives (f, f′, f″).
+mod chains {
+    use super::{Float, Scalar};
+
+    #[inline(always)]
+    pub(super) fn cbrt<T: Float>(x: T) -> (T, T, T) {
+        let f0 = <T as Scalar>::cbrt(x);
+        let f1 = <T as Scalar>::recip(T::int(3) * f0 * f0);
+        (f0, f1, T::int(-6) * f0 * f1 * f1 * f1)
+    }
+
+    #[inline(always)]
+    pub(super) fn exp2<T: Float>(x: T) -> (T, T, T) {
+        let f0 = <T as Scalar>::exp2(x);
+        let f1 = f0 * T::ln_2();
+        (f0, f1, f1 * T::ln_2())
+    }
+
+    #[inline(always)]
+    pub(super) fn asinh<T: Float>(x: T) -> (T, T, T) {
+        let f1 = <T as Scalar>::recip(<T as Scalar>::hypot(x, T::int(1)));
+        (<T as Scalar>::asinh(x), f1, -(x * f1) * f1 * f1)
+    }
+
+    #[inline(always)]
+    pub(super) fn acosh<T: Float>(x: T) -> (T, T, T) {
+        let root = <T as Scalar>::sqrt(x - T::int(1)) * <T as Scalar>::sqrt(x + T::int(1));
+        let f1 = <T as Scalar>::recip(root);
+        (<T as Scalar>::acosh(x), f1, -(x * f1) * f1 * f1)
+    }
+
+    #[inline(always)]
+    pub(super) fn atanh<T: Float>(x: T) -> (T, T, T) {
+        let f1 = <T as Scalar>::recip((T::int(1) - x) * (T::int(1) + x));
+        (<T as Scalar>::atanh(x), f1, (x + x) * f1 * f1)
+    }
+
+    #[inline(always)]
+    pub(super) fn erf<T: Float>(x: T) -> (T, T, T) {
+        let f1 = T::frac_2_sqrt_pi() * <T as Scalar>::exp(-(x * x));
+        (<T as Scalar>::erf(x), f1, -(x + x) * f1)
+    }
+
+    #[inline(always)]
+    pub(super) fn erfc<T: Float>(x: T) -> (T, T, T) {
+        let (_, f1, f2) = erf(x);
+        (<T as Scalar>::erfc(x), -f1, -f2)
+    }
+}
+
 macro_rules! scalar_by_num_dual {
     ($name:ident, $inner:ident) => {
         scalar_by_num_dual!(@op $name, Add, add);
@@ -290,6 +341,33 @@ macro_rules! scalar_by_num_dual {
             fn max(x: Self, y: Self) -> Self {
                 if x.0.re >= y.0.re { x } else { y }
             }
+            #[inline(always)]
+            fn signum(x: Self) -> Self {
+                $name($inner::from_re(<T as Scalar>::signum(x.0.re)))
+            }
+            #[inline(always)]
+            fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
+                let taken = if test.0.re >= T::int(0) { at_least_zero } else { below };
+                $name(taken.0 + $inner::from_re(T::int(0)))
+            }
+            /// By its Taylor polynomial at x.
+            #[inline(always)]
+            fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], x: [Self; 2]) -> Self {
+                let at = x.map(|x| x.0.re);
+                let derivative = |i, j| {
+                    let orders = [orders[0] + i, orders[1] + j];
+                    $inner::from_re(<T as Scalar>::outside(f, orders, at))
+                };
+                let [x, y] = x.map(|x| x.0 - $inner::from_re(x.0.re));
+                let half = $inner::from_re(T::exact(0.5));
+                let in_x = (derivative(1, 0) + derivative(2, 0) * half * x) * x;
+                if f.variables() == 1 {
+                    return $name(in_x + derivative(0, 0));
+                }
+                let in_y = (derivative(0, 1) + derivative(0, 2) * half * y) * y;
+                $name(in_x + in_y + derivative(1, 1) * x * y + derivative(0, 0))
+            }
+            scalar_by_num_dual!(@chains $name, cbrt, exp2, asinh, acosh, atanh, erf, erfc);
             scalar_by_num_dual!(@functions $name, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan,
                 sinh, cosh);
         }
@@ -303,6 +381,13 @@ macro_rules! scalar_by_num_dual {
             }
         }
     };
+    (@chains $name:ident, $($f:ident),*) => {$(
+        #[inline(always)]
+        fn $f(x: Self) -> Self {
+            let (f0, f1, f2) = chains::$f(x.0.re);
+            $name(x.0.chain_any(f0, f1, f2))
+        }
+    )*};
     (@functions $name:ident, $($f:ident),*) => {$(
         #[inline(always)]
         fn $f(x: Self) -> Self {

@@ -5,6 +5,7 @@
 //! | [`Scalar`] | arithmetic and elementary functions, **no ordering**: what an energy H may use |
 //! | [`Float`] | a [`Scalar`] with ordering, ε, exact ratios, parsed decimals: what the integrator computes in |
 //! | [`Piecewise`] | a [`Scalar`] whose piecewise functions can be differentiated: sign, selection |
+//! | [`Outside`] | a function with its derivatives that is no composition of operations: a table |
 //! | [`Recording`] | the one [`Scalar`] without a value; its comparisons are noted and refused |
 //! | [`Num`] | the wrapper a user's generic energy sees: `0.5 * q[0]`, `q[0].sin()`, never `q[0] < 1.0` |
 //! | [`Constant`] | a constant in H that is as exact as the float type that later reads it |
@@ -42,4 +43,6 @@ pub use kernels::{InstructionSet, Kernel, Lanes, mix_stages};
 pub use num::Num;
 #[doc(hidden)]
 pub use ready::same;
-pub use traits::{Attempt, FirstOrder, Float, Pack, Piecewise, Recording, Scalar, SecondOrder};
+pub use traits::{
+    Attempt, FirstOrder, Float, Outside, Pack, Piecewise, Recording, Scalar, SecondOrder,
+};

@@ -8,9 +8,10 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 
 /// A number of unknown kind: a float, a dual number, or a variable being recorded.
 ///
-/// It has every operation of [`Scalar`] as a method, mixes with `f64`, [`Constant`] and [`DoubleDouble`] on
-/// either side, and offers no comparison and no read-out: an energy must not branch on the state. Use
-/// [`min`](Self::min), [`max`](Self::max) and [`abs`](Self::abs) for piecewise functions.
+/// It has every operation of [`Scalar`] as a method, mixes with `f64`, `i32`, [`Constant`] and
+/// [`DoubleDouble`] on either side, and offers no comparison and no read-out: an energy must not branch on the
+/// state. Use [`min`](Self::min), [`max`](Self::max), [`abs`](Self::abs), [`clamp`](Self::clamp) and
+/// [`select`](Self::select) for piecewise functions.
 ///
 /// Every method costs what the wrapped type's function costs; the wrapper itself costs nothing.
 #[derive(Debug, Clone, Copy)]
@@ -62,6 +63,54 @@ impl<S: Scalar> Num<S> {
         /// |x|.
         abs
     );
+
+    methods!(
+        /// ∛x, of negative numbers too; its derivative is ∞ at 0.
+        cbrt,
+        /// 2ˣ.
+        exp2,
+        /// Inverse hyperbolic sine.
+        asinh,
+        /// Inverse hyperbolic cosine; NaN below 1.
+        acosh,
+        /// Inverse hyperbolic tangent; NaN outside [−1, 1].
+        atanh,
+        /// Error function 2/√π ∫₀ˣ exp(−t²) dt.
+        erf,
+        /// 1 − erf x, with full relative precision where that is small.
+        erfc,
+        /// −1, 0 or 1 by the sign of x; its derivative is 0.
+        signum
+    );
+
+    /// Logarithm to base 10: ln x/ln 10.
+    #[inline(always)]
+    pub fn log10(self) -> Self {
+        self.ln() * DoubleDouble::LOG10_E
+    }
+
+    /// The nearest number in [low, high]; its derivative is 0 outside.
+    #[inline(always)]
+    pub fn clamp(self, low: impl Into<Self>, high: impl Into<Self>) -> Self {
+        self.max(low).min(high)
+    }
+
+    /// `at_least_zero` where this number is ≥ 0, `below` elsewhere (also where it is NaN):
+    /// `(q[0] - 1.0).select(0.0, well)`.
+    ///
+    /// Both are computed at every state, so both must be finite with finite derivatives there. What has no
+    /// value beyond the switch is kept on its own side: `x.select(x.max(0).sqrt(), 0)` has NaN for a
+    /// derivative where x < 0, `x.select(x.max(1e-9).sqrt(), 0)` has not.
+    ///
+    /// ```
+    /// use equip_scalar::Num;
+    /// let wall = |x: f64| Num(x).select(Num(x).powi(4), 0).0;
+    /// assert_eq!([-2.0, 0.0, 2.0].map(wall), [0.0, 0.0, 16.0]);
+    /// ```
+    #[inline(always)]
+    pub fn select(self, at_least_zero: impl Into<Self>, below: impl Into<Self>) -> Self {
+        Num(S::select(self.0, at_least_zero.into().0, below.into().0))
+    }
 
     /// xⁿ for an integer n.
     #[inline(always)]
@@ -220,10 +269,10 @@ macro_rules! operator {
         )*
     };
 }
-operator!(Add, add, AddAssign, add_assign; f64, Constant, DoubleDouble);
-operator!(Sub, sub, SubAssign, sub_assign; f64, Constant, DoubleDouble);
-operator!(Mul, mul, MulAssign, mul_assign; f64, Constant, DoubleDouble);
-operator!(Div, div, DivAssign, div_assign; f64, Constant, DoubleDouble);
+operator!(Add, add, AddAssign, add_assign; f64, i32, Constant, DoubleDouble);
+operator!(Sub, sub, SubAssign, sub_assign; f64, i32, Constant, DoubleDouble);
+operator!(Mul, mul, MulAssign, mul_assign; f64, i32, Constant, DoubleDouble);
+operator!(Div, div, DivAssign, div_assign; f64, i32, Constant, DoubleDouble);
 
 impl<S: Scalar> Sum for Num<S> {
     #[inline(always)]

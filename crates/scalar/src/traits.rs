@@ -2,6 +2,7 @@
 
 mod derivatives;
 mod float;
+mod outside;
 mod pack;
 mod piecewise;
 mod recording;
@@ -9,6 +10,7 @@ mod scalar;
 
 pub use derivatives::{FirstOrder, SecondOrder};
 pub use float::Float;
+pub use outside::Outside;
 pub use pack::Pack;
 pub use piecewise::Piecewise;
 pub use recording::{Attempt, Recording};

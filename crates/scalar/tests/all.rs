@@ -5,6 +5,7 @@ mod double_double_arithmetic;
 mod double_double_functions;
 mod double_double_tables;
 mod double_double_text;
+mod functions_of_doubles;
 mod glue;
 mod half_power;
 mod lanes;

@@ -1,14 +1,36 @@
 //! Lanes have every bit of the numbers they stand for, whatever the instructions.
 
 use equip_scalar::{
-    Constant, DoubleDouble, Float, InstructionSet, Kernel, Lanes, Pack, Piecewise, mix_stages,
+    Constant, DoubleDouble, Float, InstructionSet, Kernel, Lanes, Outside, Pack, Piecewise,
+    mix_stages,
 };
 use std::hint::black_box;
+use std::sync::Arc;
+
+const COUNT: usize = 53;
+
+/// 1/(1 + x²), and nothing of its derivatives.
+#[derive(Debug)]
+struct Lorentzian;
+
+impl Outside for Lorentzian {
+    fn variables(&self) -> usize {
+        1
+    }
+    fn derivative(&self, _: [u8; 2], [x, _]: [f64; 2]) -> f64 {
+        1.0 / (1.0 + x * x)
+    }
+    fn derivative_in_pairs(&self, _: [u8; 2], [[hi, lo], _]: [[f64; 2]; 2]) -> [f64; 2] {
+        let x = DoubleDouble::new(hi, lo);
+        let f = (x * x + DoubleDouble::ONE).recip();
+        [f.hi(), f.lo()]
+    }
+}
 
 /// Every operation on x and y, in any number.
 #[rustfmt::skip]
 #[inline(always)]
-fn everything<S: Piecewise>(x: S, y: S) -> [S; 43] {
+fn everything<S: Piecewise>(x: S, y: S) -> [S; COUNT] {
     let c = Constant::double(2.5);
     [
         x + y, x - y, x * y, x / y, -x,
@@ -19,13 +41,15 @@ fn everything<S: Piecewise>(x: S, y: S) -> [S; 43] {
         S::max(x, y), S::powf(x, c), S::pow(x, y), S::sign(x), S::at_most(x, y),
         S::where_nonzero(x, y), S::times_slope(x, y), S::powf_slope(x, S::powf(x, c), c), S::powi(x, 0), S::powi(x, 1),
         S::powi(x, 2), S::powi(x, 3), S::powi(x, 4), S::powi(x, 5), S::powi(x, 6), S::powi(x, 7), S::powi(x, -1), S::powi(x, -6),
+        S::cbrt(x), S::exp2(x), S::asinh(x), S::acosh(x), S::atanh(x), S::erf(x), S::erfc(x), S::signum(x),
+        S::select(x, y, x * y), S::outside(&(Arc::new(Lorentzian) as _), [0, 0], [x, x]),
     ]
 }
 
 struct Everything<T, const N: usize>([T; N], [T; N]);
 
 impl<T: Float, const N: usize> Kernel for Everything<T, N> {
-    type Output = [[T; N]; 43];
+    type Output = [[T; N]; COUNT];
     #[inline(always)]
     fn run(&mut self) -> Self::Output {
         everything(T::Pack::<N>::of(&self.0), T::Pack::<N>::of(&self.1)).map(Pack::numbers)

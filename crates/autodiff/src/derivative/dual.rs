@@ -8,8 +8,9 @@
 //! At kinks as on the tape. √, powers and quotients of zero: a slope that is infinite times a rate
 //! that is exactly 0 is 0.
 
-use equip_scalar::{Constant, Piecewise, Scalar};
+use equip_scalar::{Constant, DoubleDouble, Outside, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
 /// Rates one by one, as macros: closures are not always inlined.
 macro_rules! each_rate {
@@ -115,6 +116,11 @@ impl<S: Piecewise, const N: usize> Dual<S, N> {
 #[inline(always)]
 fn number<S: Scalar>(x: f64) -> S {
     S::constant(Constant::double(x))
+}
+
+#[inline(always)]
+fn wide<S: Scalar>(x: DoubleDouble) -> S {
+    S::constant(Constant::from(x))
 }
 
 #[inline(always)]
@@ -264,6 +270,34 @@ impl<S: Piecewise, const N: usize> Scalar for Dual<S, N> {
         x.chain2(y, S::max(x.value, y.value), first, number::<S>(1.0) - first)
     }
 
+    #[inline(always)]
+    fn signum(x: Self) -> Self {
+        Dual::fixed(S::sign(x.value))
+    }
+
+    #[inline(always)]
+    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
+        let is_taken = S::at_most(number(0.0), test.value);
+        let rest = number::<S>(1.0) - is_taken;
+        let of_taken = each_rate!(at_least_zero.rates, |rate| S::where_nonzero(rate, is_taken));
+        let of_other = each_rate!(below.rates, |rate| S::where_nonzero(rate, rest));
+        Dual {
+            value: S::by_sign(test.value, at_least_zero.value, below.value),
+            rates: sum(of_taken, of_other),
+        }
+    }
+
+    #[inline(always)]
+    fn outside(f: &Arc<dyn Outside>, [i, j]: [u8; 2], [x, y]: [Self; 2]) -> Self {
+        let derivative = |i, j| S::outside(f, [i, j], [x.value, y.value]);
+        let (value, by_x) = (derivative(i, j), derivative(i + 1, j));
+        if f.variables() == 1 {
+            x.chain(value, by_x)
+        } else {
+            x.chain2(y, value, by_x, derivative(i, j + 1))
+        }
+    }
+
     functions! {
         recip: |_x, f| -(f * f);
         exp: |_x, f| f;
@@ -284,6 +318,13 @@ impl<S: Piecewise, const N: usize> Scalar for Dual<S, N> {
             let sech = (u + u) / (number::<S>(1.0) + u * u);
             sech * sech
         };
+        cbrt: |_x, f| S::recip(number::<S>(3.0) * (f * f));
+        exp2: |_x, f| wide::<S>(DoubleDouble::LN_2) * f;
+        asinh: |x, _f| S::recip(S::hypot(x, number(1.0)));
+        acosh: |x, _f| S::recip(S::sqrt(x - number(1.0)) * S::sqrt(x + number(1.0)));
+        atanh: |x, _f| S::recip((number::<S>(1.0) - x) * (number::<S>(1.0) + x));
+        erf: |x, _f| wide::<S>(DoubleDouble::FRAC_2_SQRT_PI) * S::exp(-(x * x));
+        erfc: |x, _f| -(wide::<S>(DoubleDouble::FRAC_2_SQRT_PI) * S::exp(-(x * x)));
         abs: |x, _f| S::sign(x);
     }
 }

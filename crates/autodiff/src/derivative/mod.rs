@@ -5,5 +5,6 @@ pub(crate) mod by_duals;
 pub(crate) mod dual;
 pub(crate) mod hessian;
 pub(crate) mod reverse;
+mod slopes;
 pub(crate) mod tangent;
 mod twos;

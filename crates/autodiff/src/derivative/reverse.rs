@@ -14,6 +14,7 @@ use crate::recording::op::{Node, Op};
 use crate::recording::recorder::Recorder;
 use equip_scalar::{Constant, Written};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Appends the derivatives of the node `root` by all inputs; their nodes.
 pub(crate) fn differentiate(recorder: &mut Recorder, root: u32) -> Vec<u32> {
@@ -85,8 +86,12 @@ impl Reverse<'_> {
         let Node { op, a: x, b: y } = self.recorder.nodes[f as usize];
         match op {
             Op::Constant(_) | Op::Input(_) | Op::Sum(_) | Op::Powi(0) => {}
-            Op::Sign | Op::AtMost | Op::WhereNonzero | Op::PowfSlope(_) => {}
-            Op::SquareAdd | Op::RecipSqrt => unreachable!("what is replayed is no longer differentiated"),
+            Op::Sign | Op::AtMost => {}
+            Op::WhereNonzero => {
+                let node = self.apply(op, w.node, y);
+                self.give(x, Adjoint { node, ..w });
+            }
+            Op::PowfSlope(_) | Op::SquareAdd | Op::RecipSqrt => unreachable!("derivatives and what is replayed are not differentiated"),
             Op::Add => { self.give(x, w); self.give(y, w); }
             Op::Sub => { self.give(x, w); self.give_minus(y, w); }
             Op::Neg => self.give_minus(x, w),
@@ -135,7 +140,9 @@ impl Reverse<'_> {
                 self.give_times(y, w, by_y);
             }
             Op::Abs => { let slope = self.apply(Op::Sign, x, x); self.give_times(x, w, slope); }
+            Op::Cbrt => { let below = self.three_squares(f); self.give_over(x, w, below); }
             Op::Exp => self.give_times(x, w, f),
+            Op::Exp2 => { let slope = self.ln_2_times(f); self.give_times(x, w, slope); }
             Op::ExpM1 => { let slope = self.apply(Op::Exp, x, x); self.give_times(x, w, slope); }
             Op::Ln => self.give_over(x, w, x),
             Op::Ln1p => { let below = self.one_plus(x); self.give_over(x, w, below); }
@@ -148,6 +155,24 @@ impl Reverse<'_> {
             Op::Sinh => { let slope = self.apply(Op::Cosh, x, x); self.give_times(x, w, slope); }
             Op::Cosh => { let slope = self.apply(Op::Sinh, x, x); self.give_times(x, w, slope); }
             Op::Tanh => { let slope = self.square_of_sech(x); self.give_times(x, w, slope); }
+            Op::Asinh => {
+                let one = self.number(1.0);
+                let below = self.apply(Op::Hypot, x, one);
+                self.give_over(x, w, below);
+            }
+            Op::Acosh => { let below = self.root_of_excess(x); self.give_over(x, w, below); }
+            Op::Atanh => { let below = self.rest_of_square(x); self.give_over(x, w, below); }
+            Op::Erf => { let slope = self.bell(x); self.give_times(x, w, slope); }
+            Op::Erfc => { let slope = self.bell(x); self.give_times(x, opposite(w), slope); }
+            Op::Outside { function, orders: [i, j] } => {
+                let f = Arc::clone(&self.recorder.functions[function as usize]);
+                let by_x = self.recorder.outside(&f, [i + 1, j], [x, y]);
+                self.give_times(x, w, by_x);
+                if f.variables() == 2 {
+                    let by_y = self.recorder.outside(&f, [i, j + 1], [x, y]);
+                    self.give_times(y, w, by_y);
+                }
+            }
             Op::Atan2 => {
                 // f is the angle of the point (y, x). Divided by the radius twice, where its square could
                 // overflow.
@@ -194,45 +219,6 @@ impl Reverse<'_> {
         let one = self.number(1.0);
         let second = self.apply(Op::Sub, one, first);
         self.give_times(y, w, second);
-    }
-
-    fn one_plus(&mut self, x: u32) -> u32 {
-        let one = self.number(1.0);
-        self.apply(Op::Add, one, x)
-    }
-
-    fn one_plus_square(&mut self, x: u32) -> u32 {
-        let square = self.apply(Op::Square, x, x);
-        self.one_plus(square)
-    }
-
-    /// √((1 − x)(1 + x)).
-    fn root_of_rest(&mut self, x: u32) -> u32 {
-        let one = self.number(1.0);
-        let (less, more) = (self.apply(Op::Sub, one, x), self.one_plus(x));
-        let rest = self.apply(Op::Mul, less, more);
-        self.apply(Op::Sqrt, rest, rest)
-    }
-
-    /// 1/cosh² from e^{−|x|}: 1 − tanh² has no correct digit left from x = 19 on, and cosh overflows.
-    fn square_of_sech(&mut self, x: u32) -> u32 {
-        let size = self.apply(Op::Abs, x, x);
-        let down = self.apply(Op::Neg, size, size);
-        let u = self.apply(Op::Exp, down, down);
-        let (above, below) = (self.apply(Op::Add, u, u), self.one_plus_square(u));
-        let sech = self.apply(Op::Div, above, below);
-        self.apply(Op::Square, sech, sech)
-    }
-
-    fn twice_over(&mut self, x: u32, r: u32) -> u32 {
-        let once = self.apply(Op::Div, x, r);
-        self.apply(Op::Div, once, r)
-    }
-
-    /// 1/y, written as users write it, so that theirs is found.
-    fn reciprocal(&mut self, y: u32) -> u32 {
-        let one = self.number(1.0);
-        self.apply(Op::Div, one, y)
     }
 
     fn give_over(&mut self, operand: u32, w: Adjoint, below: u32) {

@@ -4,9 +4,10 @@
 //! very functions of the float below, so it has every bit of the plain replay. Derivatives at kinks are those
 //! of the that recording; the rates of selections (sign, the smaller of two) are zero.
 
-use equip_scalar::{Constant, Float, Piecewise, Scalar};
+use equip_scalar::{Constant, Float, Outside, Piecewise, Scalar};
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
 /// value + ε·rates.
 #[derive(Debug, Clone, Copy)]
@@ -178,6 +179,27 @@ impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
         }
     }
 
+    #[inline(always)]
+    fn signum(x: Self) -> Self {
+        Piecewise::sign(x)
+    }
+
+    #[inline(always)]
+    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
+        Piecewise::by_sign(test, at_least_zero, below)
+    }
+
+    #[inline(always)]
+    fn outside(f: &Arc<dyn Outside>, [i, j]: [u8; 2], [x, y]: [Self; 2]) -> Self {
+        let derivative = |i, j| <T as Scalar>::outside(f, [i, j], [x.value, y.value]);
+        let (value, by_x) = (derivative(i, j), derivative(i + 1, j));
+        if f.variables() == 1 {
+            x.chain(value, by_x)
+        } else {
+            x.chain2(y, value, by_x, derivative(i, j + 1))
+        }
+    }
+
     functions! {
         recip: |_x, f| -(f * f);
         sqrt: |_x, f| T::int(1) / (f + f);
@@ -198,6 +220,15 @@ impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
             let sech = (u + u) / (T::int(1) + u * u);
             sech * sech
         };
+        cbrt: |_x, f| <T as Scalar>::recip(T::int(3) * f * f);
+        exp2: |_x, f| T::ln_2() * f;
+        asinh: |x, _f| <T as Scalar>::recip(<T as Scalar>::hypot(x, T::int(1)));
+        acosh: |x, _f| <T as Scalar>::recip(
+            <T as Scalar>::sqrt(x - T::int(1)) * <T as Scalar>::sqrt(x + T::int(1))
+        );
+        atanh: |x, _f| <T as Scalar>::recip((T::int(1) - x) * (T::int(1) + x));
+        erf: |x, _f| T::frac_2_sqrt_pi() * <T as Scalar>::exp(-(x * x));
+        erfc: |x, _f| -(T::frac_2_sqrt_pi() * <T as Scalar>::exp(-(x * x)));
         abs: |x, _f| Piecewise::sign(x);
     }
 }

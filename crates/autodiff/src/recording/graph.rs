@@ -6,8 +6,9 @@
 //! the analyses of structure stay linear in n.
 
 use crate::recording::op::{Curvature, Node, Op, Operations};
-use equip_scalar::Constant;
+use equip_scalar::{Constant, Outside};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Shortest chain of additions that becomes a sum; below, pairs of additions fit better into runs.
 const SHORTEST_SUM: u32 = 8;
@@ -25,6 +26,7 @@ pub(crate) struct Graph {
     pub(crate) inputs: usize,
     pub(crate) nodes: Vec<Node>,
     pub(crate) constants: Vec<Constant>,
+    pub(crate) functions: Vec<Arc<dyn Outside>>,
     pub(crate) terms: Vec<Term>,
     /// Entry of each sum in `terms`; the first term of a sum is never subtracted.
     pub(crate) sums: Vec<Range<usize>>,
@@ -42,6 +44,7 @@ impl Graph {
             inputs: recorder.inputs,
             nodes: Vec::new(),
             constants: recorder.constants.clone(),
+            functions: recorder.functions.clone(),
             terms: Vec::new(),
             sums: Vec::new(),
             roots: Vec::new(),
@@ -78,6 +81,7 @@ impl Graph {
         Graph {
             nodes: self.nodes.clone(),
             constants: self.constants.clone(),
+            functions: self.functions.clone(),
             terms: self.terms.clone(),
             sums: self.sums.clone(),
             is_constant: self.is_constant.clone(),
@@ -108,6 +112,7 @@ impl Graph {
             inputs: self.inputs,
             nodes: left,
             constants: self.constants.clone(),
+            functions: self.functions.clone(),
             terms: terms.collect(),
             sums: self.sums.clone(),
             roots: roots.collect(),

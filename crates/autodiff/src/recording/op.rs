@@ -1,6 +1,7 @@
 //! [`Op`]: the operations a recording consists of.
 
-use equip_scalar::Constant;
+use equip_scalar::{Constant, Outside};
+use std::sync::Arc;
 
 /// One operation. Payloads are part of the operation, so that a run of equal operations shares them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -19,6 +20,7 @@ pub(crate) enum Op {
     Neg,
     Recip,
     Sqrt,
+    Cbrt,
     Abs,
     /// Integer power.
     Powi(i32),
@@ -28,6 +30,7 @@ pub(crate) enum Op {
     HalfPower(i32),
     Pow,
     Exp,
+    Exp2,
     Ln,
     ExpM1,
     Ln1p,
@@ -41,16 +44,28 @@ pub(crate) enum Op {
     Sinh,
     Cosh,
     Tanh,
+    Asinh,
+    Acosh,
+    Atanh,
+    Erf,
+    Erfc,
     Hypot,
     Min,
     Max,
-    /// The four of [`Piecewise`](equip_scalar::Piecewise), in derivatives only: −1, 0 or 1.
+    /// A derivative of an entry of the table of functions, of the given orders in a and b; one of one
+    /// variable has its operand twice.
+    Outside {
+        function: u32,
+        orders: [u8; 2],
+    },
+    /// Those of [`Piecewise`](equip_scalar::Piecewise): −1, 0 or 1.
     Sign,
     /// 1 where a ≤ b, else 0.
     AtMost,
     /// a where b is not 0, else 0.
     WhereNonzero,
-    /// Derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants.
+    /// Derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants; in
+    /// derivatives only.
     PowfSlope(u32),
     /// a² + b, of [`crate::recording::peephole`].
     SquareAdd,
@@ -61,7 +76,7 @@ pub(crate) enum Op {
 /// Where an operation has second derivatives of its own, in its operands a and b.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Curvature {
-    /// Nowhere; |x|, min and max are linear piece by piece.
+    /// Nowhere; |x|, min, max and selections are linear piece by piece.
     None,
     /// In (a, b).
     Product,
@@ -85,6 +100,7 @@ impl Op {
             | Op::Hypot
             | Op::Min
             | Op::Max
+            | Op::Outside { .. }
             | Op::AtMost
             | Op::WhereNonzero
             | Op::PowfSlope(_)
@@ -102,11 +118,12 @@ impl Op {
     }
 
     /// Roundings to ε of the result that it is worth: 1, but a power is rounded for each of its
-    /// multiplications, to ε/2.
+    /// multiplications, to ε/2, and an interpolated table is a polynomial.
     pub(crate) fn roundings(self) -> u32 {
         match self {
             Op::Powi(n) => n.unsigned_abs().div_ceil(2).max(1),
             Op::HalfPower(n) => (n.unsigned_abs() / 2 + 2).div_ceil(2),
+            Op::Outside { .. } => 2,
             _ => 1,
         }
     }
@@ -120,8 +137,12 @@ impl Op {
             | Op::HalfPower(_)
             | Op::Abs
             | Op::Exp
+            | Op::Exp2
             | Op::Cosh
+            | Op::Acosh
+            | Op::Erfc
             | Op::Hypot
+            | Op::AtMost
             | Op::Acos => true,
             _ => false,
         }
@@ -143,7 +164,10 @@ impl Op {
             | Op::Neg
             | Op::Abs
             | Op::Min
-            | Op::Max => Curvature::None,
+            | Op::Max
+            | Op::Sign
+            | Op::AtMost
+            | Op::WhereNonzero => Curvature::None,
             Op::Mul => Curvature::Product,
             Op::Div => Curvature::Quotient,
             _ => Curvature::Full,
@@ -165,4 +189,5 @@ pub(crate) struct Operations {
     pub(crate) inputs: usize,
     pub(crate) nodes: Vec<Node>,
     pub(crate) constants: Vec<Constant>,
+    pub(crate) functions: Vec<Arc<dyn Outside>>,
 }

@@ -5,11 +5,12 @@
 //! the sign of zero included: x·1, x/1, x − 0, x + (−0), −(−x), x·(−1) = −x, x¹, x⁰ and x·x = x².
 
 use crate::recording::op::{Node, Op, Operations};
-use equip_scalar::{Attempt, Constant, Written};
+use equip_scalar::{Attempt, Constant, Outside, Written};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Deref;
 use std::panic::Location;
+use std::sync::Arc;
 
 /// Refusals after which a loop waiting for a comparison to come true is taken to be endless.
 const PATIENCE: usize = 1 << 16;
@@ -75,11 +76,13 @@ impl Recording {
             inputs,
             nodes,
             constants,
+            functions,
         } = &self.operations;
         let mut recorder = Recorder::new(0, *inputs);
         for &c in constants {
             recorder.constant_entry(c);
         }
+        recorder.operations.functions = functions.clone();
         recorder.known.reserve(nodes.len());
         for &node in &nodes[*inputs..] {
             recorder.node(node);
@@ -101,6 +104,7 @@ impl Recorder {
                 inputs,
                 nodes: (0..inputs as u32).map(input).collect(),
                 constants: Vec::new(),
+                functions: Vec::new(),
             },
             overflow: false,
             foreign: false,
@@ -186,6 +190,33 @@ impl Recorder {
             }),
             op => self.node(Node { op, a, b }),
         }
+    }
+
+    /// The derivative of these orders of a function. The same function is known by its place in memory.
+    pub(crate) fn outside(
+        &mut self,
+        f: &Arc<dyn Outside>,
+        orders: [u8; 2],
+        [x, y]: [u32; 2],
+    ) -> u32 {
+        let place = |f: &Arc<dyn Outside>| Arc::as_ptr(f).cast::<()>();
+        let functions = &mut self.operations.functions;
+        let known = functions.iter().position(|known| place(known) == place(f));
+        let function = known.unwrap_or_else(|| {
+            functions.push(Arc::clone(f));
+            functions.len() - 1
+        }) as u32;
+        self.apply(Op::Outside { function, orders }, x, y)
+    }
+
+    /// a where `test` ≥ 0, else b.
+    pub(crate) fn select(&mut self, test: u32, a: u32, b: u32) -> u32 {
+        let [zero, one] = [0.0, 1.0].map(|x| self.constant(Constant::double(x)));
+        let is_taken = self.apply(Op::AtMost, zero, test);
+        let rest = self.apply(Op::Sub, one, is_taken);
+        let other = self.apply(Op::WhereNonzero, b, rest);
+        let taken = self.apply(Op::WhereNonzero, a, is_taken);
+        self.apply(Op::Add, taken, other)
     }
 
     /// Notes an attempt to look at a value.

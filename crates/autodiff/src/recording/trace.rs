@@ -3,10 +3,11 @@
 use crate::BuildError;
 use crate::recording::op::Op;
 use crate::recording::recorder::{self, Recorder};
-use equip_scalar::{Attempt, Constant, Num, Recording, Scalar};
+use equip_scalar::{Attempt, Constant, Num, Outside, Recording, Scalar};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::panic::Location;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// The variable an energy closure is written with: see [`Num`] for what it can do.
@@ -99,7 +100,7 @@ fn end(id: u32, result: Trace) -> Result<recorder::Recording, BuildError> {
 }
 
 /// Appends to the innermost recording; operands of any other make it fail when it ends.
-fn append(operands: [Trace; 2], f: impl FnOnce(&mut Recorder) -> u32) -> Trace {
+fn append(operands: &[Trace], f: impl FnOnce(&mut Recorder) -> u32) -> Trace {
     RECORDERS.with_borrow_mut(|stack| match stack.last_mut() {
         Some(recorder) if operands.iter().all(|x| x.recording == recorder.id) => Trace {
             recording: recorder.id,
@@ -124,7 +125,7 @@ fn unary(op: Op, x: Trace) -> Trace {
 }
 
 fn binary(op: Op, x: Trace, y: Trace) -> Trace {
-    append([x, y], |recorder| recorder.apply(op, x.node, y.node))
+    append(&[x, y], |recorder| recorder.apply(op, x.node, y.node))
 }
 
 impl Recording for Trace {
@@ -191,10 +192,23 @@ impl Scalar for Trace {
     }
 
     fn powf(x: Trace, c: Constant) -> Trace {
-        append([x, x], |recorder| recorder.powf(x.node, c))
+        append(&[x], |recorder| recorder.powf(x.node, c))
+    }
+
+    fn select(test: Trace, a: Trace, b: Trace) -> Trace {
+        append(&[test, a, b], |recorder| {
+            recorder.select(test.node, a.node, b.node)
+        })
+    }
+
+    fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], x: [Trace; 2]) -> Trace {
+        append(&x, |recorder| {
+            recorder.outside(f, orders, x.map(|x| x.node))
+        })
     }
 
     unary!(
+        cbrt Cbrt, exp2 Exp2, asinh Asinh, acosh Acosh, atanh Atanh, erf Erf, erfc Erfc, signum Sign,
         recip Recip, sqrt Sqrt, exp Exp, ln Ln, exp_m1 ExpM1, ln_1p Ln1p, sin Sin, cos Cos, tan Tan,
         asin Asin, acos Acos, atan Atan, sinh Sinh, cosh Cosh, tanh Tanh, abs Abs
     );

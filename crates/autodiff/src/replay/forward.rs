@@ -106,6 +106,8 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::PowfSlope(k) => { let c = exponents[k as usize]; listed!(step, |x, f| S::powf_slope(x, f, c)) }
             Op::Pow => listed!(step, |x, y| S::pow(x, y)),
             Op::Abs => listed!(step, |x| S::abs(x)),
+            Op::Cbrt => listed!(step, |x| S::cbrt(x)),
+            Op::Exp2 => listed!(step, |x| S::exp2(x)),
             Op::Exp => listed!(step, |x| S::exp(x)),
             Op::Ln => listed!(step, |x| S::ln(x)),
             Op::ExpM1 => listed!(step, |x| S::exp_m1(x)),
@@ -120,6 +122,15 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::Sinh => listed!(step, |x| S::sinh(x)),
             Op::Cosh => listed!(step, |x| S::cosh(x)),
             Op::Tanh => listed!(step, |x| S::tanh(x)),
+            Op::Asinh => listed!(step, |x| S::asinh(x)),
+            Op::Acosh => listed!(step, |x| S::acosh(x)),
+            Op::Atanh => listed!(step, |x| S::atanh(x)),
+            Op::Erf => listed!(step, |x| S::erf(x)),
+            Op::Erfc => listed!(step, |x| S::erfc(x)),
+            Op::Outside { function, orders } => {
+                let f = &tape.functions[function as usize];
+                listed!(step, |x, y| S::outside(f, orders, [x, y]))
+            }
             Op::Hypot => listed!(step, |x, y| S::hypot(x, y)),
             Op::Min => listed!(step, |x, y| S::min(x, y)),
             Op::Max => listed!(step, |x, y| S::max(x, y)),

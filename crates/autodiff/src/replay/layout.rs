@@ -139,6 +139,7 @@ impl<'a> Layout<'a> {
             tape: Tape {
                 constants: Vec::new(),
                 exponents: Vec::new(),
+                functions: graph.functions.clone(),
                 slots: 0,
                 constant_runs: Vec::new(),
                 runs: Vec::new(),

@@ -2,8 +2,9 @@
 
 use crate::recording::op::Op;
 use crate::replay::stretches::Access;
-use equip_scalar::Constant;
+use equip_scalar::{Constant, Outside};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Terms from which on rounding the partial sums of a sum is worth half of what rounding single terms is.
 pub(crate) const LONG: usize = 64;
@@ -75,6 +76,7 @@ pub(crate) struct Tape {
     pub(crate) constants: Vec<Constant>,
     /// Constants used as exponents, by the index [`Op::Powf`] and [`Op::PowfSlope`] have after layout.
     pub(crate) exponents: Vec<Constant>,
+    pub(crate) functions: Vec<Arc<dyn Outside>>,
     pub(crate) slots: usize,
     /// Runs of what depends on constants only.
     pub(crate) constant_runs: Vec<Run>,

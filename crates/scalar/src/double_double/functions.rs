@@ -1,5 +1,6 @@
 //! Elementary functions of a [`DoubleDouble`](super::DoubleDouble).
 
+mod error_function;
 mod exponential;
 mod inverse;
 mod logarithm;

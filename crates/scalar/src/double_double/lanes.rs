@@ -6,14 +6,17 @@
 //! then every lane is done as a `DoubleDouble`. So each lane has every bit of a computation with that number
 //! alone. The other elementary functions are N calls.
 
+mod selections;
+
 use super::number::{DoubleDouble, dd};
 use super::transforms::{SAFE_MAX, SAFE_MIN, Word};
 use super::words::{self, Dot, Pair, Sum};
 use crate::constant::Constant;
-use crate::half_power::{half_power, half_power_slope};
+use crate::half_power::half_power;
 use crate::kernels::Lanes;
-use crate::traits::{Pack, Piecewise, Scalar};
+use crate::traits::{Outside, Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
 /// N double-doubles, usually one for each stage of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -205,68 +208,29 @@ impl<const N: usize> Scalar for DoubleDoubles<N> {
         result
     }
 
+    #[inline(always)]
+    fn signum(x: Self) -> Self {
+        Piecewise::sign(x)
+    }
+
+    #[inline(always)]
+    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
+        Piecewise::by_sign(test, at_least_zero, below)
+    }
+
+    #[inline(always)]
+    fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], [x, y]: [Self; 2]) -> Self {
+        let (x, y) = (x.numbers(), y.numbers());
+        Self::of(&std::array::from_fn(|k| {
+            Scalar::outside(f, orders, [x[k], y[k]])
+        }))
+    }
+
     unary!(
-        exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh
+        cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh,
+        asinh, acosh, atanh, erf, erfc
     );
     binary!(pow, atan2, hypot, min, max);
-}
-
-impl<const N: usize> Piecewise for DoubleDoubles<N> {
-    #[inline(always)]
-    fn sign(x: Self) -> Self {
-        let [one, minus_one] = [1, -1].map(DoubleDouble::from_i64);
-        let mut result = x;
-        for k in 0..N {
-            let x = dd(x.hi.0[k], x.lo.0[k]);
-            let other = if x.hi < 0.0 { minus_one } else { x };
-            let sign = if x.hi > 0.0 { one } else { other };
-            (result.hi.0[k], result.lo.0[k]) = (sign.hi, sign.lo);
-        }
-        result
-    }
-
-    #[inline(always)]
-    fn at_most(x: Self, y: Self) -> Self {
-        let mut result = [0.0; N];
-        for (k, result) in result.iter_mut().enumerate() {
-            let below = x.hi.0[k] < y.hi.0[k];
-            let equal = x.hi.0[k] == y.hi.0[k];
-            let is_at_most = below | (equal & (x.lo.0[k] <= y.lo.0[k]));
-            *result = if is_at_most { 1.0 } else { 0.0 };
-        }
-        Self::joined((Lanes(result), Lanes::splat(0.0)))
-    }
-
-    #[inline(always)]
-    fn where_nonzero(x: Self, test: Self) -> Self {
-        let zero = Lanes::splat(0.0);
-        Self::joined((
-            x.hi.unless_zero(test.hi, zero),
-            x.lo.unless_zero(test.hi, zero),
-        ))
-    }
-
-    #[inline(always)]
-    fn times_slope(rate: Self, slope: Self) -> Self {
-        one_by_one(&rate, &slope, Piecewise::times_slope)
-    }
-
-    #[inline(always)]
-    fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
-        if let Some(n) = c.halves::<DoubleDouble>() {
-            return half_power_slope(x, power, n);
-        }
-        let (x, mut power) = (x.numbers(), power.numbers());
-        for k in 0..N {
-            power[k] = Piecewise::powf_slope(x[k], power[k], c);
-        }
-        Self::of(&power)
-    }
-
-    #[inline(always)]
-    fn is_regular(x: Self) -> bool {
-        Lanes::is_regular(x.hi)
-    }
 }
 
 impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {

@@ -7,7 +7,8 @@ use crate::constant::Constant;
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
 use crate::half_power::half_power;
-use crate::traits::{Float, Scalar};
+use crate::traits::{Float, Outside, Piecewise, Scalar};
+use std::sync::Arc;
 
 float_glue!(DoubleDouble);
 
@@ -62,8 +63,22 @@ impl Scalar for DoubleDouble {
     fn max(x: Self, y: Self) -> Self {
         DoubleDouble::max(x, y)
     }
+    #[inline(always)]
+    fn signum(x: Self) -> Self {
+        Piecewise::sign(x)
+    }
+    #[inline(always)]
+    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
+        Piecewise::by_sign(test, at_least_zero, below)
+    }
+    #[inline(always)]
+    fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], x: [Self; 2]) -> Self {
+        let [hi, lo] = f.derivative_in_pairs(orders, x.map(|x| [x.hi, x.lo]));
+        DoubleDouble::new(hi, lo)
+    }
     functions!(
-        recip, sqrt, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, abs
+        recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh,
+        cosh, tanh, asinh, acosh, atanh, erf, erfc, abs
     );
 }
 

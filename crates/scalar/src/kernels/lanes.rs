@@ -7,8 +7,9 @@
 
 use crate::constant::Constant;
 use crate::half_power::{half_power, half_power_slope};
-use crate::traits::{Pack, Piecewise, Scalar};
+use crate::traits::{Outside, Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
 /// N doubles, usually one for each stage of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,7 +78,7 @@ macro_rules! unary {
     ($($f:ident),*) => {$(
         #[inline(always)]
         fn $f(x: Self) -> Self {
-            each_lane!(|x| f64::$f(x))
+            each_lane!(|x| <f64 as Scalar>::$f(x))
         }
     )*};
 }
@@ -87,6 +88,15 @@ macro_rules! binary {
         #[inline(always)]
         fn $f(x: Self, y: Self) -> Self {
             each_lane!(|x, y| f64::$f(x, y))
+        }
+    )*};
+}
+
+macro_rules! piecewise {
+    ($($f:ident($($x:ident),*)),*) => {$(
+        #[inline(always)]
+        fn $f($($x: Self),*) -> Self {
+            each_lane!(|$($x),*| <f64 as Piecewise>::$f($($x),*))
         }
     )*};
 }
@@ -137,15 +147,37 @@ impl<const N: usize> Scalar for Lanes<N> {
         }
     }
 
+    #[inline(always)]
+    fn signum(x: Self) -> Self {
+        Piecewise::sign(x)
+    }
+
+    #[inline(always)]
+    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
+        Piecewise::by_sign(test, at_least_zero, below)
+    }
+
+    #[inline(always)]
+    fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], [x, y]: [Self; 2]) -> Self {
+        let mut results = [0.0; N];
+        f.derivatives(orders, [&x.0, &y.0], &mut results);
+        Lanes(results)
+    }
+
     unary!(
-        recip, sqrt, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, abs
+        recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh,
+        cosh, tanh, asinh, acosh, atanh, erf, erfc, abs
     );
     binary!(pow, atan2, hypot, min, max);
 }
 
 impl<const N: usize> Piecewise for Lanes<N> {
-    unary!(sign);
-    binary!(at_most, where_nonzero, times_slope);
+    piecewise!(
+        sign(x),
+        at_most(x, y),
+        where_nonzero(x, test),
+        times_slope(rate, slope)
+    );
 
     #[inline(always)]
     fn powf_slope(x: Self, power: Self, c: Constant) -> Self {

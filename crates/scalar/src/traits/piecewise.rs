@@ -21,6 +21,14 @@ pub trait Piecewise: Scalar {
     fn at_most(x: Self, y: Self) -> Self;
     /// x where `test` is not zero, 0 where it is, whatever x is there.
     fn where_nonzero(x: Self, test: Self) -> Self;
+    /// One number where `test` ≥ 0, the other elsewhere, and 0 in place of −0.
+    #[inline(always)]
+    fn by_sign(test: Self, at_least_zero: Self, below: Self) -> Self {
+        let [zero, one] = [0.0, 1.0].map(|x| Self::constant(Constant::double(x)));
+        let is_taken = Self::at_most(zero, test);
+        let other = Self::where_nonzero(below, one - is_taken);
+        Self::where_nonzero(at_least_zero, is_taken) + other
+    }
     /// rate·slope, but a rate of 0 remains 0 where the slope is infinite or NaN: √(x² + y²) at a fixed
     /// origin.
     fn times_slope(rate: Self, slope: Self) -> Self;

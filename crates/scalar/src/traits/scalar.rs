@@ -1,8 +1,10 @@
 //! [`Scalar`]: what an energy may be computed with.
 
+use super::outside::Outside;
 use crate::constant::Constant;
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::Arc;
 
 /// Arithmetic and elementary functions, and nothing that could make a program branch on the state.
 ///
@@ -25,6 +27,8 @@ pub trait Scalar:
     fn recip(x: Self) -> Self;
     /// √x.
     fn sqrt(x: Self) -> Self;
+    /// ∛x, of negative numbers too.
+    fn cbrt(x: Self) -> Self;
     /// xⁿ for an integer n.
     fn powi(x: Self, n: i32) -> Self;
     /// xᶜ for a constant exponent, by √x where it is a half-integer up to 15/2; the derivative at x = 0 is
@@ -34,6 +38,8 @@ pub trait Scalar:
     fn pow(x: Self, y: Self) -> Self;
     /// eˣ.
     fn exp(x: Self) -> Self;
+    /// 2ˣ; exact for integers.
+    fn exp2(x: Self) -> Self;
     /// Natural logarithm.
     fn ln(x: Self) -> Self;
     /// eˣ − 1, accurate near 0.
@@ -60,6 +66,16 @@ pub trait Scalar:
     fn cosh(x: Self) -> Self;
     /// Hyperbolic tangent.
     fn tanh(x: Self) -> Self;
+    /// Inverse hyperbolic sine.
+    fn asinh(x: Self) -> Self;
+    /// Inverse hyperbolic cosine; NaN below 1.
+    fn acosh(x: Self) -> Self;
+    /// Inverse hyperbolic tangent; ±∞ at ±1, NaN outside.
+    fn atanh(x: Self) -> Self;
+    /// Error function 2/√π ∫₀ˣ exp(−t²) dt.
+    fn erf(x: Self) -> Self;
+    /// 1 − erf x, with full relative precision where that is small.
+    fn erfc(x: Self) -> Self;
     /// √(x² + y²) without undue overflow.
     fn hypot(x: Self, y: Self) -> Self;
     /// |x|; its derivative is the sign of x.
@@ -68,4 +84,10 @@ pub trait Scalar:
     fn min(x: Self, y: Self) -> Self;
     /// The larger of two; derivatives are those of the one taken.
     fn max(x: Self, y: Self) -> Self;
+    /// −1, 0 or 1 by the sign of x; x itself where it is ±0 or NaN. Its derivative is 0.
+    fn signum(x: Self) -> Self;
+    /// One number where `test` ≥ 0, the other elsewhere; derivatives are those of the one taken.
+    fn select(test: Self, at_least_zero: Self, below: Self) -> Self;
+    /// The derivative of these orders of a function at x; one of one variable has the same number twice.
+    fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], x: [Self; 2]) -> Self;
 }

@@ -4,6 +4,7 @@
 //! half to two thirds; 8 is what the documentation promises.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod error_function;
 mod exponentials;
 mod trigonometry;
 

@@ -1,0 +1,27 @@
+//! [`Outside`]: a function of one or two variables that is no composition of operations.
+
+use std::fmt::Debug;
+
+/// A function f(x) or f(x, y) with its derivatives, such as an interpolated table.
+///
+/// It is the same function in every kind of number, and it is called anew at every state: what it returns may
+/// depend on its arguments only. The first derivatives are used for ∇H, the second for ∇²H; where a
+/// derivative of higher order than those that are known is asked for, NaN is the answer.
+pub trait Outside: Debug + Send + Sync {
+    /// Number of variables, 1 or 2.
+    fn variables(&self) -> usize;
+
+    /// ∂^(i + j) f/∂xⁱ∂yʲ for `orders` = \[i, j\], at `at` = \[x, y\]. For one variable j = 0, and y is to be
+    /// left out of account.
+    fn derivative(&self, orders: [u8; 2], at: [f64; 2]) -> f64;
+
+    /// The same in double-double: numbers are unevaluated sums \[upper word, lower word\].
+    fn derivative_in_pairs(&self, orders: [u8; 2], at: [[f64; 2]; 2]) -> [f64; 2];
+
+    /// The same at many points, all slices being of one length.
+    fn derivatives(&self, orders: [u8; 2], at: [&[f64]; 2], results: &mut [f64]) {
+        for ((result, &x), &y) in results.iter_mut().zip(at[0]).zip(at[1]) {
+            *result = self.derivative(orders, [x, y]);
+        }
+    }
+}
