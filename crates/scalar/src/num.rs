@@ -9,8 +9,8 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 /// A number of unknown kind: a float, a dual number, or a variable being recorded.
 ///
 /// It has every operation of [`Scalar`] as a method, mixes with `f64`, `i32`, [`Constant`] and
-/// [`DoubleDouble`] on either side, and offers no comparison and no read-out: an energy must not branch on the
-/// state. Use [`min`](Self::min), [`max`](Self::max), [`abs`](Self::abs), [`clamp`](Self::clamp) and
+/// [`DoubleDouble`] on either side, and offers no comparison and no read-out: an energy must not branch on
+/// the state. Use [`min`](Self::min), [`max`](Self::max), [`abs`](Self::abs), [`clamp`](Self::clamp) and
 /// [`select`](Self::select) for piecewise functions.
 ///
 /// Every method costs what the wrapped type's function costs; the wrapper itself costs nothing.
