@@ -19,7 +19,7 @@ use texts::{rust_files, wide_comments};
 /// The crates from the ground up; a crate imports from lower levels only.
 const LEVELS: [&[&str]; 8] = [
     &["scalar"],
-    &["tableau", "linear", "jit"],
+    &["tableau", "linear", "jit", "tables"],
     &["autodiff"],
     &["sweeps", "scenes"],
     &["solver"],
