@@ -20,6 +20,8 @@
 //!
 //! Not supported: energies that branch on the state or read it out (refused when built), loops that wait for
 //! convergence (use a fixed number of iterations), and functions beyond those of [`Num`](equip_scalar::Num).
+//! What is none of them can be given as an [`Outside`](equip_scalar::Outside), as the tables and closures of
+//! `equip-tables` are.
 #![forbid(unsafe_code)]
 
 mod derivative;
@@ -43,6 +45,7 @@ pub use routes::recorded::Recorded;
 pub use routes::recorded_evaluator::RecordedEvaluator;
 pub use routes::statics::{Static, StaticEvaluator};
 pub use routes::supplied::{Supplied, SuppliedEvaluator};
+pub use routes::switches::{SwitchEvaluator, SwitchKind, Switches};
 pub use structure::facts::{HessianPattern, Structure};
 pub use structure::kinetic::Kinetic;
 pub use structure::pattern::Pattern;

@@ -1,6 +1,6 @@
 //! What an integrator asks of an energy.
 
-use crate::{Fused, Hamiltonian, Kinetic, RecordedEvaluator, Structure};
+use crate::{Fused, Hamiltonian, Kinetic, RecordedEvaluator, Structure, Switches};
 use equip_scalar::{Float, InstructionSet};
 
 /// A scalar energy with everything derived from it, in any float type.
@@ -16,6 +16,12 @@ pub trait System {
     /// Separability, degree and sparsity of H.
     fn structure(&self) -> &Structure;
 
+    /// Where H or a derivative of it jumps, as far as that is known. Computed anew at each call, in time and
+    /// memory in proportion to the operations of H.
+    fn switches(&self) -> Switches {
+        Switches::none()
+    }
+
     /// An evaluator in float type `T`: constants are read in it once, workspace is allocated once.
     fn evaluator<T: Float>(&self) -> Self::Evaluator<T>;
 }
@@ -25,6 +31,10 @@ impl<H: System> System for &H {
 
     fn structure(&self) -> &Structure {
         (**self).structure()
+    }
+
+    fn switches(&self) -> Switches {
+        (**self).switches()
     }
 
     fn evaluator<T: Float>(&self) -> Self::Evaluator<T> {
@@ -37,6 +47,10 @@ impl<R: System> System for Hamiltonian<R> {
 
     fn structure(&self) -> &Structure {
         self.route.structure()
+    }
+
+    fn switches(&self) -> Switches {
+        self.route.switches()
     }
 
     fn evaluator<T: Float>(&self) -> Self::Evaluator<T> {

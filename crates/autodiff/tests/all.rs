@@ -15,6 +15,7 @@ mod random;
 mod refused;
 mod routes;
 mod size;
+mod switches;
 
 /// A file of tests that is not named above would be left out in silence.
 #[test]

@@ -13,6 +13,9 @@ pub(super) struct Knots {
     /// At least two.
     pub(super) pairs: Vec<DoubleDouble>,
     heads: Vec<f64>,
+    /// The first knot.
+    origin: f64,
+    cells: i32,
     /// Cells in a unit of x.
     density: f64,
     /// The first interval of each cell, and the last one of all.
@@ -41,6 +44,8 @@ impl Knots {
         };
         let cells = heads.len() - 1;
         let mut knots = Knots {
+            origin: first,
+            cells: i32::try_from(cells).unwrap_or(i32::MAX),
             density: cells as f64 / (last - first),
             first: Vec::with_capacity(cells + 1),
             pairs,
@@ -72,7 +77,8 @@ impl Knots {
     /// Never decreases with x; numbers outside of the range are in the cells at its ends.
     #[inline(always)]
     fn cell(&self, x: f64) -> usize {
-        (((x - self.heads[0]) * self.density) as usize).min(self.heads.len() - 2)
+        let cell = ((x - self.origin) * self.density) as i32;
+        cell.clamp(0, self.cells - 1) as usize
     }
 
     /// Index of the knot before x; at a knot this one, outside of the range that of the interval next to it.
@@ -80,7 +86,12 @@ impl Knots {
     pub(super) fn before(&self, x: f64) -> usize {
         let cell = self.cell(x);
         let (low, high) = (self.first[cell] as usize, self.first[cell + 1] as usize);
-        low + self.heads[low + 1..=high].partition_point(|&knot| knot <= x)
+        // Of uniform knots there is at most one to compare with; which is not to be predicted.
+        if high - low <= 1 {
+            low + usize::from((low < high) & (self.heads[low + 1] <= x))
+        } else {
+            low + self.heads[low + 1..=high].partition_point(|&knot| knot <= x)
+        }
     }
 
     /// The same for a number of which the knots' upper words do not say enough.

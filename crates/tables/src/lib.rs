@@ -19,10 +19,12 @@
 //!
 //! All are an [`Outside`](equip_scalar::Outside): in a recording one operation, whatever stands behind it,
 //! and its derivatives another. They work in every kind of number. As sines, they are replayed from the tape
-//! and not part of machine code. A value costs 6 ns in `f64`, 90 ns in double-double, however many intervals
-//! there are (knots crowded in one place: log₂ of their number more).
+//! and not part of machine code. A value of a [`Table`] costs 10 ns in `f64`, 0.1 µs in double-double, of a
+//! [`Table2`] 40 ns and 0.4 µs, however many intervals there are (knots crowded in one place: log₂ of their
+//! number more).
 #![forbid(unsafe_code)]
 
+mod alternating;
 mod custom;
 mod error;
 mod knots;

@@ -1,5 +1,6 @@
 //! [`Table`]: the cubic spline through points.
 
+use crate::alternating::Alternating;
 use crate::error::TableError;
 use crate::knots::Knots;
 use crate::polynomial::derivative;
@@ -92,7 +93,7 @@ impl Table {
         y: &[X],
         ends: [End; 2],
     ) -> Result<Self, TableError> {
-        let knots = Knots::new(x)?;
+        let knots = Arc::new(Knots::new(x)?);
         check_ends(knots.len(), ends)?;
         let y = finite_values(y, knots.len())?;
         let pieces = spline(&knots.pairs, &y, ends);
@@ -107,6 +108,7 @@ impl Table {
         let interpolant = Arc::new(Interpolant {
             rounded: starts.zip(rounded).collect(),
             pieces,
+            kinks: Alternating::new(&knots, 0, 1),
             knots,
         });
         Ok(Table {
@@ -173,11 +175,22 @@ pub(crate) fn finite_values<X: Into<DoubleDouble> + Copy>(
 /// Polynomials between knots.
 #[derive(Debug)]
 struct Interpolant {
-    knots: Knots,
+    knots: Arc<Knots>,
+    kinks: Option<Arc<dyn Outside>>,
     /// Coefficients of each interval.
     pieces: Vec<[DoubleDouble; 4]>,
     /// Its first knot and its coefficients, as doubles.
     rounded: Vec<(f64, [f64; 4])>,
+}
+
+impl Interpolant {
+    /// Compiled for each order that is used.
+    #[inline(always)]
+    fn each(&self, order: u8, x: &[f64], results: &mut [f64]) {
+        for (result, &x) in results.iter_mut().zip(x) {
+            *result = self.derivative([order, 0], [x, x]);
+        }
+    }
 }
 
 impl Outside for Interpolant {
@@ -191,11 +204,24 @@ impl Outside for Interpolant {
         derivative(coefficients, order, x - start)
     }
 
+    fn derivatives(&self, [order, _]: [u8; 2], [x, _]: [&[f64]; 2], results: &mut [f64]) {
+        match order {
+            0 => self.each(0, x, results),
+            1 => self.each(1, x, results),
+            2 => self.each(2, x, results),
+            order => self.each(order, x, results),
+        }
+    }
+
     fn derivative_in_pairs(&self, [order, _]: [u8; 2], [[hi, lo], _]: [[f64; 2]; 2]) -> [f64; 2] {
         let x = DoubleDouble::new(hi, lo);
         let interval = self.knots.before_pair(x);
         let t = x - self.knots.pairs[interval];
         let result = derivative(self.pieces[interval], order, t);
         [result.hi(), result.lo()]
+    }
+
+    fn kinks(&self) -> Vec<Arc<dyn Outside>> {
+        self.kinks.iter().cloned().collect()
     }
 }

@@ -1,5 +1,6 @@
 //! [`Table2`]: the bicubic spline through values on a grid.
 
+use crate::alternating::Alternating;
 use crate::error::TableError;
 use crate::knots::Knots;
 use crate::polynomial::derivative;
@@ -64,7 +65,7 @@ impl Table2 {
         values: &[X],
         end: End,
     ) -> Result<Self, TableError> {
-        let knots = [Knots::new(x)?, Knots::new(y)?];
+        let knots = [Arc::new(Knots::new(x)?), Arc::new(Knots::new(y)?)];
         for knots in &knots {
             check_ends(knots.len(), [end; 2])?;
         }
@@ -79,6 +80,7 @@ impl Table2 {
             return Err(TableError::Overflow { index });
         }
         let interpolant = Arc::new(Interpolant {
+            kinks: [0, 1].map(|axis| Alternating::new(&knots[axis], axis, 2)),
             knots,
             cells,
             rounded,
@@ -117,7 +119,7 @@ impl Table2 {
 
 /// Coefficients c_kl of Σ c_kl (x − x_i)ᵏ (y − y_j)ˡ, cell by cell, those of one i together.
 fn cells(
-    knots: &[Knots; 2],
+    knots: &[Arc<Knots>; 2],
     values: &[DoubleDouble],
     ends: [End; 2],
 ) -> Vec<[[DoubleDouble; 4]; 4]> {
@@ -143,7 +145,8 @@ fn cells(
 /// Polynomials in the cells of a grid.
 #[derive(Debug)]
 struct Interpolant {
-    knots: [Knots; 2],
+    knots: [Arc<Knots>; 2],
+    kinks: [Option<Arc<dyn Outside>>; 2],
     cells: Vec<[[DoubleDouble; 4]; 4]>,
     rounded: Vec<[[f64; 4]; 4]>,
 }
@@ -185,5 +188,9 @@ impl Outside for Interpolant {
         let t = [x - in_x.pairs[i], y - in_y.pairs[j]];
         let result = in_cell(&self.cells[self.cell([i, j])], orders, t);
         [result.hi(), result.lo()]
+    }
+
+    fn kinks(&self) -> Vec<Arc<dyn Outside>> {
+        self.kinks.iter().flatten().cloned().collect()
     }
 }

@@ -1,7 +1,7 @@
 //! Tables within energies: on every route, in every number, at many points at once, the same bits.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Energy, Evaluate, Hamiltonian, System};
+use equip_autodiff::{Energy, Evaluate, Hamiltonian, SwitchKind, System};
 use equip_scalar::{DoubleDouble, FirstOrder, Float, InstructionSet, Num, Scalar, SecondOrder};
 use equip_tables::{Table, Table2};
 
@@ -194,4 +194,50 @@ fn rounding_is_below_its_bound() {
             "{error:e} {bound:e} at {y:?}"
         );
     }
+}
+
+/// A known switch changes its sign at every inner knot and nowhere else, and is smooth enough to be found.
+#[test]
+fn switches() {
+    let x: Vec<f64> = (0..12).map(|i| f64::from(i).powf(1.5)).collect();
+    let v = Table::natural(&x, &x.clone()).unwrap();
+    let h = Hamiltonian::new(1, |q, p| p[0] + v.at(q[0]) + v.slope_at(q[0])).unwrap();
+    let switches = h.switches();
+    assert_eq!(switches.kinds(), [SwitchKind::Knots]);
+    let mut evaluator = switches.evaluator::<f64>();
+    let mut wide = switches.evaluator::<DoubleDouble>();
+    let mut at = |x: f64| {
+        let (mut g, mut exact) = ([0.0], [DoubleDouble::ZERO]);
+        evaluator.values(&[x, 0.0], &mut g);
+        wide.values(&[x, 0.0].map(DoubleDouble::from), &mut exact);
+        assert!((g[0] - exact[0].hi()).abs() <= 1e-14 * (1.0 + g[0].abs()));
+        g[0]
+    };
+    let (mut changes, mut before) = (Vec::new(), at(-3.0));
+    for i in -2999..50_000 {
+        let x = 0.001 * f64::from(i);
+        let now = at(x);
+        // Its slope is 4 at knots, and never more.
+        assert!((now - before).abs() < 0.005);
+        if now * before < 0.0 || now == 0.0 {
+            changes.push(x);
+        }
+        before = now;
+    }
+    assert_eq!(changes.len(), 10);
+    for (change, knot) in changes.iter().zip(&x[1..]) {
+        assert!((change - knot).abs() < 0.0011, "{change} {knot}");
+    }
+    let grid = Tables::new();
+    let h = Hamiltonian::new(2, |q, p| grid.energy(q, p)).unwrap();
+    let switches = h.switches();
+    assert_eq!(switches.kinds(), [SwitchKind::Knots; 3]);
+    let mut g = [0.0; 3];
+    let y = [-2.5, 1.0, 0.0, 0.0];
+    switches.evaluator().values(&y, &mut g);
+    // −2.5 and 1² − 2 = −1 on the grid −4, −3, …, 4.
+    assert_eq!(g[1..], [-1.0, 0.0]);
+    let line = Table::natural(&[0.0, 1.0], &[0.0, 1.0]).unwrap();
+    let h = Hamiltonian::new(1, |q, _| line.at(q[0])).unwrap();
+    assert!(h.switches().is_empty());
 }

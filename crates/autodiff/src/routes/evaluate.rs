@@ -4,7 +4,7 @@ use super::recorded::Recorded;
 use super::recorded_evaluator::{RecordedEvaluator, ready};
 use crate::native::fused::{Fused, Joined, fuse};
 use crate::system::{Evaluate, Holds, System};
-use crate::{Kinetic, Structure};
+use crate::{Kinetic, Structure, Switches};
 use equip_scalar::{Float, InstructionSet};
 
 impl System for Recorded {
@@ -12,6 +12,10 @@ impl System for Recorded {
 
     fn structure(&self) -> &Structure {
         &self.shared.structure
+    }
+
+    fn switches(&self) -> Switches {
+        Switches::of(self.recording())
     }
 
     fn evaluator<T: Float>(&self) -> RecordedEvaluator<T> {

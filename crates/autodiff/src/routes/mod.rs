@@ -9,3 +9,4 @@ pub(crate) mod recorded_evaluator;
 pub(crate) mod results;
 pub(crate) mod statics;
 pub(crate) mod supplied;
+pub(crate) mod switches;

@@ -38,6 +38,11 @@ impl Recorded {
         self.shared.energy.one().operations()
     }
 
+    /// The operations of H.
+    pub(super) fn recording(&self) -> &Recording {
+        &self.shared.recording
+    }
+
     /// Whether H has a sum that is worth compensating.
     #[inline]
     pub(crate) fn has_long_sums(&self) -> bool {

@@ -12,7 +12,7 @@ use crate::replay::point::{Points, check_batch, require_separable};
 use crate::routes::check::compare;
 use crate::{
     BuildError, Energy, Evaluate, Hamiltonian, Kinetic, Recorded, RecordedEvaluator, Structure,
-    System,
+    Switches, System,
 };
 use equip_scalar::{Float, InstructionSet, Num};
 use std::sync::Arc;
@@ -106,6 +106,10 @@ impl<E: Energy> System for Static<E> {
 
     fn structure(&self) -> &Structure {
         self.recorded.structure()
+    }
+
+    fn switches(&self) -> Switches {
+        self.recorded.switches()
     }
 
     fn evaluator<T: Float>(&self) -> StaticEvaluator<E, T> {

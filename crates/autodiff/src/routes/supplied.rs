@@ -3,7 +3,8 @@
 use crate::replay::point::{Points, check_batch, require_separable};
 use crate::routes::check::compare;
 use crate::{
-    BuildError, Evaluate, Hamiltonian, Kinetic, Recorded, RecordedEvaluator, Structure, System,
+    BuildError, Evaluate, Hamiltonian, Kinetic, Recorded, RecordedEvaluator, Structure, Switches,
+    System,
 };
 use equip_scalar::{Float, InstructionSet};
 use std::any::TypeId;
@@ -99,6 +100,10 @@ impl<G: Fn(&[f64], &[f64], &mut [f64], &mut [f64])> System for Supplied<G> {
 
     fn structure(&self) -> &Structure {
         self.recorded.structure()
+    }
+
+    fn switches(&self) -> Switches {
+        self.recorded.switches()
     }
 
     fn evaluator<T: Float>(&self) -> SuppliedEvaluator<G, T> {

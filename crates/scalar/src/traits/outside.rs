@@ -1,6 +1,7 @@
 //! [`Outside`]: a function of one or two variables that is no composition of operations.
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 /// A function f(x) or f(x, y) with its derivatives, such as an interpolated table.
 ///
@@ -23,5 +24,10 @@ pub trait Outside: Debug + Send + Sync {
         for ((result, &x), &y) in results.iter_mut().zip(at[0]).zip(at[1]) {
             *result = self.derivative(orders, [x, y]);
         }
+    }
+
+    /// Functions of the same variables, each of which changes its sign where a derivative of this one jumps.
+    fn kinks(&self) -> Vec<Arc<dyn Outside>> {
+        Vec::new()
     }
 }
