@@ -21,6 +21,7 @@ mod random;
 mod reproducibility;
 mod springs;
 mod stories;
+mod tables;
 mod work;
 
 /// A file of tests that is not named above would be left out in silence.

@@ -37,7 +37,7 @@
 //! # }
 //! ```
 //!
-//! The guide, page by page, and eight programs to begin with:
+//! The guide, page by page, and nine programs to begin with:
 #![doc = concat!("[docs](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/docs),")]
 #![doc = concat!("[examples](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/crates/equip/examples).")]
 //!
@@ -46,6 +46,7 @@
 //! | `equip-scalar` | [`scalar`] | number types: `f64`, `DoubleDouble`, constants in H |
 //! | `equip-tableau` | [`tableau`] | Gauss nodes, weights, K(α) |
 //! | `equip-autodiff` | [`autodiff`] | H → gradient, Hessian, structure |
+//! | `equip-tables` | [`tables`] | parts of H given as data or as closures |
 //! | `equip-solver` | [`solver`] | one step: stages, α, outcome |
 //! | `equip-integrate` | [`solver`] | methods, runs, events, checkpoints, certificate |
 //! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
@@ -59,8 +60,14 @@ pub use equip_integrate as solver;
 pub use equip_scalar as scalar;
 pub use equip_scenes as scenes;
 pub use equip_tableau as tableau;
+pub use equip_tables as tables;
 
 pub mod prelude;
+
+/// Compiles the snippets of the page on tables and closures.
+#[doc = include_str!("../../../docs/potentials-from-data.md")]
+#[cfg(doctest)]
+struct PotentialsPage;
 
 #[doc = include_str!("../../../README.md")]
 #[cfg(doctest)]

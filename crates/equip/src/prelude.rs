@@ -9,3 +9,4 @@ pub use equip_integrate::{
     Trajectory, VariableSteps,
 };
 pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};
+pub use equip_tables::{Custom, Table, Table2, TableError};
