@@ -19,7 +19,7 @@ pub(crate) struct Alternating {
 
 impl Alternating {
     /// None of a table without inner knots.
-    pub(crate) fn new(
+    pub(crate) fn of(
         knots: &Arc<Knots>,
         axis: usize,
         variables: usize,

@@ -108,7 +108,7 @@ impl Table {
         let interpolant = Arc::new(Interpolant {
             rounded: starts.zip(rounded).collect(),
             pieces,
-            kinks: Alternating::new(&knots, 0, 1),
+            kinks: Alternating::of(&knots, 0, 1),
             knots,
         });
         Ok(Table {

@@ -80,7 +80,7 @@ impl Table2 {
             return Err(TableError::Overflow { index });
         }
         let interpolant = Arc::new(Interpolant {
-            kinks: [0, 1].map(|axis| Alternating::new(&knots[axis], axis, 2)),
+            kinks: [0, 1].map(|axis| Alternating::of(&knots[axis], axis, 2)),
             knots,
             cells,
             rounded,
