@@ -92,7 +92,7 @@ fn henon_heiles_from_a_grid() {
             let run = method.integrate(&h, &q, &p, T::int(0)..=T::int(20));
             run.unwrap()
         });
-        let [x, y] = runs.each_ref().map(|run| end(run));
+        let [x, y] = runs.each_ref().map(end);
         let sweeps = runs.map(|run| run.certificate().counts.sweeps);
         ((x - y).abs().to_f64(), sweeps)
     }
@@ -132,7 +132,7 @@ fn lennard_jones_with_crowded_knots() {
         let sizes = run.energy_defects().iter().map(|defect| defect.abs());
         sizes.fold(0.0, f64::max)
     });
-    let [q, exact] = runs.each_ref().map(|run| end(run));
+    let [q, exact] = runs.each_ref().map(end);
     println!("{:e} {defects:?}", q - exact);
     // Measured: 3e-7 off; defects 1.1e-7 and, of the formula, 9e-15.
     assert!((q - exact).abs() < 1e-6);
@@ -149,7 +149,7 @@ fn closures_are_the_function() {
     assert!(by_closures.structure().separable);
     let runs = [&by_closures, &by_formula].map(|h| swing(h, 4));
     // Measured: 4e-14; the floors of the energy differ, and with them moves of the α's.
-    let [q, exact] = runs.each_ref().map(|run| end(run));
+    let [q, exact] = runs.each_ref().map(end);
     println!("{:e}", q - exact);
     assert!((q - exact).abs() < 1e-12);
 }
