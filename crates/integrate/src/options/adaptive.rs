@@ -144,8 +144,8 @@ impl<T: Float> Tolerance<T> {
         Ok(())
     }
 
-    /// The absolute errors of all components, `pairs` positions and as many momenta of which the first `m` are
-    /// the user's; none if they are all zero.
+    /// The absolute errors of all components, `pairs` positions and as many momenta of which the first `m`
+    /// are the user's; none if they are all zero.
     pub(crate) fn absolute_errors(
         &self,
         m: usize,
