@@ -63,7 +63,7 @@ def ensemble(
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
-    atol: Optional[tuple[float, float]] = None,
+    atol: Any = None,
     threads: Optional[int] = None,
     progress: bool = False,
 ) -> Ensemble:
@@ -114,6 +114,8 @@ def ensemble(
         raise ValueError(f"threads is {threads}; it must be 1 or more")
     start, end = interval_of(span)
     times = (start[0], end[0])
+    if step is not None and (end[0] - start[0]) * step < 0:
+        raise ValueError(f"steps of {step} lead from {start[0]} away from {end[0]}; give a step without a sign")
     flat = (q.ravel().tolist(), p.ravel().tolist())
     if progress:
         from tqdm.auto import tqdm

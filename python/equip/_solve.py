@@ -20,6 +20,18 @@ Event = Callable[[Any, Any, Any], Any]
 _TOLERANCE = {"f64": 1e-12, "dd": 1e-24}
 
 
+def _absolute_errors(atol: Any, shape: Shape) -> tuple[list[float], list[float]]:
+    """`atol` of all positions and all momenta: a number, or a pair of what has the shape of q or a number."""
+    parts = tuple(atol) if isinstance(atol, (tuple, list)) else (atol, atol)
+    if len(parts) != 2:
+        raise ValueError(f"atol has {len(parts)} parts; it must be a number, or a pair for positions and momenta")
+    try:
+        q, p = (np.broadcast_to(np.asarray(part, dtype=float), shape).ravel().tolist() for part in parts)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"atol must be numbers, or arrays of the shape {shape} of q and p: {error}") from None
+    return q, p
+
+
 def options(
     h: Hamiltonian,
     method: Method,
@@ -31,7 +43,7 @@ def options(
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
-    atol: Optional[tuple[float, float]] = None,
+    atol: Any = None,
     invariants: Optional[Mapping[str, Function]] = None,
     keep: Optional[Mapping[str, Function]] = None,
     measure_energy: bool = True,
@@ -66,7 +78,7 @@ def options(
         "min_step": float(min_step),
         "max_step": float(max_step),
         "max_steps": 2**64 - 1 if max_steps is None else int(max_steps),
-        "atol": atol,
+        "atol": None if atol is None else _absolute_errors(atol, h.shape),
         "invariants": quantities(invariants),
         "keep": quantities(keep),
         "measure_energy": measure_energy,
@@ -121,7 +133,7 @@ def solve(
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
-    atol: Optional[tuple[float, float]] = None,
+    atol: Any = None,
     precision: Literal["f64", "dd"] = "f64",
     progress: bool = False,
 ) -> Solution:
@@ -163,8 +175,8 @@ def solve(
     chaos
         Whether the certificate has the largest Lyapunov exponent and MEGNO.
     first_step, min_step, max_step, max_steps, atol
-        Of variable steps: sizes, their number, and errors of a step in positions and in momenta that are
-        allowed beside those relative to its motion.
+        Of variable steps: sizes, their number, and errors of a step that are allowed beside those relative
+        to its motion: a number, or a pair for positions and momenta of numbers or arrays of their shape.
     precision
         "f64", or "dd" for double-double, 31 digits.
     progress

@@ -104,7 +104,7 @@ def steps(
     first_step: Optional[float] = None,
     min_step: float = 0.0,
     max_step: float = np.inf,
-    atol: Optional[tuple[float, float]] = None,
+    atol: Any = None,
 ) -> Steps:
     """A run one step at a time: an endless iterator. Parameters are those of `equip.solve`.
 

@@ -24,7 +24,7 @@ pub(crate) struct Options {
     measure_energy: bool,
     pub(crate) step: Option<Pair>,
     tolerance: f64,
-    atol: Option<(f64, f64)>,
+    atol: Option<(Vec<f64>, Vec<f64>)>,
     first_step: Option<f64>,
     min_step: f64,
     max_step: f64,
@@ -69,8 +69,9 @@ impl Options {
                 let mut sizes = sizes
                     .min_step(T::exact(self.min_step))
                     .max_step(T::exact(self.max_step));
-                if let Some((q, p)) = self.atol {
-                    sizes = sizes.atol(&[T::exact(q)], &[T::exact(p)]);
+                if let Some((q, p)) = &self.atol {
+                    let exact = |x: &[f64]| x.iter().map(|&x| T::exact(x)).collect::<Vec<T>>();
+                    sizes = sizes.atol(&exact(q), &exact(p));
                 }
                 if let Some(h) = self.first_step {
                     sizes = sizes.first_step(T::exact(h));

@@ -238,9 +238,13 @@ def fails(kepler, text, *arguments, **options):
 def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "give a step or a tolerance, not both", step=0.1, tolerance=1e-8)
     fails(kepler, "max_step belong to variable steps: leave out step, or them", step=0.1, max_step=1.0)
-    fails(kepler, "the step is -0.1; it must be positive", step=-0.1)
+    fails(kepler, "steps of -0.1 lead from 0 away from 1; give a step without a sign", step=-0.1)
+    fails(kepler, "the step is 0; it must", step=0.0)
+    fails(kepler, r"atol has 3 parts; it must be a number, or a pair", atol=(1e-9, 1e-9, 1e-9))
+    fails(kepler, r"atol must be numbers, or arrays of the shape \(2,\)", atol=([1e-9] * 3, 1e-9))
+    fails(kepler, r"`atol \(q\)` is -1", atol=-1.0)
     fails(kepler, "`tolerance` is 1; it must be between", tolerance=1.0)
-    fails(kepler, "must be finite and run forward .to go back in time", *START, (1, 0))
+    fails(kepler, "must be finite", *START, (0, np.inf))
     fails(kepler, r"initial value p0\[1\] is inf; it must be finite", [1, 0], [0, np.inf], (0, 1))
     fails(kepler, "not finite .H = -inf.; start elsewhere", [0, 0], [0, 1], (0, 1))
     fails(kepler, r"q0 has shape \(3,\), but this Hamiltonian needs \(2,\)", [1, 2, 3], [0, 1], (0, 1))
@@ -275,3 +279,25 @@ def test_dense_output_is_asked_for(kepler):
 def test_progress(kepler, capsys):
     sol = equip.solve(kepler, *START, (0, 100), progress=True)
     assert sol.success and "t = 100" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("how", [{"step": 0.05}, {"tolerance": 1e-12}])
+def test_runs_go_back_in_time(kepler, how):
+    there = equip.solve(kepler, *START, (0, 10), **how)
+    back = equip.solve(kepler, there.q[-1], there.p[-1], (10, 0), t_eval=[7.5, 2.5], dense_output=True, **how)
+    assert back.t.tolist() == [7.5, 2.5]
+    forward = equip.solve(kepler, *START, (0, 10), t_eval=[2.5, 7.5], **how)
+    assert np.abs(back.q - forward.q[::-1]).max() < 1e-10
+    q, p = back.sol(0.0)
+    assert np.abs(np.concatenate([q - START[0], p - START[1]])).max() < 1e-12
+
+
+def test_errors_below_atol_are_allowed():
+    """A fast motion of 1e-7 beside a slow one of 1."""
+    h = equip.Hamiltonian(lambda q, p: p @ p / 2 - np.cos(q[0]) + 450 * q[1] ** 2, 2)
+
+    def steps(**how):
+        return len(equip.solve(h, [1.0, 1e-7], [0.0, 0.0], (0, 20), tolerance=1e-8, method=equip.Gauss(6), **how).t)
+
+    fine = steps()
+    assert 4 * steps(atol=1e-5) < fine and 4 * steps(atol=([0, 1e-6], [0, 1e-4])) < fine

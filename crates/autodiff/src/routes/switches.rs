@@ -9,6 +9,7 @@ use crate::recording::graph::Graph;
 use crate::recording::op::{Node, Op};
 use crate::recording::recorder::{Recorder, Recording};
 use equip_scalar::{Float, InstructionSet, Outside};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// What a switch belongs to.
@@ -122,6 +123,7 @@ impl<T: Float> SwitchEvaluator<T> {
 struct Found {
     kinds: Vec<SwitchKind>,
     nodes: Vec<u32>,
+    seen: HashSet<u32>,
 }
 
 impl Found {
@@ -154,7 +156,7 @@ impl Found {
     }
 
     fn push(&mut self, kind: SwitchKind, node: u32) {
-        if !self.nodes.contains(&node) {
+        if self.seen.insert(node) {
             self.kinds.push(kind);
             self.nodes.push(node);
         }

@@ -5,20 +5,23 @@
 //! all polynomials of degree below s, which decays alike. So the end point, of order 2s, has an error of
 //! about ϱ^{2s}, if coefficients decay by ϱ each. Of every component for itself, in units of its own motion,
 //!
-//! $$ \mathrm{est} = \varrho^{2s}, \qquad \varrho = \max_c \min_{j=0,1} \max_{k = s-1, s}
-//!    \Big( \frac{|\gamma_k|}{a_j} \Big)^{1/(k-j)} , \qquad a_0 = \max_j |\gamma_j|, \quad a_1 = |\gamma_1| . $$
+//! $$ \mathrm{est} = \varrho^{2s}, \qquad
+//!    \varrho = \max_c \min_{j=0,1} \max_{k = s-1, s} \Big( \frac{|\gamma_k|}{a_j} \Big)^{1/(k-j)} ,
+//!    \qquad a_0 = \max_j |\gamma_j|, \quad a_1 = |\gamma_1| . $$
 //!
 //! Two coefficients are used because every other one vanishes where the motion is even or odd about the
 //! middle of the step; they may decay from degree 1 because at a turning point that of degree 0 vanishes.
 //!
 //! Those from degree s on are what the polynomial is off at both ends of the step, where it has no node,
 //!
-//! $$ \gamma_s P_s(\tau) + \gamma_{s+1} P_{s+1}(\tau) = f(u(\tau)) - \sum_{k<s} \gamma_k P_k(\tau) , \qquad \tau = 0, 1 . $$
+//! $$ \gamma_s P_s(\tau) + \gamma_{s+1} P_{s+1}(\tau) = f(u(\tau)) - \sum_{k<s} \gamma_k P_k(\tau) ,
+//!    \qquad \tau = 0, 1 . $$
 //!
 //! *Where the decay ends*, as beside a kink of H, nothing is extrapolated. If those last ones are less than
 //! those before by a factor r each, it is
 //!
-//! $$ \mathrm{est} \ge \max_c \frac{g}{\max(a_0, a_1/r)}\, r^s , \qquad g = \max(|\gamma_s|, |\gamma_{s+1}|), \quad
+//! $$ \mathrm{est} \ge \max_c \frac{g}{\max(a_0, a_1/r)}\, r^s , \qquad
+//!    g = \max(|\gamma_s|, |\gamma_{s+1}|), \quad
 //!    r = \min\Big( 1, \frac{g}{|\gamma_{s-1}|}, \Big( \frac{g}{|\gamma_{s-2}|} \Big)^{1/2} \Big) . $$
 //!
 //! Relative to the motion in the step, not to the state: that knows no origin, no units and no masses, and
@@ -122,14 +125,11 @@ impl<T: Float> Decay<T> {
             let (sign, from) = if group == 0 { (h, half) } else { (-h, 0) };
             for (c, &y) in y[..self.m].iter().enumerate() {
                 let ends = slopes.map(|slope| sign * slope[from + c]);
-                let of_component = self.of_component(group * half + c, (y, largest), ends);
-                if of_component > decay || of_component.is_nan() {
-                    decay = of_component;
-                }
+                decay = decay.max(self.of_component(group * half + c, (y, largest), ends));
             }
         }
         Estimate {
-            decay: if decay.is_nan() { f64::INFINITY } else { decay },
+            decay,
             nearness: self.nearness(),
         }
     }
@@ -139,10 +139,12 @@ impl<T: Float> Decay<T> {
     fn of_component(&mut self, c: usize, (y, largest): (T, T), ends: [T; 2]) -> f64 {
         let s = self.s;
         let row = &self.coefficients[c * self.stride..][..s];
-        let larger = |a: T, x: &T| if x.abs() <= a { a } else { x.abs() };
-        let motion = row.iter().fold(T::int(0), larger);
+        if !row.iter().chain(&ends).all(|x| x.is_finite()) {
+            return f64::INFINITY;
+        }
+        let motion = row.iter().fold(T::int(0), |a, x| a.max(x.abs()));
         let least = (self.tolerance.sqrt() * y.abs()).max(T::EPSILON * largest);
-        let unit = larger(least, &motion);
+        let unit = motion.max(least);
         let is_small = motion <= self.tolerance * y.abs();
         self.inverse_units[c] = if is_small || unit == T::int(0) {
             T::int(0)
@@ -165,7 +167,7 @@ impl<T: Float> Decay<T> {
             });
             decays[0].max(decays[1])
         };
-        let second = theta(larger(least, &row[1]));
+        let second = theta(row[1].abs().max(least));
         let mut decay = from(0, 1.0).min(from(1, second));
         let tail = beyond[0].max(beyond[1]);
         if tail > (NOISE * T::EPSILON.to_f64()).max(self.tolerance.to_f64()) {
@@ -180,11 +182,7 @@ impl<T: Float> Decay<T> {
             let allowed = 1.0 + absolute[c] * inverse.to_f64();
             decay /= root(allowed, 2 * s);
         }
-        if row.iter().chain(&ends).all(|x| x.is_finite()) {
-            decay
-        } else {
-            f64::NAN
-        }
+        decay
     }
 
     /// h γ_s and h γ_{s+1}, by what the polynomial with these coefficients is off at both ends of the step.

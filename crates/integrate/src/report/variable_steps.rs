@@ -1,5 +1,7 @@
 //! [`VariableSteps`]: what step control did in a run.
 
+use equip_scalar::Float;
+
 /// What step control did.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VariableSteps<T> {
@@ -13,4 +15,17 @@ pub struct VariableSteps<T> {
     pub rejected: u64,
     /// Steps refused because their stages or α's were not found.
     pub failed: u64,
+}
+
+impl<T: Float> VariableSteps<T> {
+    /// Of a run that begins.
+    pub(crate) fn new(tolerance: T) -> Self {
+        VariableSteps {
+            tolerance,
+            smallest: T::INFINITY,
+            largest: T::int(0),
+            rejected: 0,
+            failed: 0,
+        }
+    }
 }

@@ -242,13 +242,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             Some(_) => TRIES_FOR_FIRST,
             None => 0,
         };
-        self.inner.variable = Some(VariableSteps {
-            tolerance: self.tolerance,
-            smallest: T::INFINITY,
-            largest: T::int(0),
-            rejected: 0,
-            failed: 0,
-        });
+        self.inner.variable = Some(VariableSteps::new(self.tolerance));
         Ok(())
     }
 

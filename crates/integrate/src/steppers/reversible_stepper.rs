@@ -191,13 +191,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     ) -> Result<(), IntegrateError<T>> {
         self.inner.start_at(start, t0, towards)?;
         (self.time_low, self.end) = (T::int(0), None);
-        self.inner.variable = Some(VariableSteps {
-            tolerance: self.epsilon,
-            smallest: T::INFINITY,
-            largest: T::int(0),
-            rejected: 0,
-            failed: 0,
-        });
+        self.inner.variable = Some(VariableSteps::new(self.epsilon));
         self.begin_density()
     }
 

@@ -1,9 +1,8 @@
 //! [`TimeDirection`]: which way a run goes in time.
 //!
 //! The one place of its sign. A step of the solver has a signed h; sizes, their bounds and step control are
-//! of
-//! |h|; before and after are meant in the order of travel. A run of H back in time is then that of −H forward,
-//! bit for bit, with its times mirrored.
+//! of |h|; before and after are meant in the order of travel. A run of H back in time is then that of −H
+//! forward, bit for bit, with its times mirrored.
 
 use equip_scalar::Float;
 
