@@ -34,10 +34,10 @@ fn comet(mu: f64) -> (Hamiltonian, Vec<f64>) {
     let energy = Hamiltonian::new(6, move |q, p| {
         let mut h = p[0] * 0.0;
         for i in 0..3 {
-            h = h + (p[2 * i] * p[2 * i] + p[2 * i + 1] * p[2 * i + 1]) / (2.0 * m[i]);
+            h += (p[2 * i] * p[2 * i] + p[2 * i + 1] * p[2 * i + 1]) / (2.0 * m[i]);
             for j in 0..i {
                 let (x, y) = (q[2 * i] - q[2 * j], q[2 * i + 1] - q[2 * j + 1]);
-                h = h - m[i] * m[j] / (x * x + y * y).sqrt();
+                h -= m[i] * m[j] / (x * x + y * y).sqrt();
             }
         }
         h
@@ -266,8 +266,8 @@ fn kinks_are_passed_as_well_as_by_others() {
 #[test]
 fn jumps_of_the_force_end_no_run() {
     let energy = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + q[0].abs()).unwrap();
-    let (q, p, time) = (1.0, 0.3, 50.0);
-    let speed: f64 = (p * p + 2.0 * q as f64).sqrt();
+    let (q, p, time): (f64, f64, f64) = (1.0, 0.3, 50.0);
+    let speed: f64 = (p * p + 2.0 * q).sqrt();
     // From the top of one side down and up the other takes twice the speed.
     let since = (time - (p + speed)) % (4.0 * speed);
     let (side, t) = if since < 2.0 * speed {
