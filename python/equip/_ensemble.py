@@ -115,7 +115,9 @@ def ensemble(
     start, end = interval_of(span)
     times = (start[0], end[0])
     if step is not None and (end[0] - start[0]) * step < 0:
-        raise ValueError(f"steps of {step} lead from {start[0]} away from {end[0]}; give a step without a sign")
+        raise ValueError(
+            f"steps of {step} lead from {start[0]} away from {end[0]}; give a step without a sign"
+        )
     flat = (q.ravel().tolist(), p.ravel().tolist())
     if progress:
         from tqdm.auto import tqdm

@@ -24,11 +24,15 @@ def _absolute_errors(atol: Any, shape: Shape) -> tuple[list[float], list[float]]
     """`atol` of all positions and all momenta: a number, or a pair of what has the shape of q or a number."""
     parts = tuple(atol) if isinstance(atol, (tuple, list)) else (atol, atol)
     if len(parts) != 2:
-        raise ValueError(f"atol has {len(parts)} parts; it must be a number, or a pair for positions and momenta")
+        raise ValueError(
+            f"atol has {len(parts)} parts; it must be a number, or a pair for positions and momenta"
+        )
     try:
         q, p = (np.broadcast_to(np.asarray(part, dtype=float), shape).ravel().tolist() for part in parts)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"atol must be numbers, or arrays of the shape {shape} of q and p: {error}") from None
+        raise ValueError(
+            f"atol must be numbers, or arrays of the shape {shape} of q and p: {error}"
+        ) from None
     return q, p
 
 

@@ -297,7 +297,9 @@ def test_errors_below_atol_are_allowed():
     h = equip.Hamiltonian(lambda q, p: p @ p / 2 - np.cos(q[0]) + 450 * q[1] ** 2, 2)
 
     def steps(**how):
-        return len(equip.solve(h, [1.0, 1e-7], [0.0, 0.0], (0, 20), tolerance=1e-8, method=equip.Gauss(6), **how).t)
+        return len(
+            equip.solve(h, [1.0, 1e-7], [0.0, 0.0], (0, 20), tolerance=1e-8, method=equip.Gauss(6), **how).t
+        )
 
     fine = steps()
     assert 4 * steps(atol=1e-5) < fine and 4 * steps(atol=([0, 1e-6], [0, 1e-4])) < fine
