@@ -26,11 +26,12 @@
 
 use crate::control::estimate::Estimate;
 
-/// Aim below the tolerance.
+/// Aim below the tolerance. // ratio; with 0.95 errors of a revolution (Kepler, 18 settings) go up to 7.1
+/// tolerances from 5.4.
 const SAFETY: f64 = 0.9;
 /// Estimates up to this many tolerances are accepted: the size is within 19 % (s = 4), 9 % (s = 8) of what it
-/// should be. With 10 half as many steps are refused where the motion's pace varies, and errors of a
-/// revolution go up to 41 tolerances from 13.
+/// should be. // ratio; with 10 80 of 2480 steps are refused in place of 118 (Kepler, e = 0.9, s = 8, 1e-12),
+/// and the error after 100 revolutions is 1.2e-11 in place of 3.8e-12.
 const ACCEPTED: f64 = 4.0;
 /// Bound of the ratio h⁺/ĥ, …
 const MOST_PREDICTED: f64 = 2.0;

@@ -42,8 +42,8 @@ use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_solver::{State, stride_for};
 use equip_tableau::Gauss;
 
-/// Coefficients of so many ε of the largest are rounding, and no end of a decay. // ε; forces of a chain
-/// whose terms cancel to 1/100.
+/// Coefficients of so many ε of the largest are rounding, and no end of a decay. // ε; with 0 runs of 5 of 10
+/// scenes do not come on with 12 stages and a tolerance of 1e-15.
 const NOISE: f64 = 1024.0;
 
 /// What the coefficients of a step say.
