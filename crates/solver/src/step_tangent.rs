@@ -124,6 +124,6 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         let sides = (self.r.as_slice(), self.x.as_mut_slice());
         let to_rest = (self.iterate.inverse_scale(), T::int(4) * T::EPSILON);
         self.linear
-            .solve(Held::Start, sides, to_rest, &self.iterate, m)
+            .solve((Held::Start, false), sides, to_rest, &self.iterate, m)
     }
 }

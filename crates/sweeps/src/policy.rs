@@ -30,11 +30,8 @@ pub(crate) const LIKELY: i64 = 8;
 /// components
 pub(crate) const MANY: usize = 64;
 /// ∇²H is taken by simple differences where displacements are wanted to 1 over the first, by central ones to
-/// 1 over the second. // some 10 √ε and 10 ε^(2/3)
+/// 1 over the second, and itself beyond. // some 10 √ε and 10 ε^(2/3)
 pub(crate) const QUOTIENTS: [i64; 2] = [10_000_000, 5_000_000_000];
-/// Beyond, ∇²H itself is taken where its columns make no more groups than this, each of which costs some five
-/// evaluations of H at every stage. // groups
-pub(crate) const FEW_GROUPS: usize = 4;
 /// Linearised sweeps at most, and at least: what a change is worth at the end shows after a few only. //
 /// sweeps
 pub(crate) const MOST_LINEAR: usize = 100;

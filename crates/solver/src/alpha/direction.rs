@@ -39,6 +39,8 @@ pub(crate) struct Direction<T: Float> {
     x: Vec<T>,
     back: Vec<T>,
     t_l: Vec<T>,
+    /// The solutions are those of other stages of the same step.
+    is_near: bool,
     /// Motion of each component in the step with α = 0, and that of the component of its group (positions,
     /// momenta) that moves most.
     pub(crate) motion: [Vec<T>; 2],
@@ -100,6 +102,7 @@ impl<T: Float> Direction<T> {
             x: zeros(n * free * stride),
             back: zeros(n * free * stride),
             t_l: zeros(n * stride),
+            is_near: false,
             motion: [zeros(n), zeros(n)],
             moved: zeros(n),
             weights: zeros(n),
@@ -124,6 +127,7 @@ impl<T: Float> Direction<T> {
     /// A step begins its α's, at the solution in `iterate` from `y` to `next` with α = 0.
     pub(crate) fn begin(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
         self.correction.fill(T::int(0));
+        self.is_near = false;
         self.weigh(iterate, y, next);
         let [own, group] = &mut self.motion;
         own.copy_from_slice(&self.moved);
@@ -163,7 +167,7 @@ impl<T: Float> Direction<T> {
     }
 
     /// Takes the directions at the solution in `iterate`, with all its stages, to a relative `tolerance` of
-    /// their displacements. `None` if there are none.
+    /// their displacements; from those of before if these are of this step. `None` if there are none.
     pub(crate) fn take<E: Evaluate<T>>(
         &mut self,
         (iterate, constraints): (&Iterate<T>, &[Constraint<T>]),
@@ -174,6 +178,7 @@ impl<T: Float> Direction<T> {
         let work = self.linear.linearise(iterate, energy, tolerance)?;
         let solved = self.solve_forward(iterate, tolerance, m.as_deref_mut())
             && self.solve_back(iterate, tolerance, m);
+        self.is_near = solved;
         if !solved {
             return None;
         }
@@ -323,7 +328,7 @@ impl<T: Float> Direction<T> {
         let sides = (self.rhs.as_slice(), self.x.as_mut_slice());
         if !self
             .linear
-            .solve(Held::Start, sides, (&self.weights, tolerance), iterate, m)
+            .solve((Held::Start, self.is_near), sides, (&self.weights, tolerance), iterate, m)
         {
             return false;
         }
@@ -353,7 +358,7 @@ impl<T: Float> Direction<T> {
         let sides = (self.rhs.as_slice(), self.back.as_mut_slice());
         if !self
             .linear
-            .solve(Held::End, sides, (&self.weights, tolerance), iterate, m)
+            .solve((Held::End, self.is_near), sides, (&self.weights, tolerance), iterate, m)
         {
             return false;
         }

@@ -79,14 +79,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             if !is_kept {
                 turns_left -= 1;
                 self.stages.iterate.keep_momenta(y);
+                // No better than it still turns: by what the α's are yet to move.
+                let yet = if moves == 0 { reach.needed } else { turns };
                 let digits = rounding / farthest.max(T::int(4) * reach.needed) / T::int(TURNS);
-                let digits = if moves == 0 {
-                    digits.max(reach.needed)
-                } else {
-                    digits
-                };
+                let digits = digits.max(yet).min(T::ratio(1, 1000));
                 self.take_direction((y, next), digits)?;
-                since = T::int(0);
+                since = digits / T::int(TURNS);
             }
             let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
             if !direction.aim(&self.alphas, &self.constraints) {
@@ -181,7 +179,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
         direction.weigh(&self.stages.iterate, y, next);
         let best = T::int(ROUNDING) * T::EPSILON;
-        let tolerance = tolerance.max(best).min(T::ratio(1, 1000));
+        let tolerance = tolerance.max(best);
         let m = self.stages.choice.operator();
         let of = (&self.stages.iterate, self.constraints.as_slice());
         let work = direction.take(of, &mut self.energy, tolerance, m);

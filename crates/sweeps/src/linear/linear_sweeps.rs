@@ -107,20 +107,27 @@ impl<T: Float> LinearSweeps<T> {
         &self.sums
     }
 
-    /// Solves for all sides, until their sums of δL, each component weighed with `weights`, change by less
-    /// than `tolerance`. Returns whether they do.
+    /// Solves for all sides, from X as it is if that `is_near`, until their sums of δL, each component weighed
+    /// with `weights`, change by less than `tolerance`. Returns whether they do.
     pub fn solve(
         &mut self,
-        held: Held,
+        (held, is_near): (Held, bool),
         (r, x): (&[T], &mut [T]),
         (weights, tolerance): (&[T], T),
         iterate: &Iterate<T>,
         mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
         let sides = x.len() / (iterate.n * iterate.stride);
-        x.copy_from_slice(r);
+        if !is_near {
+            x.copy_from_slice(r);
+        }
         if self.knows_momenta() {
-            self.by_positions(held, |positions, of| positions.begin(of, r, x, iterate));
+            self.by_positions(held, |positions, of| {
+                positions.begin(of, r, iterate);
+                if !is_near {
+                    positions.rest_into(x);
+                }
+            });
         }
         for made in 0..MOST_LINEAR {
             std::mem::swap(&mut self.sums, &mut self.sums_before);

@@ -66,8 +66,8 @@ pub(crate) struct Sides<'a, T: Float> {
 }
 
 impl<T: Float> Positions<T> {
-    /// R, and X as it is before the forces change.
-    pub(crate) fn begin(&mut self, of: Sides<'_, T>, r: &[T], x: &mut [T], iterate: &Iterate<T>) {
+    /// R.
+    pub(crate) fn begin(&mut self, of: Sides<'_, T>, r: &[T], iterate: &Iterate<T>) {
         let (r_q, r_p) = r.split_at(r.len() / 2);
         let (dl, mixed) = (&mut of.dl[..r_p.len()], &mut of.mixed[..r_p.len()]);
         let rest = &mut self.rest[..r_q.len()];
@@ -82,7 +82,12 @@ impl<T: Float> Positions<T> {
         for ((x, &r), &z) in rest.iter_mut().zip(r_q).zip(&*mixed) {
             *x = r + z;
         }
-        x[..rest.len()].copy_from_slice(rest);
+    }
+
+    /// X_q as it is before the forces change.
+    pub(crate) fn rest_into(&self, x: &mut [T]) {
+        let half = x.len() / 2;
+        x[..half].copy_from_slice(&self.rest[..half]);
     }
 
     /// X_q of one sweep more, and the sums of its δL.
@@ -266,7 +271,7 @@ mod tests {
                     let mut x = vec![T::int(0); r.len()];
                     let weights = (vec![T::int(1); 4], T::exact(tolerance));
                     let sides = (r.as_slice(), x.as_mut_slice());
-                    assert!(linear.solve(held, sides, (&weights.0, weights.1), &iterate, None));
+                    assert!(linear.solve((held, false), sides, (&weights.0, weights.1), &iterate, None));
                     x.truncate(r.len() / 2);
                     [linear.sums().to_vec(), x].concat()
                 });

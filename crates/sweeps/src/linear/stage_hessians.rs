@@ -10,10 +10,9 @@
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
 use crate::layout::row::{by_groups, fused_each, scaled};
-use crate::policy::{FEW_GROUPS, QUOTIENTS};
+use crate::policy::QUOTIENTS;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel};
-use std::hint::black_box;
 
 /// A column of ∇²H, with its entries on and above the diagonal: row, place, and place of the mirror image.
 #[derive(Debug)]
@@ -98,8 +97,7 @@ impl<T: Float> StageHessians<T> {
         tolerance: T,
     ) -> Option<Work> {
         let [simple, central] = QUOTIENTS.map(|x| T::ratio(1, x));
-        let is_cheap = self.groups.len() <= FEW_GROUPS;
-        if !T::IS_DOUBLE || is_cheap && tolerance < central {
+        if !T::IS_DOUBLE || tolerance < central {
             return self.take_exactly(iterate, energy);
         }
         let work = self.take_quotients(iterate, energy, tolerance < simple);
@@ -267,31 +265,46 @@ impl<T: Float> Kernel for Times<'_, T> {
 impl<T: Float> Times<'_, T> {
     #[inline(always)]
     fn groups<const N: usize>(&mut self, groups: usize) {
-        let sides = self.sides;
-        let entries = self.entries.as_chunks::<N>().0;
-        let x = self.x.as_chunks::<N>().0;
+        for (place, row) in (self.rows.0..).take(self.rows.1).enumerate() {
+            let mut side = 0;
+            while side < self.sides {
+                side += match self.sides - side {
+                    1 => self.block::<N, 1>((place, row, side), groups),
+                    2 => self.block::<N, 2>((place, row, side), groups),
+                    _ => self.block::<N, 3>((place, row, side), groups),
+                };
+            }
+        }
+    }
+
+    /// S sides of a row, whose sums stay in registers. Returns S.
+    #[inline(always)]
+    fn block<const N: usize, const S: usize>(
+        &mut self,
+        (place, row, side): (usize, usize, usize),
+        groups: usize,
+    ) -> usize {
+        let (entries, x) = (self.entries.as_chunks::<N>().0, self.x.as_chunks::<N>().0);
         let dl = self.dl.as_chunks_mut::<N>().0;
-        let n = self.pattern.dimension();
-        let starts = &self.pattern.row_starts[self.rows.0..];
-        let rows = dl.chunks_exact_mut(sides * groups).take(self.rows.1);
-        for ((row, dl), range) in (self.rows.0..).zip(rows).zip(starts.windows(2)) {
-            let (_, sign) = turned::<T>(row, n);
-            dl.fill([T::int(0); N]);
-            for e in range[0]..range[1] {
-                let column = self.pattern.columns[e];
+        let (_, sign) = turned::<T>(row, self.pattern.dimension());
+        let range = self.pattern.row_starts[row]..self.pattern.row_starts[row + 1];
+        let columns = &self.pattern.columns[range.clone()];
+        for g in 0..groups {
+            let mut sums = [[T::int(0); N]; S];
+            for (e, &column) in range.clone().zip(columns) {
                 if column >= self.columns {
                     break;
                 }
-                let entry = &entries[e * groups..][..groups];
-                let x = &x[column * sides * groups..][..sides * groups];
-                for (dl, x) in dl.chunks_exact_mut(groups).zip(x.chunks_exact(groups)) {
-                    // One side after the other: of four at a time the compiler would gather the numbers.
-                    let x = black_box(x);
-                    for g in 0..groups {
-                        dl[g] = fused_each(&scaled(&entry[g], sign), &x[g], &dl[g]);
-                    }
+                let entry = &entries[e * groups + g];
+                let x = &x[(column * self.sides + side) * groups..][..S * groups];
+                for (k, sum) in sums.iter_mut().enumerate() {
+                    *sum = fused_each(entry, &x[k * groups + g], sum);
                 }
             }
+            for (k, sum) in sums.iter().enumerate() {
+                dl[(place * self.sides + side + k) * groups + g] = scaled(sum, sign);
+            }
         }
+        S
     }
 }
