@@ -23,6 +23,7 @@ fn letter(label: &str) -> &'static str {
         "carried: no slope" => "C",
         "carried: α beyond its bound" => "B",
         "carried: end point moved too far" => "D",
+        "carried: fast motion not resolved" => "U",
         _ => "?",
     }
 }

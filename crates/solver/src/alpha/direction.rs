@@ -14,7 +14,7 @@
 
 use crate::alpha::least_displacement::{LeastDisplacement, dot};
 use crate::equations::constraint::Constraint;
-use crate::policy::LEADING;
+use crate::policy::{LEADING, RESOLVES};
 use equip_autodiff::{Evaluate, Pattern};
 use equip_linear::DenseLu;
 use equip_scalar::{Float, mix_stages};
@@ -166,21 +166,36 @@ impl<T: Float> Direction<T> {
         })
     }
 
-    /// Takes the directions at the solution in `iterate`, with all its stages, to a relative `tolerance` of
-    /// their displacements; from those of before if these are of this step. `None` if there are none.
-    pub(crate) fn take<E: Evaluate<T>>(
+    /// Linearises at the solution in `iterate`, with all its stages, for directions to a relative `tolerance` of
+    /// their displacements. `None` if that is not finite.
+    pub(crate) fn linearise<E: Evaluate<T>>(
         &mut self,
-        (iterate, constraints): (&Iterate<T>, &[Constraint<T>]),
+        iterate: &Iterate<T>,
         energy: &mut E,
         tolerance: T,
-        mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> Option<Work> {
-        let work = self.linear.linearise(iterate, energy, tolerance)?;
+        self.linear.linearise(iterate, energy, tolerance)
+    }
+
+    /// Whether the step resolves its fastest oscillation, at the solution that was linearised.
+    pub(crate) fn is_resolved(&mut self) -> bool {
+        let most = T::int(RESOLVES) * T::int(self.s as i64);
+        self.linear.angle() <= most
+    }
+
+    /// Takes the directions where it was linearised, to a relative `tolerance` of their displacements; from
+    /// those of before if these are of this step. Returns whether there are any.
+    pub(crate) fn take(
+        &mut self,
+        (iterate, constraints): (&Iterate<T>, &[Constraint<T>]),
+        tolerance: T,
+        mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
+    ) -> bool {
         let solved = self.solve_forward(iterate, tolerance, m.as_deref_mut())
             && self.solve_back(iterate, tolerance, m);
         self.is_near = solved;
         if !solved {
-            return None;
+            return false;
         }
         for (k, row) in self.rows.iter_mut().enumerate() {
             let (end, start) = (&self.ends[k], &self.starts[k]);
@@ -195,10 +210,10 @@ impl<T: Float> Direction<T> {
             }
         }
         if !self.least.solve(&self.rows, &self.v, &mut self.d) {
-            return None;
+            return false;
         }
         self.factor_slopes();
-        self.has_slopes.then_some(work)
+        self.has_slopes
     }
 
     /// From `alphas` to α = D t with the constraints, to first order, at zero, into `delta`. Returns whether
@@ -326,10 +341,13 @@ impl<T: Float> Direction<T> {
             }
         }
         let sides = (self.rhs.as_slice(), self.x.as_mut_slice());
-        if !self
-            .linear
-            .solve((Held::Start, self.is_near), sides, (&self.weights, tolerance), iterate, m)
-        {
+        if !self.linear.solve(
+            (Held::Start, self.is_near),
+            sides,
+            (&self.weights, tolerance),
+            iterate,
+            m,
+        ) {
             return false;
         }
         for (k, end) in self.ends.iter_mut().enumerate() {
@@ -356,10 +374,13 @@ impl<T: Float> Direction<T> {
             }
         }
         let sides = (self.rhs.as_slice(), self.back.as_mut_slice());
-        if !self
-            .linear
-            .solve((Held::End, self.is_near), sides, (&self.weights, tolerance), iterate, m)
-        {
+        if !self.linear.solve(
+            (Held::End, self.is_near),
+            sides,
+            (&self.weights, tolerance),
+            iterate,
+            m,
+        ) {
             return false;
         }
         for (k, (start, end)) in self.starts.iter_mut().zip(&self.ends).enumerate() {

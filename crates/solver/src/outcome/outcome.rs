@@ -14,17 +14,20 @@ pub enum Outcome {
     /// α's were found that bring H back to its reference within the round-off floor.
     Solved,
     /// Carried: no α changes the energy. The step was made with α = 0 and its defect is left to a later one,
-    /// as in the next two.
+    /// as in those that follow.
     NoSlope,
     /// Carried: the energy would take an α beyond its bound.
     BeyondBound,
     /// Carried: the α's would move the end point further than the step's own error allows.
     TooFar,
+    /// Carried: the step does not resolve its fastest motion. Its energy defect is the error of that motion,
+    /// and α's would take it from the slow one.
+    Unresolved,
 }
 
 impl Outcome {
     /// All outcomes, in the order in which reports name them.
-    pub const ALL: [Outcome; 7] = [
+    pub const ALL: [Outcome; 8] = [
         Outcome::NotAsked,
         Outcome::Quadratic,
         Outcome::AtFloor,
@@ -32,6 +35,7 @@ impl Outcome {
         Outcome::NoSlope,
         Outcome::BeyondBound,
         Outcome::TooFar,
+        Outcome::Unresolved,
     ];
 
     /// The words used for it in certificates, tables and files.
@@ -44,6 +48,7 @@ impl Outcome {
             Outcome::NoSlope => "carried: no slope",
             Outcome::BeyondBound => "carried: α beyond its bound",
             Outcome::TooFar => "carried: end point moved too far",
+            Outcome::Unresolved => "carried: fast motion not resolved",
         }
     }
 
@@ -59,7 +64,7 @@ impl Outcome {
     pub fn is_carried(self) -> bool {
         matches!(
             self,
-            Outcome::NoSlope | Outcome::BeyondBound | Outcome::TooFar
+            Outcome::NoSlope | Outcome::BeyondBound | Outcome::TooFar | Outcome::Unresolved
         )
     }
 }

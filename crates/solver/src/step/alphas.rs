@@ -6,10 +6,11 @@
 //! 3. D is taken anew at the solution, and t with it, until that moves the end point by rounding only: α =
 //!    D(Z) t then.
 //!
-//! *Admissible* (project note, section 8). |α_k| is within its bound, and the end point is within
+//! *Admissible* (project note, section 8). The step resolves its fastest motion ([`RESOLVES`](crate::policy::RESOLVES)), |α_k| is within its bound, and the end point is within
 //! [`FARTHEST`] times the displacement that the step's own defect is worth at least, each component in units
 //! of its motion, or moved by rounding. Otherwise the step with α = 0 stands, and its defect is carried.
 
+use crate::alpha::direction::Direction;
 use crate::equations::constraint::Constraint;
 use crate::options::step_options::Reach;
 use crate::outcome::failure::Failure;
@@ -79,10 +80,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             if !is_kept {
                 turns_left -= 1;
                 self.stages.iterate.keep_momenta(y);
-                // No better than it still turns: by what the α's are yet to move.
-                let yet = if moves == 0 { reach.needed } else { turns };
-                let digits = rounding / farthest.max(T::int(4) * reach.needed) / T::int(TURNS);
-                let digits = digits.max(yet).min(T::ratio(1, 1000));
+                // No better than it still turns.
+                let digits = if moves == 0 {
+                    reach.digits
+                } else {
+                    digits(turns, farthest.max(T::int(4) * reach.needed))
+                };
+                if moves > 0 {
+                    self.linearise(digits)?;
+                }
                 self.take_direction((y, next), digits)?;
                 since = digits / T::int(TURNS);
             }
@@ -136,6 +142,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let is_free = self.options.reach == Reach::Always;
         let mut reach = Bounds {
             needed: needed[0],
+            digits: digits(needed[0], T::int(4) * needed[0]),
             most: own.map(|own| {
                 if is_free {
                     T::INFINITY
@@ -147,6 +154,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         };
         let rounding = T::int(ROUNDING) * T::EPSILON * direction.largest_size(next);
         let is_rounding = needed[0] <= rounding;
+        self.linearise(reach.digits)?;
+        if !is_free && !self.direction.as_mut().is_some_and(Direction::is_resolved) {
+            return Err(Outcome::Unresolved);
+        }
         if is_rounding || reach.holds(needed) || self.extend((y, h), &mut reach, needed) {
             Ok(reach)
         } else {
@@ -171,6 +182,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         reach.holds(far)
     }
 
+    fn linearise(&mut self, tolerance: T) -> Result<(), Outcome> {
+        let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
+        let work = direction.linearise(&self.stages.iterate, &mut self.energy, tolerance);
+        let work = work.ok_or(Outcome::NoSlope)?;
+        self.counts.gradients += work.gradients;
+        self.counts.hessians += work.hessians;
+        Ok(())
+    }
+
     fn take_direction(
         &mut self,
         (y, next): (&State<T>, &State<T>),
@@ -178,16 +198,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ) -> Result<(), Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
         direction.weigh(&self.stages.iterate, y, next);
-        let best = T::int(ROUNDING) * T::EPSILON;
-        let tolerance = tolerance.max(best);
         let m = self.stages.choice.operator();
         let of = (&self.stages.iterate, self.constraints.as_slice());
-        let work = direction.take(of, &mut self.energy, tolerance, m);
         self.counts.directions += 1;
-        let work = work.ok_or(Outcome::NoSlope)?;
-        self.counts.gradients += work.gradients;
-        self.counts.hessians += work.hessians;
-        Ok(())
+        if direction.take(of, tolerance, m) {
+            Ok(())
+        } else {
+            Err(Outcome::NoSlope)
+        }
     }
 
     /// Moves the α's, lets Z follow and iterates it to rest.
@@ -244,9 +262,21 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 /// the motion: of each component, and of the one of its group that moves most.
 struct Bounds<T> {
     needed: T,
+    /// Of the first direction.
+    digits: T,
     most: [T; 2],
     /// The local error has been asked for.
     has_error: bool,
+}
+
+/// The relative tolerance of a direction that turns by so much yet and moves the end point so `far`: what shows
+/// in the end point, and no better than it turns.
+fn digits<T: Float>(turns: T, far: T) -> T {
+    let rounding = T::int(ROUNDING) * T::EPSILON;
+    (rounding / far / T::int(TURNS))
+        .max(turns)
+        .max(rounding)
+        .min(T::ratio(1, 1000))
 }
 
 impl<T: Float> Bounds<T> {

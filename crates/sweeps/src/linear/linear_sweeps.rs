@@ -85,6 +85,11 @@ impl<T: Float> LinearSweeps<T> {
         self.hessians.take_exactly(iterate, energy)
     }
 
+    /// The angle hω of the fastest oscillation of what was linearised, or more.
+    pub fn angle(&mut self) -> T {
+        self.hessians.angle()
+    }
+
     /// From now on with this K, row by row, and all components unknown.
     pub fn set_k(&mut self, k: &[T], (s, stride): (usize, usize)) {
         let [forward, back] = &mut self.k;

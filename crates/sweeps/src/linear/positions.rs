@@ -271,7 +271,13 @@ mod tests {
                     let mut x = vec![T::int(0); r.len()];
                     let weights = (vec![T::int(1); 4], T::exact(tolerance));
                     let sides = (r.as_slice(), x.as_mut_slice());
-                    assert!(linear.solve((held, false), sides, (&weights.0, weights.1), &iterate, None));
+                    assert!(linear.solve(
+                        (held, false),
+                        sides,
+                        (&weights.0, weights.1),
+                        &iterate,
+                        None
+                    ));
                     x.truncate(r.len() / 2);
                     [linear.sums().to_vec(), x].concat()
                 });

@@ -10,7 +10,7 @@
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
 use crate::layout::row::{by_groups, fused_each, scaled};
-use crate::policy::QUOTIENTS;
+use crate::policy::{ANGLE_ITERATIONS, QUOTIENTS};
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel};
 
@@ -216,6 +216,39 @@ impl<T: Float> StageHessians<T> {
             }
         }
         self.m
+    }
+
+    /// No less than the largest |h λ|, λ the eigenvalues of J∇²H in the mean over the step: the angle hω of the
+    /// fastest oscillation, as the spectral radius of the absolute values (Collatz 1942, Wielandt 1950).
+    pub(crate) fn angle(&mut self) -> T {
+        let n = 2 * self.m;
+        let places = self.entries.chunks_exact(self.stride);
+        for (mean, entry) in self.hessian.iter_mut().zip(places) {
+            let sum = entry[..self.s].iter().fold(T::int(0), |sum, &x| sum + x);
+            *mean = sum.abs();
+        }
+        let (mean, pattern) = (&self.hessian, &self.pattern);
+        let times = |x: &[T], to: &mut [T]| {
+            for (c, to) in to.iter_mut().enumerate() {
+                let row = pattern.row(turned::<T>(c, n).0);
+                *to = row.fold(T::int(0), |sum, (e, column)| sum + mean[e] * x[column]);
+            }
+        };
+        let (x, once) = (&mut self.state, &mut self.points[..n]);
+        let twice = &mut self.gradients[..n];
+        x.fill(T::int(1));
+        let mut largest = T::int(0);
+        // Twice each time: J∇²H of T(p) + U(q) leads from positions to momenta, and back.
+        for _ in 0..ANGLE_ITERATIONS {
+            times(x, once);
+            times(once, twice);
+            let ratios = twice.iter().zip(&*x).filter(|&(_, x)| *x > T::int(0));
+            largest = ratios.fold(T::int(0), |most, (&new, &x)| most.max(new / x));
+            let size = twice.iter().fold(T::int(0), |most, &x| most.max(x));
+            let from = x.iter_mut().zip(&*twice);
+            from.for_each(|(x, &twice)| *x = twice / size);
+        }
+        largest.sqrt()
     }
 
     /// δL of these rows of ∇²H, of which the first `columns` count, from X of several sides.
