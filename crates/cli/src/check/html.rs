@@ -18,7 +18,7 @@ td:first-child, td:nth-child(2), td:nth-child(4), td:last-child { white-space: n
 td:last-child { min-width: 15rem; overflow-wrap: anywhere; }
 tr.theme th { text-align: left; padding-top: 1.2rem; font-size: 1.1rem; }
 tr.pass b { color: #1a7f37; } tr.fail { background: #d1242f33; } tr.fail b { color: #d1242f; }
-tr.expected b { color: #0969da; } tr.deficit { background: #bf870022; } tr.deficit b { color: #9a6700; }
+tr.expected b { color: #0969da; }
 small { color: GrayText; }
 ";
 
@@ -60,7 +60,6 @@ pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
         passed,
         expected_errors,
         explained,
-        known_deficits,
         failed,
         seconds,
     } = summary;
@@ -68,7 +67,7 @@ pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>equip check</title>\n<style>{STYLE}</style>\n\
          <h1>equip check {version}</h1>\n\
-         <p><b>{rows}</b> rows: {passed} pass, {expected_errors} expected errors, {explained} explained, {known_deficits} known deficits, \
+         <p><b>{rows}</b> rows: {passed} pass, {expected_errors} expected errors, {explained} explained, \
          <b>{failed} fail</b>; {seconds:.1} s</p>\n<p><small>{legend}</small></p>\n\
          <table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{body}</tbody>\n</table>\n</html>\n",
         version = env!("CARGO_PKG_VERSION"),
@@ -86,7 +85,6 @@ fn line(row: &Row) -> String {
         Word::Pass => "pass",
         Word::ExpectedError => "expected",
         Word::Explained => "explained",
-        Word::KnownDeficit => "deficit",
         Word::Fail => "fail",
     };
     let number = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.1e}"));

@@ -88,7 +88,7 @@ fn measure<T: Float>(case: &Case, cache: &Cache) -> Result<Measured, BuildFault>
     };
     let judged_by_ratio = matches!(
         case.expect.trajectory,
-        Trajectory::Resolved | Trajectory::Slow | Trajectory::Deficit(..)
+        Trajectory::Resolved | Trajectory::Slow
     );
     let noise = (truth.is_some() && judged_by_ratio).then(|| {
         let nudged = run(method, &problem, &nudge(&start), h, case.steps);

@@ -92,12 +92,11 @@ pub(crate) fn end(out: &mut impl Write, rows: &[Row], summary: &Summary) -> io::
     }
     writeln!(
         out,
-        "{} rows: {} pass, {} expected errors, {} explained, {} known deficits, {} fail; {:.1} s",
+        "{} rows: {} pass, {} expected errors, {} explained, {} fail; {:.1} s",
         summary.rows,
         summary.passed,
         summary.expected_errors,
         summary.explained,
-        summary.known_deficits,
         summary.failed,
         summary.seconds
     )

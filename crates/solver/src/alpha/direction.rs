@@ -180,7 +180,7 @@ impl<T: Float> Direction<T> {
     /// Whether the step resolves its fastest oscillation, at the solution that was linearised.
     pub(crate) fn is_resolved(&mut self) -> bool {
         let most = T::int(RESOLVES) * T::int(self.s as i64);
-        self.linear.angle() <= most
+        self.linear.is_within(most)
     }
 
     /// Takes the directions where it was linearised, to a relative `tolerance` of their displacements; from

@@ -85,9 +85,9 @@ impl<T: Float> LinearSweeps<T> {
         self.hessians.take_exactly(iterate, energy)
     }
 
-    /// The angle hω of the fastest oscillation of what was linearised, or more.
-    pub fn angle(&mut self) -> T {
-        self.hessians.angle()
+    /// Whether the fastest oscillation of what was linearised turns by an angle hω of at most `most`.
+    pub fn is_within(&mut self, most: T) -> bool {
+        self.hessians.is_within(most)
     }
 
     /// From now on with this K, row by row, and all components unknown.

@@ -218,9 +218,10 @@ impl<T: Float> StageHessians<T> {
         self.m
     }
 
-    /// No less than the largest |h λ|, λ the eigenvalues of J∇²H in the mean over the step: the angle hω of the
-    /// fastest oscillation, as the spectral radius of the absolute values (Collatz 1942, Wielandt 1950).
-    pub(crate) fn angle(&mut self) -> T {
+    /// Whether all |h λ| are at most `most`, λ the eigenvalues of J∇²H in the mean over the step: the angle hω of
+    /// the fastest oscillation, bounded by the spectral radius of the absolute values, and that by the largest
+    /// ratio of a power iteration (Collatz 1942, Wielandt 1950).
+    pub(crate) fn is_within(&mut self, most: T) -> bool {
         let n = 2 * self.m;
         let places = self.entries.chunks_exact(self.stride);
         for (mean, entry) in self.hessian.iter_mut().zip(places) {
@@ -237,18 +238,20 @@ impl<T: Float> StageHessians<T> {
         let (x, once) = (&mut self.state, &mut self.points[..n]);
         let twice = &mut self.gradients[..n];
         x.fill(T::int(1));
-        let mut largest = T::int(0);
         // Twice each time: J∇²H of T(p) + U(q) leads from positions to momenta, and back.
         for _ in 0..ANGLE_ITERATIONS {
             times(x, once);
             times(once, twice);
             let ratios = twice.iter().zip(&*x).filter(|&(_, x)| *x > T::int(0));
-            largest = ratios.fold(T::int(0), |most, (&new, &x)| most.max(new / x));
+            let largest = ratios.fold(T::int(0), |most, (&new, &x)| most.max(new / x));
+            if largest <= most * most {
+                return true;
+            }
             let size = twice.iter().fold(T::int(0), |most, &x| most.max(x));
             let from = x.iter_mut().zip(&*twice);
             from.for_each(|(x, &twice)| *x = twice / size);
         }
-        largest.sqrt()
+        false
     }
 
     /// δL of these rows of ∇²H, of which the first `columns` count, from X of several sides.

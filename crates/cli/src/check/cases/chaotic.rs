@@ -64,8 +64,6 @@ fn henon_heiles(all: &mut Vec<Case>) {
         for s in [3, 4, 6] {
             let name = format!("Hénon–Heiles E={text}, escape");
             let case = Case::new(THEME, name, start).stages(s).steps(2000, 0.1);
-            // One of 28 to 134 steps.
-            let case = case.carried(0.04, "the last step before infinity");
             all.push(case.ending(End::Error(
                 &[Kind::Escape],
                 after,
@@ -100,14 +98,7 @@ fn double_pendulum(all: &mut Vec<Case>) {
         let name = "double pendulum, chaotic";
         let case = Case::new(THEME, name, scene("double-pendulum", &parameters)).stages(s);
         let case = case.steps(256, 1.0 / 32.0).against(fine());
-        all.push(if s == 6 {
-            case.trajectory(Trajectory::Deficit(
-                3.43,
-                "every step is nearer to the exact flow than that of Gauss, whose errors happen to cancel",
-            ))
-        } else {
-            case
-        });
+        all.push(case);
     }
 }
 
@@ -132,15 +123,7 @@ fn lennard_jones(all: &mut Vec<Case>) {
             let name = "Lennard-Jones, hard collision";
             let case = Case::new(THEME, name, two).stages(s);
             let case = case.steps((0.4 / h) as u64, h).against(fine());
-            all.push(if s == 3 {
-                // 59 % at h = 4e-3.
-                case.carried(
-                    0.7,
-                    "free flight after the collision: H is quadratic there, no α changes it",
-                )
-            } else {
-                case
-            });
+            all.push(case);
         }
     }
     let seven = Case::new(

@@ -77,11 +77,7 @@ fn many() -> Vec<Case> {
         )
         .stages(6)
         .steps(50, 0.05)
-        .against(fine())
-        .trajectory(Trajectory::Deficit(
-            1.51,
-            "α's along slopes are not aimed at the exact flow",
-        )),
+        .against(fine()),
         row(
             "FPUT chain, m=1000",
             "fput-beta",

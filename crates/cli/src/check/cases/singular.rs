@@ -45,7 +45,7 @@ fn kepler(all: &mut Vec<Case>) {
                     Kind::Singular,
                     Kind::Astray,
                 ];
-                coarse.carried(1.0, why).ending(End::Either(kinds, why))
+                coarse.ending(End::Either(kinds, why))
             } else {
                 coarse
             });
@@ -141,7 +141,6 @@ fn fall(all: &mut Vec<Case>) {
             )));
             continue;
         }
-        let case = case.carried(0.01, "the last step before the centre");
         all.push(case.ending(End::Error(
             &[
                 Kind::NotFinite,

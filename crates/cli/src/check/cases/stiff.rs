@@ -5,31 +5,7 @@
 use crate::check::case::{Case, End, Judged, Kind, Reference, Trajectory, scene};
 
 const THEME: &str = "stiff";
-const AT_REST: &str = "the fast motion is at rest and not resolved: the α's that remove its energy defect would disturb the \
-    slow motion";
 const TOO_LARGE: &str = "so many oscillations in a step that the stage equations may have no solution that follows the motion";
-const SINGLE: &str = "one start; the mean over the rows of this scene is 1.0";
-const STARTS_TO_SWING: &str =
-    "few steps: the fast motion starts to swing, from then on it is corrected";
-const CANCELLING: &str = "hω = 2.2: every step is nearer to the exact flow than that of Gauss, whose errors cancel over \
-    the fast period";
-/// End of the name, stages, step; the ratio measured and its cause.
-type Known = (&'static str, usize, f64, f64, &'static str);
-const FPU: &[Known] = &[
-    ("=500", 4, 0.1, 2.64, SINGLE),
-    ("=5000", 4, 0.01, 2.59, SINGLE),
-    ("=5000", 4, 0.02, 3.58, SINGLE),
-    ("=5000", 6, 0.02, 3.03, SINGLE),
-];
-const SPRING: &[Known] = &[
-    ("1e4", 4, 0.5, 4.52, STARTS_TO_SWING),
-    ("1e4", 6, 1.0, 3.08, STARTS_TO_SWING),
-];
-const DOUBLE: &[Known] = &[
-    ("=32", 4, 0.03125, 2.06, CANCELLING),
-    ("=32", 6, 0.03125, 3.59, CANCELLING),
-    ("=32", 6, 0.125, 2.27, STARTS_TO_SWING),
-];
 /// Largest hω at which an oscillation counts as resolved.
 const RESOLVED: f64 = 3.0;
 
@@ -50,17 +26,6 @@ fn judged(case: Case, slow: Judged) -> Case {
     }
 }
 
-/// The row with its known deficit, if it is in the table.
-fn deficits(case: Case, known: &[Known]) -> Case {
-    let found = known
-        .iter()
-        .find(|k| case.name.ends_with(k.0) && case.stages == k.1 && case.h == k.2);
-    match found {
-        Some(&(_, _, _, ratio, cause)) => case.trajectory(Trajectory::Deficit(ratio, cause)),
-        None => case,
-    }
-}
-
 /// Three stiff springs; ω = 50 and 500 until t = 10, ω = 5000 until t = 2.
 fn fpu(all: &mut Vec<Case>) {
     let shared = |omega: &str, grid, divide, end| Reference::Shared {
@@ -76,7 +41,7 @@ fn fpu(all: &mut Vec<Case>) {
             .stages(s)
             .omega(omega.parse().unwrap_or(0.0))
             .steps((end / h).round() as u64, h);
-        deficits(judged(case, Judged::First(3)), FPU)
+        judged(case, Judged::First(3))
     };
     for s in [3, 4, 6] {
         for h in [0.01, 0.02, 0.05, 0.1, 0.25, 1.0] {
@@ -135,7 +100,6 @@ fn spring_pendulum(all: &mut Vec<Case>) {
                         end,
                     });
                 let case = judged(case, Judged::Polar);
-                let case = deficits(case, SPRING).carried(1.0, AT_REST);
                 all.push(if k == "1e8" && s != 4 {
                     case.complete_only()
                 } else {
@@ -166,12 +130,6 @@ fn double_pendulum(all: &mut Vec<Case>) {
                         end: 2.0,
                     });
                 let case = judged(case, Judged::First(1));
-                let case = deficits(case, DOUBLE);
-                let case = if h * 2.2 * c_value > RESOLVED {
-                    case.carried(1.0, AT_REST)
-                } else {
-                    case
-                };
                 all.push(if s == 6 && h * c_value > 2.0 {
                     case.ending(End::Either(&[Kind::Astray], TOO_LARGE))
                 } else {

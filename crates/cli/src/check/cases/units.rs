@@ -142,7 +142,6 @@ fn steps(all: &mut Vec<Case>) {
                 case
             } else {
                 case.trajectory(Trajectory::Open("steps of whole periods resolve nothing"))
-                    .carried(1.0, "steps of whole periods")
                     .ending(End::Either(
                         &[
                             Kind::NoConvergence,
