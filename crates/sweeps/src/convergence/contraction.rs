@@ -82,7 +82,6 @@ impl<T: Float> Contraction<T> {
         (self.change, self.left) = (f64::INFINITY, f64::INFINITY);
         (self.slow, self.still) = (0, 0);
         (self.is_apart, self.is_settled) = (true, false);
-        self.allowed = f64::INFINITY;
     }
 
     /// M⁻¹ makes so many times as much of the rounding of the stages as M = I does.
@@ -96,7 +95,6 @@ impl<T: Float> Contraction<T> {
         self.is_apart = true;
         (self.slow, self.still) = (0, 0);
         self.is_settled = false;
-        self.allowed = f64::INFINITY;
     }
 
     /// A sweep has changed Z by `change`; of sizes that were measured anew since the last one
@@ -107,7 +105,7 @@ impl<T: Float> Contraction<T> {
         let last = self.change;
         let compares = !self.is_apart;
         self.is_apart = is_remeasured;
-        self.allowed = if self.allowed.is_finite() {
+        self.allowed = if compares {
             SLOW * self.allowed
         } else {
             ALLOWANCE * change
@@ -259,6 +257,17 @@ mod tests {
         contraction.begin(false);
         let seen = [1e-8, 1e-13, 2e-15, 2e-15, 2e-15, 2e-15].map(|x| contraction.observe(x, false));
         assert!(seen.contains(&Progress::Settled), "{seen:?}");
+    }
+
+    /// Where components at rest have no size yet, the first change says nothing of the second.
+    #[test]
+    fn changes_in_sizes_measured_anew_are_not_compared_with_those_of_before() {
+        let mut contraction = Contraction::<f64>::new(true);
+        contraction.begin(false);
+        assert_eq!(contraction.observe(1e-20, true), Progress::Contracts);
+        for change in [1e7, 1e-3, 1e-6, 1e-9] {
+            assert_eq!(contraction.observe(change, false), Progress::Contracts);
+        }
     }
 
     /// A move of Z by something else is not a contraction.
