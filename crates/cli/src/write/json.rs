@@ -56,6 +56,19 @@ struct Sizes {
 }
 
 #[derive(Debug, Serialize)]
+struct Floor {
+    floor: Number,
+    scale: Number,
+    is_small: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Phase {
+    angle: f64,
+    step: Number,
+}
+
+#[derive(Debug, Serialize)]
 struct Chaos {
     lyapunov: Number,
     megno: Number,
@@ -89,6 +102,9 @@ struct Document<'a> {
     steps: u64,
     energy: Option<Quantity>,
     energy_in_floors: Option<Number>,
+    energy_floor: Option<Floor>,
+    phase_per_step: Option<Phase>,
+    motion_is_resolved: bool,
     energy_kept_on_every_step: bool,
     invariants: Vec<Quantity>,
     outcomes: BTreeMap<&'static str, u64>,
@@ -126,6 +142,16 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         steps: counts.steps,
         energy: certificate.energy.as_ref().map(quantity),
         energy_in_floors: certificate.energy_in_floors.map(Number::new),
+        energy_floor: certificate.energy_floor.map(|floor| Floor {
+            floor: Number::new(floor.floor),
+            scale: Number::new(floor.scale),
+            is_small: floor.is_small(),
+        }),
+        phase_per_step: certificate.phase_per_step.map(|phase| Phase {
+            angle: phase.angle,
+            step: Number::new(phase.step),
+        }),
+        motion_is_resolved: certificate.motion_is_resolved(),
         energy_kept_on_every_step: certificate.energy_kept_on_every_step(),
         invariants: certificate.invariants.iter().map(quantity).collect(),
         outcomes: Outcome::ALL
