@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Gravity is q[1]. No momentum p[1] is in H, so it stays what it is.
     let pendulum = Hamiltonian::new(2, |q, p| p[0].powi(2) / 2.0 - q[1] * q[0].cos())?;
-    let (angle, gravity) = (2.0_f64, 9.81);
+    let (angle, gravity): (f64, f64) = (2.0, 9.81);
 
     // T = 4 K(sin(angle/2))/√g = 2π/(√g agm(1, cos(angle/2))), and dT/dg = −T/(2 g).
     let (mut a, mut b) = (1.0, (angle / 2.0).cos());
