@@ -47,6 +47,10 @@ fn is_not_kept(certificate: &Certificate<f64>, what: &str) {
     let largest = certificate.energy.as_ref().unwrap().max;
     let kept = certificate.counts.carried() == 0 && largest.is_finite();
     let text = certificate.to_string();
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 100),
+        "{text}"
+    );
     assert_eq!(text.contains("kept to a floor"), kept, "{what}: {text}");
 }
 
@@ -154,7 +158,15 @@ fn steps_over_a_gyration_are_named() {
         // ω is √(1 + q1²)/ε², and q1 has gone somewhere.
         assert!(phase.angle > 7.9, "{phase:?}");
         assert!(!certificate.motion_is_resolved());
-        assert!(certificate.to_string().contains("not resolved"));
+        let text = certificate.to_string();
+        assert!(
+            text.contains("not resolved") && text.contains("h ω = "),
+            "{text}"
+        );
+        assert!(
+            text.lines().all(|line| line.chars().count() <= 100),
+            "{text}"
+        );
 
         // Up to t = 0.1 q1 is below 0.11.
         let start = coarse.integrate(&h, &q, &p, 0.0..=0.1).unwrap();

@@ -38,12 +38,15 @@ struct Work {
     taken_over: u64,
     newton_iterations: u64,
     factorisations: u64,
+    simplified_factorisations: u64,
     gradients: u64,
     hessians: u64,
     energies: u64,
     directions: u64,
     alpha_moves: u64,
+    local_errors: u64,
     halvings: u64,
+    output_steps: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -172,12 +175,15 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             taken_over: counts.taken_over,
             newton_iterations: counts.newton_iterations,
             factorisations: counts.factorisations,
+            simplified_factorisations: counts.simplified_factorisations,
             gradients: counts.gradients,
             hessians: counts.hessians,
             energies: counts.energies,
             directions: counts.directions,
             alpha_moves: counts.alpha_moves,
+            local_errors: counts.local_errors,
             halvings: counts.halvings,
+            output_steps: certificate.output_steps,
         },
         end_state: AtEnd {
             q: Number::all(q),

@@ -13,6 +13,7 @@ use std::fmt;
 
 /// The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Certificate<T> {
     /// The method.
     pub method: Method,
@@ -131,27 +132,26 @@ impl<T: Float> Certificate<T> {
         if let Some(EnergyFloor { floor, scale }) = self.energy_floor.filter(|f| !f.is_small()) {
             line(
                 "  kept to a floor",
-                format!(
-                    "of {floor:.2e}, where |H| and the kinetic energy are at most {scale:.2e}: rounding alone \
-                     is as large; write H without what cancels, keep angles small, end the run before H \
-                     overflows, or take double-double"
-                ),
+                format!("of {floor:.2e}; |H| and the kinetic energy are at most {scale:.2e}"),
             );
+            let helps = "H without cancellation, smaller angles, an earlier end, double-double";
+            line("  what helps", helps.to_owned());
         }
         if let Some(phase) = self.phase_per_step
             && !self.motion_is_resolved()
         {
             let stages = self.method.stage_count();
+            let (angle, step, most) = (phase.angle, phase.step, RESOLVED * stages as f64);
             line(
                 "  not resolved",
                 format!(
-                    "h ω = {:.3} for the fastest motion in a step of {:.2e}, more than {RESOLVED} × {stages} \
-                     stages: its phase is lost within a few steps; take steps of {:.1e} or more stages, or an \
-                     H in which that motion is averaged",
-                    phase.angle,
-                    phase.step,
-                    phase.resolving_step(stages)
+                    "h ω = {angle:.3} in a step of {step:.2e}, above {most}: its phase is lost"
                 ),
+            );
+            let step = phase.resolving_step(stages);
+            line(
+                "  what helps",
+                format!("steps of {step:.1e}, more stages, or an H that averages that motion"),
             );
         }
         for defect in &self.invariants {

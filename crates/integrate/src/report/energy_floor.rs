@@ -8,6 +8,7 @@ const MOST: (i64, i64) = (1, 1_000_000);
 
 /// The largest round-off floor of the energy over the steps that kept it, and what it is to be held against.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EnergyFloor<T> {
     /// The floor, in the unit of H. Of a quadratic H, which nothing solves for, |H − H_ref|.
     pub floor: T,

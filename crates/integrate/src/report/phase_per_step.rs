@@ -5,6 +5,7 @@ use equip_scalar::Float;
 
 /// hω of the fastest motion, the largest eigenvalue of J∇²H, where it was largest.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PhasePerStep<T> {
     /// hω: the angle by which the fastest oscillation turns in a step, in radians.
     pub angle: f64,
