@@ -161,12 +161,16 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         let made = make_step(&mut self.core, (&self.y, self.time, h), &mut self.next);
         if self.check_gradient {
             let (time, energy) = (self.time, self.core.energy_mut());
-            match made {
+            let checked = match made {
                 Ok(outcome) if outcome.is_carried() => {
-                    check_gradient(energy, time + h, &self.next.hi)?;
+                    check_gradient(energy, time + h, &self.next.hi)
                 }
-                Err(_) => check_gradient(energy, time, &self.y.hi)?,
-                Ok(_) => {}
+                Err(_) => check_gradient(energy, time, &self.y.hi),
+                Ok(_) => Ok(()),
+            };
+            if let Err(wrong) = checked {
+                self.core.refuse();
+                return Err(wrong);
             }
         }
         made
