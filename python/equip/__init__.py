@@ -1,7 +1,7 @@
 """Energy-conserving integration of Hamiltonian systems from the scalar H(q, p) alone."""
 
 from . import scenes
-from ._certificate import Certificate, Counts, Defect, VariableSteps
+from ._certificate import Certificate, Counts, Defect, EnergyFloor, PhasePerStep, VariableSteps
 from ._ensemble import Ensemble, ensemble
 from ._hamiltonian import Hamiltonian
 from ._methods import Equip, FixedAlpha, Gauss
@@ -16,12 +16,14 @@ __all__ = [
     "Counts",
     "Defect",
     "DoubleDouble",
+    "EnergyFloor",
     "Ensemble",
     "Equip",
     "FixedAlpha",
     "Gauss",
     "Hamiltonian",
     "IntegrationError",
+    "PhasePerStep",
     "Solution",
     "Step",
     "Steps",

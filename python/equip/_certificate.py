@@ -20,6 +20,23 @@ class Defect:
 
 
 @dataclass(frozen=True)
+class EnergyFloor:
+    """What rounding alone makes of H, where it is largest, and the energies to hold it against."""
+
+    floor: float
+    #: abs(H), or the kinetic energy where that is larger and the floor is beyond 1e-6 of abs(H).
+    scale: float
+
+
+@dataclass(frozen=True)
+class PhasePerStep:
+    """The angle in radians by which the fastest motion turns in a step of size `step`, where it was largest."""
+
+    angle: float
+    step: float
+
+
+@dataclass(frozen=True)
 class VariableSteps:
     """What step control did."""
 
@@ -72,6 +89,12 @@ class Certificate:
     energy: Optional[Defect]
     #: Largest defect in units of its round-off floor, over the steps that solved for the energy.
     energy_in_floors: Optional[float]
+    #: None if the energy was not measured.
+    energy_floor: Optional[EnergyFloor]
+    #: None where the iteration of the steps contracts without the Hessian, which it does only if the angle is small.
+    phase_per_step: Optional[PhasePerStep]
+    #: Whether the steps resolve the fastest motion: an angle of at most 1.5 times the number of stages.
+    motion_is_resolved: bool
     invariants: tuple[Defect, ...]
     #: Smallest and largest α_1 ... α_{s-1} used; empty if none was solved for.
     alpha_range: tuple[tuple[float, float], ...]
@@ -81,7 +104,7 @@ class Certificate:
     counts: Counts
     #: Steps by outcome.
     outcomes: dict[str, int]
-    #: Whether every step kept the energy to round-off.
+    #: Whether every step kept the energy to round-off, and that is at most 1e-6 of abs(H) or of the kinetic energy.
     energy_kept_on_every_step: bool
     seconds: float
     text: str
@@ -112,6 +135,8 @@ class Certificate:
         return cls(
             counts=Counts(**{name: found[name] for name in names}),
             energy=Defect(*found["energy"]) if found["energy"] else None,
+            energy_floor=EnergyFloor(*found["energy_floor"]) if found["energy_floor"] else None,
+            phase_per_step=PhasePerStep(*found["phase_per_step"]) if found["phase_per_step"] else None,
             invariants=tuple(Defect(*defect) for defect in found["invariants"]),
             variable_steps=VariableSteps(*found["variable_steps"]) if found["variable_steps"] else None,
             alpha_range=tuple(found["alpha_range"]),
@@ -128,6 +153,7 @@ class Certificate:
                     "lyapunov",
                     "megno",
                     "energy_kept_on_every_step",
+                    "motion_is_resolved",
                     "seconds",
                     "text",
                 )
@@ -138,11 +164,14 @@ class Certificate:
     def _from_dict(cls, stored: dict[str, Any]) -> Certificate:
         """What `to_dict` has written."""
         steps, energy = stored["variable_steps"], stored["energy"]
+        floor, phase = stored["energy_floor"], stored["phase_per_step"]
         return cls(
             **{
                 **stored,
                 "counts": Counts(**stored["counts"]),
                 "energy": Defect(**energy) if energy else None,
+                "energy_floor": EnergyFloor(**floor) if floor else None,
+                "phase_per_step": PhasePerStep(**phase) if phase else None,
                 "invariants": tuple(Defect(**defect) for defect in stored["invariants"]),
                 "variable_steps": VariableSteps(**steps) if steps else None,
                 "alpha_range": tuple((low, high) for low, high in stored["alpha_range"]),

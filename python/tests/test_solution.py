@@ -28,6 +28,8 @@ def sol():
 def test_certificate(sol):
     certificate = sol.certificate
     assert certificate.energy_kept_on_every_step and certificate.energy_in_floors <= 8
+    assert certificate.energy_floor.floor < 1e-14 and certificate.energy_floor.scale == pytest.approx(0.5)
+    assert certificate.phase_per_step is None and certificate.motion_is_resolved
     assert certificate.energy.start == pytest.approx(-0.5, abs=1e-15)
     assert certificate.counts.steps == sum(certificate.outcomes.values()) == len(sol.t) - 1
     assert certificate.start == 0 and certificate.end == 10 and certificate.precision == "f64"

@@ -213,11 +213,7 @@ def test_chaos_indicators():
 def test_a_fault_on_the_way_leaves_what_was_made():
     h = equip.Hamiltonian(lambda q, p: p @ p / 2 - q[0] ** 4, 1)
     sol = equip.solve(h, [1.0], [1.5], (0, 10))
-    assert (
-        not sol.success
-        and "nears a singularity" in sol.message
-        and "loosen it or lower `min_step`" in sol.message
-    )
+    assert not sol.success and "runs away to infinity" in sol.message
     assert 0 < sol.t[-1] < 10 and np.isfinite(sol.y).all() and sol.certificate.end == sol.t[-1]
     fixed = equip.solve(h, [1.0], [1.5], (0, 10), step=0.01)
     assert (

@@ -180,6 +180,28 @@ fn comments_of_at_most_110_columns() {
     none(&wrong);
 }
 
+/// The programs of the page of recipes are examples to be run as well, word by word.
+#[test]
+fn recipes_are_examples() {
+    let page = std::fs::read_to_string(root().join("docs/recipes.md")).unwrap();
+    let examples = root().join("crates/equip/examples");
+    for name in [
+        "rigid_body",
+        "spins",
+        "friction",
+        "any_equations",
+        "sensitivities",
+    ] {
+        let text = std::fs::read_to_string(examples.join(format!("{name}.rs"))).unwrap();
+        let (_, program) = text.split_once("\n\n").unwrap();
+        let block = format!("```rust\n{program}```\n");
+        assert!(
+            page.contains(&block),
+            "{name} is not the program of docs/recipes.md"
+        );
+    }
+}
+
 /// A folder on the list is long enough to need it.
 #[test]
 fn lists_are_long() {

@@ -42,6 +42,7 @@ pub use energy::Energy;
 pub use error::BuildError;
 pub use hamiltonian::Hamiltonian;
 pub use recording::trace::{Trace, Var};
+pub use routes::check::WrongGradient;
 pub use routes::recorded::Recorded;
 pub use routes::recorded_evaluator::RecordedEvaluator;
 pub use routes::state_function::StateFunction;

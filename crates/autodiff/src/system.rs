@@ -1,6 +1,7 @@
 //! What an integrator asks of an energy.
 
-use crate::{Fused, Hamiltonian, Kinetic, RecordedEvaluator, Structure, Switches};
+use crate::routes::check::by_differences;
+use crate::{Fused, Hamiltonian, Kinetic, RecordedEvaluator, Structure, Switches, WrongGradient};
 use equip_scalar::{Float, InstructionSet};
 
 /// A scalar energy with everything derived from it, in any float type.
@@ -174,6 +175,16 @@ pub trait Evaluate<T: Float> {
     fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
         let _ = task;
         None
+    }
+
+    /// Compares a gradient written by hand with H at `y` (length n): by automatic differentiation where H is
+    /// recorded, else, as here, by differences of H. Of a gradient derived from H there is nothing to
+    /// compare.
+    ///
+    /// # Errors
+    /// The first component that differs.
+    fn check_gradient(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
+        by_differences(self, y)
     }
 
     /// T(p) of H = T(p) + U(q), if H is separable and T quadratic. Evaluates ∇²T once; allocates.

@@ -136,9 +136,6 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
         E::Interval { start, end } => format!(
             "--until or --periods ask for a run from t = {start} to t = {end}; it must be finite"
         ),
-        E::StepBelowMinimum { step, time, min } => format!(
-            "--tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity or a kink of H, or the tolerance is too small: loosen it"
-        ),
         E::StepLimit { steps, time } => format!(
             "{steps} steps were made and t = {time} is reached; loosen --tolerance, or end sooner with --until"
         ),

@@ -166,3 +166,25 @@ fn short_times_are_printed_with_their_digits() {
     let described = text(equip(&["scenes", "lotka-volterra"]).stdout);
     assert!(!described.contains("0.0000"), "{described}");
 }
+
+/// Steps over springs: the text and the document say so, in the same words.
+#[test]
+fn steps_that_resolve_nothing_are_named() {
+    let run = [
+        "run", "fpu", "--omega", "500", "--stages", "4", "--step", "0.1", "--until", "1",
+    ];
+    let printed = text(equip(&run).stdout);
+    assert!(
+        printed.contains("not resolved") && printed.contains("h ω = 50"),
+        "{printed}"
+    );
+    let json = text(equip(&[&run[..], &["--json"]].concat()).stdout);
+    let document: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(document["motion_is_resolved"], false);
+    let angle = document["phase_per_step"]["angle"].as_f64().unwrap();
+    assert!((angle - 50.0).abs() < 1.0, "{angle}");
+    assert_eq!(document["energy_floor"]["is_small"], true);
+    for count in ["simplified_factorisations", "local_errors", "output_steps"] {
+        assert!(document["work"][count].is_u64(), "{count}");
+    }
+}

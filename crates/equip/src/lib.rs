@@ -37,7 +37,7 @@
 //! # }
 //! ```
 //!
-//! The guide, page by page, and nine programs to begin with:
+//! The guide, page by page, and fourteen programs to begin with:
 #![doc = concat!("[docs](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/docs),")]
 #![doc = concat!("[examples](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/crates/equip/examples).")]
 //!
@@ -51,7 +51,7 @@
 //! | `equip-integrate` | [`solver`] | methods, runs, events, checkpoints, certificate |
 //! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
 //!
-//! With the feature `serde` checkpoints can be written by it. The program `equip` is a package of its own,
+//! With the feature `serde` checkpoints and certificates can be written by it. The program `equip` is a package of its own,
 //! `equip-cli`.
 #![forbid(unsafe_code)]
 
@@ -68,6 +68,11 @@ pub mod prelude;
 #[doc = include_str!("../../../docs/potentials-from-data.md")]
 #[cfg(doctest)]
 struct PotentialsPage;
+
+/// Compiles the programs of the page of recipes.
+#[doc = include_str!("../../../docs/recipes.md")]
+#[cfg(doctest)]
+struct RecipesPage;
 
 #[doc = include_str!("../../../README.md")]
 #[cfg(doctest)]

@@ -2,6 +2,35 @@
 
 use equip_scalar::Float;
 
+/// Force or speed that has grown by this factor nears a singularity. // ratio; of a pericentre e = 0.9 it is
+/// 361, of what stops steps at the resolution of time 1e10 and more.
+pub(crate) const GROWN: i64 = 1000;
+
+/// What stopped the steps and what helps: a singularity is named where something has grown, and `min_step`
+/// where it was given.
+fn below_minimum<T: Float>(step: T, min: T, growth: T) -> String {
+    let is_bounded = step < min;
+    let bound = if is_bounded {
+        format!(", and `min_step` is {min:e}")
+    } else {
+        ", and time resolves none".to_owned()
+    };
+    let remedy = if is_bounded {
+        "lower `min_step` or loosen the tolerance"
+    } else {
+        "loosen the tolerance"
+    };
+    if growth >= T::int(GROWN) {
+        format!(
+            "{bound}; the motion nears a singularity, force or speed are {growth:.1e} times what they were at the start: end the run before that time, or {remedy}"
+        )
+    } else if is_bounded {
+        format!("{bound}: {remedy}")
+    } else {
+        format!("{bound}; H has a kink, a jump or much rounding there: {remedy}")
+    }
+}
+
 /// Why an integration could not start or go on. A failed step leaves the state as it was before it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -99,6 +128,22 @@ pub enum IntegrateError<T: Float> {
     EnergyNotFinite {
         /// H at the start.
         energy: T,
+    },
+    /// A gradient written by hand is not that of H.
+    #[error(
+        "at t = {time} the gradient given by hand has {given:e} for ∂H/∂{what}[{index}], where H has {expected:e}; correct it, leave it out (H is differentiated then), or take it as it is with `check_gradient(false)`"
+    )]
+    WrongGradient {
+        /// Time of the state.
+        time: T,
+        /// `q` or `p`. Where H depends on time the last of these are t and its momentum.
+        what: &'static str,
+        /// Component.
+        index: usize,
+        /// What the gradient says.
+        given: T,
+        /// What H says.
+        expected: T,
     },
     /// An option has a value outside its range.
     #[error("option `{option}` is {value}; it must be {expected}")]
@@ -216,15 +261,21 @@ pub enum IntegrateError<T: Float> {
     },
     /// Step control wants a step below the smallest one allowed, or below the resolution of time.
     #[error(
-        "the tolerance asks for a step below {step:e} at t = {time} (smallest allowed: {min:e}); the trajectory nears a singularity or a kink of H, or the tolerance is too small: loosen it or lower `min_step`"
+        "the tolerance {tolerance:e} asks for a step below {step:e} at t = {time}{}",
+        below_minimum(*step, *min, *growth)
     )]
     StepBelowMinimum {
         /// Start of the step.
         time: T,
         /// Its size.
         step: T,
-        /// Smallest step allowed.
+        /// Smallest step allowed, `min_step`.
         min: T,
+        /// The tolerance given.
+        tolerance: T,
+        /// How many times as large the force or the speed is there as where the run began, the largest
+        /// component of ∂H/∂q or of ∂H/∂p.
+        growth: T,
     },
     /// The run has made all the steps it may.
     #[error(
@@ -316,4 +367,14 @@ pub enum IntegrateError<T: Float> {
         /// What of it would be round-off.
         floor: T,
     },
+}
+
+impl<T: Float> IntegrateError<T> {
+    /// Whether a step that fails so fails also if it is shorter.
+    pub(crate) fn stays_in_shorter_steps(&self) -> bool {
+        matches!(
+            self,
+            Self::NoAdmissibleAlpha { .. } | Self::WrongGradient { .. }
+        )
+    }
 }

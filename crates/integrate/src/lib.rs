@@ -34,6 +34,8 @@ pub use options::reversible::{Reversible, StepRule, Symmetric};
 pub use report::certificate::Certificate;
 pub use report::chaos_indicators::ChaosIndicators;
 pub use report::defect::Defect;
+pub use report::energy_floor::EnergyFloor;
+pub use report::phase_per_step::PhasePerStep;
 pub use report::variable_steps::VariableSteps;
 pub use runs::observer::{NoObserver, Observer};
 pub use runs::prepared::Prepared;

@@ -9,6 +9,7 @@ mod checkpoint_file;
 mod dense;
 mod events;
 mod extended;
+mod gradients;
 mod memory;
 mod preconditioners;
 mod restart;
@@ -16,6 +17,7 @@ mod reversible;
 mod suggest;
 mod tangent;
 mod there_and_back;
+mod verdicts;
 mod with_time;
 
 /// A file of tests that is not named above would be left out in silence.

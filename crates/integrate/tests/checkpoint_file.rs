@@ -3,7 +3,7 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    Checkpoint, Equip, IntegrateError, Integrator, Observer, StepSizes, StepView,
+    Certificate, Checkpoint, Equip, IntegrateError, Integrator, Observer, StepSizes, StepView,
 };
 use equip_scalar::{DoubleDouble, Float};
 use std::ops::ControlFlow;
@@ -32,6 +32,24 @@ fn text_and_back_is_exact() {
     let damaged = text.replace("\"high\":[\"", "\"high\":[\"z");
     let damaged: Checkpoint = serde_json::from_str(&damaged).unwrap();
     assert!(options.resume(kepler.hamiltonian(), &damaged).is_err());
+}
+
+#[test]
+fn certificates_come_back_as_they_were() {
+    fn back<T: Float + serde::Serialize + serde::de::DeserializeOwned>(of: &Certificate<T>) {
+        let text = serde_json::to_string(of).unwrap();
+        println!("{text}");
+        assert_eq!(&serde_json::from_str::<Certificate<T>>(&text).unwrap(), of);
+        assert!(text.contains("\"AtFloor\":"), "{text}");
+    }
+    let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let options = Equip::stages(4).tolerance(1e-9).chaos();
+    let run = options.integrate(&pendulum, &[1.0], &[0.0], 0.0..=10.0);
+    back(run.unwrap().certificate());
+    let wide = DoubleDouble::exact;
+    let options = Equip::stages(4).step(wide(0.125));
+    let run = options.integrate(&pendulum, &[wide(1.0)], &[wide(0.0)], wide(0.0)..=wide(4.0));
+    back(run.unwrap().certificate());
 }
 
 /// Keeps the checkpoint after the third step, and ends the run there.

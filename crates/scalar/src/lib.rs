@@ -23,6 +23,8 @@
 
 #[macro_use]
 mod glue;
+#[cfg(feature = "serde")]
+mod serialised;
 
 mod constant;
 mod double;

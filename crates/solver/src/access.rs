@@ -118,6 +118,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         (self.stages.choice.is_identity() && contraction > 0.0).then_some(contraction)
     }
 
+    /// Whether the iteration of the step had a preconditioner: without one it contracts only where hω is
+    /// small.
+    pub fn is_preconditioned(&self) -> bool {
+        !self.stages.choice.is_identity()
+    }
+
     /// What is kept by the α's: the energy first unless it needs none, then further invariants.
     pub fn constraints(&self) -> &[Constraint<T>] {
         &self.constraints
@@ -188,6 +194,11 @@ impl<T: Float> Constraint<T> {
     /// g = I(y1) − I_ref at the end of the step.
     pub fn defect(&self) -> T {
         self.defect
+    }
+
+    /// ∇I at the end of the step, length n.
+    pub fn gradient(&self) -> &[T] {
+        &self.gradient
     }
 
     /// Below this g is round-off: the largest floor of late.

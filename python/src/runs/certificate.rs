@@ -23,6 +23,13 @@ pub(crate) fn certificate<'py, T: Float>(
         "energy_in_floors",
         certificate.energy_in_floors.map(T::to_f64),
     )?;
+    let floor = certificate.energy_floor;
+    let floor = floor.map(|of| (of.floor.to_f64(), of.scale.to_f64()));
+    dict.set_item("energy_floor", floor)?;
+    let phase = certificate.phase_per_step;
+    let phase = phase.map(|of| (of.angle, of.step.to_f64()));
+    dict.set_item("phase_per_step", phase)?;
+    dict.set_item("motion_is_resolved", certificate.motion_is_resolved())?;
     let invariants: Vec<_> = certificate.invariants.iter().map(defect).collect();
     dict.set_item("invariants", invariants)?;
     let ranges = certificate.alpha_range.iter();

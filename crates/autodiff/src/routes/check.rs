@@ -1,25 +1,154 @@
-//! Hand-written gradients, held against automatic differentiation.
+//! Hand-written gradients, held against the energy.
 
-use crate::BuildError;
+use crate::{BuildError, Evaluate};
 use equip_scalar::Float;
 
+/// A component of a hand-written gradient that is not the derivative of the energy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WrongGradient<T> {
+    /// Component of (∂H/∂q, ∂H/∂p), counted from 0.
+    pub component: usize,
+    /// What the hand-written gradient says.
+    pub given: T,
+    /// What the energy says.
+    pub expected: T,
+}
+
+impl<T: Float> From<WrongGradient<T>> for BuildError {
+    fn from(wrong: WrongGradient<T>) -> Self {
+        BuildError::WrongGradient {
+            component: wrong.component,
+            given: wrong.given.to_f64(),
+            expected: wrong.expected.to_f64(),
+        }
+    }
+}
+
 /// Components may differ by √ε of the largest one: enough for any rounding, too little for a wrong term.
-pub(crate) fn compare<T: Float>(given: &[T], expected: &[T]) -> Result<(), BuildError> {
-    let size = |x: &T| x.abs();
-    let largest = expected
-        .iter()
-        .map(size)
-        .fold(T::int(0), |a, b| if b > a { b } else { a });
-    let allowed = largest * T::EPSILON.sqrt();
+pub(crate) fn compare<T: Float>(given: &[T], expected: &[T]) -> Result<(), WrongGradient<T>> {
+    let allowed = largest(expected) * T::EPSILON.sqrt();
     for (component, (&given, &expected)) in given.iter().zip(expected).enumerate() {
-        let agrees = given == expected || size(&(given - expected)) <= allowed;
+        let agrees = given == expected || (given - expected).abs() <= allowed;
         if !agrees {
-            return Err(BuildError::WrongGradient {
+            return Err(WrongGradient {
                 component,
-                given: given.to_f64(),
-                expected: expected.to_f64(),
+                given,
+                expected,
             });
         }
     }
     Ok(())
+}
+
+/// Room for a check along a run, which allocates nothing.
+#[derive(Debug, Clone)]
+pub(crate) struct Checked<T> {
+    point: Vec<T>,
+    given: Vec<T>,
+    expected: Vec<T>,
+}
+
+impl<T: Float> Checked<T> {
+    pub(crate) fn new(n: usize) -> Self {
+        let zero = || vec![T::int(0); n];
+        Checked {
+            point: zero(),
+            given: zero(),
+            expected: zero(),
+        }
+    }
+
+    /// [`compare`] at `y`. At a kink of H either side's derivative is right, so what differs there is looked
+    /// at once more beside it. `both` evaluates the gradient given and the one expected.
+    pub(crate) fn at(
+        &mut self,
+        y: &[T],
+        mut both: impl FnMut(&[T], &mut [T], &mut [T]),
+    ) -> Result<(), WrongGradient<T>> {
+        both(y, &mut self.given, &mut self.expected);
+        let Err(wrong) = compare(&self.given, &self.expected) else {
+            return Ok(());
+        };
+        beside(y, &mut self.point);
+        both(&self.point, &mut self.given, &mut self.expected);
+        match compare(&self.given, &self.expected) {
+            Ok(()) => Ok(()),
+            Err(_) => Err(wrong),
+        }
+    }
+}
+
+/// A point beside `y`: each component moved by ⁴√ε of itself, or of the largest of its half where it is 0.
+fn beside<T: Float>(y: &[T], point: &mut [T]) {
+    let m = y.len() / 2;
+    let share = T::EPSILON.sqrt().sqrt();
+    for (half, point) in y.chunks_exact(m).zip(point.chunks_exact_mut(m)) {
+        let of = largest(half);
+        let of = if of > T::int(0) { of } else { T::int(1) };
+        for (point, &y) in point.iter_mut().zip(half) {
+            let size = if y == T::int(0) { of } else { y };
+            *point = y + share * size;
+        }
+    }
+}
+
+/// Sizes of differences that are tried, each a 16th of the one before.
+const LEVELS: u32 = 4;
+
+/// The gradient of an evaluator written by hand against differences of its own values.
+///
+/// Two central differences of steps δ and 2δ tell the derivative, and how far they can be trusted: 16 times
+/// what they differ by, 16 times the rounding of H over δ, and ⁴√ε of the largest component. A component is
+/// wrong if it is beyond that for every δ from ε^{1/4} of the component down to a 4096th of it. Coarser than a
+/// comparison with the derivative itself. Allocates.
+pub(crate) fn by_differences<T: Float, E: Evaluate<T> + ?Sized>(
+    energy: &mut E,
+    y: &[T],
+) -> Result<(), WrongGradient<T>> {
+    let (m, two, many) = (y.len() / 2, T::int(2), T::int(16));
+    let share = T::EPSILON.sqrt().sqrt();
+    let mut given = vec![T::int(0); y.len()];
+    let (_, bound) = energy.gradient_with_bound(y, &mut given);
+    let largest_slope = largest(&given);
+    let mut point = y.to_vec();
+    for (component, &given) in given.iter().enumerate() {
+        let half = if component < m { &y[..m] } else { &y[m..] };
+        let of = [y[component].abs(), largest(half), T::int(1)];
+        let size = of.into_iter().find(|&x| x > T::int(0));
+        let mut difference = |delta: T| {
+            point[component] = y[component] + delta;
+            let ahead = energy.value(&point);
+            point[component] = y[component] - delta;
+            let behind = energy.value(&point);
+            point[component] = y[component];
+            (ahead - behind) / (two * delta)
+        };
+        let mut delta = share * size.unwrap_or(T::int(1));
+        let mut wrong = None;
+        for _ in 0..LEVELS {
+            let (fine, coarse) = (difference(delta), difference(two * delta));
+            let rounding = T::EPSILON * bound / delta;
+            let trusted = many * ((fine - coarse).abs() + rounding) + share * largest_slope;
+            if !((given - fine).abs() > trusted) {
+                wrong = None;
+                break;
+            }
+            wrong = Some(fine);
+            delta /= many;
+        }
+        if let Some(expected) = wrong {
+            return Err(WrongGradient {
+                component,
+                given,
+                expected,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The largest absolute value.
+fn largest<T: Float>(values: &[T]) -> T {
+    let sizes = values.iter().map(|x| x.abs());
+    sizes.fold(T::int(0), |a, b| if b > a { b } else { a })
 }

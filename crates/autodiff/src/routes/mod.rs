@@ -1,6 +1,6 @@
 //! The three ways to give H, and their evaluators.
 
-mod check;
+pub(crate) mod check;
 mod evaluate;
 pub(crate) mod many;
 pub(crate) mod one;

@@ -9,10 +9,10 @@ use crate::derivative::by_duals::{dual_gradient, value};
 use crate::native::fused::{Forces, Fused, Gradients, Joined, fuse};
 use crate::replay::batch::Batch;
 use crate::replay::point::{Points, check_batch, require_separable};
-use crate::routes::check::compare;
+use crate::routes::check::{Checked, compare};
 use crate::{
     BuildError, Energy, Evaluate, Hamiltonian, Kinetic, Recorded, RecordedEvaluator, Structure,
-    Switches, System,
+    Switches, System, WrongGradient,
 };
 use equip_scalar::{Float, InstructionSet, Num};
 use std::sync::Arc;
@@ -95,7 +95,7 @@ impl<E: Energy> Hamiltonian<Static<E>> {
         let mut expected = given.clone();
         self.route.recorded.evaluator().gradient(y, &mut expected);
         if self.route.supplied_gradient(y, &mut given) {
-            compare(&given, &expected)
+            Ok(compare(&given, &expected)?)
         } else {
             Ok(())
         }
@@ -115,11 +115,13 @@ impl<E: Energy> System for Static<E> {
 
     fn evaluator<T: Float>(&self) -> StaticEvaluator<E, T> {
         let n = 2 * self.structure().degrees_of_freedom;
+        let is_supplied = self.supplied_gradient(&vec![T::int(1); n], &mut vec![T::int(0); n]);
         StaticEvaluator {
             route: self.clone(),
             tape: self.recorded.evaluator(),
             points: Points::new(n),
-            is_supplied: self.supplied_gradient(&vec![T::int(1); n], &mut vec![T::int(0); n]),
+            is_supplied,
+            checked: is_supplied.then(|| Checked::new(n)),
             state: vec![Num(T::int(0)); if n > LARGEST { n } else { 0 }],
             set: InstructionSet::best(),
         }
@@ -136,6 +138,8 @@ pub struct StaticEvaluator<E, T: Float> {
     points: Points<T>,
     /// The energy brings its own gradient.
     is_supplied: bool,
+    /// Room to check it.
+    checked: Option<Checked<T>>,
     set: InstructionSet,
 }
 
@@ -147,6 +151,7 @@ impl<E, T: Float> Clone for StaticEvaluator<E, T> {
             state: self.state.clone(),
             points: self.points.clone(),
             is_supplied: self.is_supplied,
+            checked: self.checked.clone(),
             set: self.set,
         }
     }
@@ -347,6 +352,16 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
         }
         let slopes = Forces(&*self.route.energy);
         fuse!(self.set, structure.degrees_of_freedom, slopes, task, [1 2 3 4])
+    }
+
+    fn check_gradient(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
+        let Some(checked) = &mut self.checked else {
+            return Ok(());
+        };
+        checked.at(y, |y, given, expected| {
+            supplied(&*self.route.energy, y, given);
+            self.tape.gradient(y, expected);
+        })
     }
 
     fn kinetic(&mut self) -> Option<Kinetic<T>> {

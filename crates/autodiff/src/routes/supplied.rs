@@ -1,10 +1,10 @@
 //! [`Supplied`]: a recorded energy with a gradient closure over `f64`, used whenever the float is `f64`.
 
 use crate::replay::point::{Points, check_batch, require_separable};
-use crate::routes::check::compare;
+use crate::routes::check::{Checked, compare};
 use crate::{
     BuildError, Evaluate, Hamiltonian, Kinetic, Recorded, RecordedEvaluator, Structure, Switches,
-    System,
+    System, WrongGradient,
 };
 use equip_scalar::{Float, InstructionSet};
 use std::any::TypeId;
@@ -93,7 +93,7 @@ impl<G: Fn(&[f64], &[f64], &mut [f64], &mut [f64])> Hamiltonian<Supplied<G>> {
         let mut expected = given.clone();
         self.route.recorded.evaluator().gradient(y, &mut expected);
         self.route.supplied_gradient(y, &mut given);
-        compare(&given, &expected)
+        Ok(compare(&given, &expected)?)
     }
 }
 
@@ -117,6 +117,7 @@ impl<G: Fn(&[f64], &[f64], &mut [f64], &mut [f64])> System for Supplied<G> {
             state: vec![0.0; n],
             slope: vec![0.0; n],
             points: Points::new(n),
+            checked: doubles.then(|| Checked::new(n)),
         }
     }
 }
@@ -131,6 +132,8 @@ pub struct SuppliedEvaluator<G, T: Float> {
     state: Vec<f64>,
     slope: Vec<f64>,
     points: Points<T>,
+    /// Room to check it.
+    checked: Option<Checked<T>>,
 }
 
 impl<G: Fn(&[f64], &[f64], &mut [f64], &mut [f64]), T: Float> SuppliedEvaluator<G, T> {
@@ -246,6 +249,18 @@ where
             self.supplied(y, gradient);
         });
         self.points = points;
+    }
+
+    fn check_gradient(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
+        let Some(mut checked) = self.checked.take() else {
+            return Ok(());
+        };
+        let agreed = checked.at(y, |y, given, expected| {
+            self.supplied(y, given);
+            self.tape.gradient(y, expected);
+        });
+        self.checked = Some(checked);
+        agreed
     }
 
     fn kinetic(&mut self) -> Option<Kinetic<T>> {

@@ -38,12 +38,15 @@ struct Work {
     taken_over: u64,
     newton_iterations: u64,
     factorisations: u64,
+    simplified_factorisations: u64,
     gradients: u64,
     hessians: u64,
     energies: u64,
     directions: u64,
     alpha_moves: u64,
+    local_errors: u64,
     halvings: u64,
+    output_steps: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -53,6 +56,19 @@ struct Sizes {
     largest: Number,
     rejected: u64,
     failed: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct Floor {
+    floor: Number,
+    scale: Number,
+    is_small: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Phase {
+    angle: f64,
+    step: Number,
 }
 
 #[derive(Debug, Serialize)]
@@ -89,6 +105,9 @@ struct Document<'a> {
     steps: u64,
     energy: Option<Quantity>,
     energy_in_floors: Option<Number>,
+    energy_floor: Option<Floor>,
+    phase_per_step: Option<Phase>,
+    motion_is_resolved: bool,
     energy_kept_on_every_step: bool,
     invariants: Vec<Quantity>,
     outcomes: BTreeMap<&'static str, u64>,
@@ -126,6 +145,16 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         steps: counts.steps,
         energy: certificate.energy.as_ref().map(quantity),
         energy_in_floors: certificate.energy_in_floors.map(Number::new),
+        energy_floor: certificate.energy_floor.map(|floor| Floor {
+            floor: Number::new(floor.floor),
+            scale: Number::new(floor.scale),
+            is_small: floor.is_small(),
+        }),
+        phase_per_step: certificate.phase_per_step.map(|phase| Phase {
+            angle: phase.angle,
+            step: Number::new(phase.step),
+        }),
+        motion_is_resolved: certificate.motion_is_resolved(),
         energy_kept_on_every_step: certificate.energy_kept_on_every_step(),
         invariants: certificate.invariants.iter().map(quantity).collect(),
         outcomes: Outcome::ALL
@@ -146,12 +175,15 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             taken_over: counts.taken_over,
             newton_iterations: counts.newton_iterations,
             factorisations: counts.factorisations,
+            simplified_factorisations: counts.simplified_factorisations,
             gradients: counts.gradients,
             hessians: counts.hessians,
             energies: counts.energies,
             directions: counts.directions,
             alpha_moves: counts.alpha_moves,
+            local_errors: counts.local_errors,
             halvings: counts.halvings,
+            output_steps: certificate.output_steps,
         },
         end_state: AtEnd {
             q: Number::all(q),

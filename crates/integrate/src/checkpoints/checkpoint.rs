@@ -15,7 +15,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 5;
+pub(crate) const FORMAT: u32 = 6;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
@@ -62,6 +62,9 @@ pub struct Checkpoint {
     /// Energy if it is measured, then the invariants: start, max, end of each.
     pub(crate) defects: Vec<[Exact; 3]>,
     pub(crate) in_floors: Option<Exact>,
+    /// Floor and scale; angle and step of the largest phase per step.
+    pub(crate) energy_floor: Option<[Exact; 2]>,
+    pub(crate) phase_per_step: Option<[Exact; 2]>,
     pub(crate) floor: Option<Exact>,
     pub(crate) alpha_range: Vec<[Exact; 2]>,
     pub(crate) last_step: Exact,
@@ -186,6 +189,8 @@ impl Checkpoint {
         sum.count(self.place.cast_unsigned());
         sum.numbers(self.defects.iter().flatten());
         sum.numbers(&self.in_floors);
+        sum.numbers(self.energy_floor.iter().flatten());
+        sum.numbers(self.phase_per_step.iter().flatten());
         sum.numbers(&self.floor);
         sum.numbers(self.alpha_range.iter().flatten());
         sum.text(self.last_outcome.label());

@@ -6,6 +6,25 @@ use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Failure, Outcome, State};
 
+/// Whether a gradient written by hand is that of H at `y`, at time `t`.
+pub(crate) fn check_gradient<T: Float, E: Evaluate<T>>(
+    energy: &mut E,
+    t: T,
+    y: &[T],
+) -> Result<(), IntegrateError<T>> {
+    let m = y.len() / 2;
+    energy.check_gradient(y).map_err(|wrong| {
+        let is_force = wrong.component < m;
+        IntegrateError::WrongGradient {
+            time: t,
+            what: if is_force { "q" } else { "p" },
+            index: wrong.component % m,
+            given: wrong.given,
+            expected: wrong.expected,
+        }
+    })
+}
+
 /// One step of size `h` from `y` at time `t` into `next`.
 pub(crate) fn make_step<T: Float, E: Evaluate<T>>(
     core: &mut Core<T, E>,

@@ -57,6 +57,16 @@ impl<T: Float, S> Integrator<T, S> {
         self
     }
 
+    /// Whether a gradient written by hand is compared with H: at the start, after steps 1, 2, 4, 8, … and
+    /// where a step fails or cannot keep the energy; on by default. A component that differs ends the run
+    /// with [`IntegrateError::WrongGradient`](crate::IntegrateError::WrongGradient). Gradients derived from H
+    /// need no check and cost nothing.
+    #[must_use]
+    pub fn check_gradient(mut self, check: bool) -> Self {
+        self.options.check_gradient = check;
+        self
+    }
+
     /// A further quantity whose defect the certificate shows.
     #[must_use]
     pub fn invariant(mut self, invariant: Invariant) -> Self {

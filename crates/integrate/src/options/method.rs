@@ -36,6 +36,7 @@ impl Gauss {
 
 /// A method before it has a step: family and number of stages. Checked when the integration starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Method {
     pub(crate) stages: usize,
     pub(crate) family: Family,

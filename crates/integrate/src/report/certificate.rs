@@ -1,8 +1,11 @@
 //! What a run kept, measured.
 
+use crate::control::frequency::RESOLVED;
 use crate::options::method::Method;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::report::defect::Defect;
+use crate::report::energy_floor::EnergyFloor;
+use crate::report::phase_per_step::PhasePerStep;
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
@@ -10,6 +13,7 @@ use std::fmt;
 
 /// The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Certificate<T> {
     /// The method.
     pub method: Method,
@@ -26,6 +30,12 @@ pub struct Certificate<T> {
     pub energy: Option<Defect<T>>,
     /// Largest |H − H_ref| in units of its round-off floor, over the steps that solved for the energy.
     pub energy_in_floors: Option<T>,
+    /// The largest of these floors beside the energies. `None` where no step can keep the energy or nobody
+    /// measured it.
+    pub energy_floor: Option<EnergyFloor<T>>,
+    /// hω of the fastest motion, where it was largest. `None` if it was not looked at: after steps 1, 2, 4,
+    /// 8, … it is, but where the iteration contracts without ∇²H, which it does only if hω is small.
+    pub phase_per_step: Option<PhasePerStep<T>>,
     /// Defects of the invariants watched.
     pub invariants: Vec<Defect<T>>,
     /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no
@@ -42,11 +52,20 @@ pub struct Certificate<T> {
 }
 
 impl<T: Float> Certificate<T> {
-    /// Whether every step kept the energy: solved, at the floor, quadratic, or halved and then solved. An
+    /// Whether every step kept the energy: solved, at the floor, quadratic, or halved and then solved, and
+    /// the floor was at most 1e-6 of |H| or of the kinetic energy, so that the word means something. An
     /// energy that was infinite or NaN anywhere was not kept.
     pub fn energy_kept_on_every_step(&self) -> bool {
         let is_finite = self.energy.as_ref().is_none_or(|e| e.max.is_finite());
-        is_finite && self.counts.carried() == 0 && self.counts.outcome(Outcome::NotAsked) == 0
+        let is_small = self.energy_floor.is_none_or(|floor| floor.is_small());
+        let asked = self.counts.carried() == 0 && self.counts.outcome(Outcome::NotAsked) == 0;
+        is_finite && is_small && asked
+    }
+
+    /// Whether the steps resolve the fastest motion: hω ≤ 1.5 s wherever it was looked at.
+    pub fn motion_is_resolved(&self) -> bool {
+        let stages = self.method.stage_count();
+        (self.phase_per_step).is_none_or(|phase| phase.is_resolved(stages))
     }
 }
 
@@ -109,6 +128,31 @@ impl<T: Float> Certificate<T> {
         }
         if let Some(floors) = self.energy_in_floors {
             line("  in round-off floors", format!("max {floors:.2}"));
+        }
+        if let Some(EnergyFloor { floor, scale }) = self.energy_floor.filter(|f| !f.is_small()) {
+            line(
+                "  kept to a floor",
+                format!("of {floor:.2e}; |H| and the kinetic energy are at most {scale:.2e}"),
+            );
+            let helps = "H without cancellation, smaller angles, an earlier end, double-double";
+            line("  what helps", helps.to_owned());
+        }
+        if let Some(phase) = self.phase_per_step
+            && !self.motion_is_resolved()
+        {
+            let stages = self.method.stage_count();
+            let (angle, step, most) = (phase.angle, phase.step, RESOLVED * stages as f64);
+            line(
+                "  not resolved",
+                format!(
+                    "h ω = {angle:.3} in a step of {step:.2e}, above {most}: its phase is lost"
+                ),
+            );
+            let step = phase.resolving_step(stages);
+            line(
+                "  what helps",
+                format!("steps of {step:.1e}, more stages, or an H that averages that motion"),
+            );
         }
         for defect in &self.invariants {
             let label = format!("{} defect", defect.name);

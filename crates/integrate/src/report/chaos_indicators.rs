@@ -2,6 +2,7 @@
 
 /// What a deviation carried along tells of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChaosIndicators<T> {
     /// λ(t), per unit of time.
     pub lyapunov: T,

@@ -7,6 +7,7 @@ use equip_solver::Invariant;
 
 /// How far a quantity has strayed from its value at the start.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Defect<T> {
     /// Name of the quantity.
     pub name: String,

@@ -4,6 +4,7 @@ use equip_scalar::Float;
 
 /// What step control did.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VariableSteps<T> {
     /// The tolerance asked for; ε of reversible steps.
     pub tolerance: T,

@@ -6,6 +6,7 @@
 use crate::control::controller::{Control, Judgement};
 use crate::control::estimate::{Decay, Estimate};
 use crate::control::first_step::FirstSize;
+use crate::control::stuck::TooSmall;
 use crate::error::IntegrateError;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
@@ -87,11 +88,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             let too_small = !self.inner.direction.is_before(self.time(), place.time)
                 || (place.size < self.min_step && !place.cut);
             if too_small {
-                return Err(cause.unwrap_or(IntegrateError::StepBelowMinimum {
-                    time: self.time(),
-                    step: place.size,
-                    min: self.min_step,
-                }));
+                return Err(self.too_small(place.size, cause));
             }
             let h = place.size.to_f64();
             match self.inner.attempt(self.inner.direction.signed(place.size)) {
@@ -125,8 +122,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     }
                 }
                 Err(error) => {
-                    // A defect that is refused is as large in a shorter step.
-                    if matches!(error, IntegrateError::NoAdmissibleAlpha { .. }) {
+                    if error.stays_in_shorter_steps() {
                         return Err(error);
                     }
                     self.tries = TRIES_FOR_FIRST;
@@ -136,6 +132,19 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 }
             }
         }
+    }
+
+    /// Why no step of this `size` can be made.
+    fn too_small(&mut self, size: T, cause: Option<IntegrateError<T>>) -> IntegrateError<T> {
+        let too_small = TooSmall {
+            time: self.time(),
+            h: self.inner.direction.signed(size),
+            min: self.min_step,
+            tolerance: self.tolerance,
+        };
+        let start = self.inner.start_state();
+        let Stepper { core, y, .. } = &mut self.inner;
+        too_small.error(core.energy_mut(), (&start, &y.hi), cause)
     }
 
     /// The estimate of the step of size `h` just made.

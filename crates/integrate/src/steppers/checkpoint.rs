@@ -6,6 +6,8 @@ use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memories::ControlMemory;
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
+use crate::report::energy_floor::EnergyFloor;
+use crate::report::phase_per_step::PhasePerStep;
 use crate::steppers::stepper::Stepper;
 use crate::time::direction::TimeDirection;
 use equip_autodiff::Evaluate;
@@ -85,6 +87,9 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
                 .map(|d| [d.start, d.max, d.end].map(Exact::of))
                 .collect(),
             in_floors: self.in_floors.map(Exact::of),
+            energy_floor: (self.energy_floor).map(|f| [f.floor, f.scale].map(Exact::of)),
+            phase_per_step: (self.phase_per_step)
+                .map(|phase| [T::exact(phase.angle), phase.step].map(Exact::of)),
             floor: self.floor.map(Exact::of),
             alpha_range: self
                 .alpha_range
@@ -149,6 +154,16 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         }
         let read = |x: &Option<Exact>| x.as_ref().map(Exact::read).transpose();
         self.in_floors = read(&from.in_floors)?;
+        let pair = |x: &Option<[Exact; 2]>| match x {
+            Some([first, second]) => Ok(Some((first.read()?, second.read()?))),
+            None => Ok(None),
+        };
+        self.energy_floor =
+            pair(&from.energy_floor)?.map(|(floor, scale)| EnergyFloor { floor, scale });
+        self.phase_per_step = pair(&from.phase_per_step)?.map(|(angle, step): (T, T)| {
+            let angle = angle.to_f64();
+            PhasePerStep { angle, step }
+        });
         self.floor = read(&from.floor)?;
         self.last = (from.last_step.read()?, from.last_outcome);
         *self.core.counts_mut() = from.counts;

@@ -1,10 +1,13 @@
 //! A [`Stepper`] is prepared once and begun as often as wanted.
 
+use crate::control::frequency::Frequency;
+use crate::control::make::check_gradient;
 use crate::error::IntegrateError;
 use crate::options::common::{Options, Words};
 use crate::options::event::Event;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
+use crate::report::energy_floor::EnergyFloor;
 use crate::steppers::stepper::Stepper;
 use crate::time::direction::TimeDirection;
 use crate::time::visible::visible;
@@ -81,6 +84,10 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             measure_energy: options.measure_energy,
             energy: measured.then(|| Defect::new("energy")),
             in_floors: has_target.then_some(zero),
+            energy_floor: None,
+            frequency: Frequency::new(system),
+            phase_per_step: None,
+            check_gradient: options.check_gradient,
             watched: options
                 .kept
                 .iter()
@@ -142,6 +149,9 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         self.last = (T::int(0), Outcome::NotAsked);
         self.alpha_range.fill((T::int(0), T::int(0)));
         self.in_floors = self.has_target.then_some(T::int(0));
+        let is_measured = self.has_target || self.measure_energy;
+        self.energy_floor = is_measured.then(|| EnergyFloor::new(self.h_ref));
+        self.phase_per_step = None;
         let watched = self.watched.iter_mut().map(|w| &mut w.defect);
         for defect in self.energy.iter_mut().chain(watched) {
             defect.max = T::int(0);
@@ -173,6 +183,16 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         })
     }
 
+    /// The state at which the run began, as H takes it.
+    pub(super) fn start_state(&self) -> Vec<T> {
+        let (mut y, half) = (vec![T::int(0); self.y.hi.len()], self.y.hi.len() / 2);
+        let (q, p) = self.start.split_at(self.m);
+        y[..self.m].copy_from_slice(q);
+        y[self.m..half].fill(self.t0);
+        y[half..][..self.m].copy_from_slice(p);
+        y
+    }
+
     /// Puts the run at another state, at the time `t` it has reached: the references of energy and invariants
     /// are those of this state from now on, and nothing of the steps before is prolonged into the next one.
     pub(super) fn move_to(&mut self, q: &[T], p: &[T], t: T) -> Result<(), IntegrateError<T>> {
@@ -191,10 +211,16 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         if !h_ref.is_finite() || self.slope.iter().any(|g| !g.is_finite()) {
             return Err(IntegrateError::EnergyNotFinite { energy: h_ref });
         }
+        if self.check_gradient {
+            check_gradient(self.core.energy_mut(), t, &self.next.hi)?;
+        }
         self.next.lo.fill(T::int(0));
         std::mem::swap(&mut self.y, &mut self.next);
         self.h_ref = h_ref;
         self.floor = None;
+        if let Some(seen) = &mut self.energy_floor {
+            seen.scale = seen.scale.max(h_ref.abs());
+        }
         self.core.begin(h_ref, &self.y.hi);
         if let Some(energy) = &mut self.energy {
             energy.begin(h_ref);

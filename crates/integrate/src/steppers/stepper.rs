@@ -1,11 +1,14 @@
 //! [`Stepper`]: the run one step at a time.
 
-use crate::control::make::make_step;
+use crate::control::frequency::Frequency;
+use crate::control::make::{check_gradient, make_step};
 use crate::error::IntegrateError;
 use crate::options::common::Words;
 use crate::options::method::Method;
 use crate::report::certificate::Certificate;
 use crate::report::defect::{Defect, Watched};
+use crate::report::energy_floor::{EnergyFloor, kinetic_energy};
+use crate::report::phase_per_step::PhasePerStep;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::grid::Grid;
 use crate::steppers::view::{Step, StepView};
@@ -46,6 +49,11 @@ pub struct Stepper<T: Float, E> {
     pub(super) measure_energy: bool,
     pub(crate) energy: Option<Defect<T>>,
     pub(crate) in_floors: Option<T>,
+    pub(crate) energy_floor: Option<EnergyFloor<T>>,
+    pub(crate) phase_per_step: Option<PhasePerStep<T>>,
+    pub(super) frequency: Frequency<T>,
+    /// Whether gradients written by hand are checked.
+    pub(super) check_gradient: bool,
     pub(crate) watched: Vec<Watched<T>>,
     pub(crate) alpha_range: Vec<(T, T)>,
     pub(crate) last: (T, Outcome),
@@ -147,7 +155,25 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
 
     /// Makes a step of size `h` that may still be refused.
     pub(crate) fn attempt(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
-        make_step(&mut self.core, (&self.y, self.time, h), &mut self.next)
+        if self.check_gradient && self.index.is_power_of_two() {
+            check_gradient(self.core.energy_mut(), self.time, &self.y.hi)?;
+        }
+        let made = make_step(&mut self.core, (&self.y, self.time, h), &mut self.next);
+        if self.check_gradient {
+            let (time, energy) = (self.time, self.core.energy_mut());
+            let checked = match made {
+                Ok(outcome) if outcome.is_carried() => {
+                    check_gradient(energy, time + h, &self.next.hi)
+                }
+                Err(_) => check_gradient(energy, time, &self.y.hi),
+                Ok(_) => Ok(()),
+            };
+            if let Err(wrong) = checked {
+                self.core.refuse();
+                return Err(wrong);
+            }
+        }
+        made
     }
 
     /// Takes the step made by [`attempt`](Self::attempt), which ends at `time`.
@@ -159,6 +185,23 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         self.last = (h, outcome);
         self.core.counts_mut().record(outcome);
         self.measure(outcome);
+        if self.index.is_power_of_two() {
+            self.measure_phase(h);
+        }
+    }
+
+    /// hω of the step just made, if its iteration did not contract without ∇²H.
+    fn measure_phase(&mut self, h: T) {
+        if !self.core.is_preconditioned() {
+            return;
+        }
+        let step = h.abs();
+        let omega = self.frequency.at(self.core.energy_mut(), &self.y.hi);
+        let phase = PhasePerStep {
+            angle: omega * step.to_f64(),
+            step,
+        };
+        self.phase_per_step = Some(phase.max(self.phase_per_step));
     }
 
     /// Energy, invariants and α's of the step just made.
@@ -181,11 +224,30 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             {
                 *most = most.max(residual.in_late_floors());
             }
+            if let Some(seen) = &mut self.energy_floor
+                && outcome.energy_kept()
+            {
+                let gradient = residual.gradient();
+                seen.see(residual.floor(), || {
+                    kinetic_energy(&self.y.hi, gradient, self.m)
+                });
+            }
         } else if self.measure_energy {
             self.core.counts_mut().energies += 1;
             let value = self.core.energy_mut().compensated_value(&self.y.hi);
             if let Some(energy) = &mut self.energy {
                 energy.see(value - self.h_ref);
+            }
+            if let Some(seen) = &mut self.energy_floor
+                && outcome.energy_kept()
+            {
+                let slope = &mut self.slope;
+                seen.see((value - self.h_ref).abs(), || {
+                    let (energy, counts) = self.core.energy_and_counts();
+                    counts.gradients += 1;
+                    energy.gradient(&self.y.hi, slope);
+                    kinetic_energy(&self.y.hi, slope, self.m)
+                });
             }
         }
         for watched in &mut self.watched {
@@ -238,6 +300,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             end: self.time,
             energy: self.energy.clone(),
             energy_in_floors: self.in_floors,
+            energy_floor: self.energy_floor,
+            phase_per_step: self.phase_per_step,
             invariants: self.watched.iter().map(|w| w.defect.clone()).collect(),
             alpha_range: self.alpha_range.clone(),
             chaos: None,

@@ -5,6 +5,7 @@ use std::fmt;
 
 /// Which α's are solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Alphas {
     /// All of α_1 … α_{s−1}, moved so that the end point moves least.
     #[default]
@@ -15,6 +16,7 @@ pub enum Alphas {
 
 /// What the α's of a method are.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Family {
     /// α = 0.

@@ -1,5 +1,7 @@
 //! How a step ended, and the counts of all that was done.
 
+use std::fmt;
+
 /// How a step ended. Every step has exactly one outcome; a step that was halved has that of its worse half.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -101,13 +103,56 @@ pub struct Counts {
     pub local_errors: u64,
     /// Times a step was split into two.
     pub halvings: u64,
-    outcomes: [u64; Outcome::ALL.len()],
+    outcomes: ByOutcome,
+}
+
+/// Numbers of steps, printed and written by the names of their outcomes; those that are zero are left out.
+#[derive(Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        into = "std::collections::BTreeMap<Outcome, u64>",
+        from = "std::collections::BTreeMap<Outcome, u64>"
+    )
+)]
+struct ByOutcome([u64; Outcome::ALL.len()]);
+
+impl ByOutcome {
+    fn named(&self) -> impl Iterator<Item = (Outcome, u64)> {
+        let counts = Outcome::ALL.into_iter().zip(self.0);
+        counts.filter(|&(_, count)| count > 0)
+    }
+}
+
+impl fmt::Debug for ByOutcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_map().entries(self.named()).finish()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<ByOutcome> for std::collections::BTreeMap<Outcome, u64> {
+    fn from(counts: ByOutcome) -> Self {
+        counts.named().collect()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<std::collections::BTreeMap<Outcome, u64>> for ByOutcome {
+    fn from(named: std::collections::BTreeMap<Outcome, u64>) -> Self {
+        let mut counts = ByOutcome::default();
+        for (outcome, count) in named {
+            counts.0[outcome as usize] = count;
+        }
+        counts
+    }
 }
 
 impl Counts {
     /// Steps with the given outcome.
     pub fn outcome(&self, outcome: Outcome) -> u64 {
-        self.outcomes[outcome as usize]
+        self.outcomes.0[outcome as usize]
     }
 
     /// Steps whose defect was left to later ones.
@@ -119,6 +164,38 @@ impl Counts {
     /// Counts a step that ended so.
     pub fn record(&mut self, outcome: Outcome) {
         self.steps += 1;
-        self.outcomes[outcome as usize] += 1;
+        self.outcomes.0[outcome as usize] += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Counts, Outcome};
+
+    #[test]
+    fn counts_print_outcomes_by_name() {
+        let mut counts = Counts::default();
+        for outcome in [Outcome::Solved, Outcome::AtFloor, Outcome::Solved] {
+            counts.record(outcome);
+        }
+        let text = format!("{counts:?}");
+        assert!(
+            text.ends_with("outcomes: {AtFloor: 1, Solved: 2} }"),
+            "{text}"
+        );
+    }
+
+    /// As certificates count it.
+    #[test]
+    fn outcomes_are_kept_carried_or_not_asked() {
+        for outcome in Outcome::ALL {
+            let is = [
+                outcome.energy_kept(),
+                outcome.is_carried(),
+                outcome == Outcome::NotAsked,
+            ];
+            assert_eq!(is.iter().filter(|&&is| is).count(), 1, "{outcome:?}");
+        }
+        assert!(Outcome::Quadratic.energy_kept());
     }
 }

@@ -1,0 +1,34 @@
+//! Parameters as positions: how the period of a pendulum depends on gravity, by the tangent map.
+
+use equip::prelude::*;
+use std::f64::consts::PI;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // Gravity is q[1]. No momentum p[1] is in H, so it stays what it is.
+    let pendulum = Hamiltonian::new(2, |q, p| p[0].powi(2) / 2.0 - q[1] * q[0].cos())?;
+    let (angle, gravity): (f64, f64) = (2.0, 9.81);
+
+    // T = 4 K(sin(angle/2))/√g = 2π/(√g agm(1, cos(angle/2))), and dT/dg = −T/(2 g).
+    let (mut a, mut b) = (1.0, (angle / 2.0).cos());
+    for _ in 0..6 {
+        (a, b) = ((a + b) / 2.0, (a * b).sqrt());
+    }
+    let period = 2.0 * PI / (gravity.sqrt() * a);
+
+    let mut run =
+        Equip::stages(8)
+            .tolerance(1e-13)
+            .start(&pendulum, &[angle, gravity], &[0.0, 0.0], 0.0)?;
+    let mut tangent = TangentMap::new(&pendulum, &mut run);
+    // ∂(q, p)/∂g begins as the direction of q[1].
+    let mut by_gravity = [0.0, 1.0, 0.0, 0.0];
+    tangent.advance_to(&mut run, period, &mut by_gravity)?;
+    println!("{}", run.certificate());
+
+    // At the end of a period p = 0, and p' = −g sin(angle): dT/dg = −(∂p/∂g)/p'.
+    let found = by_gravity[2] / (gravity * angle.sin());
+    let exact = -period / (2.0 * gravity);
+    println!("dT/dg = {found:.14}, exactly {exact:.14}");
+    assert!((found - exact).abs() < 1e-10);
+    Ok(())
+}
