@@ -15,7 +15,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 5;
+pub(crate) const FORMAT: u32 = 6;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
@@ -219,6 +219,10 @@ impl Checkpoint {
             sum.count(control.tries.into());
             sum.count(control.rejected);
             sum.count(control.failed);
+            sum.count(control.switches_crossed);
+            for side in &control.sides {
+                sum.count(side.map_or(0, |side| (i64::from(side) + 2).cast_unsigned()));
+            }
         }
         if let Some(chaos) = &self.chaos {
             sum.numbers(std::iter::once(&chaos.start).chain(&chaos.sums));

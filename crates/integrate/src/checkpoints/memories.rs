@@ -16,6 +16,9 @@ pub(crate) struct ControlMemory {
     pub(crate) largest: Exact,
     pub(crate) rejected: u64,
     pub(crate) failed: u64,
+    pub(crate) switches_crossed: u64,
+    /// Of every switch of H whether the next step begins on it, and on which side.
+    pub(crate) sides: Vec<Option<i8>>,
 }
 
 /// A deviation and what has been summed of it.
@@ -29,8 +32,13 @@ pub(crate) struct ChaosMemory {
 }
 
 impl ControlMemory {
-    /// The steps so far; what sizes the next one, and how often it may still be tried.
-    pub(crate) fn of<T: Float>(steps: &VariableSteps<T>, next: Exact, tries: u32) -> Self {
+    /// The steps so far; what sizes the next one, and how often it may still be tried; on which sides of
+    /// switches it begins.
+    pub(crate) fn of<T: Float>(
+        steps: &VariableSteps<T>,
+        (next, tries): (Exact, u32),
+        sides: &[Option<i8>],
+    ) -> Self {
         ControlMemory {
             next,
             tries,
@@ -38,6 +46,8 @@ impl ControlMemory {
             largest: Exact::of(steps.largest),
             rejected: steps.rejected,
             failed: steps.failed,
+            switches_crossed: steps.switches_crossed,
+            sides: sides.to_vec(),
         }
     }
 
@@ -52,6 +62,7 @@ impl ControlMemory {
             largest: self.largest.read()?,
             rejected: self.rejected,
             failed: self.failed,
+            switches_crossed: self.switches_crossed,
         })
     }
 }

@@ -1,4 +1,6 @@
 //! Roots of functions along a run.
 
+pub(crate) mod crossings;
+pub(crate) mod path;
 pub(crate) mod roots;
 pub(crate) mod watch;

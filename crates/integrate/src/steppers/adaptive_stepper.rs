@@ -2,11 +2,15 @@
 //!
 //! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same
 //! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
+//!
+//! A step over a switch of H, a kink or a jump, is made anew to end there ([`crate::events::crossings`]),
+//! unless its last Legendre coefficients are below the tolerance all the same.
 
 use crate::control::controller::{Control, Judgement};
-use crate::control::estimate::{Decay, Estimate};
+use crate::control::estimate::{Decay, End, Estimate};
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
+use crate::events::crossings::{Crossings, Meeting};
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
@@ -31,6 +35,8 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) decay: Decay<T>,
     /// ∇H where the step begins, and where it ends.
     pub(super) slopes: [Vec<T>; 2],
+    /// None if H is smooth as far as is known.
+    pub(super) crossings: Option<Crossings<T>>,
     pub(super) first: FirstSize<T>,
     pub(super) first_step: Option<T>,
     /// The first step is not made longer than this.
@@ -69,6 +75,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     pub fn turn_back(&mut self) {
         self.inner.turn_back();
         self.end = None;
+        if let Some(crossings) = &mut self.crossings {
+            crossings.turn_back();
+        }
     }
 
     /// Makes the next step, but not beyond `end`, which the last step meets exactly.
@@ -81,9 +90,15 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             return Err(IntegrateError::StepLimit { steps, time });
         }
         let mut size = self.control.memory.next;
+        // The size that nothing but switches speaks against.
+        let mut proposed = size;
         let (mut cause, mut is_retried) = (None, false);
+        if let Some(crossings) = &mut self.crossings {
+            crossings.begin_step();
+        }
+        let mut to_switch = None;
         loop {
-            let place = self.place(size, end);
+            let place = to_switch.take().unwrap_or_else(|| self.place(size, end));
             let too_small = !self.inner.direction.is_before(self.time(), place.time)
                 || (place.size < self.min_step && !place.cut);
             if too_small {
@@ -96,9 +111,24 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             let h = place.size.to_f64();
             match self.inner.attempt(self.inner.direction.signed(place.size)) {
                 Ok(outcome) => {
-                    let estimate = self.estimate(self.inner.direction.signed(place.size));
+                    let (was_aimed, meeting) = self.look();
+                    let ends_on_one = meeting == Some(Meeting::End);
+                    let h_signed = self.inner.direction.signed(place.size);
+                    let estimate = self.estimate(h_signed, ends_on_one);
+                    if let Some(Meeting::At(root)) = meeting
+                        && self.is_to_be_met(root, &estimate)
+                    {
+                        to_switch = self.place_of_switch(place.size * root, end);
+                        if to_switch.is_some() {
+                            self.tries = TRIES_FOR_FIRST;
+                            self.inner.core.refuse();
+                            is_retried = true;
+                            continue;
+                        }
+                    }
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
+                        && meeting.is_none()
                         && let Some(longer) =
                             self.control
                                 .first_is_timid(h, &estimate, self.longest_first)
@@ -113,6 +143,13 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     match self.control.judge(h, &estimate, contraction) {
                         Judgement::Accept => {
                             self.accept(place, outcome);
+                            if ends_on_one || (was_aimed && meeting.is_some()) {
+                                self.keep_size(h, proposed);
+                                self.count_crossings(ends_on_one);
+                            }
+                            if let Some(crossings) = &mut self.crossings {
+                                crossings.accept(ends_on_one);
+                            }
                             return Ok(self.inner.view());
                         }
                         Judgement::Refuse(shorter) => {
@@ -121,6 +158,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                             self.count(|steps| &mut steps.rejected);
                             cause = None;
                             (size, is_retried) = (shorter, true);
+                            proposed = shorter;
+                            self.stop_aiming();
                         }
                     }
                 }
@@ -132,21 +171,81 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     self.tries = TRIES_FOR_FIRST;
                     self.count(|steps| &mut steps.failed);
                     size = self.control.shorter(h);
+                    proposed = size;
                     cause = Some(error);
+                    self.stop_aiming();
                 }
             }
         }
     }
 
-    /// The estimate of the step of size `h` just made.
-    fn estimate(&mut self, h: T) -> Estimate {
+    /// Whether the step just made was to end on a switch, and where it meets one.
+    fn look(&mut self) -> (bool, Option<Meeting<T>>) {
         let Stepper { core, y, next, .. } = &mut self.inner;
-        let [start, end] = &mut self.slopes;
+        match &mut self.crossings {
+            None => (false, None),
+            Some(crossings) => (crossings.is_aimed(), crossings.look(core, y, next)),
+        }
+    }
+
+    /// Whether a step is to end on a switch that it meets at `root`: not if what it has seen of the other
+    /// side is below the tolerance.
+    fn is_to_be_met(&self, root: T, estimate: &Estimate) -> bool {
+        root > T::int(1) || !(estimate.tail <= self.tolerance.to_f64())
+    }
+
+    /// A step of `size`, that ends on a switch, if time resolves it; not beyond `end`.
+    fn place_of_switch(&self, size: T, end: Option<T>) -> Option<Place<T>> {
+        let left = end.map(|end| {
+            self.inner
+                .direction
+                .signed((end - self.time()) - self.time_low)
+        });
+        if let Some(left) = left.filter(|&left| size >= left) {
+            return Some(self.place(left.to_f64(), end));
+        }
+        let resolved = T::int(RESOLVED) * T::EPSILON * self.time().abs();
+        (size > resolved).then(|| self.step_to(size, true))
+    }
+
+    fn stop_aiming(&mut self) {
+        self.crossings.iter_mut().for_each(Crossings::stop_aiming);
+    }
+
+    /// That a step of size `h` has ended on a switch says nothing against the size `proposed`.
+    fn keep_size(&mut self, h: f64, proposed: f64) {
+        let next = &mut self.control.memory.next;
+        if *next >= h {
+            *next = proposed.max(h);
+        }
+    }
+
+    /// The estimate of the step of size `h` just made.
+    fn estimate(&mut self, h: T, ends_on_switch: bool) -> Estimate {
+        let Stepper { core, y, next, .. } = &mut self.inner;
+        let crossings = self.crossings.as_mut();
+        let begins_on_switch = crossings.as_ref().is_some_and(|c| c.begins_on_one());
+        let on_switch = [begins_on_switch, ends_on_switch];
         let (energy, counts) = core.energy_and_counts();
         counts.gradients += 1;
-        energy.gradient(&next.hi, end);
+        if !ends_on_switch {
+            energy.gradient(&next.hi, &mut self.slopes[1]);
+        }
+        if let Some(crossings) = crossings {
+            counts.gradients += u64::from(begins_on_switch);
+            let inset = self.decay.inset();
+            let places = [inset, T::int(1) - inset];
+            for ((place, is_on), slope) in places.into_iter().zip(on_switch).zip(&mut self.slopes) {
+                if is_on {
+                    energy.gradient(crossings.path.state_at(place), slope);
+                }
+            }
+        }
+        let [start, end] = &self.slopes;
+        let ends = [(start, begins_on_switch), (end, ends_on_switch)];
+        let ends = ends.map(|(slope, is_inset)| End { slope, is_inset });
         let l = core.derivatives_by_component();
-        self.decay.estimate((y, h), l, [start, end])
+        self.decay.estimate((y, h), l, ends)
     }
 
     /// ∇H where the next step begins.
@@ -158,6 +257,14 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     fn count(&mut self, which: impl Fn(&mut VariableSteps<T>) -> &mut u64) {
         if let Some(steps) = &mut self.inner.variable {
             *which(steps) += 1;
+        }
+    }
+
+    /// Counts the switches on which the step ends, or one that it ends so close to that it is of no account.
+    fn count_crossings(&mut self, ends_on_one: bool) {
+        let crossings = self.crossings.as_ref().filter(|_| ends_on_one);
+        if let Some(steps) = &mut self.inner.variable {
+            steps.switches_crossed += crossings.map_or(1, Crossings::met);
         }
     }
 
@@ -226,6 +333,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     ) -> Result<(), IntegrateError<T>> {
         self.inner.start_at(start, t0, towards)?;
         self.take_slope();
+        self.crossings.iter_mut().for_each(Crossings::begin);
         (self.time_low, self.end) = (T::int(0), None);
         let [first, longest] = match self.first_step {
             Some(h) => [h.to_f64(); 2],
@@ -254,6 +362,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
         self.inner.set_state(q, p)?;
         self.take_slope();
+        self.crossings.iter_mut().for_each(Crossings::begin);
         Ok(())
     }
 

@@ -6,6 +6,7 @@ use crate::control::controller::{Control, Memory};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
+use crate::events::crossings::Crossings;
 use crate::options::adaptive::Tolerance;
 use crate::options::common::Words;
 use crate::options::integrator::Integrator;
@@ -29,7 +30,9 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
         let tolerance = sizes.tolerance.to_f64();
         let absolute = sizes.absolute_errors(inner.m, n / 2)?;
+        let (switches, nodes) = (system.switches(), inner.core.gauss().nodes());
         Ok(AdaptiveStepper {
+            crossings: Crossings::new(&switches, nodes, n, sizes.tolerance),
             control: Control::new(tolerance, integrator.method.stages, most),
             decay: Decay::new(inner.core.gauss(), (n, inner.m), sizes.tolerance, absolute),
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
@@ -93,8 +96,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let Memory { next } = self.control.memory;
+        let sides = self.crossings.as_ref().map_or(&[][..], Crossings::sides);
         self.inner
-            .variable_checkpoint(self.time_low, Exact::of(next), self.tries)
+            .variable_checkpoint(self.time_low, (Exact::of(next), self.tries), sides)
     }
 }
 
@@ -128,7 +132,15 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
         };
         self.tries = memory.tries;
         self.inner.variable = Some(memory.variable_steps(self.tolerance)?);
-        Ok(())
+        let fits = match &mut self.crossings {
+            Some(crossings) => crossings.set_sides(&memory.sides),
+            None => memory.sides.is_empty(),
+        };
+        if fits {
+            Ok(())
+        } else {
+            Err(IntegrateError::CheckpointDamaged { what })
+        }
     }
 
     fn save(&mut self) -> Checkpoint {

@@ -108,12 +108,13 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     pub(super) fn variable_checkpoint(
         &mut self,
         time_low: T,
-        next: Exact,
-        tries: u32,
+        size: (Exact, u32),
+        sides: &[Option<i8>],
     ) -> Checkpoint {
         let mut checkpoint = self.checkpoint();
         checkpoint.time_low = Exact::of(time_low);
-        checkpoint.control = (self.variable.as_ref()).map(|of| ControlMemory::of(of, next, tries));
+        let steps = self.variable.as_ref();
+        checkpoint.control = steps.map(|steps| ControlMemory::of(steps, size, sides));
         checkpoint.seal();
         checkpoint
     }

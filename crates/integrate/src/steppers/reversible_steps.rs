@@ -140,6 +140,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let next = Exact::of(self.density);
-        self.inner.variable_checkpoint(self.time_low, next, 0)
+        self.inner
+            .variable_checkpoint(self.time_low, (next, 0), &[])
     }
 }

@@ -1,0 +1,208 @@
+//! [`Crossings`]: where the switches of H are crossed, and which of them a step begins or ends on.
+//!
+//! Within one sign of all switches H is smooth, and a step has its full order. A step over a switch is made
+//! anew so that it ends on it: its size times the place of the root on its polynomial, and again from the
+//! polynomial of that step, which has seen one side only, until the size stays. Close to the root the end
+//! point is a smooth function of the size on both sides of the switch, as all stages are before it.
+//!
+//! *Which side a step begins on* that begins on a switch, where g is rounding: the one it goes to. Where H is
+//! continuous, H = H₁ on one side and H₁ + gK on the other, and ġ = {g, H} is the same on both: {g, gK} =
+//! g{g, K} = 0 where g = 0. So whatever meets a switch with ġ ≠ 0 crosses it, and nothing slides along it.
+//! Where ġ is rounding too, it is the side of the first stage.
+
+use crate::events::path::Path;
+use equip_autodiff::{Evaluate, Switches};
+use equip_scalar::Float;
+use equip_solver::{Core, State};
+
+/// Tries of one step that are searched for crossings; then it is made as if H were smooth.
+const MOST_LOOKS: u32 = 12;
+
+/// Where a step as made meets the first switch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Meeting<T> {
+    /// There, in units of the step: within it, or a little beyond its end if it was to end there.
+    At(T),
+    /// Its end is on a switch.
+    End,
+}
+
+/// The switches along the steps of a run.
+#[derive(Debug)]
+pub(crate) struct Crossings<T: Float> {
+    pub(crate) path: Path<T>,
+    /// Of every switch: whether the step begins on it, and with which sign it goes on, zero if unknown.
+    sides: Vec<Option<i8>>,
+    /// Switches on which the step ends, and the signs they take on.
+    met: Vec<(usize, i8)>,
+    /// The switch on which the step is to end.
+    aim: Option<usize>,
+    /// How far its end was from that.
+    miss: T,
+    looks: u32,
+    /// A place so close to the end of a step is the end.
+    close: T,
+}
+
+impl<T: Float> Crossings<T> {
+    /// Of steps with these nodes of states with n components. None of an H without switches.
+    pub(crate) fn new(switches: &Switches, nodes: &[T], n: usize, tolerance: T) -> Option<Self> {
+        let count = switches.len();
+        (count > 0).then(|| Crossings {
+            path: Path::new(switches, nodes, n),
+            sides: vec![None; count],
+            met: Vec::with_capacity(count),
+            aim: None,
+            miss: T::int(0),
+            looks: 0,
+            close: (tolerance / T::int(1000)).max(T::int(8) * T::EPSILON),
+        })
+    }
+
+    /// The run begins, or goes on, at a state that may be anywhere.
+    pub(crate) fn begin(&mut self) {
+        self.sides.fill(None);
+        self.begin_step();
+    }
+
+    /// The run turns back in time.
+    pub(crate) fn turn_back(&mut self) {
+        for side in self.sides.iter_mut().flatten() {
+            *side = -*side;
+        }
+    }
+
+    pub(crate) fn begin_step(&mut self) {
+        self.looks = 0;
+        self.stop_aiming();
+    }
+
+    /// The next try is not one that is to end on a switch.
+    pub(crate) fn stop_aiming(&mut self) {
+        self.aim = None;
+    }
+
+    /// Whether the last try was to end on a switch.
+    pub(crate) fn is_aimed(&self) -> bool {
+        self.aim.is_some()
+    }
+
+    /// How many switches the step last looked at ends on, if it ends on one.
+    pub(crate) fn met(&self) -> u64 {
+        self.met.len() as u64
+    }
+
+    /// Whether the step begins on a switch.
+    pub(crate) fn begins_on_one(&self) -> bool {
+        self.sides.iter().any(Option::is_some)
+    }
+
+    /// The step last looked at is made, with its end on the switches met there or not.
+    pub(crate) fn accept(&mut self, ends_on_one: bool) {
+        self.sides.fill(None);
+        if ends_on_one {
+            for &(j, side) in &self.met {
+                self.sides[j] = Some(side);
+            }
+        }
+    }
+
+    /// The sides on which the next step begins, for a checkpoint.
+    pub(crate) fn sides(&self) -> &[Option<i8>] {
+        &self.sides
+    }
+
+    /// The same, from a checkpoint; whether there are as many.
+    pub(crate) fn set_sides(&mut self, sides: &[Option<i8>]) -> bool {
+        let fits = sides.len() == self.sides.len();
+        if fits {
+            self.sides.copy_from_slice(sides);
+        }
+        fits
+    }
+
+    /// Where the step just made from `y` to `end` meets the first switch; the next try is to end there.
+    pub(crate) fn look<E: Evaluate<T>>(
+        &mut self,
+        core: &mut Core<T, E>,
+        y: &State<T>,
+        end: &State<T>,
+    ) -> Option<Meeting<T>> {
+        self.looks += 1;
+        let aim = self.aim.take();
+        if self.begins_on_one() {
+            self.path.take_polynomial(core, y);
+        }
+        if self.looks > MOST_LOOKS {
+            return None;
+        }
+        self.path.follow(core, y, end);
+        let may_meet = |j: usize| self.path.may_meet(j, self.begins(j));
+        if aim.is_none() && !(0..self.path.len()).any(may_meet) {
+            return None;
+        }
+        self.path.take_polynomial(core, y);
+        let (j, root) = self.first(aim)?;
+        let miss = (root - T::int(1)).abs();
+        let rests = aim == Some(j) && T::int(4) * miss >= self.miss;
+        if miss <= self.close || (rests && miss * miss <= T::EPSILON) {
+            self.meet(j, root);
+            return Some(Meeting::End);
+        }
+        (self.aim, self.miss) = (Some(j), miss);
+        Some(Meeting::At(root))
+    }
+
+    /// The sign with which switch j begins.
+    fn begins(&self, j: usize) -> i8 {
+        self.sides[j].unwrap_or_else(|| self.path.side_at_start(j))
+    }
+
+    /// The switch that is met first, and where.
+    fn first(&mut self, aim: Option<usize>) -> Option<(usize, T)> {
+        let mut first: Option<(usize, T)> = None;
+        for j in 0..self.path.len() {
+            let mut root = self.first_root(j);
+            if root.is_none() && aim == Some(j) {
+                root = self.path.root_beyond(j);
+            }
+            if let Some(root) = root
+                && first.is_none_or(|(_, before)| root < before)
+            {
+                first = Some((j, root));
+            }
+        }
+        first
+    }
+
+    fn first_root(&mut self, j: usize) -> Option<T> {
+        let starts_on_it = self.sides[j].is_some();
+        if !self.path.may_meet(j, self.begins(j)) {
+            return None;
+        }
+        let begins = self.begins(j);
+        let root = self.path.first_root(j, begins, starts_on_it)?;
+        if root > self.close || starts_on_it {
+            return Some(root);
+        }
+        // The step begins on the switch, if not exactly.
+        self.sides[j] = Some(-begins);
+        self.path.first_root(j, -begins, true)
+    }
+
+    /// The step ends on switch j, whose root is there, and on what else has one there.
+    fn meet(&mut self, j: usize, root: T) {
+        self.met.clear();
+        for other in 0..self.path.len() {
+            let is_met = other == j
+                || self.path.side_at_end(other) == 0
+                || self
+                    .first_root(other)
+                    .is_some_and(|place| (place - root).abs() <= self.close);
+            if is_met {
+                let side = self.path.side_after(other, root);
+                self.met.push((other, side));
+            }
+        }
+    }
+}
