@@ -80,7 +80,11 @@ fn between_springs(v: f64, time: f64) -> [f64; 2] {
     let half = PI + free;
     let since = time + 1.0 / v;
     let t = since % half;
-    let side = if (since / half).floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
+    let side = if (since / half).floor() % 2.0 == 0.0 {
+        1.0
+    } else {
+        -1.0
+    };
     let (q, p) = if t < free {
         (v * t - 1.0, v)
     } else {
@@ -217,7 +221,12 @@ fn kinks_are_passed_in_double_double() {
     // From (1/2, 0) the ball passes 0 after 1, 3, 5, … with the speed of 1.
     let time = DoubleDouble::ratio(81, 2);
     let start = [one / DoubleDouble::int(2)];
-    let run = options.integrate(&energy, &start, &[DoubleDouble::int(0)], DoubleDouble::int(0)..=time);
+    let run = options.integrate(
+        &energy,
+        &start,
+        &[DoubleDouble::int(0)],
+        DoubleDouble::int(0)..=time,
+    );
     let run = run.unwrap();
     let found = end(&run);
     let right = [(3, 8), (-1, 2)].map(|(n, d)| DoubleDouble::ratio(n, d));
@@ -285,7 +294,9 @@ fn grazing(depth: f64) -> (f64, u64, u64) {
     })
     .unwrap();
     let options = Equip::stages(6).tolerance(1e-10);
-    let run = options.integrate(&energy, &[-1.0], &[0.0], 0.0..=5.0).unwrap();
+    let run = options
+        .integrate(&energy, &[-1.0], &[0.0], 0.0..=5.0)
+        .unwrap();
     // From −1 to d = 1 − depth, round −1 with the radius r, and back from d.
     let d = 1.0 - depth;
     let speed = (depth * (2.0 - depth)).sqrt();
@@ -293,7 +304,11 @@ fn grazing(depth: f64) -> (f64, u64, u64) {
     let phase = speed.atan2(d) + (5.0 - arrival - within);
     let right = [phase.cos(), -phase.sin()];
     let counts = run.certificate().counts;
-    (apart(&end(&run), &right), variable(&run).switches_crossed, counts.steps)
+    (
+        apart(&end(&run), &right),
+        variable(&run).switches_crossed,
+        counts.steps,
+    )
 }
 
 /// Grazing costs three steps more, and is not missed if it is deeper than 1e-12 of the amplitude.
@@ -318,10 +333,13 @@ fn grazing_is_found_and_cheap() {
 /// A force |t − 1| − 2, by a switch of time: polynomials.
 #[test]
 fn switches_of_time_are_passed() {
-    let energy = Hamiltonian::with_time(1, |t, q, p| 0.5 * p[0] * p[0] - q[0] * ((t - 1).abs() - 2));
+    let energy =
+        Hamiltonian::with_time(1, |t, q, p| 0.5 * p[0] * p[0] - q[0] * ((t - 1).abs() - 2));
     let energy = energy.unwrap();
     let options = Equip::stages(4).tolerance(1e-11);
-    let run = options.integrate(&energy, &[0.0], &[0.0], 0.0..=4.0).unwrap();
+    let run = options
+        .integrate(&energy, &[0.0], &[0.0], 0.0..=4.0)
+        .unwrap();
     // p = −t − t²/2 up to 1; with x = t − 1 afterwards p = −3/2 + x²/2 − 2x.
     let q = -0.5 - 1.0 / 6.0 - 1.5 * 3.0 + 27.0 / 6.0 - 9.0;
     assert!(apart(&end(&run), &[q, -1.5 + 4.5 - 6.0]) < 1e-9);

@@ -16,9 +16,7 @@ fn linear(rng: &mut Seeded, x: &[Var]) -> Var {
 
 /// Twelve random values between −4 and 4.
 fn table(rng: &mut Seeded) -> Table {
-    let x: Vec<f64> = (0..12)
-        .map(|i| -4.0 + 8.0 / 11.0 * f64::from(i))
-        .collect();
+    let x: Vec<f64> = (0..12).map(|i| -4.0 + 8.0 / 11.0 * f64::from(i)).collect();
     let y: Vec<f64> = x.iter().map(|_| rng.between(-0.5, 0.5)).collect();
     Table::natural(&x, &y).unwrap()
 }
@@ -50,7 +48,10 @@ fn draw(rng: &mut Seeded) -> (Hamiltonian, Vec<f64>) {
     let m = 1 + rng.below(3);
     let energy = Hamiltonian::new(m, |q, p| {
         let mut h: Var = p.iter().map(|&p| 0.5 * p * p).sum();
-        h += q.iter().map(|&q| rng.between(0.2, 1.0) * q * q).sum::<Var>();
+        h += q
+            .iter()
+            .map(|&q| rng.between(0.2, 1.0) * q * q)
+            .sum::<Var>();
         for _ in 0..1 + rng.below(4) {
             h += rng.between(-1.0, 1.0) * term(rng, q, p);
         }

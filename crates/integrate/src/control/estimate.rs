@@ -186,14 +186,17 @@ impl<T: Float> Decay<T> {
         } else {
             T::int(1) / unit
         };
-        let inverse = self.inverse_units[c];
-        if inverse == T::int(0) {
-            return (0.0, 0.0);
+        let beyond = self.beyond(row, ends, is_inset);
+        if self.inverse_units[c] == T::int(0) {
+            let tail = beyond[0].abs().max(beyond[1].abs());
+            let tail = if tail > T::int(0) { tail / unit } else { tail };
+            return (0.0, tail.to_f64());
         }
+        let inverse = self.inverse_units[c];
         // θ = |γ|/a_0.
         let theta = |x: T| (x * inverse).to_f64().abs();
         let root = |x: f64, n: usize| x.powf(1.0 / n as f64);
-        let beyond = self.beyond(row, ends, is_inset).map(theta);
+        let beyond = beyond.map(theta);
         let last = theta(row[s - 1]);
         let from = |degree: usize, unit: f64| {
             let decays = [(s - 1, last), (s, beyond[0])].map(|(k, theta)| match k {

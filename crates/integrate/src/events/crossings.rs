@@ -130,9 +130,6 @@ impl<T: Float> Crossings<T> {
     ) -> Option<Meeting<T>> {
         self.looks += 1;
         let aim = self.aim.take();
-        if self.begins_on_one() {
-            self.path.take_polynomial(core, y);
-        }
         if self.looks > MOST_LOOKS {
             return None;
         }

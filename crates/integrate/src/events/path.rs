@@ -179,8 +179,7 @@ impl<T: Float> Path<T> {
 
     /// A root of switch j beside place i, where |g| is least of three and g has the sign `wanted`.
     fn within_dip(&mut self, j: usize, i: usize, wanted: i8) -> Option<T> {
-        let [mut a, mut b, mut c] =
-            [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
+        let [mut a, mut b, mut c] = [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
         for _ in 0..PARABOLAS {
             let (x, lowest) = vertex(a, b, c)?;
             if side(lowest) == wanted && T::int(2) * lowest.abs() > b.1.abs() {

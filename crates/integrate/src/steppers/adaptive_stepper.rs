@@ -61,6 +61,25 @@ struct Place<T> {
     cut: bool,
 }
 
+/// What has become of a step.
+enum Made<T> {
+    Step(Outcome, Estimate, EndIs),
+    /// Only its stages were found: it is over a switch, and to be made up to it.
+    OverSwitch(Place<T>),
+}
+
+/// Where a step ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum EndIs {
+    /// There was no switch on its way.
+    Smooth,
+    OnSwitch,
+    /// So little beyond the switch on which it was to end that the tolerance allows it.
+    CloseToSwitch,
+    /// Beyond one that the tolerance allows it to pass over.
+    BeyondSwitch,
+}
+
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// Makes the next step, of the size that control proposes, the way the run goes: forward in time, unless
     /// it was [turned back](Self::turn_back).
@@ -109,26 +128,16 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 }));
             }
             let h = place.size.to_f64();
-            match self.inner.attempt(self.inner.direction.signed(place.size)) {
-                Ok(outcome) => {
-                    let (was_aimed, meeting) = self.look();
-                    let ends_on_one = meeting == Some(Meeting::End);
-                    let h_signed = self.inner.direction.signed(place.size);
-                    let estimate = self.estimate(h_signed, ends_on_one);
-                    if let Some(Meeting::At(root)) = meeting
-                        && self.is_to_be_met(root, &estimate)
-                    {
-                        to_switch = self.place_of_switch(place.size * root, end);
-                        if to_switch.is_some() {
-                            self.tries = TRIES_FOR_FIRST;
-                            self.inner.core.refuse();
-                            is_retried = true;
-                            continue;
-                        }
-                    }
+            match self.make(place, end) {
+                Ok(Made::OverSwitch(shorter)) => {
+                    self.tries = TRIES_FOR_FIRST;
+                    self.inner.core.refuse();
+                    (to_switch, is_retried) = (Some(shorter), true);
+                }
+                Ok(Made::Step(outcome, estimate, end_is)) => {
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
-                        && meeting.is_none()
+                        && end_is == EndIs::Smooth
                         && let Some(longer) =
                             self.control
                                 .first_is_timid(h, &estimate, self.longest_first)
@@ -143,13 +152,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     match self.control.judge(h, &estimate, contraction) {
                         Judgement::Accept => {
                             self.accept(place, outcome);
-                            if ends_on_one || (was_aimed && meeting.is_some()) {
-                                self.keep_size(h, proposed);
-                                self.count_crossings(ends_on_one);
-                            }
-                            if let Some(crossings) = &mut self.crossings {
-                                crossings.accept(ends_on_one);
-                            }
+                            self.accept_crossing(end_is, (h, proposed));
                             return Ok(self.inner.view());
                         }
                         Judgement::Refuse(shorter) => {
@@ -179,19 +182,43 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         }
     }
 
-    /// Whether the step just made was to end on a switch, and where it meets one.
-    fn look(&mut self) -> (bool, Option<Meeting<T>>) {
+    /// Makes a step with its estimate, or only its stages if it is to end on a switch before.
+    fn make(&mut self, place: Place<T>, end: Option<T>) -> Result<Made<T>, IntegrateError<T>> {
+        let h = self.inner.direction.signed(place.size);
+        let outcome = self.inner.attempt(h)?;
         let Stepper { core, y, next, .. } = &mut self.inner;
-        match &mut self.crossings {
-            None => (false, None),
-            Some(crossings) => (crossings.is_aimed(), crossings.look(core, y, next)),
+        let Some(crossings) = &mut self.crossings else {
+            return Ok(Made::Step(outcome, self.estimate(h, false), EndIs::Smooth));
+        };
+        let was_aimed = crossings.is_aimed();
+        // A switch beyond the end of the run is none.
+        let is_last = end == Some(place.time);
+        let is_on_the_way = |meeting: &Meeting<T>| match meeting {
+            Meeting::At(root) => *root <= T::int(1) || !is_last,
+            Meeting::End => true,
+        };
+        let meeting = crossings.look(core, y, next).filter(is_on_the_way);
+        if let Some(Meeting::At(root)) = meeting
+            && self.is_to_be_met(root, h)
+            && let Some(shorter) = self.place_of_switch(place.size * root, end)
+        {
+            return Ok(Made::OverSwitch(shorter));
         }
+        let end_is = match meeting {
+            None => EndIs::Smooth,
+            Some(Meeting::End) => EndIs::OnSwitch,
+            Some(Meeting::At(_)) if was_aimed => EndIs::CloseToSwitch,
+            Some(Meeting::At(_)) => EndIs::BeyondSwitch,
+        };
+        let outcome = self.inner.complete(h)?;
+        let estimate = self.estimate(h, end_is == EndIs::OnSwitch);
+        Ok(Made::Step(outcome, estimate, end_is))
     }
 
     /// Whether a step is to end on a switch that it meets at `root`: not if what it has seen of the other
     /// side is below the tolerance.
-    fn is_to_be_met(&self, root: T, estimate: &Estimate) -> bool {
-        root > T::int(1) || !(estimate.tail <= self.tolerance.to_f64())
+    fn is_to_be_met(&mut self, root: T, h: T) -> bool {
+        root > T::int(1) || !(self.estimate(h, false).tail <= self.tolerance.to_f64())
     }
 
     /// A step of `size`, that ends on a switch, if time resolves it; not beyond `end`.
@@ -212,11 +239,22 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         self.crossings.iter_mut().for_each(Crossings::stop_aiming);
     }
 
-    /// That a step of size `h` has ended on a switch says nothing against the size `proposed`.
-    fn keep_size(&mut self, h: f64, proposed: f64) {
-        let next = &mut self.control.memory.next;
-        if *next >= h {
-            *next = proposed.max(h);
+    /// A step of size `h` is accepted. That it was cut at a switch says nothing against the size `proposed`.
+    fn accept_crossing(&mut self, end_is: EndIs, (h, proposed): (f64, f64)) {
+        let is_on_switch = end_is == EndIs::OnSwitch;
+        if is_on_switch || end_is == EndIs::CloseToSwitch {
+            let next = &mut self.control.memory.next;
+            if *next >= h {
+                *next = proposed.max(h);
+            }
+            let crossings = self.crossings.as_ref().filter(|_| is_on_switch);
+            let crossed = crossings.map_or(1, Crossings::met);
+            if let Some(steps) = &mut self.inner.variable {
+                steps.switches_crossed += crossed;
+            }
+        }
+        if let Some(crossings) = &mut self.crossings {
+            crossings.accept(is_on_switch);
         }
     }
 
@@ -226,18 +264,19 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let crossings = self.crossings.as_mut();
         let begins_on_switch = crossings.as_ref().is_some_and(|c| c.begins_on_one());
         let on_switch = [begins_on_switch, ends_on_switch];
-        let (energy, counts) = core.energy_and_counts();
-        counts.gradients += 1;
+        core.counts_mut().gradients += 1;
         if !ends_on_switch {
-            energy.gradient(&next.hi, &mut self.slopes[1]);
+            core.energy_mut().gradient(&next.hi, &mut self.slopes[1]);
         }
-        if let Some(crossings) = crossings {
-            counts.gradients += u64::from(begins_on_switch);
+        if let Some(crossings) = crossings.filter(|_| begins_on_switch || ends_on_switch) {
+            crossings.path.take_polynomial(core, y);
+            core.counts_mut().gradients += u64::from(begins_on_switch);
             let inset = self.decay.inset();
             let places = [inset, T::int(1) - inset];
             for ((place, is_on), slope) in places.into_iter().zip(on_switch).zip(&mut self.slopes) {
                 if is_on {
-                    energy.gradient(crossings.path.state_at(place), slope);
+                    core.energy_mut()
+                        .gradient(crossings.path.state_at(place), slope);
                 }
             }
         }
@@ -257,14 +296,6 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     fn count(&mut self, which: impl Fn(&mut VariableSteps<T>) -> &mut u64) {
         if let Some(steps) = &mut self.inner.variable {
             *which(steps) += 1;
-        }
-    }
-
-    /// Counts the switches on which the step ends, or one that it ends so close to that it is of no account.
-    fn count_crossings(&mut self, ends_on_one: bool) {
-        let crossings = self.crossings.as_ref().filter(|_| ends_on_one);
-        if let Some(steps) = &mut self.inner.variable {
-            steps.switches_crossed += crossings.map_or(1, Crossings::met);
         }
     }
 

@@ -26,13 +26,17 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
     ) -> Result<AdaptiveStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
         let sizes = &integrator.sizes;
         sizes.validate(integrator.method.stages)?;
-        let inner = Stepper::prepare(integrator, system, None, integrator.words())?;
+        let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
         let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
         let tolerance = sizes.tolerance.to_f64();
         let absolute = sizes.absolute_errors(inner.m, n / 2)?;
-        let (switches, nodes) = (system.switches(), inner.core.gauss().nodes());
+        let nodes = inner.core.gauss().nodes();
+        let crossings = Crossings::new(&system.switches(), nodes, n, sizes.tolerance);
+        if crossings.is_some() {
+            inner.core.defer_alphas();
+        }
         Ok(AdaptiveStepper {
-            crossings: Crossings::new(&switches, nodes, n, sizes.tolerance),
+            crossings,
             control: Control::new(tolerance, integrator.method.stages, most),
             decay: Decay::new(inner.core.gauss(), (n, inner.m), sizes.tolerance, absolute),
             slopes: [(); 2].map(|()| vec![T::int(0); n]),

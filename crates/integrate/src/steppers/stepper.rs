@@ -1,6 +1,6 @@
 //! [`Stepper`]: the run one step at a time.
 
-use crate::control::make::make_step;
+use crate::control::make::{complete_step, make_step};
 use crate::error::IntegrateError;
 use crate::options::common::Words;
 use crate::options::method::Method;
@@ -148,6 +148,11 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// Makes a step of size `h` that may still be refused.
     pub(crate) fn attempt(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
         make_step(&mut self.core, (&self.y, self.time, h), &mut self.next)
+    }
+
+    /// Finds the α's of the step of size `h` made by [`attempt`](Self::attempt), where they were deferred.
+    pub(crate) fn complete(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
+        complete_step(&mut self.core, (&self.y, self.time, h), &mut self.next)
     }
 
     /// Takes the step made by [`attempt`](Self::attempt), which ends at `time`.
