@@ -54,8 +54,6 @@ pub(crate) struct Estimate {
     /// 1/z: half a step divided by the signed distance from its middle to what the motion is about to meet,
     /// or leaves behind; within ±1.
     pub(crate) nearness: f64,
-    /// The largest of |γ_s|, |γ_{s+1}| in units of the motion.
-    pub(crate) tail: f64,
 }
 
 /// An end of a step: its start, or its end.
@@ -81,7 +79,9 @@ pub(crate) struct Decay<T: Float> {
     legendre: Vec<T>,
     /// h γ_k of component c at c·stride + k.
     coefficients: Vec<T>,
-    /// 1 over the units of the components, zero for those that do not move.
+    /// Units of the components.
+    units: Vec<T>,
+    /// 1 over them, zero for those that do not move.
     inverse_units: Vec<T>,
     /// √(2k + 1) = P_k(1), and P_k(1 − η), for k < s.
     at_end: [Vec<T>; 2],
@@ -123,6 +123,7 @@ impl<T: Float> Decay<T> {
             tolerance,
             legendre,
             coefficients: zeros(n * stride),
+            units: zeros(n),
             inverse_units: zeros(n),
             at_end,
         }
@@ -144,7 +145,7 @@ impl<T: Float> Decay<T> {
         let (set, s, stride) = (self.set, self.s, self.stride);
         mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
         let half = y.hi.len() / 2;
-        let (mut decay, mut tail) = (0.0_f64, 0.0_f64);
+        let mut decay = 0.0_f64;
         let is_inset = ends.map(|end| end.is_inset);
         for (group, y) in y.hi.chunks_exact(half).enumerate() {
             let largest = y[..self.m].iter().fold(T::int(0), |a, y| a.max(y.abs()));
@@ -152,30 +153,29 @@ impl<T: Float> Decay<T> {
             let (sign, from) = if group == 0 { (h, half) } else { (-h, 0) };
             for (c, &y) in y[..self.m].iter().enumerate() {
                 let rates = ends.map(|end| sign * end.slope[from + c]);
-                let of_this = self.of_component(group * half + c, (y, largest), rates, is_inset);
-                (decay, tail) = (decay.max(of_this.0), tail.max(of_this.1));
+                let c = group * half + c;
+                decay = decay.max(self.of_component(c, (y, largest), rates, is_inset));
             }
         }
         Estimate {
             decay,
             nearness: self.nearness(),
-            tail,
         }
     }
 
-    /// ϱ of component c and its last coefficients, `y` at the start of the step, `largest` being the largest
-    /// of its group, with h f at both ends; its unit is left behind.
+    /// ϱ of component c, `y` at the start of the step, `largest` being the largest of its group, with h f at
+    /// both ends; its unit is left behind.
     fn of_component(
         &mut self,
         c: usize,
         (y, largest): (T, T),
         ends: [T; 2],
         is_inset: [bool; 2],
-    ) -> (f64, f64) {
+    ) -> f64 {
         let s = self.s;
         let row = &self.coefficients[c * self.stride..][..s];
         if !row.iter().chain(&ends).all(|x| x.is_finite()) {
-            return (f64::INFINITY, f64::INFINITY);
+            return f64::INFINITY;
         }
         let motion = row.iter().fold(T::int(0), |a, x| a.max(x.abs()));
         let least = (self.tolerance.sqrt() * y.abs()).max(T::EPSILON * largest);
@@ -186,17 +186,15 @@ impl<T: Float> Decay<T> {
         } else {
             T::int(1) / unit
         };
-        let beyond = self.beyond(row, ends, is_inset);
-        if self.inverse_units[c] == T::int(0) {
-            let tail = beyond[0].abs().max(beyond[1].abs());
-            let tail = if tail > T::int(0) { tail / unit } else { tail };
-            return (0.0, tail.to_f64());
-        }
+        self.units[c] = unit;
         let inverse = self.inverse_units[c];
+        if inverse == T::int(0) {
+            return 0.0;
+        }
         // θ = |γ|/a_0.
         let theta = |x: T| (x * inverse).to_f64().abs();
         let root = |x: f64, n: usize| x.powf(1.0 / n as f64);
-        let beyond = beyond.map(theta);
+        let beyond = self.beyond(row, ends, is_inset).map(theta);
         let last = theta(row[s - 1]);
         let from = |degree: usize, unit: f64| {
             let decays = [(s - 1, last), (s, beyond[0])].map(|(k, theta)| match k {
@@ -207,7 +205,7 @@ impl<T: Float> Decay<T> {
         };
         let second = theta(row[1].abs().max(least));
         let mut decay = from(0, 1.0).min(from(1, second));
-        let mut tail = beyond[0].max(beyond[1]);
+        let tail = beyond[0].max(beyond[1]);
         if tail > (NOISE * T::EPSILON.to_f64()).max(self.tolerance.to_f64()) {
             // Of two coefficients one may vanish: 92 of 2400 steps are refused in place of 450.
             let fewest = (s - 2).max(1);
@@ -219,9 +217,20 @@ impl<T: Float> Decay<T> {
         if let Some(absolute) = &self.absolute {
             let allowed = 1.0 + absolute[c] * inverse.to_f64();
             decay /= root(allowed, 2 * s);
-            tail /= allowed;
         }
-        (decay, tail)
+        decay
+    }
+
+    /// An error of component c of the step estimated last, in tolerances: 1 is allowed. None is of components
+    /// that are not judged.
+    pub(crate) fn in_tolerances(&self, c: usize, error: T) -> f64 {
+        let allowed = self.absolute.as_ref().map_or(0.0, |absolute| absolute[c]);
+        let is_judged = c % (self.units.len() / 2) < self.m;
+        if !is_judged || error == T::int(0) {
+            return 0.0;
+        }
+        let allowed = self.units[c].to_f64() + allowed;
+        (error / self.tolerance).to_f64().abs() / allowed
     }
 
     /// h γ_s and h γ_{s+1}, by what the polynomial with these coefficients is off at both ends of the step.

@@ -11,12 +11,14 @@
 //! Where ġ is rounding too, it is the side of the first stage.
 
 use crate::events::path::Path;
-use equip_autodiff::{Evaluate, Switches};
+use equip_autodiff::{Evaluate, SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
 
 /// Tries of one step that are searched for crossings; then it is made as if H were smooth.
 const MOST_LOOKS: u32 = 12;
+/// Halvings of one step among knots.
+const MOST_HALVINGS: u32 = 3;
 
 /// Where a step as made meets the first switch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +42,10 @@ pub(crate) struct Crossings<T: Float> {
     /// How far its end was from that.
     miss: T,
     looks: u32,
+    halvings: u32,
+    /// Whether the step before met a switch that may have hidden others: knots of a table.
+    is_among_knots: bool,
+    has_knots: bool,
     /// A place so close to the end of a step is the end.
     close: T,
 }
@@ -55,6 +61,9 @@ impl<T: Float> Crossings<T> {
             aim: None,
             miss: T::int(0),
             looks: 0,
+            halvings: 0,
+            is_among_knots: false,
+            has_knots: switches.kinds().contains(&SwitchKind::Knots),
             close: (tolerance / T::int(1000)).max(T::int(8) * T::EPSILON),
         })
     }
@@ -62,6 +71,7 @@ impl<T: Float> Crossings<T> {
     /// The run begins, or goes on, at a state that may be anywhere.
     pub(crate) fn begin(&mut self) {
         self.sides.fill(None);
+        self.is_among_knots = false;
         self.begin_step();
     }
 
@@ -73,7 +83,7 @@ impl<T: Float> Crossings<T> {
     }
 
     pub(crate) fn begin_step(&mut self) {
-        self.looks = 0;
+        (self.looks, self.halvings) = (0, 0);
         self.stop_aiming();
     }
 
@@ -97,8 +107,9 @@ impl<T: Float> Crossings<T> {
         self.sides.iter().any(Option::is_some)
     }
 
-    /// The step last looked at is made, with its end on the switches met there or not.
-    pub(crate) fn accept(&mut self, ends_on_one: bool) {
+    /// The step last looked at is made, over a switch or not, with its end on those met there or not.
+    pub(crate) fn accept(&mut self, (meets_one, ends_on_one): (bool, bool)) {
+        self.is_among_knots = meets_one && self.has_knots;
         self.sides.fill(None);
         if ends_on_one {
             for &(j, side) in &self.met {
@@ -121,6 +132,18 @@ impl<T: Float> Crossings<T> {
         fits
     }
 
+    /// Whether a step that meets no switch may be over two knots that its signs do not show.
+    pub(crate) fn is_among_knots(&self) -> bool {
+        self.is_among_knots
+    }
+
+    /// Whether a step is to be halved before it is made to end on a switch: H has tables, whose knots may lie
+    /// close together, and it has not been halved often yet.
+    pub(crate) fn halves_among_knots(&mut self) -> bool {
+        self.halvings += 1;
+        self.has_knots && self.halvings <= MOST_HALVINGS
+    }
+
     /// Where the step just made from `y` to `end` meets the first switch; the next try is to end there.
     pub(crate) fn look<E: Evaluate<T>>(
         &mut self,
@@ -131,11 +154,13 @@ impl<T: Float> Crossings<T> {
         self.looks += 1;
         let aim = self.aim.take();
         if self.looks > MOST_LOOKS {
+            self.is_among_knots = false;
             return None;
         }
         self.path.follow(core, y, end);
         let may_meet = |j: usize| self.path.may_meet(j, self.begins(j));
-        if aim.is_none() && !(0..self.path.len()).any(may_meet) {
+        let meets_none = aim.is_none() && !(0..self.path.len()).any(may_meet);
+        if meets_none && !self.is_among_knots {
             return None;
         }
         self.path.take_polynomial(core, y);

@@ -3,4 +3,5 @@
 pub(crate) mod crossings;
 pub(crate) mod path;
 pub(crate) mod roots;
+pub(crate) mod roughness;
 pub(crate) mod watch;

@@ -55,6 +55,16 @@ impl<T: Float> Path<T> {
         self.g.len()
     }
 
+    /// Number of stages.
+    pub(crate) fn stages(&self) -> usize {
+        self.places.len() - 2
+    }
+
+    /// h γ_k of component c of the polynomial.
+    pub(crate) fn coefficient(&self, k: usize, c: usize) -> T {
+        self.polynomial.coefficients[k * self.y.len() + c]
+    }
+
     /// Evaluates the switches along the step just made from `y` to `end`.
     pub(crate) fn follow<E: Evaluate<T>>(
         &mut self,

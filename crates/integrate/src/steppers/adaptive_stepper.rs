@@ -4,13 +4,14 @@
 //! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
 //!
 //! A step over a switch of H, a kink or a jump, is made anew to end there ([`crate::events::crossings`]),
-//! unless its last Legendre coefficients are below the tolerance all the same.
+//! unless what the kink makes of it is below the tolerance ([`crate::events::roughness`]).
 
 use crate::control::controller::{Control, Judgement};
 use crate::control::estimate::{Decay, End, Estimate};
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
+use crate::events::roughness::Roughness;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
@@ -25,6 +26,9 @@ pub(super) const TRIES_FOR_FIRST: u32 = 20;
 const RESOLVED: i64 = 16;
 /// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
 const STRETCH: i64 = 16;
+/// A step that meets the first knot of a table within 1/8 of its size is halved before it ends there: knots
+/// that many are passed over by steps that are not so much shorter.
+const SOON: i64 = 8;
 
 /// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance)
 /// without copies.
@@ -37,6 +41,7 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) slopes: [Vec<T>; 2],
     /// None if H is smooth as far as is known.
     pub(super) crossings: Option<Crossings<T>>,
+    pub(super) roughness: Option<Roughness<T>>,
     pub(super) first: FirstSize<T>,
     pub(super) first_step: Option<T>,
     /// The first step is not made longer than this.
@@ -64,8 +69,10 @@ struct Place<T> {
 /// What has become of a step.
 enum Made<T> {
     Step(Outcome, Estimate, EndIs),
-    /// Only its stages were found: it is over a switch, and to be made up to it.
+    /// Only its stages were found: it is over a switch, and to be made up to it, …
     OverSwitch(Place<T>),
+    /// … or half as long, where it is not known where it meets one.
+    Rough,
 }
 
 /// Where a step ends.
@@ -74,8 +81,6 @@ enum EndIs {
     /// There was no switch on its way.
     Smooth,
     OnSwitch,
-    /// So little beyond the switch on which it was to end that the tolerance allows it.
-    CloseToSwitch,
     /// Beyond one that the tolerance allows it to pass over.
     BeyondSwitch,
 }
@@ -111,6 +116,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let mut size = self.control.memory.next;
         // The size that nothing but switches speaks against.
         let mut proposed = size;
+        let mut longest = f64::INFINITY;
         let (mut cause, mut is_retried) = (None, false);
         if let Some(crossings) = &mut self.crossings {
             crossings.begin_step();
@@ -134,6 +140,13 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     self.inner.core.refuse();
                     (to_switch, is_retried) = (Some(shorter), true);
                 }
+                Ok(Made::Rough) => {
+                    self.tries = TRIES_FOR_FIRST;
+                    self.inner.core.refuse();
+                    (size, is_retried) = (self.control.shorter(h), true);
+                    longest = size;
+                    self.stop_aiming();
+                }
                 Ok(Made::Step(outcome, estimate, end_is)) => {
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
@@ -153,6 +166,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                         Judgement::Accept => {
                             self.accept(place, outcome);
                             self.accept_crossing(end_is, (h, proposed));
+                            let next = &mut self.control.memory.next;
+                            *next = next.min(longest);
                             return Ok(self.inner.view());
                         }
                         Judgement::Refuse(shorter) => {
@@ -198,27 +213,50 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             Meeting::End => true,
         };
         let meeting = crossings.look(core, y, next).filter(is_on_the_way);
-        if let Some(Meeting::At(root)) = meeting
-            && self.is_to_be_met(root, h)
-            && let Some(shorter) = self.place_of_switch(place.size * root, end)
-        {
-            return Ok(Made::OverSwitch(shorter));
-        }
+        let is_among_knots = crossings.is_among_knots();
         let end_is = match meeting {
-            None => EndIs::Smooth,
             Some(Meeting::End) => EndIs::OnSwitch,
-            Some(Meeting::At(_)) if was_aimed => EndIs::CloseToSwitch,
-            Some(Meeting::At(_)) => EndIs::BeyondSwitch,
+            Some(Meeting::At(root)) => {
+                let is_rough = was_aimed || self.is_rough(h, root);
+                let is_soon = T::int(SOON) * root < T::int(1);
+                if is_rough && is_soon && !was_aimed && self.halves_among_knots() {
+                    return Ok(Made::Rough);
+                }
+                if is_rough && let Some(shorter) = self.place_of_switch(place.size * root, end) {
+                    return Ok(Made::OverSwitch(shorter));
+                }
+                EndIs::BeyondSwitch
+            }
+            None if is_among_knots => {
+                if self.is_rough(h, T::ratio(1, 2)) && self.halves_among_knots() {
+                    return Ok(Made::Rough);
+                }
+                EndIs::BeyondSwitch
+            }
+            None => EndIs::Smooth,
         };
         let outcome = self.inner.complete(h)?;
         let estimate = self.estimate(h, end_is == EndIs::OnSwitch);
         Ok(Made::Step(outcome, estimate, end_is))
     }
 
-    /// Whether a step is to end on a switch that it meets at `root`: not if what it has seen of the other
-    /// side is below the tolerance.
-    fn is_to_be_met(&mut self, root: T, h: T) -> bool {
-        root > T::int(1) || !(self.estimate(h, false).tail <= self.tolerance.to_f64())
+    fn halves_among_knots(&mut self) -> bool {
+        let crossings = self.crossings.as_mut();
+        crossings.is_some_and(Crossings::halves_among_knots)
+    }
+
+    /// Whether kinks within the step of size `h` just made, the first of them at `root`, are more than the
+    /// tolerance allows.
+    fn is_rough(&mut self, h: T, root: T) -> bool {
+        let rho = self.estimate(h, false).decay;
+        let core = &mut self.inner.core;
+        match (&mut self.roughness, &mut self.crossings) {
+            (Some(roughness), Some(crossings)) => {
+                let (path, decay) = (&mut crossings.path, (&self.decay, rho));
+                !(roughness.of_step(core, path, (h, root), decay) <= 1.0)
+            }
+            _ => true,
+        }
     }
 
     /// A step of `size`, that ends on a switch, if time resolves it; not beyond `end`.
@@ -241,20 +279,20 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
 
     /// A step of size `h` is accepted. That it was cut at a switch says nothing against the size `proposed`.
     fn accept_crossing(&mut self, end_is: EndIs, (h, proposed): (f64, f64)) {
+        let Some(crossings) = &mut self.crossings else {
+            return;
+        };
         let is_on_switch = end_is == EndIs::OnSwitch;
-        if is_on_switch || end_is == EndIs::CloseToSwitch {
+        crossings.accept((end_is != EndIs::Smooth, is_on_switch));
+        if is_on_switch {
             let next = &mut self.control.memory.next;
             if *next >= h {
                 *next = proposed.max(h);
             }
-            let crossings = self.crossings.as_ref().filter(|_| is_on_switch);
-            let crossed = crossings.map_or(1, Crossings::met);
+            let crossed = crossings.met();
             if let Some(steps) = &mut self.inner.variable {
                 steps.switches_crossed += crossed;
             }
-        }
-        if let Some(crossings) = &mut self.crossings {
-            crossings.accept(is_on_switch);
         }
     }
 

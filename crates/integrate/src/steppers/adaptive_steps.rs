@@ -7,6 +7,7 @@ use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
+use crate::events::roughness::Roughness;
 use crate::options::adaptive::Tolerance;
 use crate::options::common::Words;
 use crate::options::integrator::Integrator;
@@ -32,11 +33,14 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         let absolute = sizes.absolute_errors(inner.m, n / 2)?;
         let nodes = inner.core.gauss().nodes();
         let crossings = Crossings::new(&system.switches(), nodes, n, sizes.tolerance);
+        let mut roughness = None;
         if crossings.is_some() {
+            roughness = Roughness::new(inner.core.gauss(), n);
             inner.core.defer_alphas();
         }
         Ok(AdaptiveStepper {
             crossings,
+            roughness,
             control: Control::new(tolerance, integrator.method.stages, most),
             decay: Decay::new(inner.core.gauss(), (n, inner.m), sizes.tolerance, absolute),
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
