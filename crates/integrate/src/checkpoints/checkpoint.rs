@@ -220,7 +220,8 @@ impl Checkpoint {
             sum.count(control.rejected);
             sum.count(control.failed);
             sum.count(control.switches_crossed);
-            for side in &control.sides {
+            sum.count(control.switches.is_among_knots.into());
+            for side in &control.switches.sides {
                 sum.count(side.map_or(0, |side| (i64::from(side) + 2).cast_unsigned()));
             }
         }

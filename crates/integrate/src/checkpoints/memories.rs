@@ -17,8 +17,18 @@ pub(crate) struct ControlMemory {
     pub(crate) rejected: u64,
     pub(crate) failed: u64,
     pub(crate) switches_crossed: u64,
-    /// Of every switch of H whether the next step begins on it, and on which side.
+    pub(crate) switches: SwitchMemory,
+}
+
+/// What is known of the switches of H where the next step begins; empty of an H that has none.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub(crate) struct SwitchMemory {
+    /// Of every one of them whether the step begins on it, and with which sign it goes on.
     pub(crate) sides: Vec<Option<i8>>,
+    /// Whether the step before met knots of a table.
+    pub(crate) is_among_knots: bool,
 }
 
 /// A deviation and what has been summed of it.
@@ -32,12 +42,12 @@ pub(crate) struct ChaosMemory {
 }
 
 impl ControlMemory {
-    /// The steps so far; what sizes the next one, and how often it may still be tried; on which sides of
-    /// switches it begins.
+    /// The steps so far; what sizes the next one, and how often it may still be tried; what is known of
+    /// switches.
     pub(crate) fn of<T: Float>(
         steps: &VariableSteps<T>,
         (next, tries): (Exact, u32),
-        sides: &[Option<i8>],
+        switches: SwitchMemory,
     ) -> Self {
         ControlMemory {
             next,
@@ -47,7 +57,7 @@ impl ControlMemory {
             rejected: steps.rejected,
             failed: steps.failed,
             switches_crossed: steps.switches_crossed,
-            sides: sides.to_vec(),
+            switches,
         }
     }
 

@@ -10,10 +10,14 @@
 //! g{g, K} = 0 where g = 0. So whatever meets a switch with ġ ≠ 0 crosses it, and nothing slides along it.
 //! Where ġ is rounding too, it is the side of the first stage.
 
+use crate::checkpoints::memories::SwitchMemory;
+use crate::control::estimate::Decay;
 use crate::events::path::Path;
+use crate::events::roughness::Roughness;
 use equip_autodiff::{Evaluate, SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
+use equip_tableau::Gauss;
 
 /// Tries of one step that are searched for crossings; then it is made as if H were smooth.
 const MOST_LOOKS: u32 = 12;
@@ -46,16 +50,26 @@ pub(crate) struct Crossings<T: Float> {
     /// Whether the step before met a switch that may have hidden others: knots of a table.
     is_among_knots: bool,
     has_knots: bool,
+    roughness: Roughness<T>,
     /// A place so close to the end of a step is the end.
     close: T,
 }
 
 impl<T: Float> Crossings<T> {
-    /// Of steps with these nodes of states with n components. None of an H without switches.
-    pub(crate) fn new(switches: &Switches, nodes: &[T], n: usize, tolerance: T) -> Option<Self> {
+    /// Of steps by this rule of states with n components. None of an H without switches.
+    pub(crate) fn new(
+        switches: &Switches,
+        gauss: &Gauss<T>,
+        n: usize,
+        tolerance: T,
+    ) -> Option<Self> {
         let count = switches.len();
-        (count > 0).then(|| Crossings {
-            path: Path::new(switches, nodes, n),
+        if count == 0 {
+            return None;
+        }
+        Some(Crossings {
+            path: Path::new(switches, gauss.nodes(), n),
+            roughness: Roughness::new(gauss, n)?,
             sides: vec![None; count],
             met: Vec::with_capacity(count),
             aim: None,
@@ -118,16 +132,20 @@ impl<T: Float> Crossings<T> {
         }
     }
 
-    /// The sides on which the next step begins, for a checkpoint.
-    pub(crate) fn sides(&self) -> &[Option<i8>] {
-        &self.sides
+    /// What is known of the next step, for a checkpoint.
+    pub(crate) fn memory(&self) -> SwitchMemory {
+        SwitchMemory {
+            sides: self.sides.clone(),
+            is_among_knots: self.is_among_knots,
+        }
     }
 
-    /// The same, from a checkpoint; whether there are as many.
-    pub(crate) fn set_sides(&mut self, sides: &[Option<i8>]) -> bool {
-        let fits = sides.len() == self.sides.len();
+    /// Takes that from a checkpoint; returns whether it is of as many switches.
+    pub(crate) fn restore(&mut self, memory: &SwitchMemory) -> bool {
+        let fits = memory.sides.len() == self.sides.len();
         if fits {
-            self.sides.copy_from_slice(sides);
+            self.sides.copy_from_slice(&memory.sides);
+            self.is_among_knots = memory.is_among_knots;
         }
         fits
     }
@@ -137,9 +155,24 @@ impl<T: Float> Crossings<T> {
         self.is_among_knots
     }
 
+    /// Whether kinks in the step of size `h` last looked at, the first of them at `root`, make more of it than
+    /// the tolerance of `decay`, coefficients decaying by ϱ.
+    pub(crate) fn is_rough<E: Evaluate<T>>(
+        &mut self,
+        core: &mut Core<T, E>,
+        (h, root): (T, T),
+        decay: (&Decay<T>, f64),
+    ) -> bool {
+        let Crossings {
+            roughness, path, ..
+        } = self;
+        // Nor if it is not a number.
+        !(roughness.of_step(core, path, (h, root), decay) <= 1.0)
+    }
+
     /// Whether a step is to be halved before it is made to end on a switch: H has tables, whose knots may lie
     /// close together, and it has not been halved often yet.
-    pub(crate) fn halves_among_knots(&mut self) -> bool {
+    pub(crate) fn may_halve(&mut self) -> bool {
         self.halvings += 1;
         self.has_knots && self.halvings <= MOST_HALVINGS
     }

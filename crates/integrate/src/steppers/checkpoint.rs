@@ -3,7 +3,7 @@
 use crate::checkpoints::checkpoint::{Checkpoint, FORMAT};
 use crate::checkpoints::checksum::of_function;
 use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::ControlMemory;
+use crate::checkpoints::memories::{ControlMemory, SwitchMemory};
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
 use crate::steppers::stepper::Stepper;
@@ -109,12 +109,12 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         &mut self,
         time_low: T,
         size: (Exact, u32),
-        sides: &[Option<i8>],
+        switches: SwitchMemory,
     ) -> Checkpoint {
         let mut checkpoint = self.checkpoint();
         checkpoint.time_low = Exact::of(time_low);
         let steps = self.variable.as_ref();
-        checkpoint.control = steps.map(|steps| ControlMemory::of(steps, size, sides));
+        checkpoint.control = steps.map(|steps| ControlMemory::of(steps, size, switches));
         checkpoint.seal();
         checkpoint
     }

@@ -3,17 +3,17 @@
 //! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same
 //! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
 //!
-//! A step over a switch of H, a kink or a jump, is made anew to end there ([`crate::events::crossings`]),
-//! unless what the kink makes of it is below the tolerance ([`crate::events::roughness`]).
+//! A step over a switch of H, a kink or a jump, is one that is refused for a shorter one that ends there
+//! ([`super::over_switches`]).
 
 use crate::control::controller::{Control, Judgement};
-use crate::control::estimate::{Decay, End, Estimate};
+use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
-use crate::events::crossings::{Crossings, Meeting};
-use crate::events::roughness::Roughness;
+use crate::events::crossings::Crossings;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
+use crate::steppers::adaptive::made::{EndIs, Made, Place};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
 use equip_autodiff::Evaluate;
@@ -26,9 +26,6 @@ pub(super) const TRIES_FOR_FIRST: u32 = 20;
 const RESOLVED: i64 = 16;
 /// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
 const STRETCH: i64 = 16;
-/// A step that meets the first knot of a table within 1/8 of its size is halved before it ends there: knots
-/// that many are passed over by steps that are not so much shorter.
-const SOON: i64 = 8;
 
 /// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance)
 /// without copies.
@@ -41,7 +38,6 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) slopes: [Vec<T>; 2],
     /// None if H is smooth as far as is known.
     pub(super) crossings: Option<Crossings<T>>,
-    pub(super) roughness: Option<Roughness<T>>,
     pub(super) first: FirstSize<T>,
     pub(super) first_step: Option<T>,
     /// The first step is not made longer than this.
@@ -55,34 +51,6 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) max_steps: u64,
     /// Tries of the first step made so far; all of them once it is made.
     pub(super) tries: u32,
-}
-
-/// A size, without a sign, and where it leads.
-#[derive(Debug, Clone, Copy)]
-struct Place<T> {
-    size: T,
-    time: T,
-    time_low: T,
-    cut: bool,
-}
-
-/// What has become of a step.
-enum Made<T> {
-    Step(Outcome, Estimate, EndIs),
-    /// Only its stages were found: it is over a switch, and to be made up to it, …
-    OverSwitch(Place<T>),
-    /// … or half as long, where it is not known where it meets one.
-    Rough,
-}
-
-/// Where a step ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum EndIs {
-    /// There was no switch on its way.
-    Smooth,
-    OnSwitch,
-    /// Beyond one that the tolerance allows it to pass over.
-    BeyondSwitch,
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
@@ -114,9 +82,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             return Err(IntegrateError::StepLimit { steps, time });
         }
         let mut size = self.control.memory.next;
-        // The size that nothing but switches speaks against.
-        let mut proposed = size;
-        let mut longest = f64::INFINITY;
+        // The size that nothing but switches speaks against, and the one that knots allow.
+        let (mut proposed, mut longest) = (size, f64::INFINITY);
         let (mut cause, mut is_retried) = (None, false);
         if let Some(crossings) = &mut self.crossings {
             crossings.begin_step();
@@ -134,13 +101,13 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 }));
             }
             let h = place.size.to_f64();
-            match self.make(place, end) {
+            match self.make_up_to_switches(place, end) {
                 Ok(Made::OverSwitch(shorter)) => {
                     self.tries = TRIES_FOR_FIRST;
                     self.inner.core.refuse();
                     (to_switch, is_retried) = (Some(shorter), true);
                 }
-                Ok(Made::Rough) => {
+                Ok(Made::OverKnots) => {
                     self.tries = TRIES_FOR_FIRST;
                     self.inner.core.refuse();
                     (size, is_retried) = (self.control.shorter(h), true);
@@ -165,7 +132,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     match self.control.judge(h, &estimate, contraction) {
                         Judgement::Accept => {
                             self.accept(place, outcome);
-                            self.accept_crossing(end_is, (h, proposed));
+                            self.accept_switches(end_is, (h, proposed));
                             let next = &mut self.control.memory.next;
                             *next = next.min(longest);
                             return Ok(self.inner.view());
@@ -197,134 +164,6 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         }
     }
 
-    /// Makes a step with its estimate, or only its stages if it is to end on a switch before.
-    fn make(&mut self, place: Place<T>, end: Option<T>) -> Result<Made<T>, IntegrateError<T>> {
-        let h = self.inner.direction.signed(place.size);
-        let outcome = self.inner.attempt(h)?;
-        let Stepper { core, y, next, .. } = &mut self.inner;
-        let Some(crossings) = &mut self.crossings else {
-            return Ok(Made::Step(outcome, self.estimate(h, false), EndIs::Smooth));
-        };
-        let was_aimed = crossings.is_aimed();
-        // A switch beyond the end of the run is none.
-        let is_last = end == Some(place.time);
-        let is_on_the_way = |meeting: &Meeting<T>| match meeting {
-            Meeting::At(root) => *root <= T::int(1) || !is_last,
-            Meeting::End => true,
-        };
-        let meeting = crossings.look(core, y, next).filter(is_on_the_way);
-        let is_among_knots = crossings.is_among_knots();
-        let end_is = match meeting {
-            Some(Meeting::End) => EndIs::OnSwitch,
-            Some(Meeting::At(root)) => {
-                let is_rough = was_aimed || self.is_rough(h, root);
-                let is_soon = T::int(SOON) * root < T::int(1);
-                if is_rough && is_soon && !was_aimed && self.halves_among_knots() {
-                    return Ok(Made::Rough);
-                }
-                if is_rough && let Some(shorter) = self.place_of_switch(place.size * root, end) {
-                    return Ok(Made::OverSwitch(shorter));
-                }
-                EndIs::BeyondSwitch
-            }
-            None if is_among_knots => {
-                if self.is_rough(h, T::ratio(1, 2)) && self.halves_among_knots() {
-                    return Ok(Made::Rough);
-                }
-                EndIs::BeyondSwitch
-            }
-            None => EndIs::Smooth,
-        };
-        let outcome = self.inner.complete(h)?;
-        let estimate = self.estimate(h, end_is == EndIs::OnSwitch);
-        Ok(Made::Step(outcome, estimate, end_is))
-    }
-
-    fn halves_among_knots(&mut self) -> bool {
-        let crossings = self.crossings.as_mut();
-        crossings.is_some_and(Crossings::halves_among_knots)
-    }
-
-    /// Whether kinks within the step of size `h` just made, the first of them at `root`, are more than the
-    /// tolerance allows.
-    fn is_rough(&mut self, h: T, root: T) -> bool {
-        let rho = self.estimate(h, false).decay;
-        let core = &mut self.inner.core;
-        match (&mut self.roughness, &mut self.crossings) {
-            (Some(roughness), Some(crossings)) => {
-                let (path, decay) = (&mut crossings.path, (&self.decay, rho));
-                !(roughness.of_step(core, path, (h, root), decay) <= 1.0)
-            }
-            _ => true,
-        }
-    }
-
-    /// A step of `size`, that ends on a switch, if time resolves it; not beyond `end`.
-    fn place_of_switch(&self, size: T, end: Option<T>) -> Option<Place<T>> {
-        let left = end.map(|end| {
-            self.inner
-                .direction
-                .signed((end - self.time()) - self.time_low)
-        });
-        if let Some(left) = left.filter(|&left| size >= left) {
-            return Some(self.place(left.to_f64(), end));
-        }
-        let resolved = T::int(RESOLVED) * T::EPSILON * self.time().abs();
-        (size > resolved).then(|| self.step_to(size, true))
-    }
-
-    fn stop_aiming(&mut self) {
-        self.crossings.iter_mut().for_each(Crossings::stop_aiming);
-    }
-
-    /// A step of size `h` is accepted. That it was cut at a switch says nothing against the size `proposed`.
-    fn accept_crossing(&mut self, end_is: EndIs, (h, proposed): (f64, f64)) {
-        let Some(crossings) = &mut self.crossings else {
-            return;
-        };
-        let is_on_switch = end_is == EndIs::OnSwitch;
-        crossings.accept((end_is != EndIs::Smooth, is_on_switch));
-        if is_on_switch {
-            let next = &mut self.control.memory.next;
-            if *next >= h {
-                *next = proposed.max(h);
-            }
-            let crossed = crossings.met();
-            if let Some(steps) = &mut self.inner.variable {
-                steps.switches_crossed += crossed;
-            }
-        }
-    }
-
-    /// The estimate of the step of size `h` just made.
-    fn estimate(&mut self, h: T, ends_on_switch: bool) -> Estimate {
-        let Stepper { core, y, next, .. } = &mut self.inner;
-        let crossings = self.crossings.as_mut();
-        let begins_on_switch = crossings.as_ref().is_some_and(|c| c.begins_on_one());
-        let on_switch = [begins_on_switch, ends_on_switch];
-        core.counts_mut().gradients += 1;
-        if !ends_on_switch {
-            core.energy_mut().gradient(&next.hi, &mut self.slopes[1]);
-        }
-        if let Some(crossings) = crossings.filter(|_| begins_on_switch || ends_on_switch) {
-            crossings.path.take_polynomial(core, y);
-            core.counts_mut().gradients += u64::from(begins_on_switch);
-            let inset = self.decay.inset();
-            let places = [inset, T::int(1) - inset];
-            for ((place, is_on), slope) in places.into_iter().zip(on_switch).zip(&mut self.slopes) {
-                if is_on {
-                    core.energy_mut()
-                        .gradient(crossings.path.state_at(place), slope);
-                }
-            }
-        }
-        let [start, end] = &self.slopes;
-        let ends = [(start, begins_on_switch), (end, ends_on_switch)];
-        let ends = ends.map(|(slope, is_inset)| End { slope, is_inset });
-        let l = core.derivatives_by_component();
-        self.decay.estimate((y, h), l, ends)
-    }
-
     /// ∇H where the next step begins.
     pub(super) fn take_slope(&mut self) {
         let Stepper { core, y, .. } = &mut self.inner;
@@ -339,7 +178,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
 
     /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a
     /// sliver.
-    fn place(&self, size: f64, end: Option<T>) -> Place<T> {
+    pub(super) fn place(&self, size: f64, end: Option<T>) -> Place<T> {
         let h = T::exact(size);
         let (now, low) = (self.time(), self.time_low);
         if let Some(end) = end {
@@ -361,7 +200,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         self.step_to(h, false)
     }
 
-    fn step_to(&self, size: T, cut: bool) -> Place<T> {
+    pub(super) fn step_to(&self, size: T, cut: bool) -> Place<T> {
         let (sum, lost) = T::two_sum(self.time(), self.inner.direction.signed(size));
         let (time, time_low) = T::two_sum(sum, lost + self.time_low);
         Place {
