@@ -48,10 +48,11 @@ fn draw(rng: &mut Seeded) -> (Hamiltonian, Vec<f64>) {
     let m = 1 + rng.below(3);
     let energy = Hamiltonian::new(m, |q, p| {
         let mut h: Var = p.iter().map(|&p| 0.5 * p * p).sum();
-        h += q
+        // Bounded from below.
+        let wells = q
             .iter()
-            .map(|&q| rng.between(0.2, 1.0) * q * q)
-            .sum::<Var>();
+            .map(|&q| rng.between(0.2, 1.0) * q * q + 0.2 * q.powi(4));
+        h += wells.sum::<Var>();
         for _ in 0..1 + rng.below(4) {
             h += rng.between(-1.0, 1.0) * term(rng, q, p);
         }

@@ -12,7 +12,7 @@
 
 use crate::checkpoints::memories::SwitchMemory;
 use crate::control::estimate::Decay;
-use crate::events::path::Path;
+use crate::events::path::{Path, Place};
 use crate::events::roughness::Roughness;
 use equip_autodiff::{Evaluate, SwitchKind, Switches};
 use equip_scalar::Float;
@@ -27,10 +27,13 @@ const MOST_HALVINGS: u32 = 3;
 /// Where a step as made meets the first switch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Meeting<T> {
-    /// There, in units of the step: within it, or a little beyond its end if it was to end there.
-    At(T),
+    /// There, in units of the step: within it, or a little beyond its end if it was to end there; and again
+    /// close behind.
+    At(T, Option<T>),
     /// Its end is on a switch.
     End,
+    /// It comes so near to one there that only the end of a step can tell.
+    Touch(T),
 }
 
 /// The switches along the steps of a run.
@@ -47,6 +50,8 @@ pub(crate) struct Crossings<T: Float> {
     miss: T,
     looks: u32,
     halvings: u32,
+    /// Whether the step was cut where it may touch a switch.
+    has_touched: bool,
     /// Whether the step before met a switch that may have hidden others: knots of a table.
     is_among_knots: bool,
     has_knots: bool,
@@ -68,7 +73,7 @@ impl<T: Float> Crossings<T> {
             return None;
         }
         Some(Crossings {
-            path: Path::new(switches, gauss.nodes(), n),
+            path: Path::new(switches, gauss.nodes(), n, tolerance),
             roughness: Roughness::new(gauss, n)?,
             sides: vec![None; count],
             met: Vec::with_capacity(count),
@@ -76,6 +81,7 @@ impl<T: Float> Crossings<T> {
             miss: T::int(0),
             looks: 0,
             halvings: 0,
+            has_touched: false,
             is_among_knots: false,
             has_knots: switches.kinds().contains(&SwitchKind::Knots),
             close: (tolerance / T::int(1000)).max(T::int(8) * T::EPSILON),
@@ -97,7 +103,7 @@ impl<T: Float> Crossings<T> {
     }
 
     pub(crate) fn begin_step(&mut self) {
-        (self.looks, self.halvings) = (0, 0);
+        (self.looks, self.halvings, self.has_touched) = (0, 0, false);
         self.stop_aiming();
     }
 
@@ -109,6 +115,11 @@ impl<T: Float> Crossings<T> {
     /// Whether the last try was to end on a switch.
     pub(crate) fn is_aimed(&self) -> bool {
         self.aim.is_some()
+    }
+
+    /// Whether the step was cut where it may touch a switch.
+    pub(crate) fn has_touched(&self) -> bool {
+        self.has_touched
     }
 
     /// How many switches the step last looked at ends on, if it ends on one.
@@ -155,19 +166,19 @@ impl<T: Float> Crossings<T> {
         self.is_among_knots
     }
 
-    /// Whether kinks in the step of size `h` last looked at, the first of them at `root`, make more of it than
-    /// the tolerance of `decay`, coefficients decaying by ϱ.
+    /// Whether kinks in the step of size `h` last looked at, the first two of them at `roots`, make more of it
+    /// than the tolerance of `decay`, coefficients decaying by ϱ.
     pub(crate) fn is_rough<E: Evaluate<T>>(
         &mut self,
         core: &mut Core<T, E>,
-        (h, root): (T, T),
+        (h, roots): (T, [T; 2]),
         decay: (&Decay<T>, f64),
     ) -> bool {
         let Crossings {
             roughness, path, ..
         } = self;
         // Nor if it is not a number.
-        !(roughness.of_step(core, path, (h, root), decay) <= 1.0)
+        !(roughness.of_step(core, path, (h, roots), decay) <= 1.0)
     }
 
     /// Whether a step is to be halved before it is made to end on a switch: H has tables, whose knots may lie
@@ -197,7 +208,11 @@ impl<T: Float> Crossings<T> {
             return None;
         }
         self.path.take_polynomial(core, y);
-        let (j, root) = self.first(aim)?;
+        let (j, place) = self.first(aim)?;
+        let Place::Root(root, next) = place else {
+            self.has_touched = true;
+            return Some(Meeting::Touch(place.place()));
+        };
         let miss = (root - T::int(1)).abs();
         let rests = aim == Some(j) && T::int(4) * miss >= self.miss;
         if miss <= self.close || (rests && miss * miss <= T::EPSILON) {
@@ -205,7 +220,7 @@ impl<T: Float> Crossings<T> {
             return Some(Meeting::End);
         }
         (self.aim, self.miss) = (Some(j), miss);
-        Some(Meeting::At(root))
+        Some(Meeting::At(root, next))
     }
 
     /// The sign with which switch j begins.
@@ -214,35 +229,43 @@ impl<T: Float> Crossings<T> {
     }
 
     /// The switch that is met first, and where.
-    fn first(&mut self, aim: Option<usize>) -> Option<(usize, T)> {
-        let mut first: Option<(usize, T)> = None;
+    fn first(&mut self, aim: Option<usize>) -> Option<(usize, Place<T>)> {
+        let mut first: Option<(usize, Place<T>)> = None;
         for j in 0..self.path.len() {
-            let mut root = self.first_root(j);
-            if root.is_none() && aim == Some(j) {
-                root = self.path.root_beyond(j);
+            let mut place = self.first_root(j);
+            if place.is_none() && aim == Some(j) {
+                place = (self.path.root_beyond(j)).map(|root| Place::Root(root, None));
             }
-            if let Some(root) = root
-                && first.is_none_or(|(_, before)| root < before)
+            if let Some(place) = place
+                && first.is_none_or(|(_, before)| place.place() < before.place())
             {
-                first = Some((j, root));
+                first = Some((j, place));
             }
         }
         first
     }
 
-    fn first_root(&mut self, j: usize) -> Option<T> {
+    fn first_root(&mut self, j: usize) -> Option<Place<T>> {
         let starts_on_it = self.sides[j].is_some();
-        if !self.path.may_meet(j, self.begins(j)) {
+        let begins = self.begins(j);
+        if !self.path.may_meet(j, begins) {
             return None;
         }
-        let begins = self.begins(j);
-        let root = self.path.first_root(j, begins, starts_on_it)?;
-        if root > self.close || starts_on_it {
-            return Some(root);
+        let mut place = self.path.first_root(j, begins, starts_on_it)?;
+        if place.place() <= self.close && !starts_on_it {
+            // The step begins on the switch, if not exactly.
+            self.sides[j] = Some(-begins);
+            place = self.path.first_root(j, -begins, true)?;
         }
-        // The step begins on the switch, if not exactly.
-        self.sides[j] = Some(-begins);
-        self.path.first_root(j, -begins, true)
+        match place {
+            // Once a step, and not for a sliver.
+            Place::Touch(at) => {
+                let margin = T::ratio(1, 64);
+                let is_inside = at > margin && at < T::int(1) - margin;
+                (is_inside && !self.has_touched).then_some(place)
+            }
+            Place::Root(..) => Some(place),
+        }
     }
 
     /// The step ends on switch j, whose root is there, and on what else has one there.
@@ -253,7 +276,7 @@ impl<T: Float> Crossings<T> {
                 || self.path.side_at_end(other) == 0
                 || self
                     .first_root(other)
-                    .is_some_and(|place| (place - root).abs() <= self.close);
+                    .is_some_and(|place| (place.place() - root).abs() <= self.close);
             if is_met {
                 let side = self.path.side_after(other, root);
                 self.met.push((other, side));

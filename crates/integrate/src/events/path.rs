@@ -10,12 +10,31 @@ use equip_autodiff::{Evaluate, SwitchEvaluator, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
 
-/// Parabolas through a dip.
-const PARABOLAS: u32 = 3;
+/// Parabolas through a dip, one after the other.
+const PARABOLAS: u32 = 6;
+/// A parabola through three places tells a sixteenth of the largest value there from zero.
+const TELLING: i64 = 16;
 /// A switch on which the step begins is left within the first stage if it is at c_1/2^k, k up to this.
 const HALVINGS: u32 = 12;
 /// Secants to a root beyond the end, which is sought up to a quarter of the step behind it.
 const SECANTS: u32 = 8;
+
+/// Where a switch has a root, or comes so near to zero that the polynomial cannot tell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Place<T> {
+    /// A root, and where there is another one close behind it that.
+    Root(T, Option<T>),
+    Touch(T),
+}
+
+impl<T: Float> Place<T> {
+    /// In units of the step.
+    pub(crate) fn place(self) -> T {
+        match self {
+            Place::Root(place, _) | Place::Touch(place) => place,
+        }
+    }
+}
 
 /// The switches along a step.
 #[derive(Debug)]
@@ -29,11 +48,13 @@ pub(crate) struct Path<T: Float> {
     stages: Vec<T>,
     y: Vec<T>,
     g: Vec<T>,
+    /// Between its stages the polynomial is off by this share of the motion.
+    vague: T,
 }
 
 impl<T: Float> Path<T> {
-    /// Of steps with these nodes of states with n components.
-    pub(crate) fn new(switches: &Switches, nodes: &[T], n: usize) -> Self {
+    /// Of steps with these nodes of states with n components, by a tolerance.
+    pub(crate) fn new(switches: &Switches, nodes: &[T], n: usize, tolerance: T) -> Self {
         let zeros = |count: usize| vec![T::int(0); count];
         let ends = [[T::int(0)], [T::int(1)]];
         Path {
@@ -47,6 +68,7 @@ impl<T: Float> Path<T> {
             stages: zeros(nodes.len() * n),
             y: zeros(n),
             g: zeros(switches.len()),
+            vague: tolerance.sqrt(),
         }
     }
 
@@ -132,14 +154,27 @@ impl<T: Float> Path<T> {
         (1..=last).any(differs) || (1..last).any(|i| self.dips(j, i))
     }
 
+    /// Whether the parabola through place i and its neighbours turns between them, beyond zero or half as far
+    /// from it as they are, or where they are so close that a parabola cannot tell.
     fn dips(&self, j: usize, i: usize) -> bool {
-        let [a, b, c] = [i - 1, i, i + 1].map(|i| self.value(j, i).abs());
-        b < a && b < c
+        let [a, b, c] = [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
+        let [x, y, z] = [a, b, c].map(|point| point.1.abs());
+        let (least, most) = (x.min(y).min(z), x.max(y).max(z));
+        vertex(a, b, c).is_some_and(|(_, lowest)| {
+            side(lowest) != side(b.1)
+                || T::int(2) * lowest.abs() < least
+                || T::int(TELLING) * least < most
+        })
     }
 
     /// The first root of switch j after the start of the step, whose sign there is `begins`, or that of the
-    /// first stage if it is zero.
-    pub(crate) fn first_root(&mut self, j: usize, begins: i8, starts_on_it: bool) -> Option<T> {
+    /// first stage if it is zero; or the first place where it may have one.
+    pub(crate) fn first_root(
+        &mut self,
+        j: usize,
+        begins: i8,
+        starts_on_it: bool,
+    ) -> Option<Place<T>> {
         let last = self.places.len() - 1;
         let mut before = begins;
         for i in 1..=last {
@@ -155,7 +190,8 @@ impl<T: Float> Path<T> {
                     Some(self.places[i - 1])
                 };
                 if let Some(from) = from {
-                    return Some(self.enclosed(j, from, self.places[i]));
+                    let root = self.enclosed(j, from, self.places[i]);
+                    return Some(Place::Root(root, None));
                 }
                 before = here;
             } else if i < last && self.dips(j, i) && !(starts_on_it && i == 1) {
@@ -187,18 +223,21 @@ impl<T: Float> Path<T> {
         enclose(&mut |place| self.value_at(j, place), ends, resolution)
     }
 
-    /// A root of switch j beside place i, where |g| is least of three and g has the sign `wanted`.
-    fn within_dip(&mut self, j: usize, i: usize, wanted: i8) -> Option<T> {
+    /// A root of switch j beside place i, where it dips towards zero and has the sign `wanted`.
+    fn within_dip(&mut self, j: usize, i: usize, wanted: i8) -> Option<Place<T>> {
         let [mut a, mut b, mut c] = [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
+        let sizes = (0..self.places.len()).map(|i| self.value(j, i).abs());
+        let vague = self.vague * sizes.fold(T::int(0), |most, size| most.max(size));
         for _ in 0..PARABOLAS {
-            let (x, lowest) = vertex(a, b, c)?;
-            if side(lowest) == wanted && T::int(2) * lowest.abs() > b.1.abs() {
-                return None;
-            }
+            let Some((x, _)) = vertex(a, b, c) else {
+                break;
+            };
             let here = (x, self.value_at(j, x));
             let (lower, upper) = if x < b.0 { (a, b) } else { (b, c) };
             if side(here.1) != wanted {
-                return Some(self.enclosed(j, lower.0, x));
+                let first = self.enclosed(j, lower.0, x);
+                let second = self.enclosed(j, x, upper.0);
+                return Some(Place::Root(first, Some(second)));
             }
             (a, b, c) = match (here.1.abs() < b.1.abs(), x < b.0) {
                 (true, _) => (lower, here, upper),
@@ -206,7 +245,7 @@ impl<T: Float> Path<T> {
                 (false, false) => (a, b, here),
             };
         }
-        None
+        (b.1.abs() <= vague).then_some(Place::Touch(b.0))
     }
 
     /// The root of switch j a little beyond the end of the step, or before it by rounding.

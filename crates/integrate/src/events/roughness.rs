@@ -4,10 +4,11 @@
 //! J∇H(u) has the coefficients γ̃_k. The end of the step is off by what of the defect J∇H(u) − u' comes to it,
 //! γ̃_0 − γ_0, and of γ̃_k − γ_k a share of about ϱ^k, if coefficients decay by ϱ. Of smooth motion that is of the
 //! order of the step's error, 2s; where a derivative of H jumps within the step it is what the rule of s nodes
-//! is off there. The γ̃_k are found by a rule on either side of the first root of a switch, of 2s nodes on the
-//! longer one, where there may be more of them, and of s on the other.
+//! is off there. The γ̃_k are found by rules on either side of the first root of a switch, and between it and
+//! another one close behind: of 2s nodes on the longest piece, where there may be more roots, and of s on the
+//! others.
 //!
-//! Cost: ∇H at 3s points.
+//! Cost: ∇H at 3s points, 4s with two roots.
 
 use crate::control::estimate::Decay;
 use crate::events::path::Path;
@@ -40,20 +41,28 @@ impl<T: Float> Roughness<T> {
         })
     }
 
-    /// The largest ϱ^k (γ̃_k − γ_k) of a step of size `h` along `path`, with a kink at `root` and ϱ = `rho`, as
+    /// The largest ϱ^k (γ̃_k − γ_k) of a step of size `h` along `path`, with kinks at `roots` and ϱ = `rho`, as
     /// `decay` measures errors.
     pub(crate) fn of_step<E: Evaluate<T>>(
         &mut self,
         core: &mut Core<T, E>,
         path: &mut Path<T>,
-        (h, root): (T, T),
+        (h, [first, second]): (T, [T; 2]),
         (decay, rho): (&Decay<T>, f64),
     ) -> f64 {
         self.coefficients.fill(T::int(0));
-        let rest = T::int(1) - root;
-        let is_late = root > rest;
-        self.add(core, path, h, (usize::from(is_late), T::int(0), root));
-        self.add(core, path, h, (usize::from(!is_late), root, rest));
+        let pieces = [
+            (T::int(0), first),
+            (first, second - first),
+            (second, T::int(1) - second),
+        ];
+        let longest = pieces.iter().fold(T::int(0), |a, piece| a.max(piece.1));
+        for (start, length) in pieces {
+            if length > T::int(0) {
+                let is_longest = length == longest;
+                self.add(core, path, h, (usize::from(is_longest), start, length));
+            }
+        }
         let compared = path.stages().min(COMPARED);
         let mut most = 0.0_f64;
         for (c, sums) in self.coefficients.chunks_exact(COMPARED).enumerate() {

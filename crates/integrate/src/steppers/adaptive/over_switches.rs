@@ -37,13 +37,13 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         // A switch beyond the end of the run is none.
         let is_last = end == Some(place.time);
         let meeting = meeting.filter(|meeting| match meeting {
-            Meeting::At(root) => *root <= T::int(1) || !is_last,
-            Meeting::End => true,
+            Meeting::At(root, _) => *root <= T::int(1) || !is_last,
+            Meeting::End | Meeting::Touch(_) => true,
         });
         let end_is = match meeting {
             Some(Meeting::End) => EndIs::OnSwitch,
-            Some(Meeting::At(root)) => {
-                let is_rough = was_aimed || self.is_rough(h, root);
+            Some(Meeting::At(root, next)) => {
+                let is_rough = was_aimed || self.is_rough(h, [root, next.unwrap_or(root)]);
                 let is_soon = T::int(SOON) * root < T::int(1);
                 if is_rough && is_soon && !was_aimed && self.may_halve() {
                     return Ok(Made::OverKnots);
@@ -53,8 +53,14 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 }
                 EndIs::BeyondSwitch
             }
+            Some(Meeting::Touch(near)) => {
+                if let Some(shorter) = self.place_of_switch(place.size * near, end) {
+                    return Ok(Made::OverSwitch(shorter));
+                }
+                EndIs::Smooth
+            }
             None if crossings.is_among_knots() => {
-                if self.is_rough(h, T::ratio(1, 2)) && self.may_halve() {
+                if self.is_rough(h, [T::ratio(1, 2); 2]) && self.may_halve() {
                     return Ok(Made::OverKnots);
                 }
                 EndIs::BeyondSwitch
@@ -66,13 +72,13 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         Ok(Made::Step(outcome, estimate, end_is))
     }
 
-    /// Whether kinks within the step of size `h` just made, the first of them at `root`, are more than the
+    /// Whether kinks within the step of size `h` just made, the first of them at `roots`, are more than the
     /// tolerance allows.
-    fn is_rough(&mut self, h: T, root: T) -> bool {
+    fn is_rough(&mut self, h: T, roots: [T; 2]) -> bool {
         let rho = self.estimate(h, false).decay;
         let (core, decay) = (&mut self.inner.core, (&self.decay, rho));
         let crossings = self.crossings.as_mut();
-        crossings.is_some_and(|crossings| crossings.is_rough(core, (h, root), decay))
+        crossings.is_some_and(|crossings| crossings.is_rough(core, (h, roots), decay))
     }
 
     /// Whether a step over knots is to be halved, once more.
@@ -103,11 +109,13 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         };
         let is_on_switch = end_is == EndIs::OnSwitch;
         crossings.accept((end_is != EndIs::Smooth, is_on_switch));
-        if is_on_switch {
+        if is_on_switch || crossings.has_touched() {
             let next = &mut self.control.memory.next;
             if *next >= h {
                 *next = proposed.max(h);
             }
+        }
+        if is_on_switch {
             if let Some(steps) = &mut self.inner.variable {
                 steps.switches_crossed += crossings.met();
             }
