@@ -196,7 +196,7 @@ fn kinked() -> Vec<Kinked> {
     ]
 }
 
-/// A hundred tolerances at every tolerance, as for smooth energies; measured 25. Gauss, whose energy drifts, may
+/// A hundred tolerances at every tolerance, as for smooth energies; measured 37. Gauss, whose energy drifts, may
 /// be off by a thousand: measured 704, on the rotating bar with four stages.
 #[test]
 fn kinks_are_passed_as_if_there_were_none() {

@@ -53,7 +53,7 @@ fn a_pendulum_of_64_intervals_by_tolerance() {
     assert!((q - 0.88436279501953).abs() < 1e-8, "tolerance 1e-9: {q}");
 }
 
-/// As long steps as the tolerance allows: those over many knots pass them over. Measured: 67 and 24 steps for
+/// As long steps as the tolerance allows: those over many knots pass them over. Measured: 64 and 43 steps for
 /// 2300 knots at 1e-6, where every knot taken for itself would take 2300.
 #[test]
 fn crowded_knots_are_passed_over() {
