@@ -7,20 +7,20 @@ use equip_autodiff::{BuildError, Hamiltonian};
 use equip_integrate::{Certificate, Equip, Gauss, Method, Run, VariableSteps};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tables::Table;
-use equip_tests::{Misses, Seeded};
+use equip_tests::Misses;
 use std::f64::consts::PI;
 
-fn end<T: Float>(run: &Run<T>) -> Vec<T> {
+pub(crate) fn end<T: Float>(run: &Run<T>) -> Vec<T> {
     let (_, q, p) = run.last();
     [q, p].concat()
 }
 
-fn apart(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn apart(a: &[f64], b: &[f64]) -> f64 {
     let pairs = a.iter().zip(b);
     pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
 }
 
-fn variable<T: Float>(run: &Run<T>) -> VariableSteps<T> {
+pub(crate) fn variable<T: Float>(run: &Run<T>) -> VariableSteps<T> {
     variable_of(run.certificate())
 }
 
@@ -64,7 +64,7 @@ impl Kinked {
 
 /// A ball on a wedge of slope `w`, from (q, p) with q > 0: the state at `time`, and how often q = 0 was
 /// passed.
-fn wedge([w, q, p]: [f64; 3], time: f64) -> ([f64; 2], u64) {
+pub(crate) fn wedge([w, q, p]: [f64; 3], time: f64) -> ([f64; 2], u64) {
     let speed = (p * p + 2.0 * w * q).sqrt();
     let (first, each) = ((p + speed) / w, 2.0 * speed / w);
     let since = time - first;
@@ -241,56 +241,6 @@ fn kinks_are_passed_in_double_double() {
     assert_eq!(variable(&run).switches_crossed, 20);
 }
 
-/// Balls on wedges of random slopes, in `m` degrees of freedom: how many switches they cross is known.
-/// Crossings less than 1e-9 apart in time may be counted as one or two.
-fn random_crossings(crossings: u64, m: usize) {
-    let (mut rng, mut misses) = (Seeded::new(5), Misses::default());
-    let mut passed = 0;
-    while passed < crossings {
-        let balls: Vec<[f64; 3]> = (0..m)
-            .map(|_| {
-                [
-                    rng.power_of_ten(-1.0, 1.0),
-                    rng.power_of_ten(-2.0, 0.5),
-                    rng.between(-1.0, 1.0),
-                ]
-            })
-            .collect();
-        let slopes: Vec<f64> = balls.iter().map(|ball| ball[0]).collect();
-        let energy = Hamiltonian::new(m, |q, p| {
-            let kinetic: equip_autodiff::Var = p.iter().map(|&p| 0.5 * p * p).sum();
-            let wedges = q.iter().zip(&slopes).map(|(q, &w)| w * q.abs());
-            kinetic + wedges.sum::<equip_autodiff::Var>()
-        })
-        .unwrap();
-        let [q, p] = [1, 2].map(|i| balls.iter().map(|ball| ball[i]).collect::<Vec<_>>());
-        let time = 40.0;
-        let options = Equip::stages(4).tolerance(1e-10);
-        let run = options.integrate(&energy, &q, &p, 0.0..=time).unwrap();
-        let (found, right) = (end(&run), balls.iter().map(|&ball| wedge(ball, time)));
-        let expected: u64 = right.clone().map(|(_, count)| count).sum();
-        let what = format!("{expected} crossings");
-        assert_eq!(variable(&run).switches_crossed, expected, "{balls:?}");
-        for (i, (state, _)) in right.enumerate() {
-            let error = apart(&[found[i], found[m + i]], &state) / 1e-10;
-            misses.most(&what, error, 1000.0);
-        }
-        passed += expected;
-    }
-    misses.end();
-}
-
-#[test]
-fn a_thousand_random_crossings_are_all_found() {
-    random_crossings(1000, 3);
-}
-
-#[test]
-#[ignore = "long: run with cargo test -p equip-tests --release --test all kinks:: -- --ignored"]
-fn a_hundred_thousand_random_crossings_are_all_found() {
-    random_crossings(100_000, 3);
-}
-
 /// A swing that reaches a wedge by `depth` only: the oscillator goes round −1 there, so the right state is
 /// known. Returns the error, the crossings, the steps.
 fn grazing(depth: f64) -> (f64, u64, u64) {
@@ -386,4 +336,20 @@ fn runs_come_back() {
         println!("{}: {back:e}", case.name);
         assert!(back < 1e-10, "{}: {back:e}", case.name);
     }
+}
+
+/// From the edge of the wedge in motion, and at rest there.
+#[test]
+fn a_run_may_begin_on_a_switch() {
+    let energy = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + q[0].abs()).unwrap();
+    let options = Equip::stages(6).tolerance(1e-12);
+    let run = |p: f64| {
+        let run = options.integrate(&energy, &[0.0], &[p], 0.0..=50.0);
+        run.unwrap()
+    };
+    let (right, crossed) = wedge([1.0, 0.0, 0.7], 50.0);
+    let moving = run(0.7);
+    assert!(apart(&end(&moving), &right) < 1e-11);
+    assert_eq!(variable(&moving).switches_crossed, crossed);
+    assert_eq!(end(&run(0.0)), [0.0, 0.0]);
 }

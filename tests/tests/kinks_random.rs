@@ -1,11 +1,12 @@
 //! Random energies of min, max, |x|, clamp, selections and tables: no run by tolerance hangs, panics or ends
-//! where fixed steps go on.
+//! where fixed steps go on. Random crossings: all are found.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use crate::kinks::{apart, end, variable, wedge};
 use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{Equip, Method};
 use equip_tables::Table;
-use equip_tests::Seeded;
+use equip_tests::{Misses, Seeded};
 
 /// c₀ + Σ c_i x_i.
 fn linear(rng: &mut Seeded, x: &[Var]) -> Var {
@@ -21,7 +22,7 @@ fn table(rng: &mut Seeded) -> Table {
     Table::natural(&x, &y).unwrap()
 }
 
-/// A term that bends or jumps; `once` in so many its value jumps too.
+/// A term that bends, or jumps; once in twelve times its value jumps.
 fn term(rng: &mut Seeded, q: &[Var], p: &[Var]) -> Var {
     let (x, y) = (linear(rng, q), linear(rng, q));
     match rng.below(12) {
@@ -108,4 +109,54 @@ fn three_hundred_random_energies() {
 #[ignore = "long: run with cargo test -p equip-tests --release --test all kinks_random:: -- --ignored"]
 fn two_thousand_random_energies() {
     random_energies(2000);
+}
+
+/// Balls on wedges of random slopes, in `m` degrees of freedom: how many switches they cross is known.
+/// Measured: all of 10⁵, errors up to 0.11 tolerances.
+fn random_crossings(crossings: u64, m: usize) {
+    let (mut rng, mut misses) = (Seeded::new(5), Misses::default());
+    let mut passed = 0;
+    while passed < crossings {
+        let balls: Vec<[f64; 3]> = (0..m)
+            .map(|_| {
+                [
+                    rng.power_of_ten(-1.0, 1.0),
+                    rng.power_of_ten(-2.0, 0.5),
+                    rng.between(-1.0, 1.0),
+                ]
+            })
+            .collect();
+        let slopes: Vec<f64> = balls.iter().map(|ball| ball[0]).collect();
+        let energy = Hamiltonian::new(m, |q, p| {
+            let kinetic: Var = p.iter().map(|&p| 0.5 * p * p).sum();
+            let wedges = q.iter().zip(&slopes).map(|(q, &w)| w * q.abs());
+            kinetic + wedges.sum::<Var>()
+        })
+        .unwrap();
+        let [q, p] = [1, 2].map(|i| balls.iter().map(|ball| ball[i]).collect::<Vec<_>>());
+        let time = 40.0;
+        let options = Equip::stages(4).tolerance(1e-10);
+        let run = options.integrate(&energy, &q, &p, 0.0..=time).unwrap();
+        let (found, right) = (end(&run), balls.iter().map(|&ball| wedge(ball, time)));
+        let expected: u64 = right.clone().map(|(_, count)| count).sum();
+        let what = format!("{expected} crossings");
+        assert_eq!(variable(&run).switches_crossed, expected, "{balls:?}");
+        for (i, (state, _)) in right.enumerate() {
+            let error = apart(&[found[i], found[m + i]], &state) / 1e-10;
+            misses.most(&what, error, 1.0);
+        }
+        passed += expected;
+    }
+    misses.end();
+}
+
+#[test]
+fn a_thousand_random_crossings_are_all_found() {
+    random_crossings(1000, 3);
+}
+
+#[test]
+#[ignore = "long: run with cargo test -p equip-tests --release --test all kinks_random:: -- --ignored"]
+fn a_hundred_thousand_random_crossings_are_all_found() {
+    random_crossings(100_000, 3);
 }
