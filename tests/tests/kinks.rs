@@ -196,8 +196,8 @@ fn kinked() -> Vec<Kinked> {
     ]
 }
 
-/// A hundred tolerances at every tolerance, as for smooth energies; measured 37. Gauss, whose energy drifts, may
-/// be off by a thousand: measured 704, on the rotating bar with four stages.
+/// A hundred tolerances at every tolerance, as for smooth energies; measured 37. Gauss, whose energy drifts,
+/// may be off by a thousand: measured 704, on the rotating bar with four stages.
 #[test]
 fn kinks_are_passed_as_if_there_were_none() {
     let mut misses = Misses::default();
@@ -266,8 +266,8 @@ fn grazing(depth: f64) -> (f64, u64, u64) {
     )
 }
 
-/// Grazing costs five steps more at most, and is not missed if it is deeper than 1e-12 of the amplitude, where
-/// a step is off by as much: what is missed then is a push of 1e-6.
+/// Grazing costs five steps more at most, and is not missed if it is deeper than 1e-12 of the amplitude,
+/// where a step is off by as much: what is missed then is a push of 1e-6.
 #[test]
 fn grazing_is_found_and_cheap() {
     let (_, none, plain) = grazing(-1.0);

@@ -45,7 +45,7 @@ fn term(rng: &mut Seeded, q: &[Var], p: &[Var]) -> Var {
 }
 
 /// H with its start.
-fn draw(rng: &mut Seeded) -> (Hamiltonian, Vec<f64>) {
+pub(crate) fn draw(rng: &mut Seeded) -> (Hamiltonian, Vec<f64>) {
     let m = 1 + rng.below(3);
     let energy = Hamiltonian::new(m, |q, p| {
         let mut h: Var = p.iter().map(|&p| 0.5 * p * p).sum();

@@ -166,8 +166,8 @@ impl<T: Float> Crossings<T> {
         self.is_among_knots
     }
 
-    /// Whether kinks in the step of size `h` last looked at, the first two of them at `roots`, make more of it
-    /// than the tolerance of `decay`, coefficients decaying by ϱ.
+    /// Whether kinks in the step of size `h` last looked at, the first two of them at `roots`, make more of
+    /// it than the tolerance of `decay`, coefficients decaying by ϱ.
     pub(crate) fn is_rough<E: Evaluate<T>>(
         &mut self,
         core: &mut Core<T, E>,
