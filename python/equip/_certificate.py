@@ -46,6 +46,8 @@ class VariableSteps:
     #: Steps refused because their error estimate was too large, and because they could not be solved.
     rejected: int
     failed: int
+    #: Crossings of kinks and jumps of H at which a step ended.
+    switches_crossed: int = 0
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,8 @@
 //! | `failures/` | is every failure typed, with a remedy, and the state intact? |
 //! | `extremes.rs` | wild units, shifted energies, every number of stages |
 //! | `stories.rs` | energies as users write them |
+//! | `kinks.rs` | by tolerance, are energies that bend and jump as right as smooth ones? |
+//! | `kinks_random.rs` | does any random energy that bends and jumps end a run that fixed steps survive? |
 //! | `tables.rs` | are potentials known at points as right as splines are, and as quick as formulas? |
 //! | `reproducibility.rs` | is a run the same to the last bit, whatever is watched, and does it run backwards? |
 //! | `work.rs` | is the work of standard runs what it was? |

@@ -13,6 +13,8 @@ mod house;
 mod instruction_sets;
 mod invariants;
 mod kept;
+mod kinks;
+mod kinks_random;
 mod long;
 mod many;
 mod newton;

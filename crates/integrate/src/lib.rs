@@ -41,7 +41,7 @@ pub use runs::observer::{NoObserver, Observer};
 pub use runs::prepared::Prepared;
 pub use runs::run::{Run, RunFailure};
 pub use runs::suggest::Target;
-pub use steppers::adaptive_stepper::AdaptiveStepper;
+pub use steppers::adaptive::adaptive_stepper::AdaptiveStepper;
 pub use steppers::reversible_stepper::ReversibleStepper;
 pub use steppers::sizes::StepSizes;
 pub use steppers::stepper::Stepper;

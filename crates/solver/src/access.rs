@@ -1,5 +1,5 @@
 //! What a run needs of a step, all in one place: everything public of [`Core`] and [`Constraint`] but
-//! [`Core::new`], [`Core::step`] and [`Core::forget`].
+//! [`Core::new`], [`Core::step`], [`Core::complete`] and [`Core::forget`].
 
 use crate::equations::constraint::Constraint;
 use crate::memory::SolverMemory;
@@ -159,6 +159,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// Keep the parts of every step from the next on.
     pub fn keep_parts(&mut self) {
         self.parts.wanted = true;
+    }
+
+    /// From the next step on the α's are found by [`complete`](Core::complete) only, so that a step which is
+    /// refused for its stages has none. Steps are not halved then.
+    pub fn defer_alphas(&mut self) {
+        self.is_deferred = true;
     }
 
     /// The step made last is refused: the next one starts where it did, and is guessed from it.

@@ -40,7 +40,14 @@ pub(crate) fn certificate<'py, T: Float>(
     let steps = certificate.variable_steps.map(|steps| {
         let sizes = (steps.tolerance, steps.smallest, steps.largest);
         let sizes = (sizes.0.to_f64(), sizes.1.to_f64(), sizes.2.to_f64());
-        (sizes.0, sizes.1, sizes.2, steps.rejected, steps.failed)
+        (
+            sizes.0,
+            sizes.1,
+            sizes.2,
+            steps.rejected,
+            steps.failed,
+            steps.switches_crossed,
+        )
     });
     dict.set_item("variable_steps", steps)?;
     let chaos = certificate.chaos;

@@ -56,6 +56,7 @@ struct Sizes {
     largest: Number,
     rejected: u64,
     failed: u64,
+    switches_crossed: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -139,6 +140,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             largest: Number::new(steps.largest),
             rejected: steps.rejected,
             failed: steps.failed,
+            switches_crossed: steps.switches_crossed,
         }),
         start: Number::new(certificate.start),
         end: Number::new(certificate.end),

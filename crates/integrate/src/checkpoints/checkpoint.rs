@@ -224,6 +224,11 @@ impl Checkpoint {
             sum.count(control.tries.into());
             sum.count(control.rejected);
             sum.count(control.failed);
+            sum.count(control.switches_crossed);
+            sum.count(control.switches.is_among_knots.into());
+            for side in &control.switches.sides {
+                sum.count(side.map_or(0, |side| (i64::from(side) + 2).cast_unsigned()));
+            }
         }
         if let Some(chaos) = &self.chaos {
             sum.numbers(std::iter::once(&chaos.start).chain(&chaos.sums));

@@ -16,6 +16,19 @@ pub(crate) struct ControlMemory {
     pub(crate) largest: Exact,
     pub(crate) rejected: u64,
     pub(crate) failed: u64,
+    pub(crate) switches_crossed: u64,
+    pub(crate) switches: SwitchMemory,
+}
+
+/// What is known of the switches of H where the next step begins; empty of an H that has none.
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub(crate) struct SwitchMemory {
+    /// Of every one of them whether the step begins on it, and with which sign it goes on.
+    pub(crate) sides: Vec<Option<i8>>,
+    /// Whether the step before met knots of a table.
+    pub(crate) is_among_knots: bool,
 }
 
 /// A deviation and what has been summed of it.
@@ -29,8 +42,13 @@ pub(crate) struct ChaosMemory {
 }
 
 impl ControlMemory {
-    /// The steps so far; what sizes the next one, and how often it may still be tried.
-    pub(crate) fn of<T: Float>(steps: &VariableSteps<T>, next: Exact, tries: u32) -> Self {
+    /// The steps so far; what sizes the next one, and how often it may still be tried; what is known of
+    /// switches.
+    pub(crate) fn of<T: Float>(
+        steps: &VariableSteps<T>,
+        (next, tries): (Exact, u32),
+        switches: SwitchMemory,
+    ) -> Self {
         ControlMemory {
             next,
             tries,
@@ -38,6 +56,8 @@ impl ControlMemory {
             largest: Exact::of(steps.largest),
             rejected: steps.rejected,
             failed: steps.failed,
+            switches_crossed: steps.switches_crossed,
+            switches,
         }
     }
 
@@ -52,6 +72,7 @@ impl ControlMemory {
             largest: self.largest.read()?,
             rejected: self.rejected,
             failed: self.failed,
+            switches_crossed: self.switches_crossed,
         })
     }
 }

@@ -40,7 +40,7 @@
 
 use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_solver::{State, stride_for};
-use equip_tableau::Gauss;
+use equip_tableau::{Gauss, legendre_at};
 
 /// Coefficients of so many ε of the largest are rounding, and no end of a decay. // ε; with 0 runs of 5 of 10
 /// scenes do not come on with 12 stages and a tolerance of 1e-15.
@@ -54,6 +54,15 @@ pub(crate) struct Estimate {
     /// 1/z: half a step divided by the signed distance from its middle to what the motion is about to meet,
     /// or leaves behind; within ±1.
     pub(crate) nearness: f64,
+}
+
+/// An end of a step: its start, or its end.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct End<'a, T> {
+    /// ∇H there.
+    pub(crate) slope: &'a [T],
+    /// Whether it is that a little within the step, at [`Decay::inset`].
+    pub(crate) is_inset: bool,
 }
 
 #[derive(Debug)]
@@ -70,9 +79,16 @@ pub(crate) struct Decay<T: Float> {
     legendre: Vec<T>,
     /// h γ_k of component c at c·stride + k.
     coefficients: Vec<T>,
-    /// 1 over the units of the components, zero for those that do not move.
+    /// Units of the components.
+    units: Vec<T>,
+    /// 1 over them, zero for those that do not move.
     inverse_units: Vec<T>,
+    /// √(2k + 1) = P_k(1), and P_k(1 − η), for k < s.
+    at_end: [Vec<T>; 2],
 }
+
+/// η s²: within η of an end of a step a polynomial of degree s + 1 is what it is there to some 6 %.
+const INSET: i64 = 16;
 
 impl<T: Float> Decay<T> {
     /// Of states with n components, of which the first `m` positions and momenta are judged: how long a step
@@ -93,6 +109,10 @@ impl<T: Float> Decay<T> {
                 legendre[i * stride + k] = p;
             }
         }
+        let mut at_end = [zeros(s), zeros(s)];
+        for (values, place) in at_end.iter_mut().zip([T::int(1), T::int(1) - inset(s)]) {
+            legendre_at(place, values);
+        }
         let absolute = absolute.map(|x| x.iter().map(|&x| (x / tolerance).to_f64()).collect());
         Decay {
             set: InstructionSet::best(),
@@ -103,29 +123,38 @@ impl<T: Float> Decay<T> {
             tolerance,
             legendre,
             coefficients: zeros(n * stride),
+            units: zeros(n),
             inverse_units: zeros(n),
+            at_end,
         }
     }
 
+    /// η: where on a switch H has another slope on the other side, it is taken at η or 1 − η.
+    pub(crate) fn inset(&self) -> T {
+        inset(self.s)
+    }
+
     /// The estimate for the step of size `h` from `y` with these L, component c of stage i at c·stride + i,
-    /// and ∇H at its start and its end.
+    /// and its two ends.
     pub(crate) fn estimate(
         &mut self,
         (y, h): (&State<T>, T),
         l: &[T],
-        slopes: [&[T]; 2],
+        ends: [End<'_, T>; 2],
     ) -> Estimate {
         let (set, s, stride) = (self.set, self.s, self.stride);
         mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
         let half = y.hi.len() / 2;
         let mut decay = 0.0_f64;
+        let is_inset = ends.map(|end| end.is_inset);
         for (group, y) in y.hi.chunks_exact(half).enumerate() {
             let largest = y[..self.m].iter().fold(T::int(0), |a, y| a.max(y.abs()));
             // f = J∇H.
             let (sign, from) = if group == 0 { (h, half) } else { (-h, 0) };
             for (c, &y) in y[..self.m].iter().enumerate() {
-                let ends = slopes.map(|slope| sign * slope[from + c]);
-                decay = decay.max(self.of_component(group * half + c, (y, largest), ends));
+                let rates = ends.map(|end| sign * end.slope[from + c]);
+                let c = group * half + c;
+                decay = decay.max(self.of_component(c, (y, largest), rates, is_inset));
             }
         }
         Estimate {
@@ -136,7 +165,13 @@ impl<T: Float> Decay<T> {
 
     /// ϱ of component c, `y` at the start of the step, `largest` being the largest of its group, with h f at
     /// both ends; its unit is left behind.
-    fn of_component(&mut self, c: usize, (y, largest): (T, T), ends: [T; 2]) -> f64 {
+    fn of_component(
+        &mut self,
+        c: usize,
+        (y, largest): (T, T),
+        ends: [T; 2],
+        is_inset: [bool; 2],
+    ) -> f64 {
         let s = self.s;
         let row = &self.coefficients[c * self.stride..][..s];
         if !row.iter().chain(&ends).all(|x| x.is_finite()) {
@@ -151,6 +186,7 @@ impl<T: Float> Decay<T> {
         } else {
             T::int(1) / unit
         };
+        self.units[c] = unit;
         let inverse = self.inverse_units[c];
         if inverse == T::int(0) {
             return 0.0;
@@ -158,7 +194,7 @@ impl<T: Float> Decay<T> {
         // θ = |γ|/a_0.
         let theta = |x: T| (x * inverse).to_f64().abs();
         let root = |x: f64, n: usize| x.powf(1.0 / n as f64);
-        let beyond = self.beyond(row, ends).map(theta);
+        let beyond = self.beyond(row, ends, is_inset).map(theta);
         let last = theta(row[s - 1]);
         let from = |degree: usize, unit: f64| {
             let decays = [(s - 1, last), (s, beyond[0])].map(|(k, theta)| match k {
@@ -185,16 +221,31 @@ impl<T: Float> Decay<T> {
         decay
     }
 
+    /// An error of component c of the step estimated last, in tolerances: 1 is allowed. None is of components
+    /// that are not judged.
+    pub(crate) fn in_tolerances(&self, c: usize, error: T) -> f64 {
+        let allowed = self.absolute.as_ref().map_or(0.0, |absolute| absolute[c]);
+        let is_judged = c % (self.units.len() / 2) < self.m;
+        if !is_judged || error == T::int(0) {
+            return 0.0;
+        }
+        let allowed = self.units[c].to_f64() + allowed;
+        (error / self.tolerance).to_f64().abs() / allowed
+    }
+
     /// h γ_s and h γ_{s+1}, by what the polynomial with these coefficients is off at both ends of the step.
-    fn beyond(&self, row: &[T], ends: [T; 2]) -> [T; 2] {
+    fn beyond(&self, row: &[T], ends: [T; 2], is_inset: [bool; 2]) -> [T; 2] {
         let s = self.s;
         let at_end = |k: usize| T::int(2 * k as i64 + 1).sqrt();
-        let (mut even, mut odd) = (T::int(0), T::int(0));
-        for (k, &x) in row.iter().enumerate() {
-            let sum = if k % 2 == 0 { &mut even } else { &mut odd };
-            *sum += x * at_end(k);
-        }
-        let [start, end] = [ends[0] - (even - odd), ends[1] - (even + odd)];
+        let [[even, odd], [even_end, odd_end]] = is_inset.map(|is_inset| {
+            let mut sums = [T::int(0); 2];
+            let values = &self.at_end[usize::from(is_inset)];
+            for (k, (&x, &value)) in row.iter().zip(values).enumerate() {
+                sums[k % 2] += x * value;
+            }
+            sums
+        });
+        let [start, end] = [ends[0] - (even - odd), ends[1] - (even_end + odd_end)];
         let (even, odd) = ((end + start) / T::int(2), (end - start) / T::int(2));
         let [first, second] = if s.is_multiple_of(2) {
             [even, odd]
@@ -235,4 +286,9 @@ impl<T: Float> Decay<T> {
         };
         2.0 * w / (1.0 + w * w)
     }
+}
+
+/// η with s stages.
+fn inset<T: Float>(s: usize) -> T {
+    T::ratio(1, INSET * (s * s) as i64)
 }

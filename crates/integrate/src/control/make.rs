@@ -35,6 +35,16 @@ pub(crate) fn make_step<T: Float, E: Evaluate<T>>(
         .map_err(|failure| error_of(core, failure))
 }
 
+/// The α's of that step, if they were deferred.
+pub(crate) fn complete_step<T: Float, E: Evaluate<T>>(
+    core: &mut Core<T, E>,
+    (y, t, h): (&State<T>, T, T),
+    next: &mut State<T>,
+) -> Result<Outcome, IntegrateError<T>> {
+    core.complete(y, t, h, next)
+        .map_err(|failure| error_of(core, failure))
+}
+
 /// The error of the step that has just failed.
 fn error_of<T: Float, E: Evaluate<T>>(
     core: &mut Core<T, E>,

@@ -12,6 +12,7 @@
 
 use crate::control::make::make_step;
 use crate::dense::piece::Piece;
+use crate::dense::polynomial::Polynomial;
 use crate::error::IntegrateError;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
@@ -94,9 +95,11 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
             time: part.time,
             time_low,
             h: part.h,
-            start: part.start.clone(),
+            polynomial: Polynomial {
+                start: part.start.clone(),
+                coefficients,
+            },
             end: end.hi.clone(),
-            coefficients,
         })
     }
 }

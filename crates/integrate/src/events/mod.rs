@@ -1,4 +1,7 @@
 //! Roots of functions along a run.
 
+pub(crate) mod crossings;
+pub(crate) mod path;
 pub(crate) mod roots;
+pub(crate) mod roughness;
 pub(crate) mod watch;

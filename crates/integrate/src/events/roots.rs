@@ -40,12 +40,13 @@ pub(crate) struct Roots<T> {
     pub(crate) found: Vec<(T, bool)>,
 }
 
+/// An interval with the values at its ends.
 #[derive(Debug, Clone, Copy)]
-struct Interval<T> {
-    a: T,
-    b: T,
-    at_a: T,
-    at_b: T,
+pub(crate) struct Interval<T> {
+    pub(crate) a: T,
+    pub(crate) b: T,
+    pub(crate) at_a: T,
+    pub(crate) at_b: T,
 }
 
 /// g has more structure than can be told from noise.
@@ -201,7 +202,11 @@ fn derivative<T: Float>(a: &[T; DEGREE + 1]) -> [T; DEGREE + 1] {
 /// The root of a function whose signs at the ends differ: regula falsi (Anderson & Björck 1973), with a
 /// bisection whenever three steps have not brought the enclosure down to half. Of the last enclosure the end
 /// where |g| is smaller.
-fn enclose<T: Float>(g: &mut impl FnMut(T) -> T, interval: Interval<T>, resolution: T) -> T {
+pub(crate) fn enclose<T: Float>(
+    g: &mut impl FnMut(T) -> T,
+    interval: Interval<T>,
+    resolution: T,
+) -> T {
     let Interval {
         mut a,
         mut b,

@@ -108,6 +108,9 @@ impl<T: Float> Certificate<T> {
                     "steps refused",
                     format!("{rejected} for their error, {failed} unsolved"),
                 );
+                if steps.switches_crossed > 0 {
+                    line("switches crossed", steps.switches_crossed.to_string());
+                }
             }
         }
         if let Some(energy) = &self.energy {

@@ -3,7 +3,7 @@
 use crate::checkpoints::checkpoint::{Checkpoint, FORMAT};
 use crate::checkpoints::checksum::of_function;
 use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::ControlMemory;
+use crate::checkpoints::memories::{ControlMemory, SwitchMemory};
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
 use crate::report::energy_floor::EnergyFloor;
@@ -113,12 +113,13 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     pub(super) fn variable_checkpoint(
         &mut self,
         time_low: T,
-        next: Exact,
-        tries: u32,
+        size: (Exact, u32),
+        switches: SwitchMemory,
     ) -> Checkpoint {
         let mut checkpoint = self.checkpoint();
         checkpoint.time_low = Exact::of(time_low);
-        checkpoint.control = (self.variable.as_ref()).map(|of| ControlMemory::of(of, next, tries));
+        let steps = self.variable.as_ref();
+        checkpoint.control = steps.map(|steps| ControlMemory::of(steps, size, switches));
         checkpoint.seal();
         checkpoint
     }

@@ -1,7 +1,6 @@
 //! Runs made step by step.
 
-pub(crate) mod adaptive_stepper;
-pub(crate) mod adaptive_steps;
+pub(crate) mod adaptive;
 pub(crate) mod checkpoint;
 pub(crate) mod fixed_steps;
 pub(crate) mod grid;

@@ -2,6 +2,7 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::exact::Exact;
+use crate::checkpoints::memories::SwitchMemory;
 use crate::control::step_density::StepDensity;
 use crate::error::IntegrateError;
 use crate::options::common::Words;
@@ -140,6 +141,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let next = Exact::of(self.density);
-        self.inner.variable_checkpoint(self.time_low, next, 0)
+        self.inner
+            .variable_checkpoint(self.time_low, (next, 0), SwitchMemory::default())
     }
 }

@@ -1,7 +1,7 @@
 //! [`Stepper`]: the run one step at a time.
 
 use crate::control::frequency::Frequency;
-use crate::control::make::{check_gradient, make_step};
+use crate::control::make::{check_gradient, complete_step, make_step};
 use crate::error::IntegrateError;
 use crate::options::common::Words;
 use crate::options::method::Method;
@@ -174,6 +174,11 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             }
         }
         made
+    }
+
+    /// Finds the α's of the step of size `h` made by [`attempt`](Self::attempt), where they were deferred.
+    pub(crate) fn complete(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
+        complete_step(&mut self.core, (&self.y, self.time, h), &mut self.next)
     }
 
     /// Takes the step made by [`attempt`](Self::attempt), which ends at `time`.

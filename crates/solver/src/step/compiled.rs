@@ -17,10 +17,14 @@ type Recorded<T> = Core<T, RecordedEvaluator<T>>;
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 struct Ready<T: Float> {
     step: fn(&mut Recorded<T>, (&State<T>, T, T), &mut State<T>) -> Result<Outcome, Failure<T>>,
+    complete: fn(&mut Recorded<T>, (&State<T>, T, T), &mut State<T>) -> Result<Outcome, Failure<T>>,
 }
 
 impl<T: Float> Ready<T> {
-    const HERE: Self = Ready { step: Core::make };
+    const HERE: Self = Ready {
+        step: Core::make,
+        complete: Core::make_complete,
+    };
 }
 
 equip_scalar::ready!(Ready);
@@ -50,6 +54,25 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             (ready::<T>().step)(E::recorded::<InCore<T>>(self), (y, t, h), next)
         } else {
             self.make((y, t, h), next)
+        }
+    }
+
+    /// Finds the α's of the step of size `h` from `y` at time `t` to `next` that was made last, with α's
+    /// [deferred](Self::defer_alphas): the two together are the step as it is without.
+    ///
+    /// # Errors
+    /// [`Failure`] as of [`step`](Self::step).
+    pub fn complete(
+        &mut self,
+        y: &State<T>,
+        t: T,
+        h: T,
+        next: &mut State<T>,
+    ) -> Result<Outcome, Failure<T>> {
+        if const { E::IS_RECORDED } {
+            (ready::<T>().complete)(E::recorded::<InCore<T>>(self), (y, t, h), next)
+        } else {
+            self.make_complete((y, t, h), next)
         }
     }
 }

@@ -37,6 +37,8 @@ pub struct Core<T: Float, E> {
     pub(crate) unperturbed: State<T>,
     /// Where ∇I at the start of a step was evaluated.
     pub(crate) start: Vec<T>,
+    /// Whether the α's of a step wait until it is [completed](Self::complete).
+    pub(crate) is_deferred: bool,
     /// Outcome of a step without constraints.
     unconstrained: Outcome,
     /// Mid points of halved steps, one for each level.
@@ -76,6 +78,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         Core {
             kept: Kept::new(&stages.iterate),
             parts: Parts::new(),
+            is_deferred: false,
             unconstrained: if options.first_alpha.is_some() {
                 Outcome::Quadratic
             } else {
@@ -121,6 +124,37 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         made
     }
 
+    /// The α's of the step just made, if they were [deferred](Self::defer_alphas).
+    pub(crate) fn make_complete(
+        &mut self,
+        (y, t, h): (&State<T>, T, T),
+        next: &mut State<T>,
+    ) -> Result<Outcome, Failure<T>> {
+        if self.constraints.is_empty() {
+            return Ok(self.unconstrained);
+        }
+        let kept = self.keep((y, h), next);
+        match kept {
+            Ok(_) => {
+                self.constraints.iter_mut().for_each(Constraint::accept);
+                self.start.copy_from_slice(&next.hi);
+                self.parts.clear();
+                self.parts
+                    .add((y, t, h), &self.stages.iterate, &self.alphas);
+            }
+            Err(_) => {
+                self.fail((y, t, h));
+                self.forget();
+            }
+        }
+        kept
+    }
+
+    fn fail(&mut self, (y, t, h): (&State<T>, T, T)) {
+        self.failed.0.copy_from_slice(&y.hi);
+        (self.failed.1, self.failed.2) = (t, h);
+    }
+
     fn step_at_level(
         &mut self,
         level: usize,
@@ -135,8 +169,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 Ok(outcome)
             }
             Err(failure) if level == self.middles.len() || failure == Failure::NoAlpha => {
-                self.failed.0.copy_from_slice(&y.hi);
-                (self.failed.1, self.failed.2) = (t, h);
+                self.fail((y, t, h));
                 Err(failure)
             }
             Err(_) => self.halve(level, (y, t, h), next),
@@ -164,9 +197,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.stages
             .solve(&mut self.energy, (y, h), known, &mut self.counts)?;
         self.stages.iterate.end_point(y, next);
-        if self.constraints.is_empty() {
+        if self.constraints.is_empty() || self.is_deferred {
             return Ok(self.unconstrained);
         }
+        self.keep((y, h), next)
+    }
+
+    /// Constraints at the end point `next` of the stages with α = 0, and the α's if they need any.
+    fn keep(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<Outcome, Failure<T>> {
         self.evaluate_constraints(next, self.stages.contraction.noise())?;
         if self.constraints.iter().all(Constraint::is_at_floor) {
             return Ok(Outcome::AtFloor);
@@ -174,10 +212,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.keep_constraints((y, h), next)
     }
 
-    /// The constraints have been evaluated at the end point `next`, which is accepted.
+    /// The end point `next` is accepted, and the constraints have been evaluated there, unless that waits.
     fn accept(&mut self, next: &State<T>, h: T) {
         self.stages.last = Some((T::int(1), h));
-        if !self.constraints.is_empty() {
+        if !self.constraints.is_empty() && !self.is_deferred {
             self.constraints.iter_mut().for_each(Constraint::accept);
             self.start.copy_from_slice(&next.hi);
         }

@@ -2,14 +2,19 @@
 //!
 //! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same
 //! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
+//!
+//! A step over a switch of H, a kink or a jump, is one that is refused for a shorter one that ends there
+//! ([`super::over_switches`]).
 
 use crate::control::controller::{Control, Judgement};
-use crate::control::estimate::{Decay, Estimate};
+use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::control::stuck::TooSmall;
 use crate::error::IntegrateError;
+use crate::events::crossings::Crossings;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
+use crate::steppers::adaptive::made::{EndIs, Made, Place};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
 use equip_autodiff::Evaluate;
@@ -32,6 +37,8 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) decay: Decay<T>,
     /// ∇H where the step begins, and where it ends.
     pub(super) slopes: [Vec<T>; 2],
+    /// None if H is smooth as far as is known.
+    pub(super) crossings: Option<Crossings<T>>,
     pub(super) first: FirstSize<T>,
     pub(super) first_step: Option<T>,
     /// The first step is not made longer than this.
@@ -45,15 +52,6 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) max_steps: u64,
     /// Tries of the first step made so far; all of them once it is made.
     pub(super) tries: u32,
-}
-
-/// A size, without a sign, and where it leads.
-#[derive(Debug, Clone, Copy)]
-struct Place<T> {
-    size: T,
-    time: T,
-    time_low: T,
-    cut: bool,
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
@@ -70,6 +68,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     pub fn turn_back(&mut self) {
         self.inner.turn_back();
         self.end = None;
+        if let Some(crossings) = &mut self.crossings {
+            crossings.turn_back();
+        }
     }
 
     /// Makes the next step, but not beyond `end`, which the last step meets exactly.
@@ -82,20 +83,38 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             return Err(IntegrateError::StepLimit { steps, time });
         }
         let mut size = self.control.memory.next;
+        // The size that nothing but switches speaks against, and the one that knots allow.
+        let (mut proposed, mut longest) = (size, f64::INFINITY);
         let (mut cause, mut is_retried) = (None, false);
+        if let Some(crossings) = &mut self.crossings {
+            crossings.begin_step();
+        }
+        let mut to_switch = None;
         loop {
-            let place = self.place(size, end);
+            let place = to_switch.take().unwrap_or_else(|| self.place(size, end));
             let too_small = !self.inner.direction.is_before(self.time(), place.time)
                 || (place.size < self.min_step && !place.cut);
             if too_small {
                 return Err(self.too_small(place.size, cause));
             }
             let h = place.size.to_f64();
-            match self.inner.attempt(self.inner.direction.signed(place.size)) {
-                Ok(outcome) => {
-                    let estimate = self.estimate(self.inner.direction.signed(place.size));
+            match self.make_up_to_switches(place, end) {
+                Ok(Made::OverSwitch(shorter)) => {
+                    self.tries = TRIES_FOR_FIRST;
+                    self.inner.core.refuse();
+                    (to_switch, is_retried) = (Some(shorter), true);
+                }
+                Ok(Made::OverKnots) => {
+                    self.tries = TRIES_FOR_FIRST;
+                    self.inner.core.refuse();
+                    (size, is_retried) = (self.control.shorter(h), true);
+                    longest = size;
+                    self.stop_aiming();
+                }
+                Ok(Made::Step(outcome, estimate, end_is)) => {
                     if self.tries < TRIES_FOR_FIRST
                         && !place.cut
+                        && end_is == EndIs::Smooth
                         && let Some(longer) =
                             self.control
                                 .first_is_timid(h, &estimate, self.longest_first)
@@ -110,6 +129,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     match self.control.judge(h, &estimate, contraction) {
                         Judgement::Accept => {
                             self.accept(place, outcome);
+                            self.accept_switches(end_is, (h, proposed));
+                            let next = &mut self.control.memory.next;
+                            *next = next.min(longest);
                             return Ok(self.inner.view());
                         }
                         Judgement::Refuse(shorter) => {
@@ -118,6 +140,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                             self.count(|steps| &mut steps.rejected);
                             cause = None;
                             (size, is_retried) = (shorter, true);
+                            proposed = shorter;
+                            self.stop_aiming();
                         }
                     }
                 }
@@ -128,7 +152,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     self.tries = TRIES_FOR_FIRST;
                     self.count(|steps| &mut steps.failed);
                     size = self.control.shorter(h);
+                    proposed = size;
                     cause = Some(error);
+                    self.stop_aiming();
                 }
             }
         }
@@ -147,17 +173,6 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         too_small.error(core.energy_mut(), (&start, &y.hi), cause)
     }
 
-    /// The estimate of the step of size `h` just made.
-    fn estimate(&mut self, h: T) -> Estimate {
-        let Stepper { core, y, next, .. } = &mut self.inner;
-        let [start, end] = &mut self.slopes;
-        let (energy, counts) = core.energy_and_counts();
-        counts.gradients += 1;
-        energy.gradient(&next.hi, end);
-        let l = core.derivatives_by_component();
-        self.decay.estimate((y, h), l, [start, end])
-    }
-
     /// ∇H where the next step begins.
     pub(super) fn take_slope(&mut self) {
         let Stepper { core, y, .. } = &mut self.inner;
@@ -172,7 +187,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
 
     /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a
     /// sliver.
-    fn place(&self, size: f64, end: Option<T>) -> Place<T> {
+    pub(super) fn place(&self, size: f64, end: Option<T>) -> Place<T> {
         let h = T::exact(size);
         let (now, low) = (self.time(), self.time_low);
         if let Some(end) = end {
@@ -194,7 +209,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         self.step_to(h, false)
     }
 
-    fn step_to(&self, size: T, cut: bool) -> Place<T> {
+    pub(super) fn step_to(&self, size: T, cut: bool) -> Place<T> {
         let (sum, lost) = T::two_sum(self.time(), self.inner.direction.signed(size));
         let (time, time_low) = T::two_sum(sum, lost + self.time_low);
         Place {
@@ -235,6 +250,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     ) -> Result<(), IntegrateError<T>> {
         self.inner.start_at(start, t0, towards)?;
         self.take_slope();
+        self.crossings.iter_mut().for_each(Crossings::begin);
         (self.time_low, self.end) = (T::int(0), None);
         let [first, longest] = match self.first_step {
             Some(h) => [h.to_f64(); 2],
@@ -263,6 +279,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
         self.inner.set_state(q, p)?;
         self.take_slope();
+        self.crossings.iter_mut().for_each(Crossings::begin);
         Ok(())
     }
 

@@ -6,10 +6,11 @@ use crate::control::controller::{Control, Memory};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::error::IntegrateError;
+use crate::events::crossings::Crossings;
 use crate::options::adaptive::Tolerance;
 use crate::options::common::Words;
 use crate::options::integrator::Integrator;
-use crate::steppers::adaptive_stepper::{AdaptiveStepper, TRIES_FOR_FIRST};
+use crate::steppers::adaptive::adaptive_stepper::{AdaptiveStepper, TRIES_FOR_FIRST};
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
@@ -25,11 +26,16 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
     ) -> Result<AdaptiveStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
         let sizes = &integrator.sizes;
         sizes.validate(integrator.method.stages)?;
-        let inner = Stepper::prepare(integrator, system, None, integrator.words())?;
+        let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
         let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
         let tolerance = sizes.tolerance.to_f64();
         let absolute = sizes.absolute_errors(inner.m, n / 2)?;
+        let crossings = Crossings::new(&system.switches(), inner.core.gauss(), n, sizes.tolerance);
+        if crossings.is_some() {
+            inner.core.defer_alphas();
+        }
         Ok(AdaptiveStepper {
+            crossings,
             control: Control::new(tolerance, integrator.method.stages, most),
             decay: Decay::new(inner.core.gauss(), (n, inner.m), sizes.tolerance, absolute),
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
@@ -93,8 +99,10 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
         let Memory { next } = self.control.memory;
+        let switches = self.crossings.as_ref().map(Crossings::memory);
+        let size = (Exact::of(next), self.tries);
         self.inner
-            .variable_checkpoint(self.time_low, Exact::of(next), self.tries)
+            .variable_checkpoint(self.time_low, size, switches.unwrap_or_default())
     }
 }
 
@@ -128,7 +136,15 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
         };
         self.tries = memory.tries;
         self.inner.variable = Some(memory.variable_steps(self.tolerance)?);
-        Ok(())
+        let fits = match &mut self.crossings {
+            Some(crossings) => crossings.restore(&memory.switches),
+            None => memory.switches.sides.is_empty(),
+        };
+        if fits {
+            Ok(())
+        } else {
+            Err(IntegrateError::CheckpointDamaged { what })
+        }
     }
 
     fn save(&mut self) -> Checkpoint {

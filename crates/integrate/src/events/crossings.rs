@@ -1,0 +1,286 @@
+//! [`Crossings`]: where the switches of H are crossed, and which of them a step begins or ends on.
+//!
+//! Within one sign of all switches H is smooth, and a step has its full order. A step over a switch is made
+//! anew so that it ends on it: its size times the place of the root on its polynomial, and again from the
+//! polynomial of that step, which has seen one side only, until the size stays. Close to the root the end
+//! point is a smooth function of the size on both sides of the switch, as all stages are before it.
+//!
+//! *Which side a step begins on* that begins on a switch, where g is rounding: the one it goes to. Where H is
+//! continuous, H = H₁ on one side and H₁ + gK on the other, and ġ = {g, H} is the same on both: {g, gK} =
+//! g{g, K} = 0 where g = 0. So whatever meets a switch with ġ ≠ 0 crosses it, and nothing slides along it.
+//! Where ġ is rounding too, it is the side of the first stage.
+
+use crate::checkpoints::memories::SwitchMemory;
+use crate::control::estimate::Decay;
+use crate::events::path::{Path, Place};
+use crate::events::roughness::Roughness;
+use equip_autodiff::{Evaluate, SwitchKind, Switches};
+use equip_scalar::Float;
+use equip_solver::{Core, State};
+use equip_tableau::Gauss;
+
+/// Tries of one step that are searched for crossings; then it is made as if H were smooth.
+const MOST_LOOKS: u32 = 12;
+/// Halvings of one step among knots.
+const MOST_HALVINGS: u32 = 3;
+
+/// Where a step as made meets the first switch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Meeting<T> {
+    /// There, in units of the step: within it, or a little beyond its end if it was to end there; and again
+    /// close behind.
+    At(T, Option<T>),
+    /// Its end is on a switch.
+    End,
+    /// It comes so near to one there that only the end of a step can tell.
+    Touch(T),
+}
+
+/// The switches along the steps of a run.
+#[derive(Debug)]
+pub(crate) struct Crossings<T: Float> {
+    pub(crate) path: Path<T>,
+    /// Of every switch: whether the step begins on it, and with which sign it goes on, zero if unknown.
+    sides: Vec<Option<i8>>,
+    /// Switches on which the step ends, and the signs they take on.
+    met: Vec<(usize, i8)>,
+    /// The switch on which the step is to end.
+    aim: Option<usize>,
+    /// How far its end was from that.
+    miss: T,
+    looks: u32,
+    halvings: u32,
+    /// Whether the step was cut where it may touch a switch.
+    has_touched: bool,
+    /// Whether the step before met a switch that may have hidden others: knots of a table.
+    is_among_knots: bool,
+    has_knots: bool,
+    roughness: Roughness<T>,
+    /// A place so close to the end of a step is the end.
+    close: T,
+}
+
+impl<T: Float> Crossings<T> {
+    /// Of steps by this rule of states with n components. None of an H without switches.
+    pub(crate) fn new(
+        switches: &Switches,
+        gauss: &Gauss<T>,
+        n: usize,
+        tolerance: T,
+    ) -> Option<Self> {
+        let count = switches.len();
+        if count == 0 {
+            return None;
+        }
+        Some(Crossings {
+            path: Path::new(switches, gauss.nodes(), n, tolerance),
+            roughness: Roughness::new(gauss, n)?,
+            sides: vec![None; count],
+            met: Vec::with_capacity(count),
+            aim: None,
+            miss: T::int(0),
+            looks: 0,
+            halvings: 0,
+            has_touched: false,
+            is_among_knots: false,
+            has_knots: switches.kinds().contains(&SwitchKind::Knots),
+            close: (tolerance / T::int(1000)).max(T::int(8) * T::EPSILON),
+        })
+    }
+
+    /// The run begins, or goes on, at a state that may be anywhere.
+    pub(crate) fn begin(&mut self) {
+        self.sides.fill(None);
+        self.is_among_knots = false;
+        self.begin_step();
+    }
+
+    /// The run turns back in time.
+    pub(crate) fn turn_back(&mut self) {
+        for side in self.sides.iter_mut().flatten() {
+            *side = -*side;
+        }
+    }
+
+    pub(crate) fn begin_step(&mut self) {
+        (self.looks, self.halvings, self.has_touched) = (0, 0, false);
+        self.stop_aiming();
+    }
+
+    /// The next try is not one that is to end on a switch.
+    pub(crate) fn stop_aiming(&mut self) {
+        self.aim = None;
+    }
+
+    /// Whether the last try was to end on a switch.
+    pub(crate) fn is_aimed(&self) -> bool {
+        self.aim.is_some()
+    }
+
+    /// Whether the step was cut where it may touch a switch.
+    pub(crate) fn has_touched(&self) -> bool {
+        self.has_touched
+    }
+
+    /// How many switches the step last looked at ends on, if it ends on one.
+    pub(crate) fn met(&self) -> u64 {
+        self.met.len() as u64
+    }
+
+    /// Whether the step begins on a switch.
+    pub(crate) fn begins_on_one(&self) -> bool {
+        self.sides.iter().any(Option::is_some)
+    }
+
+    /// The step last looked at is made, over a switch or not, with its end on those met there or not.
+    pub(crate) fn accept(&mut self, (meets_one, ends_on_one): (bool, bool)) {
+        self.is_among_knots = meets_one && self.has_knots;
+        self.sides.fill(None);
+        if ends_on_one {
+            for &(j, side) in &self.met {
+                self.sides[j] = Some(side);
+            }
+        }
+    }
+
+    /// What is known of the next step, for a checkpoint.
+    pub(crate) fn memory(&self) -> SwitchMemory {
+        SwitchMemory {
+            sides: self.sides.clone(),
+            is_among_knots: self.is_among_knots,
+        }
+    }
+
+    /// Takes that from a checkpoint; returns whether it is of as many switches.
+    pub(crate) fn restore(&mut self, memory: &SwitchMemory) -> bool {
+        let fits = memory.sides.len() == self.sides.len();
+        if fits {
+            self.sides.copy_from_slice(&memory.sides);
+            self.is_among_knots = memory.is_among_knots;
+        }
+        fits
+    }
+
+    /// Whether a step that meets no switch may be over two knots that its signs do not show.
+    pub(crate) fn is_among_knots(&self) -> bool {
+        self.is_among_knots
+    }
+
+    /// Whether kinks in the step of size `h` last looked at, the first two of them at `roots`, make more of
+    /// it than the tolerance of `decay`, coefficients decaying by ϱ.
+    pub(crate) fn is_rough<E: Evaluate<T>>(
+        &mut self,
+        core: &mut Core<T, E>,
+        (h, roots): (T, [T; 2]),
+        decay: (&Decay<T>, f64),
+    ) -> bool {
+        let Crossings {
+            roughness, path, ..
+        } = self;
+        // Nor if it is not a number.
+        !(roughness.of_step(core, path, (h, roots), decay) <= 1.0)
+    }
+
+    /// Whether a step is to be halved before it is made to end on a switch: H has tables, whose knots may lie
+    /// close together, and it has not been halved often yet.
+    pub(crate) fn may_halve(&mut self) -> bool {
+        self.halvings += 1;
+        self.has_knots && self.halvings <= MOST_HALVINGS
+    }
+
+    /// Where the step just made from `y` to `end` meets the first switch; the next try is to end there.
+    pub(crate) fn look<E: Evaluate<T>>(
+        &mut self,
+        core: &mut Core<T, E>,
+        y: &State<T>,
+        end: &State<T>,
+    ) -> Option<Meeting<T>> {
+        self.looks += 1;
+        let aim = self.aim.take();
+        if self.looks > MOST_LOOKS {
+            self.is_among_knots = false;
+            return None;
+        }
+        self.path.follow(core, y, end);
+        let may_meet = |j: usize| self.path.may_meet(j, self.begins(j));
+        let meets_none = aim.is_none() && !(0..self.path.len()).any(may_meet);
+        if meets_none && !self.is_among_knots {
+            return None;
+        }
+        self.path.take_polynomial(core, y);
+        let (j, place) = self.first(aim)?;
+        let Place::Root(root, next) = place else {
+            self.has_touched = true;
+            return Some(Meeting::Touch(place.place()));
+        };
+        let miss = (root - T::int(1)).abs();
+        let rests = aim == Some(j) && T::int(4) * miss >= self.miss;
+        if miss <= self.close || (rests && miss * miss <= T::EPSILON) {
+            self.meet(j, root);
+            return Some(Meeting::End);
+        }
+        (self.aim, self.miss) = (Some(j), miss);
+        Some(Meeting::At(root, next))
+    }
+
+    /// The sign with which switch j begins.
+    fn begins(&self, j: usize) -> i8 {
+        self.sides[j].unwrap_or_else(|| self.path.side_at_start(j))
+    }
+
+    /// The switch that is met first, and where.
+    fn first(&mut self, aim: Option<usize>) -> Option<(usize, Place<T>)> {
+        let mut first: Option<(usize, Place<T>)> = None;
+        for j in 0..self.path.len() {
+            let mut place = self.first_root(j);
+            if place.is_none() && aim == Some(j) {
+                place = (self.path.root_beyond(j)).map(|root| Place::Root(root, None));
+            }
+            if let Some(place) = place
+                && first.is_none_or(|(_, before)| place.place() < before.place())
+            {
+                first = Some((j, place));
+            }
+        }
+        first
+    }
+
+    fn first_root(&mut self, j: usize) -> Option<Place<T>> {
+        let starts_on_it = self.sides[j].is_some();
+        let begins = self.begins(j);
+        if !self.path.may_meet(j, begins) {
+            return None;
+        }
+        let mut place = self.path.first_root(j, begins, starts_on_it)?;
+        if place.place() <= self.close && !starts_on_it {
+            // The step begins on the switch, if not exactly.
+            self.sides[j] = Some(-begins);
+            place = self.path.first_root(j, -begins, true)?;
+        }
+        match place {
+            // Once a step, and not for a sliver.
+            Place::Touch(at) => {
+                let margin = T::ratio(1, 64);
+                let is_inside = at > margin && at < T::int(1) - margin;
+                (is_inside && !self.has_touched).then_some(place)
+            }
+            Place::Root(..) => Some(place),
+        }
+    }
+
+    /// The step ends on switch j, whose root is there, and on what else has one there.
+    fn meet(&mut self, j: usize, root: T) {
+        self.met.clear();
+        for other in 0..self.path.len() {
+            let is_met = other == j
+                || self.path.side_at_end(other) == 0
+                || self
+                    .first_root(other)
+                    .is_some_and(|place| (place.place() - root).abs() <= self.close);
+            if is_met {
+                let side = self.path.side_after(other, root);
+                self.met.push((other, side));
+            }
+        }
+    }
+}

@@ -1,0 +1,291 @@
+//! [`Path`]: the switches of H along a step, from their values at its start, its stages and its end.
+//!
+//! A sign that differs between neighbours of these s + 2 places encloses a root, and so does a dip towards
+//! zero whose lowest place, by parabolas through three places, lies beyond it. Two roots between neighbours
+//! that no dip shows are not found.
+
+use crate::dense::polynomial::Polynomial;
+use crate::events::roots::{Interval, enclose};
+use equip_autodiff::{Evaluate, SwitchEvaluator, Switches};
+use equip_scalar::Float;
+use equip_solver::{Core, State};
+
+/// Parabolas through a dip, one after the other.
+const PARABOLAS: u32 = 6;
+/// A parabola through three places tells a sixteenth of the largest value there from zero.
+const TELLING: i64 = 16;
+/// A switch on which the step begins is left within the first stage if it is at c_1/2^k, k up to this.
+const HALVINGS: u32 = 12;
+/// Secants to a root beyond the end, which is sought up to a quarter of the step behind it.
+const SECANTS: u32 = 8;
+
+/// Where a switch has a root, or comes so near to zero that the polynomial cannot tell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Place<T> {
+    /// A root, and where there is another one close behind it that.
+    Root(T, Option<T>),
+    Touch(T),
+}
+
+impl<T: Float> Place<T> {
+    /// In units of the step.
+    pub(crate) fn place(self) -> T {
+        match self {
+            Place::Root(place, _) | Place::Touch(place) => place,
+        }
+    }
+}
+
+/// The switches along a step.
+#[derive(Debug)]
+pub(crate) struct Path<T: Float> {
+    switches: SwitchEvaluator<T>,
+    /// 0, c_1, …, c_s, 1.
+    places: Vec<T>,
+    /// g of all switches at each of these.
+    values: Vec<T>,
+    polynomial: Polynomial<T>,
+    stages: Vec<T>,
+    y: Vec<T>,
+    g: Vec<T>,
+    /// Between its stages the polynomial is off by this share of the motion.
+    vague: T,
+}
+
+impl<T: Float> Path<T> {
+    /// Of steps with these nodes of states with n components, by a tolerance.
+    pub(crate) fn new(switches: &Switches, nodes: &[T], n: usize, tolerance: T) -> Self {
+        let zeros = |count: usize| vec![T::int(0); count];
+        let ends = [[T::int(0)], [T::int(1)]];
+        Path {
+            switches: switches.evaluator(),
+            places: [&ends[0][..], nodes, &ends[1][..]].concat(),
+            values: zeros((nodes.len() + 2) * switches.len()),
+            polynomial: Polynomial {
+                start: State::new(&zeros(n), &[]),
+                coefficients: zeros(nodes.len() * n),
+            },
+            stages: zeros(nodes.len() * n),
+            y: zeros(n),
+            g: zeros(switches.len()),
+            vague: tolerance.sqrt(),
+        }
+    }
+
+    /// Number of switches.
+    pub(crate) fn len(&self) -> usize {
+        self.g.len()
+    }
+
+    /// Number of stages.
+    pub(crate) fn stages(&self) -> usize {
+        self.places.len() - 2
+    }
+
+    /// h γ_k of component c of the polynomial.
+    pub(crate) fn coefficient(&self, k: usize, c: usize) -> T {
+        self.polynomial.coefficients[k * self.y.len() + c]
+    }
+
+    /// Evaluates the switches along the step just made from `y` to `end`.
+    pub(crate) fn follow<E: Evaluate<T>>(
+        &mut self,
+        core: &mut Core<T, E>,
+        y: &State<T>,
+        end: &State<T>,
+    ) {
+        core.stages_by_stage(y, &mut self.stages);
+        let (n, count) = (y.hi.len(), self.g.len());
+        let stages = self.stages.chunks_exact(n);
+        let points = std::iter::once(&y.hi[..])
+            .chain(stages)
+            .chain(std::iter::once(&end.hi[..]));
+        for (point, g) in points.zip(self.values.chunks_exact_mut(count)) {
+            self.switches.values(point, g);
+        }
+    }
+
+    /// Takes over the polynomial of the step just made from `y`.
+    pub(crate) fn take_polynomial<E: Evaluate<T>>(&mut self, core: &Core<T, E>, y: &State<T>) {
+        let Polynomial {
+            start,
+            coefficients,
+        } = &mut self.polynomial;
+        start.hi.copy_from_slice(&y.hi);
+        start.lo.copy_from_slice(&y.lo);
+        core.legendre_coefficients(coefficients);
+    }
+
+    /// The state at `place`, by the polynomial.
+    pub(crate) fn state_at(&mut self, place: T) -> &[T] {
+        let integrals = self.polynomial.integrals(place);
+        for (j, y) in self.y.iter_mut().enumerate() {
+            *y = self.polynomial.component(j, &integrals);
+        }
+        &self.y
+    }
+
+    /// Switch j at `place`, by the polynomial.
+    pub(crate) fn value_at(&mut self, j: usize, place: T) -> T {
+        self.state_at(place);
+        self.switches.values(&self.y, &mut self.g);
+        self.g[j]
+    }
+
+    /// Switch j at the i-th of the places.
+    fn value(&self, j: usize, i: usize) -> T {
+        self.values[i * self.g.len() + j]
+    }
+
+    /// Sign of switch j at the start of the step.
+    pub(crate) fn side_at_start(&self, j: usize) -> i8 {
+        side(self.value(j, 0))
+    }
+
+    /// Sign of switch j at the end of the step.
+    pub(crate) fn side_at_end(&self, j: usize) -> i8 {
+        side(self.value(j, self.places.len() - 1))
+    }
+
+    /// Whether switch j may have a root on the way, if it has the sign `begins` after the start.
+    pub(crate) fn may_meet(&self, j: usize, begins: i8) -> bool {
+        let last = self.places.len() - 1;
+        let differs = |i: usize| side(self.value(j, i)) != begins;
+        (1..=last).any(differs) || (1..last).any(|i| self.dips(j, i))
+    }
+
+    /// Whether the parabola through place i and its neighbours turns between them, beyond zero or half as far
+    /// from it as they are, or where they are so close that a parabola cannot tell.
+    fn dips(&self, j: usize, i: usize) -> bool {
+        let [a, b, c] = [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
+        let [x, y, z] = [a, b, c].map(|point| point.1.abs());
+        let (least, most) = (x.min(y).min(z), x.max(y).max(z));
+        vertex(a, b, c).is_some_and(|(_, lowest)| {
+            side(lowest) != side(b.1)
+                || T::int(2) * lowest.abs() < least
+                || T::int(TELLING) * least < most
+        })
+    }
+
+    /// The first root of switch j after the start of the step, whose sign there is `begins`, or that of the
+    /// first stage if it is zero; or the first place where it may have one.
+    pub(crate) fn first_root(
+        &mut self,
+        j: usize,
+        begins: i8,
+        starts_on_it: bool,
+    ) -> Option<Place<T>> {
+        let last = self.places.len() - 1;
+        let mut before = begins;
+        for i in 1..=last {
+            let here = side(self.value(j, i));
+            if before == 0 {
+                before = here;
+                continue;
+            }
+            if here != before {
+                let from = if starts_on_it && i == 1 {
+                    self.leaving(j, before)
+                } else {
+                    Some(self.places[i - 1])
+                };
+                if let Some(from) = from {
+                    let root = self.enclosed(j, from, self.places[i]);
+                    return Some(Place::Root(root, None));
+                }
+                before = here;
+            } else if i < last && self.dips(j, i) && !(starts_on_it && i == 1) {
+                let root = self.within_dip(j, i, before);
+                if root.is_some() {
+                    return root;
+                }
+            }
+        }
+        None
+    }
+
+    /// A place before the first stage where switch j, on which the step begins, has the sign `wanted`.
+    fn leaving(&mut self, j: usize, wanted: i8) -> Option<T> {
+        let mut place = self.places[1];
+        (0..HALVINGS).find_map(|_| {
+            place /= T::int(2);
+            (side(self.value_at(j, place)) == wanted).then_some(place)
+        })
+    }
+
+    fn enclosed(&mut self, j: usize, a: T, b: T) -> T {
+        let [at_a, at_b] = [a, b].map(|place| self.value_at(j, place));
+        if at_b == T::int(0) || side(at_a) == side(at_b) {
+            return b;
+        }
+        let ends = Interval { a, b, at_a, at_b };
+        let resolution = T::EPSILON / T::int(4) * b;
+        enclose(&mut |place| self.value_at(j, place), ends, resolution)
+    }
+
+    /// A root of switch j beside place i, where it dips towards zero and has the sign `wanted`.
+    fn within_dip(&mut self, j: usize, i: usize, wanted: i8) -> Option<Place<T>> {
+        let [mut a, mut b, mut c] = [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
+        let sizes = (0..self.places.len()).map(|i| self.value(j, i).abs());
+        let vague = self.vague * sizes.fold(T::int(0), |most, size| most.max(size));
+        for _ in 0..PARABOLAS {
+            let Some((x, _)) = vertex(a, b, c) else {
+                break;
+            };
+            let here = (x, self.value_at(j, x));
+            let (lower, upper) = if x < b.0 { (a, b) } else { (b, c) };
+            if side(here.1) != wanted {
+                let first = self.enclosed(j, lower.0, x);
+                let second = self.enclosed(j, x, upper.0);
+                return Some(Place::Root(first, Some(second)));
+            }
+            (a, b, c) = match (here.1.abs() < b.1.abs(), x < b.0) {
+                (true, _) => (lower, here, upper),
+                (false, true) => (here, b, c),
+                (false, false) => (a, b, here),
+            };
+        }
+        (b.1.abs() <= vague).then_some(Place::Touch(b.0))
+    }
+
+    /// The root of switch j a little beyond the end of the step, or before it by rounding.
+    pub(crate) fn root_beyond(&mut self, j: usize) -> Option<T> {
+        let one = T::int(1);
+        let mut before = one - T::ratio(1, 64);
+        let mut here = one;
+        let mut at_before = self.value_at(j, before);
+        for _ in 0..SECANTS {
+            let at_here = self.value_at(j, here);
+            let next = here - at_here * ((here - before) / (at_here - at_before));
+            // Not for NaN either.
+            if !((next - one).abs() < T::ratio(1, 4)) {
+                return None;
+            }
+            if (next - here).abs() <= T::EPSILON {
+                return Some(next);
+            }
+            (before, at_before, here) = (here, at_here, next);
+        }
+        Some(here)
+    }
+
+    /// The sign that switch j takes on at `place`, the motion going on.
+    pub(crate) fn side_after(&mut self, j: usize, place: T) -> i8 {
+        let before = self.value_at(j, place - T::ratio(1, 64));
+        side(self.value_at(j, place) - before)
+    }
+}
+
+/// −1, 0 or 1; 0 of NaN.
+fn side<T: Float>(g: T) -> i8 {
+    i8::from(g > T::int(0)) - i8::from(g < T::int(0))
+}
+
+/// Where the parabola through three points has its vertex, if that is between them, and its value there.
+fn vertex<T: Float>(a: (T, T), b: (T, T), c: (T, T)) -> Option<(T, T)> {
+    let [first, second] = [(a, b), (b, c)].map(|(a, b)| (b.1 - a.1) / (b.0 - a.0));
+    let bend = (second - first) / (c.0 - a.0);
+    let x = (a.0 + b.0 - first / bend) / T::int(2);
+    let value = a.1 + (x - a.0) * (first + bend * (x - b.0));
+    (x > a.0 && x < c.0 && x != b.0).then_some((x, value))
+}

@@ -1,0 +1,110 @@
+//! [`Roughness`]: what kinks within a step make of it.
+//!
+//! The polynomial u of a step has u' = Σ_{k<s} γ_k P_k with γ_k from the rule of s nodes; along u itself
+//! J∇H(u) has the coefficients γ̃_k. The end of the step is off by what of the defect J∇H(u) − u' comes to
+//! it, γ̃_0 − γ_0, and of γ̃_k − γ_k a share of about ϱ^k, if coefficients decay by ϱ. Of smooth motion that is
+//! of the order of the step's error, 2s; where a derivative of H jumps within the step it is what the rule of
+//! s nodes is off there. The γ̃_k are found by rules on either side of the first root of a switch, and between
+//! it and another one close behind: of 2s nodes on the longest piece, where there may be more roots, and of s
+//! on the others.
+//!
+//! Cost: ∇H at 3s points, 4s with two roots.
+
+use crate::control::estimate::Decay;
+use crate::events::path::Path;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+use equip_solver::{Core, MAX_STAGES};
+use equip_tableau::{Gauss, legendre_at};
+
+/// Coefficients that are compared.
+const COMPARED: usize = 3;
+
+/// Workspace.
+#[derive(Debug)]
+pub(crate) struct Roughness<T: Float> {
+    /// Of s nodes, and of 2s.
+    rules: [Gauss<T>; 2],
+    slope: Vec<T>,
+    /// h γ̃_k of component c at c·COMPARED + k.
+    coefficients: Vec<T>,
+}
+
+impl<T: Float> Roughness<T> {
+    /// Of steps with these nodes of states with n components; none if there is no such rule.
+    pub(crate) fn new(gauss: &Gauss<T>, n: usize) -> Option<Self> {
+        let fine = Gauss::new((2 * gauss.stages()).min(MAX_STAGES)).ok()?;
+        Some(Roughness {
+            rules: [gauss.clone(), fine],
+            slope: vec![T::int(0); n],
+            coefficients: vec![T::int(0); n * COMPARED],
+        })
+    }
+
+    /// The largest ϱ^k (γ̃_k − γ_k) of a step of size `h` along `path`, with kinks at two roots and ϱ = `rho`,
+    /// as `decay` measures errors.
+    pub(crate) fn of_step<E: Evaluate<T>>(
+        &mut self,
+        core: &mut Core<T, E>,
+        path: &mut Path<T>,
+        (h, [first, second]): (T, [T; 2]),
+        (decay, rho): (&Decay<T>, f64),
+    ) -> f64 {
+        self.coefficients.fill(T::int(0));
+        let pieces = [
+            (T::int(0), first),
+            (first, second - first),
+            (second, T::int(1) - second),
+        ];
+        let longest = pieces.iter().fold(T::int(0), |a, piece| a.max(piece.1));
+        for (start, length) in pieces {
+            if length > T::int(0) {
+                let is_longest = length == longest;
+                self.add(core, path, h, (usize::from(is_longest), start, length));
+            }
+        }
+        let compared = path.stages().min(COMPARED);
+        let mut most = 0.0_f64;
+        for (c, sums) in self.coefficients.chunks_exact(COMPARED).enumerate() {
+            let mut share = 1.0;
+            for (k, &sum) in sums.iter().enumerate().take(compared) {
+                let defect = decay.in_tolerances(c, sum - path.coefficient(k, c));
+                most = most.max(share * defect);
+                share *= rho.min(1.0);
+            }
+        }
+        most
+    }
+
+    /// Adds ∫ h J∇H(u) P_k over `length` from `start`, by one of the rules.
+    fn add<E: Evaluate<T>>(
+        &mut self,
+        core: &mut Core<T, E>,
+        path: &mut Path<T>,
+        h: T,
+        (rule, start, length): (usize, T, T),
+    ) {
+        let rule = &self.rules[rule];
+        let half = self.slope.len() / 2;
+        core.counts_mut().gradients += rule.stages() as u64;
+        for (&node, &weight) in rule.nodes().iter().zip(rule.weights()) {
+            let place = start + length * node;
+            let mut values = [T::int(0); COMPARED];
+            legendre_at(place, &mut values);
+            let y = path.state_at(place);
+            core.energy_mut().gradient(y, &mut self.slope);
+            let weight = weight * length * h;
+            for (c, sums) in self.coefficients.chunks_exact_mut(COMPARED).enumerate() {
+                // f = J∇H.
+                let rate = if c < half {
+                    weight * self.slope[c + half]
+                } else {
+                    -weight * self.slope[c - half]
+                };
+                for (sum, &value) in sums.iter_mut().zip(&values) {
+                    *sum += value * rate;
+                }
+            }
+        }
+    }
+}

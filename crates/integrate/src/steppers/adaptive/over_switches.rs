@@ -1,0 +1,152 @@
+//! What a run by tolerance does at switches of H ([`crate::events::crossings`]): a step over one is made anew
+//! to end there, unless what the kink makes of it is below the tolerance ([`crate::events::roughness`]).
+//!
+//! The α's of a step are sought when it is known to stay. Where it begins or ends on a switch, the slope
+//! there is taken a little within the step, where H is that of one side.
+
+use crate::control::estimate::{End, Estimate};
+use crate::error::IntegrateError;
+use crate::events::crossings::{Crossings, Meeting};
+use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
+use crate::steppers::adaptive::made::{EndIs, Made, Place};
+use crate::steppers::stepper::Stepper;
+use equip_autodiff::Evaluate;
+use equip_scalar::Float;
+
+/// A step that meets the first knot of a table within 1/8 of its size is halved before it is made to end
+/// there: many knots are passed over by steps that are not so much shorter. // docs/adr/0017
+const SOON: i64 = 8;
+/// A step to a switch has at least so many units of the last place of the time.
+const RESOLVED: i64 = 16;
+
+impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
+    /// Makes a step with its estimate, or only its stages if it is to end on a switch before.
+    pub(super) fn make_up_to_switches(
+        &mut self,
+        place: Place<T>,
+        end: Option<T>,
+    ) -> Result<Made<T>, IntegrateError<T>> {
+        let h = self.inner.direction.signed(place.size);
+        let outcome = self.inner.attempt(h)?;
+        let Stepper { core, y, next, .. } = &mut self.inner;
+        let Some(crossings) = &mut self.crossings else {
+            return Ok(Made::Step(outcome, self.estimate(h, false), EndIs::Smooth));
+        };
+        let was_aimed = crossings.is_aimed();
+        let meeting = crossings.look(core, y, next);
+        // A switch beyond the end of the run is none.
+        let is_last = end == Some(place.time);
+        let meeting = meeting.filter(|meeting| match meeting {
+            Meeting::At(root, _) => *root <= T::int(1) || !is_last,
+            Meeting::End | Meeting::Touch(_) => true,
+        });
+        let end_is = match meeting {
+            Some(Meeting::End) => EndIs::OnSwitch,
+            Some(Meeting::At(root, next)) => {
+                let is_rough = was_aimed || self.is_rough(h, [root, next.unwrap_or(root)]);
+                let is_soon = T::int(SOON) * root < T::int(1);
+                if is_rough && is_soon && !was_aimed && self.may_halve() {
+                    return Ok(Made::OverKnots);
+                }
+                if is_rough && let Some(shorter) = self.place_of_switch(place.size * root, end) {
+                    return Ok(Made::OverSwitch(shorter));
+                }
+                EndIs::BeyondSwitch
+            }
+            Some(Meeting::Touch(near)) => {
+                if let Some(shorter) = self.place_of_switch(place.size * near, end) {
+                    return Ok(Made::OverSwitch(shorter));
+                }
+                EndIs::Smooth
+            }
+            None if crossings.is_among_knots() => {
+                if self.is_rough(h, [T::ratio(1, 2); 2]) && self.may_halve() {
+                    return Ok(Made::OverKnots);
+                }
+                EndIs::BeyondSwitch
+            }
+            None => EndIs::Smooth,
+        };
+        let outcome = self.inner.complete(h)?;
+        let estimate = self.estimate(h, end_is == EndIs::OnSwitch);
+        Ok(Made::Step(outcome, estimate, end_is))
+    }
+
+    /// Whether kinks within the step of size `h` just made, the first of them at `roots`, are more than the
+    /// tolerance allows.
+    fn is_rough(&mut self, h: T, roots: [T; 2]) -> bool {
+        let rho = self.estimate(h, false).decay;
+        let (core, decay) = (&mut self.inner.core, (&self.decay, rho));
+        let crossings = self.crossings.as_mut();
+        crossings.is_some_and(|crossings| crossings.is_rough(core, (h, roots), decay))
+    }
+
+    /// Whether a step over knots is to be halved, once more.
+    fn may_halve(&mut self) -> bool {
+        let crossings = self.crossings.as_mut();
+        crossings.is_some_and(Crossings::may_halve)
+    }
+
+    /// A step of `size`, that ends on a switch, if time resolves it; not beyond `end`.
+    fn place_of_switch(&self, size: T, end: Option<T>) -> Option<Place<T>> {
+        let direction = self.inner.direction;
+        let left = end.map(|end| direction.signed((end - self.time()) - self.time_low));
+        if let Some(left) = left.filter(|&left| size >= left) {
+            return Some(self.place(left.to_f64(), end));
+        }
+        let resolved = T::int(RESOLVED) * T::EPSILON * self.time().abs();
+        (size > resolved).then(|| self.step_to(size, true))
+    }
+
+    pub(super) fn stop_aiming(&mut self) {
+        self.crossings.iter_mut().for_each(Crossings::stop_aiming);
+    }
+
+    /// A step of size `h` is accepted. That it was cut at a switch says nothing against the size `proposed`.
+    pub(super) fn accept_switches(&mut self, end_is: EndIs, (h, proposed): (f64, f64)) {
+        let Some(crossings) = &mut self.crossings else {
+            return;
+        };
+        let is_on_switch = end_is == EndIs::OnSwitch;
+        crossings.accept((end_is != EndIs::Smooth, is_on_switch));
+        if is_on_switch || crossings.has_touched() {
+            let next = &mut self.control.memory.next;
+            if *next >= h {
+                *next = proposed.max(h);
+            }
+        }
+        if is_on_switch {
+            if let Some(steps) = &mut self.inner.variable {
+                steps.switches_crossed += crossings.met();
+            }
+        }
+    }
+
+    /// The estimate of the step of size `h` just made.
+    fn estimate(&mut self, h: T, ends_on_switch: bool) -> Estimate {
+        let Stepper { core, y, next, .. } = &mut self.inner;
+        let crossings = self.crossings.as_mut();
+        let begins_on_switch = crossings.as_ref().is_some_and(|c| c.begins_on_one());
+        let on_switch = [begins_on_switch, ends_on_switch];
+        core.counts_mut().gradients += 1 + u64::from(begins_on_switch);
+        if !ends_on_switch {
+            core.energy_mut().gradient(&next.hi, &mut self.slopes[1]);
+        }
+        if let Some(crossings) = crossings.filter(|_| on_switch.contains(&true)) {
+            crossings.path.take_polynomial(core, y);
+            let inset = self.decay.inset();
+            let places = [inset, T::int(1) - inset];
+            for ((place, is_on), slope) in places.into_iter().zip(on_switch).zip(&mut self.slopes) {
+                if is_on {
+                    let y = crossings.path.state_at(place);
+                    core.energy_mut().gradient(y, slope);
+                }
+            }
+        }
+        let [start, end] = &self.slopes;
+        let ends = [(start, begins_on_switch), (end, ends_on_switch)];
+        let ends = ends.map(|(slope, is_inset)| End { slope, is_inset });
+        let l = core.derivatives_by_component();
+        self.decay.estimate((y, h), l, ends)
+    }
+}
