@@ -8,6 +8,7 @@ use equip::prelude::{Hamiltonian, System, Var};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -71,6 +72,20 @@ impl Recorded {
             Some(error) => Err(error),
             None => made.map(Recorded::from).map_err(value_error),
         }
+    }
+
+    /// The recording as bytes.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.hamiltonian.to_bytes().map_err(value_error)?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The function of which `to_bytes` made the bytes.
+    #[staticmethod]
+    fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        let table = |bytes: &[u8]| equip::tables::from_bytes(bytes).ok();
+        let found = Hamiltonian::from_bytes_with(bytes, &table);
+        found.map(Recorded::from).map_err(value_error)
     }
 
     #[getter]
