@@ -33,6 +33,9 @@ class Ensemble:
     energy_kept: NDArray[np.bool_]
     #: Steps of each run, (N,).
     steps: NDArray[np.int64]
+    #: Largest Lyapunov exponent, per unit of time, and MEGNO, (N,) each; NaN without `chaos=True`.
+    lyapunov: Floats
+    megno: Floats
     #: What went wrong, and what to change, by the number of the run.
     errors: dict[int, str]
     #: Numbers of the runs that an executor lost, (k,): `ensemble(..., resume=this)` makes them.
@@ -69,6 +72,7 @@ def ensemble(
     tolerance: Optional[float] = None,
     keep: Optional[Mapping[str, Function]] = None,
     measure_energy: bool = True,
+    chaos: bool = False,
     first_step: Optional[float] = None,
     min_step: float = 0.0,
     max_step: float = np.inf,
@@ -124,6 +128,7 @@ def ensemble(
         atol=atol,
         keep=keep,
         measure_energy=measure_energy,
+        chaos=chaos,
     )
     given["record"] = 0
     q, p = _starts(q0, h.shape, "q0"), _starts(p0, h.shape, "p0")
@@ -202,6 +207,8 @@ def _ensemble(found: dict[str, Any], shape: Shape) -> Ensemble:
         energy_defect=found["energy_defect"],
         energy_kept=found["kept"],
         steps=found["steps"],
+        lyapunov=found["lyapunov"],
+        megno=found["megno"],
         errors=found["errors"],
         lost=np.empty(0, dtype=np.int64),
     )
@@ -259,6 +266,8 @@ def _missing(n: int, shape: Shape, error: Exception) -> Ensemble:
         energy_defect=none,
         energy_kept=np.zeros(n, dtype=bool),
         steps=np.zeros(n, dtype=np.int64),
+        lyapunov=none,
+        megno=none,
         errors={i: message for i in range(n)},
         lost=np.empty(0, dtype=np.int64),
     )
@@ -284,4 +293,4 @@ def _filled(before: Ensemble, made: Ensemble, which: NDArray[np.int64], lost: ND
     return Ensemble(**arrays, errors=errors, lost=which[lost])
 
 
-_ARRAYS = ("t", "q", "p", "energy_defect", "energy_kept", "steps")
+_ARRAYS = ("t", "q", "p", "energy_defect", "energy_kept", "steps", "lyapunov", "megno")

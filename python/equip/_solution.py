@@ -82,6 +82,16 @@ class Solution:
         """What double-double has below `p`."""
         return self._part(self.y_low, 1)
 
+    @property
+    def q_events(self) -> tuple[Floats, ...]:
+        """Positions at the roots of each event, (k, *shape)."""
+        return tuple(self._part(y, 0) for y in self.y_events)
+
+    @property
+    def p_events(self) -> tuple[Floats, ...]:
+        """Momenta at the roots of each event, (k, *shape)."""
+        return tuple(self._part(y, 1) for y in self.y_events)
+
     def q_text(self, digits: int = 31) -> np.ndarray[Any, Any]:
         """Positions as decimals with so many significant digits, (n, *shape)."""
         return _text(self.q, self.q_low, digits)

@@ -89,6 +89,20 @@ def test_processes_make_the_bytes_of_one(kepler, pool, how):
     assert kept[0].q.tobytes() == kept[1].q.tobytes()
 
 
+def test_chaos(pool):
+    scene = equip.scenes.henon_heiles(energy="1/8")
+    q0, p0 = np.repeat(scene.q0[None], 3, axis=0), np.repeat(scene.p0[None], 3, axis=0)
+    q0[:, 0] += [0, 0.01, 0.02]
+    here, there = (
+        equip.ensemble(scene, q0, p0, (0, 200), chaos=True, executor=e, chunk=2) for e in (None, pool)
+    )
+    for i in range(3):
+        certificate = equip.solve(scene, q0[i], p0[i], (0, 200), chaos=True).certificate
+        assert here.lyapunov[i] == there.lyapunov[i] == certificate.lyapunov
+        assert here.megno[i] == there.megno[i] == certificate.megno
+    assert np.isnan(equip.ensemble(scene, q0, p0, (0, 1)).megno).all()
+
+
 def test_other_executors_and_no_starts(kepler, pool):
     q0, p0 = starts(9)
     here = equip.ensemble(kepler, q0, p0, (0, 5))

@@ -75,8 +75,8 @@ impl<T: Float> Observer<T> for Signals<'_> {
         let time = view.time.to_f64();
         let flow = self.step_to(time);
         // An interrupted run is written down as well.
-        self.is_due = (self.keeping.as_ref())
-            .is_some_and(|keeping| flow.is_break() || keeping.is_due(time));
+        self.is_due =
+            (self.keeping.as_ref()).is_some_and(|keeping| flow.is_break() || keeping.is_due(time));
         flow
     }
 
