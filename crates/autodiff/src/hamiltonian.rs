@@ -134,19 +134,19 @@ impl Hamiltonian<Recorded> {
     /// [`BytesError`] if they are damaged, of another format, or those of no energy, if a constant is NaN or
     /// infinite, or if there are tables in them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, BytesError> {
-        Self::from_bytes_with(bytes, &|_| None)
+        Self::from_bytes_with(bytes, |_| None)
     }
 
     /// The same with functions from outside, which `functions` makes of what [`Outside::to_bytes`] has made
-    /// of them: for tables `&|bytes| equip_tables::from_bytes(bytes).ok()`.
+    /// of them: for tables `|bytes| equip_tables::from_bytes(bytes).ok()`.
     ///
     /// # Errors
     /// As [`from_bytes`](Self::from_bytes); [`BytesError::UnknownFunction`] where `functions` answers `None`.
     pub fn from_bytes_with(
         bytes: &[u8],
-        functions: &dyn Fn(&[u8]) -> Option<Arc<dyn Outside>>,
+        functions: impl Fn(&[u8]) -> Option<Arc<dyn Outside>>,
     ) -> Result<Self, BytesError> {
-        let mut recordings = bytes::read(bytes, functions)?.into_iter();
+        let mut recordings = bytes::read(bytes, &functions)?.into_iter();
         let (route, alone) = (recordings.next(), recordings.next());
         let what = "there are not the recordings of one energy";
         let route = Recorded::of(route.ok_or(BytesError::Damaged { what })?)?;

@@ -36,7 +36,7 @@ fn energies_with_tables_come_back_bit_for_bit() {
         })
         .unwrap();
         let bytes = h.to_bytes().unwrap();
-        let again = Hamiltonian::from_bytes_with(&bytes, &read).unwrap();
+        let again = Hamiltonian::from_bytes_with(&bytes, read).unwrap();
         for y in [[0.3, -0.7, 0.1, 0.2], [-3.0, 4.0, 0.0, 0.0]] {
             let (mut a, mut b) = ([0.0; 4], [0.0; 4]);
             let values = (

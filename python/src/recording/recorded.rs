@@ -84,7 +84,7 @@ impl Recorded {
     #[staticmethod]
     fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
         let table = |bytes: &[u8]| equip::tables::from_bytes(bytes).ok();
-        let found = Hamiltonian::from_bytes_with(bytes, &table);
+        let found = Hamiltonian::from_bytes_with(bytes, table);
         found.map(Recorded::from).map_err(value_error)
     }
 
