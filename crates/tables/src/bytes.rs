@@ -1,4 +1,4 @@
-//! Tables as bytes: how many axes, two ends, the lengths of the axes, then knots and values as pairs of doubles.
+//! Tables as bytes: number of axes, two ends, lengths of the axes, then knots and values as pairs of doubles.
 //! The least significant byte is the first.
 
 use crate::error::TableError;

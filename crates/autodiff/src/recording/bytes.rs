@@ -1,4 +1,4 @@
-//! A recording as bytes, and back: every node in its place, so that every bit of H and its derivatives is kept.
+//! A recording as bytes, and back: every node in its place, so that H and its derivatives keep every bit.
 //!
 //! | bytes | what |
 //! |---|---|
