@@ -32,6 +32,14 @@ def test_bits_of_the_run_that_had_not_stopped(kepler, tmp_path, how, precision):
         assert np.abs(second.y[-1] - whole.y[-1]).max() < 1e-7
 
 
+def test_a_finished_run_is_not_made_again(kepler, tmp_path):
+    path = tmp_path / "kepler.checkpoint"
+    first = equip.solve(kepler, *START, (0, 5), step=0.125, checkpoint=path)
+    again = equip.solve(kepler, *START, (0, 5), step=0.125, checkpoint=path)
+    assert again.t.tolist() == [5.0] and np.array_equal(again.y[0], first.y[-1])
+    assert again.certificate.counts.steps == first.certificate.counts.steps == 40
+
+
 def test_an_interrupted_run_goes_on(tmp_path):
     path = tmp_path / "run.checkpoint"
     program = f"""

@@ -2,7 +2,10 @@
 
 import multiprocessing
 import os
+import shutil
 import signal
+import subprocess
+import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -159,10 +162,28 @@ def test_dask(kepler):
     assert here.q.tobytes() == there.q.tobytes() and there.success
 
 
-def test_mpi(kepler):
-    futures = pytest.importorskip("mpi4py.futures")
-    q0, p0 = starts(10)
-    here = equip.ensemble(kepler, q0, p0, (0, 5))
-    with futures.MPIPoolExecutor(1) as pool:
-        there = equip.ensemble(kepler, q0, p0, (0, 5), executor=pool, chunk=3)
-    assert here.q.tobytes() == there.q.tobytes() and there.success
+MPI = """
+import numpy as np
+from mpi4py.futures import MPIPoolExecutor
+import equip
+
+if __name__ == "__main__":
+    h = equip.Hamiltonian(lambda q, p: p @ p / 2 - np.cos(q[0]), 1)
+    q0, p0 = np.linspace(0, 2, 10)[:, None], np.zeros((10, 1))
+    with MPIPoolExecutor() as pool:
+        there = equip.ensemble(h, q0, p0, (0, 5), executor=pool, chunk=3)
+    here = equip.ensemble(h, q0, p0, (0, 5))
+    print("the same" if here.q.tobytes() == there.q.tobytes() and there.success else "another")
+"""
+
+
+def test_mpi(tmp_path):
+    pytest.importorskip("mpi4py")
+    mpiexec = shutil.which("mpiexec")
+    if mpiexec is None:
+        pytest.skip("mpiexec is not in the path")
+    script = tmp_path / "script.py"
+    script.write_text(MPI)
+    command = [mpiexec, "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert ended.stdout == "the same\n", ended.stderr

@@ -12,6 +12,9 @@ use pyo3::types::PyBytes;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+const TIME: &str = "these bytes are an energy that depends on time, which the Python package does not integrate; \
+    use the library";
+
 type Doubles<'py> = Bound<'py, PyArray1<f64>>;
 
 /// A function of y = (q, p), 2m numbers.
@@ -84,8 +87,11 @@ impl Recorded {
     #[staticmethod]
     fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
         let table = |bytes: &[u8]| equip::tables::from_bytes(bytes).ok();
-        let found = Hamiltonian::from_bytes_with(bytes, table);
-        found.map(Recorded::from).map_err(value_error)
+        let found = Hamiltonian::from_bytes_with(bytes, table).map_err(value_error)?;
+        if found.has_time() {
+            return Err(value_error(TIME));
+        }
+        Ok(Recorded::from(found))
     }
 
     #[getter]
