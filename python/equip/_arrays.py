@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, Optional
 
 import numpy as np
 
-from ._native import Variable
+from ._native import Condition, Variable
 
 COMPARED = (
     "variables of H cannot be compared: H(q, p) is called once, before any state is known, to record its "
-    "formula. Use np.minimum, np.maximum, np.clip or abs() on q and p, or choose between two Hamiltonians "
-    "outside H"
+    "formula. Use np.where on a condition with <, <=, > or >=, np.minimum, np.maximum, np.clip or abs() on q "
+    "and p, or choose between two Hamiltonians outside H"
 )
 STORED = (
     "variables of H cannot be stored in an array of numbers: collect them with np.stack or in a list, or "
@@ -28,7 +29,8 @@ def unavailable(name: str) -> TypeError:
     return TypeError(
         f"the function {name} cannot be recorded: H may use + - * / ** @, sums, products, einsum, norms, "
         "exponentials, logarithms, trigonometric and hyperbolic functions, np.arctan2, np.hypot, np.minimum, "
-        "np.maximum, np.clip and abs() of q and p, and any function of numbers alone"
+        "np.maximum, np.clip, np.where and abs(), equip.erf and equip.table of q and p, and any function of "
+        "numbers alone"
     )
 
 
@@ -51,6 +53,10 @@ def variables(flat: list[Variable], shape: tuple[int, ...]) -> Variables:
 
 def _is_variable(x: Any) -> bool:
     return isinstance(x, Variable)
+
+
+def _is_recorded(x: Any) -> bool:
+    return isinstance(x, (Variable, Condition))
 
 
 def _minimum(x: Any, y: Any) -> Any:
@@ -81,12 +87,36 @@ def _hypot(x: Any, y: Any) -> Any:
     return y.hypot(x) if _is_variable(y) else math.hypot(x, y)
 
 
+def _sign(x: Any) -> Any:
+    return x.sign() if _is_variable(x) else np.sign(x)
+
+
+def _erf(x: Any) -> Any:
+    return x.erf() if _is_variable(x) else math.erf(x)
+
+
+def _erfc(x: Any) -> Any:
+    return x.erfc() if _is_variable(x) else math.erfc(x)
+
+
+def _where(condition: Any, a: Any, b: Any) -> Any:
+    return condition.choose(a, b) if isinstance(condition, Condition) else a if condition else b
+
+
 def _function(python: Callable[..., Any], arguments: int) -> np.ufunc:
     function: np.ufunc = np.frompyfunc(python, arguments, 1, identity=None)
     return function
 
 
 _MINIMUM, _MAXIMUM, _CLIP = _function(_minimum, 2), _function(_maximum, 2), _function(_clip, 3)
+
+_WHERE = _function(_where, 3)
+
+#: Of numbers, variables and arrays of either.
+ERF, ERFC = _function(_erf, 1), _function(_erfc, 1)
+
+#: Functions of other packages, by name.
+_NAMED = {"erf": ERF, "erfc": ERFC}
 
 #: What NumPy does by comparing, or by a method of the first argument only, and what is done instead.
 _INSTEAD: dict[Any, np.ufunc] = {
@@ -99,20 +129,27 @@ _INSTEAD: dict[Any, np.ufunc] = {
     np.float_power: np.power,
     np.radians: np.deg2rad,
     np.degrees: np.rad2deg,
+    np.sign: _function(_sign, 1),
+    np.greater: _function(operator.gt, 2),
+    np.greater_equal: _function(operator.ge, 2),
+    np.less: _function(operator.lt, 2),
+    np.less_equal: _function(operator.le, 2),
+    np.logical_and: np.bitwise_and,
+    np.logical_or: np.bitwise_or,
+    np.logical_not: np.invert,
 }
 
 _COMPARISONS = {
-    np.greater, np.greater_equal, np.less, np.less_equal, np.equal, np.not_equal, np.sign, np.heaviside,
-    np.logical_and, np.logical_or, np.logical_not, np.logical_xor, np.isnan, np.isfinite, np.isinf,
-    np.signbit,
+    np.equal, np.not_equal, np.heaviside, np.logical_xor, np.isnan, np.isfinite, np.isinf, np.signbit,
 }  # fmt: skip
 
 _RECORDED = {
     "add", "subtract", "multiply", "divide", "negative", "positive", "absolute", "fabs", "square",
     "reciprocal",
     "power", "sqrt", "exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "sin", "cos", "tan", "arcsin",
-    "arccos", "arctan", "sinh", "cosh", "tanh", "deg2rad", "rad2deg", "conjugate", "matmul", "vecdot",
-    "matvec", "vecmat",
+    "arccos", "arctan", "sinh", "cosh", "tanh", "arcsinh", "arccosh", "arctanh", "cbrt", "deg2rad", "rad2deg",
+    "conjugate", "matmul", "vecdot",
+    "matvec", "vecmat", "bitwise_and", "bitwise_or", "invert",
 }  # fmt: skip
 
 
@@ -131,7 +168,7 @@ def _plain(x: Any) -> Any:
         raise TypeError(COMPLEX)
     if isinstance(x, Variables):
         return x.view(np.ndarray)
-    if _is_variable(x):
+    if _is_recorded(x):
         array = np.empty((), dtype=object)
         array[()] = x
         return array
@@ -152,7 +189,7 @@ def apply(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], keywords: Optio
     """A ufunc on operands of which at least one is a variable or an array of them."""
     if ufunc in _COMPARISONS:
         raise TypeError(COMPARED)
-    used = _INSTEAD.get(ufunc, ufunc)
+    used = _INSTEAD.get(ufunc) or _NAMED.get(ufunc.__name__, ufunc)
     if ufunc.__name__ == "clip":
         used = _CLIP
     elif used is ufunc and ufunc.__name__ not in _RECORDED:
@@ -172,7 +209,7 @@ def apply(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], keywords: Optio
 
 def _arrays(x: Any) -> Any:
     """Variables as arrays without an axis, wherever they stand in the arguments of a function."""
-    if _is_variable(x):
+    if _is_recorded(x):
         return _plain(x).view(Variables)
     if isinstance(x, (tuple, list)):
         return type(x)(_arrays(part) for part in x) if type(x) in (tuple, list) else x
@@ -184,6 +221,10 @@ _EMPTY = np.empty(0, dtype=object).view(Variables)
 
 def call(function: Any, arguments: tuple[Any, ...], keywords: dict[str, Any]) -> Any:
     """A function of NumPy with variables among its arguments."""
+    if function is np.where:
+        if len(arguments) != 3:
+            raise TypeError(COMPARED)
+        return _dressed(_WHERE(*(_plain(x) for x in arguments)))
     given = {name: _arrays(x) for name, x in keywords.items()}
     try:
         result = np.ndarray.__array_function__(

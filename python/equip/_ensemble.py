@@ -1,17 +1,18 @@
-"""`ensemble`: many runs of one system over threads."""
+"""`ensemble`: many runs of one system, over threads, or over processes and machines by an executor."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Optional
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, Optional, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._hamiltonian import Function, Hamiltonian
+from ._hamiltonian import Function, Hamiltonian, of_recording
 from ._methods import Equip, Method
 from ._numbers import Floats, Shape, pairs
 from ._solve import interval_of, options
@@ -32,13 +33,25 @@ class Ensemble:
     energy_kept: NDArray[np.bool_]
     #: Steps of each run, (N,).
     steps: NDArray[np.int64]
+    #: Largest Lyapunov exponent, per unit of time, and MEGNO, (N,) each; NaN without `chaos=True`.
+    lyapunov: Floats
+    megno: Floats
     #: What went wrong, and what to change, by the number of the run.
     errors: dict[int, str]
+    #: Numbers of the runs that an executor lost, (k,): `ensemble(..., resume=this)` makes them.
+    lost: NDArray[np.int64]
 
     @property
     def success(self) -> bool:
         """Whether no run failed."""
         return not self.errors
+
+
+class Executor(Protocol):
+    """Of concurrent.futures, mpi4py.futures, Dask (`client.get_executor()`) and others."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any) -> Any:
+        """A future of fn(*args), with `result()` and `cancel()`."""
 
 
 def _starts(x: Any, shape: Shape, name: str) -> Floats:
@@ -59,25 +72,36 @@ def ensemble(
     tolerance: Optional[float] = None,
     keep: Optional[Mapping[str, Function]] = None,
     measure_energy: bool = True,
+    chaos: bool = False,
     first_step: Optional[float] = None,
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
     atol: Any = None,
     threads: Optional[int] = None,
+    executor: Optional[Executor] = None,
+    chunk: int = 256,
+    resume: Optional[Ensemble] = None,
     progress: bool = False,
 ) -> Ensemble:
     """Integrates from N starts over the same span. Parameters are those of `equip.solve`.
 
-    Every bit is that of a run of its own, whatever the number of threads. Python runs meanwhile, and Ctrl-C
-    ends all runs within a tenth of a second or a step.
+    Every bit is that of a run of its own, whatever the number of threads, processes and machines. Python runs
+    meanwhile, and Ctrl-C ends all runs of this process within a tenth of a second or a step.
 
     Parameters
     ----------
     q0, p0
         Positions and momenta at the starts, (N, *h.shape).
     threads
-        Threads of the machine; all by default.
+        Threads of the machine; all by default, with an executor one for each chunk.
+    executor
+        Makes the runs elsewhere, `chunk` starts at a time: an executor of `concurrent.futures` with
+        processes, `mpi4py.futures.MPIPoolExecutor`, Dask's `client.get_executor()`. H travels as its
+        recording, so that it may be a lambda. If a worker dies, the runs that were not finished are `lost`,
+        and all others are kept.
+    resume
+        An ensemble of the same starts: its rows are taken, and only its `lost` runs are made.
 
     Raises
     ------
@@ -104,6 +128,7 @@ def ensemble(
         atol=atol,
         keep=keep,
         measure_energy=measure_energy,
+        chaos=chaos,
     )
     given["record"] = 0
     q, p = _starts(q0, h.shape, "q0"), _starts(p0, h.shape, "p0")
@@ -118,20 +143,63 @@ def ensemble(
         raise ValueError(
             f"steps of {step} lead from {start[0]} away from {end[0]}; give a step without a sign"
         )
-    flat = (q.ravel().tolist(), p.ravel().tolist())
-    if progress:
-        from tqdm.auto import tqdm
-
-        with tqdm(total=len(q), unit="run") as bar:
-
-            def show(done: int) -> None:
-                bar.update(done - bar.n)
-
+    if chunk < 1:
+        raise ValueError(f"chunk is {chunk}; it must be 1 or more")
+    if resume is not None and resume.q.shape != q.shape:
+        raise ValueError(f"resume has {len(resume.q)} starts, but q0 has {len(q)}; give those it was made of")
+    which = np.arange(len(q)) if resume is None else resume.lost
+    q, p = q[which], p[which]
+    with _bar(len(q), progress) as show:
+        if executor is None:
+            flat = (q.ravel().tolist(), p.ravel().tolist())
             found = _native.ensemble(h._recorded, *flat, times, given, workers, show)
+            made, lost = _ensemble(found, h.shape), np.empty(0, dtype=np.int64)
+        else:
+            # Faults of the options are found here.
+            _native.ensemble(h._recorded, [], [], times, given, 1, None)
+            quantities = {name: of_recording(f, h.shape) for name, f in given["keep"]}
+            task = _Task(h.to_bytes(), h.shape, times, {**given, "keep": quantities}, threads or 1)
+            made, lost = _elsewhere(executor, task, (q, p), chunk, show)
+        if show is not None:
             show(len(q))
-    else:
-        found = _native.ensemble(h._recorded, *flat, times, given, workers, None)
-    ends = found["y"].reshape(len(q), 2, *h.shape)
+    if resume is None:
+        return replace(made, lost=lost)
+    return _filled(resume, made, which, lost)
+
+
+@contextmanager
+def _bar(total: int, progress: bool) -> Iterator[Optional[Callable[[int], None]]]:
+    if not progress:
+        yield None
+        return
+    from tqdm.auto import tqdm
+
+    with tqdm(total=total, unit="run") as bar:
+        yield lambda done: bar.update(done - bar.n)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What all chunks have in common, ready to be pickled."""
+
+    recording: bytes
+    shape: Shape
+    times: tuple[float, float]
+    given: dict[str, Any]
+    threads: int
+
+
+def _chunk(task: _Task, q: Floats, p: Floats) -> Ensemble:
+    """The rows of these starts: a function of its arguments alone."""
+    recorded = _native.Recorded.from_bytes(task.recording)
+    keep = [(name, quantity._recorded) for name, quantity in task.given["keep"].items()]
+    flat = (q.ravel().tolist(), p.ravel().tolist())
+    found = _native.ensemble(recorded, *flat, task.times, {**task.given, "keep": keep}, task.threads, None)
+    return _ensemble(found, task.shape)
+
+
+def _ensemble(found: dict[str, Any], shape: Shape) -> Ensemble:
+    ends = found["y"].reshape(-1, 2, *shape)
     return Ensemble(
         t=found["t"],
         q=ends[:, 0],
@@ -139,5 +207,90 @@ def ensemble(
         energy_defect=found["energy_defect"],
         energy_kept=found["kept"],
         steps=found["steps"],
+        lyapunov=found["lyapunov"],
+        megno=found["megno"],
         errors=found["errors"],
+        lost=np.empty(0, dtype=np.int64),
     )
+
+
+def _elsewhere(
+    executor: Executor,
+    task: _Task,
+    starts: tuple[Floats, Floats],
+    chunk: int,
+    show: Optional[Callable[[int], None]],
+) -> tuple[Ensemble, NDArray[np.int64]]:
+    """All chunks, one after the other, and the numbers of those that were lost."""
+    q, p = starts
+    futures: list[Any] = []
+    parts: list[Ensemble] = []
+    lost: list[int] = []
+    try:
+        for at in range(0, len(q), chunk):
+            try:
+                futures.append(executor.submit(_chunk, task, q[at : at + chunk], p[at : at + chunk]))
+            except Exception as error:  # A pool that is broken already refuses more.
+                futures.append(error)
+        for number, future in enumerate(futures):
+            rows = range(number * chunk, min(number * chunk + chunk, len(q)))
+            try:
+                if isinstance(future, Exception):
+                    raise future
+                parts.append(future.result())
+            except Exception as error:
+                parts.append(_missing(len(rows), task.shape, error))
+                lost.extend(rows)
+            if show is not None:
+                show(rows.stop)
+    except BaseException:
+        for future in futures:
+            if not isinstance(future, Exception):
+                future.cancel()
+        raise
+    return _joined(parts, task.shape), np.array(lost, dtype=np.int64)
+
+
+def _missing(n: int, shape: Shape, error: Exception) -> Ensemble:
+    """Rows that were not made."""
+    message = (
+        f"the worker of this run ended early ({type(error).__name__}: {error}); call ensemble again with "
+        "resume= to make it"
+    )
+    states = np.full((2, n, *shape), np.nan)
+    none = np.full(n, np.nan)
+    return Ensemble(
+        t=none,
+        q=states[0],
+        p=states[1],
+        energy_defect=none,
+        energy_kept=np.zeros(n, dtype=bool),
+        steps=np.zeros(n, dtype=np.int64),
+        lyapunov=none,
+        megno=none,
+        errors={i: message for i in range(n)},
+        lost=np.empty(0, dtype=np.int64),
+    )
+
+
+def _joined(parts: Sequence[Ensemble], shape: Shape) -> Ensemble:
+    parts = parts or [_missing(0, shape, RuntimeError())]
+    starts = np.cumsum([0] + [len(part.t) for part in parts])
+    errors = {int(at) + i: text for at, part in zip(starts, parts) for i, text in part.errors.items()}
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS
+    }
+    return Ensemble(**arrays, errors=errors, lost=np.empty(0, dtype=np.int64))
+
+
+def _filled(before: Ensemble, made: Ensemble, which: NDArray[np.int64], lost: NDArray[np.int64]) -> Ensemble:
+    """The rows of `before`, those of `which` from `made`."""
+    arrays = {name: getattr(before, name).copy() for name in _ARRAYS}
+    for name, array in arrays.items():
+        array[which] = getattr(made, name)
+    errors = {i: text for i, text in before.errors.items() if i not in set(which.tolist())}
+    errors |= {int(which[i]): text for i, text in made.errors.items()}
+    return Ensemble(**arrays, errors=errors, lost=which[lost])
+
+
+_ARRAYS = ("t", "q", "p", "energy_defect", "energy_kept", "steps", "lyapunov", "megno")

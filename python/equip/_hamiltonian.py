@@ -66,7 +66,6 @@ class Hamiltonian:
         def call(q: list[_native.Variable], p: list[_native.Variable]) -> Any:
             return _scalar(function(_arrays.variables(q, axes), _arrays.variables(p, axes)))
 
-        self._function: Any = function
         self._shape = axes
         self._recorded = _native.Recorded(call, int(np.prod(axes)))
 
@@ -141,10 +140,44 @@ class Hamiltonian:
         kind = "quadratic" if self.quadratic else "separable" if self.separable else "not separable"
         return f"<Hamiltonian of shape {self._shape}, {kind}, {self.operations} operations>"
 
+    def to_bytes(self) -> bytes:
+        """The recording, with its constants to all their digits and its tables, as pickling writes it:
+        without the function, also of a lambda."""
+        return self._recorded.to_bytes()
+
+    @classmethod
+    def from_bytes(cls, recording: bytes, shape: Union[int, Shape]) -> Hamiltonian:
+        """The Hamiltonian of which `to_bytes` made the recording: all bits of its runs are the same.
+
+        Raises
+        ------
+        ValueError
+            If the bytes are damaged, those of another format, or of another number of variables.
+        """
+        return of_recording(_native.Recorded.from_bytes(recording), shape)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same recording and shape."""
+        if not isinstance(other, Hamiltonian):
+            return NotImplemented
+        return self._shape == other._shape and self.to_bytes() == other.to_bytes()
+
+    def __hash__(self) -> int:
+        return hash((self._shape, self.to_bytes()))
+
     def __reduce__(self) -> tuple[Any, ...]:
-        if self._function is None:
-            raise TypeError("this quantity belongs to a scene: pickle the scene")
-        return Hamiltonian, (self._function, self._shape)
+        return Hamiltonian.from_bytes, (self.to_bytes(), self._shape)
+
+
+def of_recording(recorded: _native.Recorded, shape: Union[int, Shape]) -> Hamiltonian:
+    """What has been recorded, for arrays of the given shape."""
+    h = Hamiltonian.__new__(Hamiltonian)
+    h._recorded, h._shape = recorded, shape_of(shape)
+    if int(np.prod(h._shape)) != recorded.degrees_of_freedom:
+        raise ValueError(
+            f"shape is {shape}, but what was recorded has {recorded.degrees_of_freedom} positions"
+        )
+    return h
 
 
 def recorded_quantity(function: Any, shape: Shape, name: str) -> _native.Recorded:

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from . import _native
-from ._hamiltonian import Hamiltonian
+from ._hamiltonian import Hamiltonian, of_recording
 from ._numbers import DoubleDouble, Floats
 
 
@@ -35,7 +35,6 @@ class Scene(Hamiltonian):
             name, [(key.replace("_", "-"), str(value)) for key, value in parameters.items()]
         )
         self._name, self._given, self._found = name, parameters, found
-        self._function = None
         self._recorded = found["hamiltonian"]
         self._shape = (self._recorded.degrees_of_freedom,)
         self.name = name
@@ -51,7 +50,7 @@ class Scene(Hamiltonian):
         self.step: float = found["step"]
         self.end: float = found["end"]
         self.invariants: dict[str, Hamiltonian] = {
-            name: _quantity(recorded, self._shape) for name, recorded in found["invariants"]
+            name: of_recording(recorded, self._shape) for name, recorded in found["invariants"]
         }
 
     def start(self, precision: Literal["f64", "dd"] = "f64") -> tuple[Any, Any]:
@@ -67,9 +66,3 @@ class Scene(Hamiltonian):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Scene, (self._name, self._given)
-
-
-def _quantity(recorded: _native.Recorded, shape: tuple[int, ...]) -> Hamiltonian:
-    quantity = Hamiltonian.__new__(Hamiltonian)
-    quantity._function, quantity._recorded, quantity._shape = None, recorded, shape
-    return quantity

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, Optional, Union
@@ -11,6 +10,7 @@ import numpy as np
 
 from . import _native
 from ._certificate import Certificate
+from ._hamiltonian import Hamiltonian
 from ._numbers import Floats, Shape
 
 
@@ -36,6 +36,9 @@ class Solution:
         In words; if a step could not be made, why, and what to change.
     certificate
         What was kept, measured.
+    hamiltonian
+        The energy, without the function it was recorded from: a run goes on with
+        `equip.solve(sol.hamiltonian, sol.q[-1], sol.p[-1], (sol.t[-1], end))`, also after `equip.load`.
     """
 
     shape: Shape
@@ -48,6 +51,7 @@ class Solution:
     success: bool
     message: str
     certificate: Certificate
+    hamiltonian: Hamiltonian
     #: What double-double has below `t` and `y`; zero in a run in doubles.
     t_low: Floats = field(repr=False)
     y_low: Floats = field(repr=False)
@@ -77,6 +81,16 @@ class Solution:
     def p_low(self) -> Floats:
         """What double-double has below `p`."""
         return self._part(self.y_low, 1)
+
+    @property
+    def q_events(self) -> tuple[Floats, ...]:
+        """Positions at the roots of each event, (k, *shape)."""
+        return tuple(self._part(y, 0) for y in self.y_events)
+
+    @property
+    def p_events(self) -> tuple[Floats, ...]:
+        """Momenta at the roots of each event, (k, *shape)."""
+        return tuple(self._part(y, 1) for y in self.y_events)
 
     def q_text(self, digits: int = 31) -> np.ndarray[Any, Any]:
         """Positions as decimals with so many significant digits, (n, *shape)."""
@@ -154,58 +168,11 @@ class Solution:
         return xarray.Dataset(variables, coords={"t": self.t}, attrs=attributes)
 
     def save(self, path: Union[str, PathLike[str]]) -> None:
-        """Writes all but the dense output to a NumPy archive, by custom of the ending `.npz`; `equip.load`
-        reads it."""
-        events: dict[str, Any] = {f"t_event_{i}": t for i, t in enumerate(self.t_events)}
-        events |= {f"y_event_{i}": y for i, y in enumerate(self.y_events)}
-        words = {
-            "format": FORMAT,
-            "success": self.success,
-            "message": self.message,
-            "shape": self.shape,
-            "certificate": self.certificate.to_dict(),
-            "events": len(self.t_events),
-        }
-        with open(path, "wb") as file:
-            np.savez_compressed(
-                file,
-                t=self.t,
-                y=self.y,
-                energy_defect=self.energy_defect,
-                outcome=self.outcome,
-                t_low=self.t_low,
-                y_low=self.y_low,
-                words=np.array(json.dumps(words)),
-                **events,
-            )
+        """Writes all but the dense output, and the recording of H, to a NumPy archive, or to HDF5 where the
+        path ends in `.h5` or `.hdf5` (asks for the package h5py). `equip.load` reads it."""
+        from ._files import save
 
-
-#: Of files written by `save`.
-FORMAT = "equip solution 1"
-
-
-def load(path: Union[str, PathLike[str]]) -> Solution:
-    """The solution that `Solution.save` wrote to `path`; it has no dense output.
-
-    Raises
-    ------
-    ValueError
-        If the file was not written by `Solution.save`.
-    """
-    with np.load(path) as stored:
-        words = json.loads(str(stored["words"])) if "words" in stored else {}
-        if words.get("format") != FORMAT:
-            raise ValueError(f"{path} is not a solution written by Solution.save")
-        names = ("t", "y", "energy_defect", "outcome", "t_low", "y_low")
-        return Solution(
-            **{name: stored[name] for name in names},
-            shape=tuple(words["shape"]),
-            t_events=tuple(stored[f"t_event_{i}"] for i in range(words["events"])),
-            y_events=tuple(stored[f"y_event_{i}"] for i in range(words["events"])),
-            success=words["success"],
-            message=words["message"],
-            certificate=Certificate._from_dict(words["certificate"]),
-        )
+        save(self, path)
 
 
 def _text(high: Floats, low: Floats, digits: int) -> np.ndarray[Any, Any]:

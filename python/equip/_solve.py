@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from os import PathLike, fspath
 from typing import Any, Literal, Optional, Union
 
 import numpy as np
@@ -139,6 +140,7 @@ def solve(
     max_steps: Optional[int] = None,
     atol: Any = None,
     precision: Literal["f64", "dd"] = "f64",
+    checkpoint: Union[None, str, PathLike[str]] = None,
     progress: bool = False,
 ) -> Solution:
     """Integrates q' = ∂H/∂p, p' = -∂H/∂q over an interval of time. All numbers are in the units of H.
@@ -153,7 +155,7 @@ def solve(
         Positions and momenta at the start, each of the shape `h.shape`. In double-double also text,
         `Decimal`, `Fraction`, `np.longdouble` or `equip.DoubleDouble`.
     span
-        Start and end of the interval, the end not before the start.
+        Start and end of the interval; a run whose end lies before its start goes back in time.
     method
         `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
     step, tolerance
@@ -183,6 +185,11 @@ def solve(
         to its motion: a number, or a pair for positions and momenta of numbers or arrays of their shape.
     precision
         "f64", or "dd" for double-double, 31 digits.
+    checkpoint
+        A file for what a run needs to go on: written every minute, at the end of the interval, and when
+        Ctrl-C ends the run. If it is there already, the run goes on from it bit for bit, with the same start
+        and options, to the end of this interval: the solution begins there, the certificate is that of the
+        whole.
     progress
         Whether to show a bar; asks for the package tqdm.
 
@@ -234,10 +241,10 @@ def solve(
     given["events"] = _events(events, h.shape)
     start, end = interval_of(span)
     interval = (state(q0, h.shape, "q0"), state(p0, h.shape, "p0"), start, end)
+    path = None if checkpoint is None else fspath(checkpoint)
     if not progress:
-        return _solution(
-            h.shape, _native.solve(h._recorded, interval, given, precision, None), given, at_times
-        )
+        found = _native.solve(h._recorded, interval, given, precision, None, path)
+        return _solution(h, found, given, at_times)
     from tqdm.auto import tqdm
 
     with tqdm(
@@ -247,13 +254,13 @@ def solve(
         def show(time: float) -> None:
             bar.update(time - start[0] - bar.n)
 
-        found = _native.solve(h._recorded, interval, given, precision, show)
+        found = _native.solve(h._recorded, interval, given, precision, show, path)
         show(found["certificate"]["end"])
-    return _solution(h.shape, found, given, at_times)
+    return _solution(h, found, given, at_times)
 
 
-def _solution(shape: Shape, found: dict[str, Any], given: dict[str, Any], at_times: bool) -> Solution:
-    n = 2 * int(np.prod(shape))
+def _solution(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any], at_times: bool) -> Solution:
+    n = 2 * h.degrees_of_freedom
     prefix = "output_" if at_times else ""
     (t, t_low), (y, y_low) = found[prefix + "t"], found[prefix + "y"]
     which: Floats = np.array(found["event"], dtype=int)
@@ -264,7 +271,8 @@ def _solution(shape: Shape, found: dict[str, Any], given: dict[str, Any], at_tim
         "a terminal event ended the run" if found["stopped"] else "the end of the interval was reached"
     )
     return Solution(
-        shape=shape,
+        shape=h.shape,
+        hamiltonian=h,
         t=t,
         y=y.reshape(-1, n),
         energy_defect=found.get(prefix + "energy_defect", np.empty(0)),

@@ -9,7 +9,7 @@ mod runs;
 mod scene;
 
 use pyo3::prelude::*;
-use recording::{constant, recorded, variable};
+use recording::{condition, constant, recorded, table, variable};
 use runs::{ensemble, run, steps};
 
 #[pymodule]
@@ -21,6 +21,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         py.get_type::<faults::IntegrationError>(),
     )?;
     module.add_class::<variable::Variable>()?;
+    module.add_class::<condition::Condition>()?;
+    module.add_class::<table::Table>()?;
     module.add_class::<recorded::Recorded>()?;
     module.add_class::<run::Curve>()?;
     module.add_class::<steps::Steps>()?;

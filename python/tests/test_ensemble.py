@@ -1,5 +1,13 @@
 """Many runs over threads."""
 
+import multiprocessing
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -59,3 +67,123 @@ def test_progress(kepler, capsys):
     q0, p0 = starts(10)
     assert equip.ensemble(kepler, q0, p0, (0, 10), progress=True).success
     assert "10/10" in capsys.readouterr().err
+
+
+NAMES = ("t", "q", "p", "energy_defect", "energy_kept", "steps")
+
+
+@pytest.fixture(scope="module")
+def pool():
+    with ProcessPoolExecutor(2, mp_context=multiprocessing.get_context("spawn")) as pool:
+        yield pool
+
+
+@pytest.mark.parametrize("how", [{"step": 0.1}, {"tolerance": 1e-10, "atol": ([1e-12, 1e-13], 1e-12)}])
+def test_processes_make_the_bytes_of_one(kepler, pool, how):
+    q0, p0 = starts(23)
+    q0[7] = np.nan
+    here = equip.ensemble(kepler, q0, p0, (0, 10), **how)
+    keep = {"keep": {"angular momentum": lambda q, p: q[0] * p[1] - q[1] * p[0]}}
+    for chunk in (1, 5, 100):
+        there = equip.ensemble(kepler, q0, p0, (0, 10), executor=pool, chunk=chunk, **how)
+        assert all(getattr(here, name).tobytes() == getattr(there, name).tobytes() for name in NAMES)
+        assert here.errors == there.errors and list(there.errors) == [7] and not len(there.lost)
+    kept = [equip.ensemble(kepler, q0, p0, (0, 1), executor=e, **how, **keep) for e in (None, pool)]
+    assert kept[0].q.tobytes() == kept[1].q.tobytes()
+
+
+def test_chaos(pool):
+    scene = equip.scenes.henon_heiles(energy="1/8")
+    q0, p0 = np.repeat(scene.q0[None], 3, axis=0), np.repeat(scene.p0[None], 3, axis=0)
+    q0[:, 0] += [0, 0.01, 0.02]
+    here, there = (
+        equip.ensemble(scene, q0, p0, (0, 200), chaos=True, executor=e, chunk=2) for e in (None, pool)
+    )
+    for i in range(3):
+        certificate = equip.solve(scene, q0[i], p0[i], (0, 200), chaos=True).certificate
+        assert here.lyapunov[i] == there.lyapunov[i] == certificate.lyapunov
+        assert here.megno[i] == there.megno[i] == certificate.megno
+    assert np.isnan(equip.ensemble(scene, q0, p0, (0, 1)).megno).all()
+
+
+def test_other_executors_and_no_starts(kepler, pool):
+    q0, p0 = starts(9)
+    here = equip.ensemble(kepler, q0, p0, (0, 5))
+    with ThreadPoolExecutor(3) as threads:
+        there = equip.ensemble(kepler, q0, p0, (0, 5), executor=threads, chunk=2, progress=True)
+    assert here.q.tobytes() == there.q.tobytes()
+    none = equip.ensemble(kepler, q0[:0], p0[:0], (0, 5), executor=pool)
+    assert none.q.shape == (0, 2) and none.success
+    with pytest.raises(ValueError, match="chunk is 0"):
+        equip.ensemble(kepler, q0, p0, (0, 5), executor=pool, chunk=0)
+    with pytest.raises(ValueError, match="stages"):
+        equip.ensemble(kepler, q0, p0, (0, 5), executor=pool, method=equip.Equip(stages=99))
+
+
+class Killer:
+    """Hands chunks to a pool, and kills its workers when the third is asked for."""
+
+    def __init__(self, pool):
+        self.pool, self.made = pool, 0
+
+    def submit(self, function, *arguments):
+        future = self.pool.submit(function, *arguments)
+        future.result() if self.made < 2 else self.kill()
+        self.made += 1
+        return future
+
+    def kill(self):
+        for process in list((self.pool._processes or {}).values()):
+            os.kill(process.pid, signal.SIGKILL)
+
+
+def test_a_killed_worker_loses_nothing_that_was_finished(kepler):
+    q0, p0 = starts(20)
+    span = (0, 2000)
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        part = equip.ensemble(kepler, q0, p0, span, step=0.1, executor=Killer(pool), chunk=4)
+    assert part.lost.tolist() == list(range(8, 20)) == sorted(part.errors) and not part.success
+    assert "the worker of this run ended early" in part.errors[8]
+    assert np.isfinite(part.q[:8]).all() and np.isnan(part.q[8:]).all()
+    whole = equip.ensemble(kepler, q0, p0, span, step=0.1, resume=part)
+    here = equip.ensemble(kepler, q0, p0, span, step=0.1)
+    assert whole.success and not len(whole.lost)
+    assert all(getattr(here, name).tobytes() == getattr(whole, name).tobytes() for name in NAMES)
+    with pytest.raises(ValueError, match="resume has 20 starts, but q0 has 3"):
+        equip.ensemble(kepler, q0[:3], p0[:3], span, resume=part)
+
+
+def test_dask(kepler):
+    distributed = pytest.importorskip("distributed")
+    q0, p0 = starts(10)
+    here = equip.ensemble(kepler, q0, p0, (0, 5))
+    with distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
+        there = equip.ensemble(kepler, q0, p0, (0, 5), executor=client.get_executor(), chunk=3)
+    assert here.q.tobytes() == there.q.tobytes() and there.success
+
+
+MPI = """
+import numpy as np
+from mpi4py.futures import MPIPoolExecutor
+import equip
+
+if __name__ == "__main__":
+    h = equip.Hamiltonian(lambda q, p: p @ p / 2 - np.cos(q[0]), 1)
+    q0, p0 = np.linspace(0, 2, 10)[:, None], np.zeros((10, 1))
+    with MPIPoolExecutor() as pool:
+        there = equip.ensemble(h, q0, p0, (0, 5), executor=pool, chunk=3)
+    here = equip.ensemble(h, q0, p0, (0, 5))
+    print("the same" if here.q.tobytes() == there.q.tobytes() and there.success else "another")
+"""
+
+
+def test_mpi(tmp_path):
+    pytest.importorskip("mpi4py")
+    mpiexec = shutil.which("mpiexec")
+    if mpiexec is None:
+        pytest.skip("mpiexec is not in the path")
+    script = tmp_path / "script.py"
+    script.write_text(MPI)
+    command = [mpiexec, "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert ended.stdout == "the same\n", ended.stderr

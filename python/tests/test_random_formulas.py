@@ -5,6 +5,7 @@ import math
 import numpy as np
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scipy import special
 
 import equip
 
@@ -57,6 +58,22 @@ class Complex:
     def smallest(x):
         return x[np.argmin(np.real(x))]
 
+    @staticmethod
+    def cbrt(x):
+        return x ** (1 / 3)
+
+    @staticmethod
+    def erf(x):
+        return special.erf(np.asarray(x, complex))
+
+    @staticmethod
+    def where_above(x, y, a, b):
+        return np.where(np.real(x) > np.real(y), a, b)
+
+    @staticmethod
+    def where_between(x, a, b):
+        return np.where((np.real(x) >= -0.5) & ~(np.real(x) > 0.5), a, b)
+
     def __getattr__(self, name):
         return getattr(np, name)
 
@@ -65,6 +82,19 @@ class Real:
     """The same functions as the user of equip writes them."""
 
     norm, smallest, variance = (staticmethod(f) for f in (np.linalg.norm, np.min, np.var))
+    erf = staticmethod(equip.erf)
+
+    @staticmethod
+    def where_above(x, y, a, b):
+        return np.where(x > y, a, b)
+
+    @staticmethod
+    def where_between(x, a, b):
+        return (
+            np.where((x >= -0.5) & ~(x > 0.5), a, b)
+            if np.ndim(x)
+            else np.where(np.logical_and(x >= -0.5, np.logical_not(x > 0.5)), a, b)
+        )
 
     def __getattr__(self, name):
         return getattr(np, name)
@@ -93,6 +123,12 @@ UNARY = {
     "sinh": lambda f, x: f.sinh(f.sin(x)),
     "cosh": lambda f, x: f.cosh(f.cos(x)),
     "tanh": lambda f, x: f.tanh(x),
+    "arcsinh": lambda f, x: f.arcsinh(x),
+    "arccosh": lambda f, x: f.arccosh(1.5 + x * x),
+    "arctanh": lambda f, x: f.arctanh(0.9 * f.sin(x)),
+    "cbrt": lambda f, x: f.cbrt(1.5 + x * x),
+    "erf": lambda f, x: f.erf(f.sin(x)),
+    "where": lambda f, x: f.where_between(x, f.sin(x), 0.3),
     "abs": lambda f, x: f.abs(x),
     "neg": lambda f, x: -x,
     "square": lambda f, x: f.square(f.tanh(x)),
@@ -120,6 +156,8 @@ BINARY = {
     "arctan2": lambda f, x, y: f.arctan2(x, 2 + y * y),
     "arctan2 turned": lambda f, x, y: f.arctan2(1 + x * x, y),
     "hypot": lambda f, x, y: f.hypot(1 + x, y),
+    "where": lambda f, x, y: f.where_above(x, y, x, 2 * y),
+    "where against a constant": lambda f, x, y: f.where_above(0.3, x, y, x),
 }
 
 #: Of arrays.
@@ -137,6 +175,10 @@ ARRAYS = {
     "largest of each": lambda f, a, b: f.maximum(a, b).sum(),
     "angles": lambda f, a, b: f.arctan2(a, 2 + b * b).sum(),
     "clipped": lambda f, a, b: f.clip(a, -0.5, 0.5) @ b,
+    "where of arrays": lambda f, a, b: f.where_above(a, b, a * b, 0.5).sum(),
+    "where by one": lambda f, a, b: f.where_above(a[0], b[1], a, b).sum(),
+    "where between": lambda f, a, b: f.where_between(a, a * b, b).sum(),
+    "errors": lambda f, a, b: f.erf(a) @ b,
     "loop": lambda f, a, b: sum((a[i] - b[i - 1]) ** 2 for i in range(M)),
     "stack": lambda f, a, b: f.stack([a[0], b[2]]) @ np.array([2.0, -1.0]),
     "roll": lambda f, a, b: f.roll(a, 1) @ b[::-1],

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from scipy import special
 
 import equip
 
@@ -28,6 +29,9 @@ FORMULAS = {
     "exponentials": lambda q, p: (np.exp(q) + np.expm1(p) + np.exp2(q) + np.log(q) + np.log1p(p)).sum(),
     "logarithms": lambda q, p: np.log10(q[0]) + np.log2(p[1]) + np.sqrt(q).sum() + np.square(p).sum() + np.reciprocal(q)[0],
     "circular": lambda q, p: (np.sin(q) + np.cos(p) + np.tan(q) + np.arcsin(q) + np.arccos(p) + np.arctan(q)).sum(),
+    "inverse hyperbolic": lambda q, p: (np.arcsinh(q) + np.arccosh(1 + p) + np.arctanh(q) + np.cbrt(p)).sum() + np.cbrt(-q[0]),
+    "errors": lambda q, p: equip.erf(q).sum() + equip.erfc(p[0]) + special.erf(p).sum() + special.erfc(q[1]) + equip.erf(0.3),
+    "signs": lambda q, p: (np.sign(q - 0.5) * p).sum() + np.sign(q[0] - 0.6),
     "hyperbolic": lambda q, p: (np.sinh(q) + np.cosh(p) + np.tanh(q)).sum(),
     "degrees": lambda q, p: np.degrees(q[0]) + np.radians(p[1]) + np.deg2rad(q).sum() + np.rad2deg(p).sum(),
     "slices": lambda q, p: (q[:, None] - p[None, :]).ravel()[1:3].sum() + np.triu(np.outer(q, q)).sum() + q[::-1] @ p,
@@ -35,6 +39,11 @@ FORMULAS = {
     "lists": lambda q, p: np.array([q[0], p[1], 1.0]).sum() + np.maximum(np.stack([q[0], 0.4]), 0.3).sum(),
     "products": lambda q, p: np.cross(np.append(q, 0), np.append(p, 0))[2] + np.kron(q, p).sum() + np.outer(q, p).trace(),
     "where": lambda q, p: np.where([True, False], q, 0.0).sum() + np.where(True, q[0], p[0]),
+    "where by q": lambda q, p: np.where(q > 0.5, q**2, p).sum() + np.where(q < p, q, 0.0)[1] + np.where(0.4 <= q, 1, p).sum(),
+    "where by one": lambda q, p: np.where(q[0] > p[0], q, p) @ MATRIX @ q + np.where(q[0] >= 0.5, 2.0, q[0]) + np.where(0.5 > p[1], p[0], 1),
+    "where by two": lambda q, p: np.where((q > 0.3) & (p < 0.7), q, p).sum() + np.where((q > 0.6) | ~(p > 0.4), p, 1.5).sum(),
+    "where by logic": lambda q, p: np.where(np.logical_and(q > 0.3, np.logical_not(p > 0.6)), q, p).sum()
+    + np.where(np.logical_or(q <= 0.3, np.array([True, False])), q, p).sum(),
     "differences": lambda q, p: np.diff(q)[0] + np.roll(q, 1) @ p,
     "scalars": lambda q, p: np.float64(2) * q[0] + 3 * p[0] + q[1] / np.int64(7) - np.float32(0.5) * p[1] + True * q[0],
     "arrays of one": lambda q, p: np.array(2.0) * q[0] + (q[0] * np.array([1.0, 2.0]))[1] + (np.array([1, 2]) - p[0]) @ q,
@@ -148,13 +157,39 @@ def module_level_energy(q, p):
 
 
 def test_pickles():
-    h = equip.Hamiltonian(module_level_energy, 3)
+    h = equip.Hamiltonian(lambda q, p: (p**2).sum() / 2 + Fraction(1, 3) * np.cos(q).sum(), (2, 2))
     again = pickle.loads(pickle.dumps(h))
-    assert again.shape == (3,) and again([1, 2, 3], [0, 0, 0]) == 14
+    assert again.shape == (2, 2) and again == h and hash(again) == hash(h) and again != equip.scenes.kepler()
+    q, p = np.random.default_rng(3).normal(size=(2, 2, 2))
+    runs = [equip.solve(x, q, p, (0, 3), precision="dd") for x in (h, again)]
+    assert all(np.array_equal(getattr(runs[0], name), getattr(runs[1], name)) for name in ("t", "y", "y_low"))
     scene = pickle.loads(pickle.dumps(equip.scenes.kepler(e=0.3)))
     assert scene.parameters["e"] == "0.3" and np.array_equal(scene.q0, [0.7, 0])
-    with pytest.raises(TypeError, match="pickle the scene"):
-        pickle.dumps(scene.invariants["angular momentum"])
+    momentum = pickle.loads(pickle.dumps(scene.invariants["angular momentum"]))
+    assert momentum([1.0, 0.0], [0.0, 2.0]) == 2
+
+
+def test_error_functions_of_numbers():
+    x = np.linspace(-2, 2, 9)
+    assert np.allclose(equip.erf(x), special.erf(x), rtol=0, atol=1e-15) and equip.erf(x).dtype == float
+    assert equip.erfc(7.0) == pytest.approx(special.erfc(7.0), rel=1e-13) and isinstance(
+        equip.erf(0.5), float
+    )
+
+
+def test_recordings_in_bytes_are_checked(kepler):
+    recording = kepler.to_bytes()
+    assert equip.Hamiltonian.from_bytes(recording, 2) == kepler
+    with pytest.raises(ValueError, match="these bytes are no energy"):
+        equip.Hamiltonian.from_bytes(b"something else", 2)
+    with pytest.raises(ValueError, match="these bytes are damaged"):
+        equip.Hamiltonian.from_bytes(recording[:-1], 2)
+    damaged = bytearray(recording)
+    damaged[-3] ^= 4
+    with pytest.raises(ValueError, match="their checksum is not that of their content"):
+        equip.Hamiltonian.from_bytes(bytes(damaged), 2)
+    with pytest.raises(ValueError, match="shape is 3, but what was recorded has 2 positions"):
+        equip.Hamiltonian.from_bytes(recording, 3)
 
 
 def test_repr():

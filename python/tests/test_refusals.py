@@ -13,19 +13,19 @@ OUTSIDE = "or choose between two Hamiltonians outside H"
 COMPARED = (
     "a variable of H cannot be compared: "
     + ONCE
-    + "Use np.minimum, np.maximum, np.clip or abs() on q and p, on lists "
+    + "Use np.where on the condition, np.minimum, np.maximum, np.clip or abs() on q and p, on lists "
     "of variables after np.stack (np.array makes an array that compares), " + OUTSIDE
 )
 ARRAYS_COMPARED = (
     "variables of H cannot be compared: "
     + ONCE
-    + "Use np.minimum, np.maximum, np.clip or abs() on q and p, "
+    + "Use np.where on a condition with <, <=, > or >=, np.minimum, np.maximum, np.clip or abs() on q and p, "
     + OUTSIDE
 )
 TRUTH = (
     "a variable of H is neither true nor false: "
     + ONCE
-    + "Use np.minimum, np.maximum, np.clip or abs() on q and p, "
+    + "Use np.where, np.minimum, np.maximum, np.clip or abs() on q and p, "
     + OUTSIDE
 )
 NUMBER = (
@@ -49,8 +49,8 @@ JUMPS = (
 COMPLEX = "H is real: use no complex numbers in it"
 MAY_USE = (
     " cannot be recorded: H may use + - * / ** @, sums, products, einsum, norms, exponentials, logarithms, trigonometric "
-    "and hyperbolic functions, np.arctan2, np.hypot, np.minimum, np.maximum, np.clip and abs() of q and p, and any "
-    "function of numbers alone"
+    "and hyperbolic functions, np.arctan2, np.hypot, np.minimum, np.maximum, np.clip, np.where and abs(), equip.erf and "
+    "equip.table of q and p, and any function of numbers alone"
 )
 
 
@@ -81,9 +81,20 @@ REFUSALS = {
     "np.sort": (lambda q, p: np.sort(q)[0], COMPARED),
     "np.argmax": (lambda q, p: q[np.argmax(q)], COMPARED),
     "np.maximum of np.array": (lambda q, p: np.maximum(np.array([q[0], q[1]]), 0).sum(), COMPARED),
-    "array > 0": (lambda q, p: (q > 0).sum(), ARRAYS_COMPARED),
-    "np.where": (lambda q, p: np.where(q > 0, q, 0).sum(), ARRAYS_COMPARED),
-    "np.sign": (lambda q, p: np.sign(q).sum(), ARRAYS_COMPARED),
+    "chain": (lambda q, p: np.where(0 < q[0] < 1, q[0], 0), COMPARED),
+    "condition of an array": (lambda q, p: q[0] if (q > 0).all() else p[0], COMPARED),
+    "and": (lambda q, p: np.where(q[0] > 0 and p[0] > 0, 1, 2) * q[0], COMPARED),
+    "array == 0": (lambda q, p: np.where(q == 0, q, 1).sum(), ARRAYS_COMPARED),
+    "np.where of one": (lambda q, p: np.where(q > 0), ARRAYS_COMPARED),
+    "np.heaviside": (lambda q, p: np.heaviside(q, 0).sum(), ARRAYS_COMPARED),
+    "np.where of text": (
+        lambda q, p: np.where(q[0] > 0, None, 0),
+        "np.where chooses between numbers and variables of H: collect others with np.stack",
+    ),
+    "condition returned": (
+        lambda q, p: q[0] > 0,
+        "H(q, p) must return one number made of q and p; it returned Condition",
+    ),
     "np.isnan": (lambda q, p: np.isnan(q).any(), ARRAYS_COMPARED),
     "truth": (lambda q, p: q[0] and p[0], TRUTH),
     "not": (lambda q, p: not q[0], TRUTH),
@@ -106,7 +117,6 @@ REFUSALS = {
     "1j": (lambda q, p: 1j * q[0], COMPLEX),
     "array of 1j": (lambda q, p: (1j * q).sum(), COMPLEX),
     "np.floor": (lambda q, p: np.floor(q).sum(), "the function floor" + MAY_USE),
-    "np.arcsinh": (lambda q, p: np.arcsinh(q[0]), "the function arcsinh" + MAY_USE),
     "np.linalg.inv": (lambda q, p: np.linalg.inv(np.outer(q, q))[0, 0], "the function inv" + MAY_USE),
     "np.linalg.solve": (lambda q, p: np.linalg.solve(np.eye(2), q).sum(), "the function solve" + MAY_USE),
     "np.interp": (lambda q, p: np.interp(q[0], [0, 1], [1, 2]), "the function interp" + MAY_USE),

@@ -54,8 +54,11 @@ def test_certificate_as_a_dict_and_a_table(sol):
     assert "<td>method</td><td>EQUIP, 8 stages, order 16 in f64</td>" in table
 
 
-def test_files(sol, tmp_path):
-    path = tmp_path / "run.npz"
+@pytest.mark.parametrize("name", ["run.npz", "run.h5"])
+def test_files(sol, tmp_path, name):
+    if name.endswith(".h5"):
+        pytest.importorskip("h5py")
+    path = tmp_path / name
     sol.save(path)
     again = equip.load(path)
     for name in ("t", "y", "q", "p", "energy_defect", "outcome", "t_low", "y_low"):
@@ -66,8 +69,28 @@ def test_files(sol, tmp_path):
     )
     with pytest.raises(ValueError, match="no dense output"):
         again.sol(1.0)
+    # A loaded run goes on.
+    rest = [
+        equip.solve(x.hamiltonian, x.q[-1], x.p[-1], (x.t[-1], 20), events=lambda t, q, p: q[1])
+        for x in (sol, again)
+    ]
+    assert np.array_equal(rest[0].y, rest[1].y) and rest[1].t[-1] == 20
+
+
+def test_files_are_checked(sol, tmp_path):
+    path = tmp_path / "run.npz"
     np.savez(path, t=sol.t)
     with pytest.raises(ValueError, match="is not a solution written by Solution.save"):
+        equip.load(path)
+    np.savez(path, words=np.array(json.dumps({"format": "equip solution 1"})))
+    with pytest.raises(ValueError, match="has the format 'equip solution 1'; this version reads"):
+        equip.load(path)
+    sol.save(path)
+    with np.load(path) as stored:
+        arrays = dict(stored)
+    arrays["hamiltonian"][30] ^= 1
+    np.savez(path, **arrays)
+    with pytest.raises(ValueError, match="these bytes are damaged"):
         equip.load(path)
 
 

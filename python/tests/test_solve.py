@@ -105,6 +105,8 @@ def test_events(pendulum):
 
     upward.direction = 1
     sol = equip.solve(pendulum, [0.0], [1.0], (0, 20), events=[turn, upward])
+    for q, p, y in zip(sol.q_events, sol.p_events, sol.y_events):
+        assert q.shape == p.shape == (len(y), 1) and np.array_equal(np.hstack([q, p]), y)
     # Period 4 K(m) with m = sin²(θ_max/2) = 1/4.
     from scipy.special import ellipk
 

@@ -1,4 +1,4 @@
-//! [`BuildError`]: why an energy was not accepted.
+//! [`BuildError`]: why an energy was not accepted; [`BytesError`]: why one was not written or read.
 
 use std::panic::Location;
 
@@ -81,4 +81,53 @@ pub enum BuildError {
         /// What automatic differentiation of the energy says.
         expected: f64,
     },
+}
+
+/// Why an energy could not be written as bytes, or read from them.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BytesError {
+    /// A function from outside of H that is no data.
+    #[error(
+        "the energy uses {function}, which is code and cannot be written; write it with the functions of H, or \
+         give it as a table"
+    )]
+    NotData {
+        /// As it describes itself.
+        function: String,
+    },
+
+    /// They begin otherwise.
+    #[error("these bytes are no energy; give those that Hamiltonian::to_bytes made, all of them")]
+    NotAnEnergy,
+
+    /// Another version of the format.
+    #[error(
+        "these bytes have format {found}, and this version of the library reads format {known}; record the \
+         energy anew"
+    )]
+    Format {
+        /// Format of the bytes.
+        found: u32,
+        /// The format that is read.
+        known: u32,
+    },
+
+    /// Their checksum is not that of their content, or there are more or fewer than there were.
+    #[error("these bytes are damaged: {what}; record the energy anew, or use another copy")]
+    Damaged {
+        /// What is wrong.
+        what: &'static str,
+    },
+
+    /// A table whose bytes were not accepted.
+    #[error(
+        "the energy has a function from outside that was not read; give from_bytes_with what reads it, as \
+         tables::from_bytes does"
+    )]
+    UnknownFunction,
+
+    /// They are whole, but the energy in them is refused.
+    #[error(transparent)]
+    Refused(#[from] BuildError),
 }

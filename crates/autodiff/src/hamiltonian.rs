@@ -1,6 +1,9 @@
 //! [`Hamiltonian`]: an energy with everything derived from it.
 
-use crate::{BuildError, Recorded, Var};
+use crate::recording::bytes;
+use crate::{BuildError, BytesError, Recorded, Var};
+use equip_scalar::Outside;
+use std::sync::Arc;
 
 /// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any float type.
 ///
@@ -102,6 +105,58 @@ impl Hamiltonian<Recorded> {
             route: self.alone.as_ref().unwrap_or(&self.route).clone(),
             alone: None,
         }
+    }
+
+    /// The recorded energy as bytes, with its constants to all their digits and its tables:
+    /// [`from_bytes`](Self::from_bytes) makes it again, on any machine, without the closure.
+    ///
+    /// # Errors
+    /// [`BytesError::NotData`] if H calls closures from outside, as those of `Custom`.
+    ///
+    /// ```
+    /// use equip_autodiff::{Evaluate, Hamiltonian, System};
+    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+    /// let again = Hamiltonian::from_bytes(&pendulum.to_bytes()?)?;
+    /// let y = [0.3, 0.4];
+    /// assert_eq!(again.evaluator().value(&y), pendulum.evaluator().value(&y));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn to_bytes(&self) -> Result<Vec<u8>, BytesError> {
+        let all = [Some(&self.route), self.alone.as_ref()];
+        let all: Vec<_> = all.iter().flatten().map(|r| r.recording()).collect();
+        bytes::write(&all)
+    }
+
+    /// The energy of which [`to_bytes`](Self::to_bytes) made these bytes: all bits of its values, derivatives
+    /// and runs are the same.
+    ///
+    /// # Errors
+    /// [`BytesError`] if they are damaged, of another format, or those of no energy, if a constant is NaN or
+    /// infinite, or if there are tables in them.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, BytesError> {
+        Self::from_bytes_with(bytes, |_| None)
+    }
+
+    /// The same with functions from outside, which `functions` makes of what [`Outside::to_bytes`] has made
+    /// of them: for tables `|bytes| equip_tables::from_bytes(bytes).ok()`.
+    ///
+    /// # Errors
+    /// As [`from_bytes`](Self::from_bytes); [`BytesError::UnknownFunction`] where `functions` answers `None`.
+    pub fn from_bytes_with(
+        bytes: &[u8],
+        functions: impl Fn(&[u8]) -> Option<Arc<dyn Outside>>,
+    ) -> Result<Self, BytesError> {
+        let mut recordings = bytes::read(bytes, &functions)?.into_iter();
+        let (route, alone) = (recordings.next(), recordings.next());
+        let what = "there are not the recordings of one energy";
+        let route = Recorded::of(route.ok_or(BytesError::Damaged { what })?)?;
+        let alone = alone.map(Recorded::of).transpose()?;
+        let inputs = |r: &Recorded| r.recording().operations.inputs;
+        let are_alike = (alone.iter()).all(|alone| inputs(alone) == inputs(&route));
+        if recordings.next().is_some() || !are_alike {
+            return Err(BytesError::Damaged { what });
+        }
+        Ok(Hamiltonian { route, alone })
     }
 
     /// Number of directions the Hessian is computed with: columns of the pattern that share no row share one.

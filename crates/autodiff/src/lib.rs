@@ -39,7 +39,7 @@ mod structure;
 mod system;
 
 pub use energy::Energy;
-pub use error::BuildError;
+pub use error::{BuildError, BytesError};
 pub use hamiltonian::Hamiltonian;
 pub use recording::trace::{Trace, Var};
 pub use routes::check::WrongGradient;

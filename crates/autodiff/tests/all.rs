@@ -1,6 +1,7 @@
 //! Tests of the derivatives, in one program.
 
 mod allocations;
+mod bytes;
 mod closures;
 mod common;
 mod floor;

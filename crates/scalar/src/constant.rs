@@ -1,6 +1,8 @@
 //! [`Constant`]: a constant in H that no `f64` caps.
 
 use crate::error::ParseFloatError;
+use std::collections::HashSet;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 /// A constant that is evaluated in whatever float type H is later computed in.
 ///
@@ -45,6 +47,32 @@ impl Constant {
             double: parts.iter().rev().fold(0.0, |sum, part| sum + part),
             written: Written::Extended(parts),
         }
+    }
+
+    /// A decimal that is not known before the program runs, as one read from a file: its text is kept for the
+    /// life of the process, once however often it is given.
+    ///
+    /// # Errors
+    /// As [`decimal`].
+    ///
+    /// ```
+    /// use equip_scalar::{Constant, decimal};
+    /// let text = String::from("0.1");
+    /// assert_eq!(Constant::from_text(&text)?, decimal("0.1")?);
+    /// # Ok::<(), equip_scalar::ParseFloatError>(())
+    /// ```
+    pub fn from_text(text: &str) -> Result<Self, ParseFloatError> {
+        static KEPT: LazyLock<Mutex<HashSet<&'static str>>> = LazyLock::new(Mutex::default);
+        let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = kept.get(text) {
+            return decimal(known);
+        }
+        text.trim()
+            .parse::<f64>()
+            .map_err(|_| ParseFloatError { text: text.into() })?;
+        let new: &'static str = Box::leak(text.to_owned().into_boxed_str());
+        kept.insert(new);
+        decimal(new)
     }
 
     /// The constant in `f64`.

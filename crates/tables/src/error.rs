@@ -75,4 +75,10 @@ pub enum TableError {
         /// What differences say.
         expected: f64,
     },
+
+    /// Bytes from which a table was to be made are not those of one.
+    #[error(
+        "these bytes are no table that this version knows; make the table anew from its points"
+    )]
+    Damaged,
 }

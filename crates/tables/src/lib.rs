@@ -25,15 +25,18 @@
 #![forbid(unsafe_code)]
 
 mod alternating;
+mod bytes;
 mod custom;
 mod error;
 mod knots;
 mod polynomial;
+mod read;
 mod spline;
 mod table;
 mod table2;
 
 pub use custom::Custom;
 pub use error::TableError;
+pub use read::from_bytes;
 pub use table::Table;
 pub use table2::Table2;

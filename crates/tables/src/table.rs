@@ -1,6 +1,7 @@
 //! [`Table`]: the cubic spline through points.
 
 use crate::alternating::Alternating;
+use crate::bytes;
 use crate::error::TableError;
 use crate::knots::Knots;
 use crate::polynomial::derivative;
@@ -88,7 +89,7 @@ impl Table {
         Self::new(x, y, [End::NotAKnot; 2])
     }
 
-    fn new<X: Into<DoubleDouble> + Copy>(
+    pub(crate) fn new<X: Into<DoubleDouble> + Copy>(
         x: &[X],
         y: &[X],
         ends: [End; 2],
@@ -109,12 +110,18 @@ impl Table {
             rounded: starts.zip(rounded).collect(),
             pieces,
             kinks: Alternating::of(&knots, 0, 1),
+            values: y,
+            ends,
             knots,
         });
         Ok(Table {
             outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
             interpolant,
         })
+    }
+
+    pub(crate) fn outside(&self) -> Arc<dyn Outside> {
+        Arc::clone(&self.outside)
     }
 
     /// y(x), in an energy: `v.at(q[0])`.
@@ -177,6 +184,9 @@ pub(crate) fn finite_values<X: Into<DoubleDouble> + Copy>(
 struct Interpolant {
     knots: Arc<Knots>,
     kinks: Option<Arc<dyn Outside>>,
+    /// What the polynomials are made of.
+    values: Vec<DoubleDouble>,
+    ends: [End; 2],
     /// Coefficients of each interval.
     pieces: Vec<[DoubleDouble; 4]>,
     /// Its first knot and its coefficients, as doubles.
@@ -219,6 +229,10 @@ impl Outside for Interpolant {
         let t = x - self.knots.pairs[interval];
         let result = derivative(self.pieces[interval], order, t);
         [result.hi(), result.lo()]
+    }
+
+    fn to_bytes(&self) -> Option<Vec<u8>> {
+        Some(bytes::write(self.ends, &[&self.knots.pairs], &self.values))
     }
 
     fn kinks(&self) -> Vec<Arc<dyn Outside>> {

@@ -1,6 +1,7 @@
 //! [`Table2`]: the bicubic spline through values on a grid.
 
 use crate::alternating::Alternating;
+use crate::bytes;
 use crate::error::TableError;
 use crate::knots::Knots;
 use crate::polynomial::derivative;
@@ -59,7 +60,7 @@ impl Table2 {
         Self::new(x, y, values, End::NotAKnot)
     }
 
-    fn new<X: Into<DoubleDouble> + Copy>(
+    pub(crate) fn new<X: Into<DoubleDouble> + Copy>(
         x: &[X],
         y: &[X],
         values: &[X],
@@ -82,6 +83,8 @@ impl Table2 {
         let interpolant = Arc::new(Interpolant {
             kinks: [0, 1].map(|axis| Alternating::of(&knots[axis], axis, 2)),
             knots,
+            values,
+            end,
             cells,
             rounded,
         });
@@ -89,6 +92,10 @@ impl Table2 {
             outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
             interpolant,
         })
+    }
+
+    pub(crate) fn outside(&self) -> Arc<dyn Outside> {
+        Arc::clone(&self.outside)
     }
 
     /// z(x, y), in an energy: `v.at(q[0], q[1])`.
@@ -147,6 +154,9 @@ fn cells(
 struct Interpolant {
     knots: [Arc<Knots>; 2],
     kinks: [Option<Arc<dyn Outside>>; 2],
+    /// What the polynomials are made of.
+    values: Vec<DoubleDouble>,
+    end: End,
     cells: Vec<[[DoubleDouble; 4]; 4]>,
     rounded: Vec<[[f64; 4]; 4]>,
 }
@@ -188,6 +198,11 @@ impl Outside for Interpolant {
         let t = [x - in_x.pairs[i], y - in_y.pairs[j]];
         let result = in_cell(&self.cells[self.cell([i, j])], orders, t);
         [result.hi(), result.lo()]
+    }
+
+    fn to_bytes(&self) -> Option<Vec<u8>> {
+        let [x, y] = self.knots.each_ref().map(|knots| &knots.pairs[..]);
+        Some(bytes::write([self.end; 2], &[x, y], &self.values))
     }
 
     fn kinks(&self) -> Vec<Arc<dyn Outside>> {

@@ -1,5 +1,6 @@
 //! Tests of tables and closures, in one program.
 
+mod bytes;
 mod custom;
 mod in_energies;
 mod refused;

@@ -1,34 +1,18 @@
 //! Numbers of Python as constants of H: exact for int, Fraction, Decimal and text.
 
 use crate::faults::value_error;
-use equip::prelude::{Constant, DoubleDouble, decimal, ratio};
+use equip::prelude::{Constant, DoubleDouble, ratio};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyString};
-use std::collections::HashSet;
-use std::sync::{LazyLock, Mutex, PoisonError};
 
 const COMPLEX: &str = "H is real: use no complex numbers in it";
 
 /// Integers up to this are doubles.
 const EXACT: u64 = 1 << 53;
 
-/// Texts of decimals, kept for the life of the process, each once: a recording holds them by reference.
-fn kept(text: &str) -> &'static str {
-    static ALL: LazyLock<Mutex<HashSet<&'static str>>> = LazyLock::new(Mutex::default);
-    let mut all = ALL.lock().unwrap_or_else(PoisonError::into_inner);
-    match all.get(text) {
-        Some(known) => known,
-        None => {
-            let new: &'static str = Box::leak(text.to_owned().into_boxed_str());
-            all.insert(new);
-            new
-        }
-    }
-}
-
 fn by_text(text: &str) -> PyResult<Constant> {
-    decimal(kept(text)).map_err(value_error)
+    Constant::from_text(text).map_err(value_error)
 }
 
 fn integer(n: i64) -> Constant {

@@ -8,8 +8,12 @@ use equip::prelude::{Hamiltonian, System, Var};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+const TIME: &str = "these bytes are an energy that depends on time, which the Python package does not integrate; \
+    use the library";
 
 type Doubles<'py> = Bound<'py, PyArray1<f64>>;
 
@@ -71,6 +75,23 @@ impl Recorded {
             Some(error) => Err(error),
             None => made.map(Recorded::from).map_err(value_error),
         }
+    }
+
+    /// The recording as bytes.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = self.hamiltonian.to_bytes().map_err(value_error)?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The function of which `to_bytes` made the bytes.
+    #[staticmethod]
+    fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        let table = |bytes: &[u8]| equip::tables::from_bytes(bytes).ok();
+        let found = Hamiltonian::from_bytes_with(bytes, table).map_err(value_error)?;
+        if found.has_time() {
+            return Err(value_error(TIME));
+        }
+        Ok(Recorded::from(found))
     }
 
     #[getter]

@@ -1,5 +1,6 @@
 //! [`Variable`]: a component of q or p, or what is computed of them, while H(q, p) is recorded.
 
+use crate::recording::condition::Condition;
 use crate::recording::constant::constant;
 use equip::prelude::{DoubleDouble, Var};
 use pyo3::basic::CompareOp;
@@ -42,14 +43,15 @@ macro_rules! once {
         concat!($($text,)* ": H(q, p) is called once, before any state is known, to record its formula. ")
     };
 }
-const COMPARED: &str = concat!(
+pub(crate) const COMPARED: &str = concat!(
     once!("a variable of H cannot be compared"),
-    "Use np.minimum, np.maximum, np.clip or abs() on q and p, on lists of variables after np.stack (np.array \
-     makes an array that compares), or choose between two Hamiltonians outside H"
+    "Use np.where on the condition, np.minimum, np.maximum, np.clip or abs() on q and p, on lists of variables \
+     after np.stack (np.array makes an array that compares), or choose between two Hamiltonians outside H"
 );
 const TRUTH: &str = concat!(
     once!("a variable of H is neither true nor false"),
-    "Use np.minimum, np.maximum, np.clip or abs() on q and p, or choose between two Hamiltonians outside H"
+    "Use np.where, np.minimum, np.maximum, np.clip or abs() on q and p, or choose between two Hamiltonians \
+     outside H"
 );
 const NUMBER: &str = concat!(
     once!("a variable of H is not a number"),
@@ -66,14 +68,13 @@ const FOREIGN: &str = "this variable belongs to another call of an H, or to anot
 /// Largest exponent that is taken as a whole number.
 const MOST: f64 = 1e6;
 
-/// ln 2, ln 10, π/180 and 180/π.
+/// ln 2, π/180 and 180/π.
 const LN_2: &str = "0.693147180559945309417232121458176568075500134360255254120680";
-const LN_10: &str = "2.30258509299404568401799145468436420760110148862877297603332790";
 const DEGREE: &str = "0.0174532925199432957692369076848861271344287188854172545609719144";
 const RADIAN: &str = "57.2957795130823208767981548141051703324054724665643215491602438";
 
 fn known(text: &'static str) -> Var {
-    // All four are decimals.
+    // All three are decimals.
     equip::scalar::decimal(text).map_or(Var::from(f64::NAN), Var::from)
 }
 
@@ -88,11 +89,11 @@ impl Variable {
         }
     }
 
-    fn of(&self, var: Var) -> Self {
+    pub(crate) fn of(&self, var: Var) -> Self {
         Variable { var, ..*self }
     }
 
-    fn map(&self, f: impl FnOnce(Var) -> Var) -> PyResult<Self> {
+    pub(crate) fn map(&self, f: impl FnOnce(Var) -> Var) -> PyResult<Self> {
         Ok(self.of(f(self.here()?)))
     }
 
@@ -104,15 +105,40 @@ impl Variable {
     ) -> PyResult<Py<PyAny>> {
         let py = other.py();
         let x = self.here()?;
-        let y = match other.cast::<Variable>() {
-            Ok(y) => y.get().here()?,
-            Err(_) => match constant(other)? {
-                Some(c) => Var::from(c),
-                None => return Ok(py.NotImplemented()),
-            },
-        };
-        Ok(Py::new(py, self.of(f(x, y)))?.into_any())
+        match number(other)? {
+            Some(y) => Ok(Py::new(py, self.of(f(x, y)))?.into_any()),
+            None => Ok(py.NotImplemented()),
+        }
     }
+}
+
+/// A variable of the recording under way, or a constant; `None` for what is neither.
+pub(crate) fn number(x: &Bound<'_, PyAny>) -> PyResult<Option<Var>> {
+    match x.cast::<Variable>() {
+        Ok(x) => x.get().here().map(Some),
+        Err(_) => Ok(constant(x)?.map(Var::from)),
+    }
+}
+
+/// A ufunc of NumPy on variables, conditions or arrays of them.
+pub(crate) fn apply(
+    ufunc: &Bound<'_, PyAny>,
+    method: &Bound<'_, PyAny>,
+    inputs: &Bound<'_, PyTuple>,
+    keywords: Option<&Bound<'_, PyDict>>,
+) -> PyResult<Py<PyAny>> {
+    let apply = ufunc.py().import("equip._arrays")?.getattr("apply")?;
+    Ok(apply.call1((ufunc, method, inputs, keywords))?.unbind())
+}
+
+/// Any other function of NumPy on them.
+pub(crate) fn call(
+    function: &Bound<'_, PyAny>,
+    arguments: &Bound<'_, PyTuple>,
+    keywords: &Bound<'_, PyDict>,
+) -> PyResult<Py<PyAny>> {
+    let call = function.py().import("equip._arrays")?.getattr("call")?;
+    Ok(call.call1((function, arguments, keywords))?.unbind())
 }
 
 #[pymethods]
@@ -172,10 +198,32 @@ impl Variable {
         self.map(|x| x.ln() / known(LN_2))
     }
     fn log10(&self) -> PyResult<Self> {
-        self.map(|x| x.ln() / known(LN_10))
+        self.map(Var::log10)
     }
     fn exp2(&self) -> PyResult<Self> {
-        self.map(|x| (known(LN_2) * x).exp())
+        self.map(Var::exp2)
+    }
+    fn cbrt(&self) -> PyResult<Self> {
+        self.map(Var::cbrt)
+    }
+    fn arcsinh(&self) -> PyResult<Self> {
+        self.map(Var::asinh)
+    }
+    fn arccosh(&self) -> PyResult<Self> {
+        self.map(Var::acosh)
+    }
+    fn arctanh(&self) -> PyResult<Self> {
+        self.map(Var::atanh)
+    }
+    fn erf(&self) -> PyResult<Self> {
+        self.map(Var::erf)
+    }
+    fn erfc(&self) -> PyResult<Self> {
+        self.map(Var::erfc)
+    }
+    /// −1, 0 or 1.
+    fn sign(&self) -> PyResult<Self> {
+        self.map(Var::signum)
     }
     fn deg2rad(&self) -> PyResult<Self> {
         self.map(|x| known(DEGREE) * x)
@@ -273,8 +321,7 @@ impl Variable {
         inputs: &Bound<'_, PyTuple>,
         keywords: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Py<PyAny>> {
-        let apply = ufunc.py().import("equip._arrays")?.getattr("apply")?;
-        Ok(apply.call1((ufunc, method, inputs, keywords))?.unbind())
+        apply(ufunc, method, inputs, keywords)
     }
     fn __array_function__(
         &self,
@@ -283,11 +330,26 @@ impl Variable {
         arguments: &Bound<'_, PyTuple>,
         keywords: &Bound<'_, PyDict>,
     ) -> PyResult<Py<PyAny>> {
-        let call = function.py().import("equip._arrays")?.getattr("call")?;
-        Ok(call.call1((function, arguments, keywords))?.unbind())
+        call(function, arguments, keywords)
     }
-    fn __richcmp__(&self, _other: &Bound<'_, PyAny>, _op: CompareOp) -> PyResult<bool> {
-        Err(PyTypeError::new_err(COMPARED))
+    /// A condition, for `np.where`; equality holds almost nowhere.
+    fn __richcmp__(&self, other: &Bound<'_, PyAny>, op: CompareOp) -> PyResult<Py<PyAny>> {
+        let py = other.py();
+        if matches!(op, CompareOp::Eq | CompareOp::Ne) {
+            return Err(PyTypeError::new_err(COMPARED));
+        }
+        let x = self.here()?;
+        let Some(y) = number(other)? else {
+            return Ok(py.NotImplemented());
+        };
+        let (test, is_where_negative) = match op {
+            CompareOp::Ge => (x - y, false),
+            CompareOp::Lt => (x - y, true),
+            CompareOp::Le => (y - x, false),
+            _ => (y - x, true),
+        };
+        let condition = Condition::new(self.of(test), is_where_negative);
+        Ok(Py::new(py, condition)?.into_any())
     }
     fn __bool__(&self) -> PyResult<bool> {
         Err(PyTypeError::new_err(TRUTH))

@@ -21,6 +21,8 @@ struct End {
     energy_defect: f64,
     steps: u64,
     is_kept: bool,
+    /// Lyapunov exponent and MEGNO.
+    chaos: [f64; 2],
 }
 
 type Row = (usize, Result<End, String>);
@@ -182,6 +184,7 @@ fn end(run: &equip::prelude::Run<f64>) -> End {
         energy_defect: certificate.energy.as_ref().map_or(f64::NAN, |e| e.max),
         steps: certificate.counts.steps,
         is_kept: certificate.energy_kept_on_every_step(),
+        chaos: (certificate.chaos).map_or([f64::NAN; 2], |chaos| [chaos.lyapunov, chaos.megno]),
     }
 }
 
@@ -192,6 +195,7 @@ fn table<'py>(
     rows: Vec<Option<Result<End, String>>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (mut t, mut y, mut defects, mut steps, mut kept) = (vec![], vec![], vec![], vec![], vec![]);
+    let (mut lyapunov, mut megno) = (vec![], vec![]);
     let errors = PyDict::new(py);
     for (i, row) in rows.into_iter().enumerate() {
         let end = match row {
@@ -204,6 +208,7 @@ fn table<'py>(
                     energy_defect: f64::NAN,
                     steps: 0,
                     is_kept: false,
+                    chaos: [f64::NAN; 2],
                 }
             }
             None => {
@@ -217,6 +222,8 @@ fn table<'py>(
         defects.push(end.energy_defect);
         steps.push(end.steps as i64);
         kept.push(end.is_kept);
+        lyapunov.push(end.chaos[0]);
+        megno.push(end.chaos[1]);
     }
     let dict = PyDict::new(py);
     dict.set_item("t", t.into_pyarray(py))?;
@@ -224,6 +231,8 @@ fn table<'py>(
     dict.set_item("energy_defect", defects.into_pyarray(py))?;
     dict.set_item("steps", steps.into_pyarray(py))?;
     dict.set_item("kept", kept.into_pyarray(py))?;
+    dict.set_item("lyapunov", lyapunov.into_pyarray(py))?;
+    dict.set_item("megno", megno.into_pyarray(py))?;
     dict.set_item("errors", errors)?;
     Ok(dict)
 }

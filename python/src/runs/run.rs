@@ -5,6 +5,7 @@ use crate::number::{Number, Pair};
 use crate::options::{Options, WithIntegrator};
 use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
+use crate::runs::keeping::{self, Keeping};
 use crate::runs::signals::Signals;
 use equip::autodiff::Evaluate;
 use equip::prelude::*;
@@ -12,6 +13,7 @@ use equip::solver::{Fixed, StepSizes, Tolerance};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
 
 type Pairs = (Vec<f64>, Vec<f64>);
 
@@ -71,6 +73,7 @@ pub(crate) type Interval = (Pairs, Pairs, Pair, Pair);
 
 /// Integrates `system`; a dict of arrays, the certificate, and the fault that ended the run, if one did.
 #[pyfunction]
+#[pyo3(signature = (system, start, options, precision, progress, checkpoint=None))]
 pub(crate) fn solve<'py>(
     py: Python<'py>,
     system: &Recorded,
@@ -78,20 +81,23 @@ pub(crate) fn solve<'py>(
     options: Options,
     precision: &str,
     progress: Option<Py<PyAny>>,
+    checkpoint: Option<PathBuf>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (start, progress) = (&start, progress.as_ref());
+    let (start, progress, checkpoint) = (&start, progress.as_ref(), checkpoint.as_deref());
     match precision {
         "f64" => options.with::<f64, _>(Whole {
             py,
             system,
             start,
             progress,
+            checkpoint,
         })?,
         "dd" => options.with::<DoubleDouble, _>(Whole {
             py,
             system,
             start,
             progress,
+            checkpoint,
         })?,
         other => Err(value_error(format!(
             "precision is '{other}'; it must be 'f64' or 'dd' (double-double, 31 digits)"
@@ -104,6 +110,7 @@ struct Whole<'a, 'py> {
     system: &'a Recorded,
     start: &'a Interval,
     progress: Option<&'a Py<PyAny>>,
+    checkpoint: Option<&'a Path>,
 }
 
 impl<'py, T: Number + Kept> WithIntegrator<T> for Whole<'_, 'py> {
@@ -127,9 +134,19 @@ impl<'py> Whole<'_, 'py> {
         let (q, p) = (T::read_all(q), T::read_all(p));
         let interval = T::read(*t0)..=T::read(*t1);
         let (hamiltonian, progress) = (&self.system.hamiltonian, self.progress);
+        let from = self.checkpoint.map(keeping::read).transpose()?.flatten();
+        if let Some(from) = &from {
+            let is_that = from.check_start(&q, &p, *interval.start());
+            is_that.map_err(|error| of_run(&error))?;
+        }
+        let keeping = (self.checkpoint).map(|path| Keeping::new(path.into(), t1.0 + t1.1));
         let (made, fault) = self.py.detach(|| {
-            let mut signals = Signals::new(progress);
-            let made = integrator.integrate_observed(hamiltonian, &q, &p, interval, &mut signals);
+            let mut signals = Signals::new(progress, keeping);
+            let watch = &mut signals;
+            let made = match &from {
+                Some(from) => integrator.integrate_from(hamiltonian, from, *interval.end(), watch),
+                None => integrator.integrate_observed(hamiltonian, &q, &p, interval, watch),
+            };
             (made, signals.fault)
         });
         if let Some(error) = fault {

@@ -1,6 +1,7 @@
 //! [`Signals`]: Ctrl-C, and progress, while the GIL is free.
 
-use equip::prelude::{Observer, StepView};
+use crate::runs::keeping::Keeping;
+use equip::prelude::{Checkpoint, Observer, StepView};
 use equip::scalar::Float;
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
@@ -18,16 +19,20 @@ pub(crate) struct Signals<'a> {
     left: u32,
     period: u32,
     progress: Option<&'a Py<PyAny>>,
+    keeping: Option<Keeping>,
+    is_due: bool,
     pub(crate) fault: Option<PyErr>,
 }
 
 impl<'a> Signals<'a> {
-    pub(crate) fn new(progress: Option<&'a Py<PyAny>>) -> Self {
+    pub(crate) fn new(progress: Option<&'a Py<PyAny>>, keeping: Option<Keeping>) -> Self {
         Signals {
             asked: Instant::now(),
             left: 1,
             period: 1,
             progress,
+            keeping,
+            is_due: false,
             fault: None,
         }
     }
@@ -67,6 +72,26 @@ impl<'a> Signals<'a> {
 
 impl<T: Float> Observer<T> for Signals<'_> {
     fn step(&mut self, view: &StepView<'_, T>) -> ControlFlow<()> {
-        self.step_to(view.time.to_f64())
+        let time = view.time.to_f64();
+        let flow = self.step_to(time);
+        // An interrupted run is written down as well.
+        self.is_due =
+            (self.keeping.as_ref()).is_some_and(|keeping| flow.is_break() || keeping.is_due(time));
+        flow
+    }
+
+    fn wants_checkpoint(&mut self) -> bool {
+        self.is_due
+    }
+
+    fn checkpoint(&mut self, checkpoint: Checkpoint) -> ControlFlow<()> {
+        let written = self.keeping.as_mut().map(|k| k.write(&checkpoint));
+        match written {
+            Some(Err(error)) => {
+                self.fault.get_or_insert(error);
+                ControlFlow::Break(())
+            }
+            _ => ControlFlow::Continue(()),
+        }
     }
 }

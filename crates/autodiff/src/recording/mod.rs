@@ -1,5 +1,6 @@
 //! Operations of H as they are met, each once, and the graph of those that reach H.
 
+pub(crate) mod bytes;
 pub(crate) mod graph;
 pub(crate) mod op;
 pub(crate) mod peephole;

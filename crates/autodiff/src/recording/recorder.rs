@@ -38,11 +38,14 @@ impl From<Constant> for ConstantKey {
 /// Most operations of a recording: places in it are 32 bits, and derivatives need some too.
 const MOST_OPERATIONS: usize = 1 << 31;
 
+/// Most degrees of freedom: components of the state take a quarter of the places of a recording.
+pub(super) const MOST: usize = 1 << 29;
+
 /// The operations of one energy, each known by what it does.
 #[derive(Debug)]
 pub(crate) struct Recorder {
     pub(crate) id: u32,
-    operations: Operations,
+    pub(super) operations: Operations,
     /// There were more operations than have a place.
     pub(crate) overflow: bool,
     /// A variable of another recording was met.
@@ -243,14 +246,14 @@ impl Recorder {
         }
     }
 
-    fn constant_entry(&mut self, c: Constant) -> u32 {
+    pub(super) fn constant_entry(&mut self, c: Constant) -> u32 {
         *self.known_constants.entry(c.into()).or_insert_with(|| {
             self.operations.constants.push(c);
             self.operations.constants.len() as u32 - 1
         })
     }
 
-    fn node(&mut self, node: Node) -> u32 {
+    pub(super) fn node(&mut self, node: Node) -> u32 {
         let nodes = &mut self.operations.nodes;
         if nodes.len() >= MOST_OPERATIONS {
             self.overflow = true;

@@ -2,7 +2,7 @@
 
 use crate::BuildError;
 use crate::recording::op::Op;
-use crate::recording::recorder::{self, Recorder};
+use crate::recording::recorder::{self, MOST, Recorder};
 use equip_scalar::{Attempt, Constant, Num, Outside, Recording, Scalar};
 use std::cell::RefCell;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -31,9 +31,6 @@ pub struct Trace {
 
 /// Recording number of a variable made where nothing is recorded.
 const NOWHERE: u32 = 0;
-
-/// Most degrees of freedom: components of the state take a quarter of the places of a recording.
-const MOST: usize = 1 << 29;
 
 thread_local! {
     /// Recordings under way; an energy may build another Hamiltonian inside, hence more than one.

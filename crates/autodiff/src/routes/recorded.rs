@@ -26,7 +26,12 @@ impl Recorded {
         m: usize,
         energy: impl FnOnce(&[Var], &[Var]) -> Var,
     ) -> Result<Self, BuildError> {
-        let shared = Arc::new(Derived::new(m, record(m, energy)?)?);
+        Self::of(record(m, energy)?)
+    }
+
+    pub(crate) fn of(recording: Recording) -> Result<Self, BuildError> {
+        let m = recording.operations.inputs / 2;
+        let shared = Arc::new(Derived::new(m, recording)?);
         Ok(Recorded { shared })
     }
 
@@ -39,7 +44,7 @@ impl Recorded {
     }
 
     /// The operations of H.
-    pub(super) fn recording(&self) -> &Recording {
+    pub(crate) fn recording(&self) -> &Recording {
         &self.shared.recording
     }
 

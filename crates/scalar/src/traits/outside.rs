@@ -26,6 +26,11 @@ pub trait Outside: Debug + Send + Sync {
         }
     }
 
+    /// All that is needed to make this function again, if it is data: a table is, a closure is not.
+    fn to_bytes(&self) -> Option<Vec<u8>> {
+        None
+    }
+
     /// Functions of the same variables, each of which changes its sign where a derivative of this one jumps.
     fn kinks(&self) -> Vec<Arc<dyn Outside>> {
         Vec::new()

@@ -1,0 +1,80 @@
+"""Runs that go on from a file, bit for bit."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import equip
+
+START = ([0.4, 0.0], [0.0, 2.0])
+
+
+@pytest.mark.parametrize("precision", ["f64", "dd"])
+@pytest.mark.parametrize("how", [{"step": 0.125}, {"tolerance": 1e-10}])
+def test_bits_of_the_run_that_had_not_stopped(kepler, tmp_path, how, precision):
+    path = tmp_path / "kepler.checkpoint"
+    whole = equip.solve(kepler, *START, (0, 40), precision=precision, **how)
+    # A fixed step ends on its grid; a variable one meets the end with a step of its own.
+    first = equip.solve(kepler, *START, (0, 20), checkpoint=path, precision=precision, **how)
+    second = equip.solve(kepler, *START, (0, 40), checkpoint=path, precision=precision, **how)
+    assert first.t[-1] == second.t[0] == 20 and second.t[-1] == 40
+    counts = (first.certificate.counts.steps, second.certificate.counts.steps)
+    assert counts == (len(first.t) - 1, len(first.t) + len(second.t) - 2)
+    if "step" in how:
+        assert np.array_equal(np.concatenate([first.y, second.y[1:]]), whole.y)
+        assert np.array_equal(np.concatenate([first.y_low, second.y_low[1:]]), whole.y_low)
+        assert second.certificate.energy == whole.certificate.energy
+    else:
+        # The period is 2π; what is left is the tolerance of the two runs.
+        assert np.abs(second.y[-1] - whole.y[-1]).max() < 1e-7
+
+
+def test_a_finished_run_is_not_made_again(kepler, tmp_path):
+    path = tmp_path / "kepler.checkpoint"
+    first = equip.solve(kepler, *START, (0, 5), step=0.125, checkpoint=path)
+    again = equip.solve(kepler, *START, (0, 5), step=0.125, checkpoint=path)
+    assert again.t.tolist() == [5.0] and np.array_equal(again.y[0], first.y[-1])
+    assert again.certificate.counts.steps == first.certificate.counts.steps == 40
+
+
+def test_an_interrupted_run_goes_on(tmp_path):
+    path = tmp_path / "run.checkpoint"
+    program = f"""
+import signal, threading, time, os, equip
+scene = equip.scenes.kepler()
+threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    equip.solve(scene, scene.q0, scene.p0, (0, 1e9), step=0.125, record="ends", checkpoint={str(path)!r})
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert ended.stdout == "interrupted\n", ended.stderr
+    scene = equip.scenes.kepler()
+    steps = json.loads(path.read_text())["index"]
+    assert steps > 100
+    end = 0.125 * (steps + 10)
+    rest = equip.solve(scene, scene.q0, scene.p0, (0, end), step=0.125, checkpoint=path)
+    assert len(rest.t) == 11 and rest.certificate.counts.steps == steps + 10
+
+
+def test_other_runs_are_refused(kepler, tmp_path):
+    path = tmp_path / "kepler.checkpoint"
+    equip.solve(kepler, *START, (0, 1), step=0.125, checkpoint=path)
+    with pytest.raises(ValueError, match="start state"):
+        equip.solve(kepler, [0.5, 0.0], [0.0, 2.0], (0, 2), step=0.125, checkpoint=path)
+    with pytest.raises(ValueError, match="step"):
+        equip.solve(kepler, *START, (0, 2), step=0.25, checkpoint=path)
+    other = equip.Hamiltonian(lambda q, p: 0.5 * p @ p - 1.01 / np.sqrt(q @ q), shape=2)
+    with pytest.raises(ValueError, match="H is not what it was when the checkpoint was made"):
+        equip.solve(other, *START, (0, 2), step=0.125, checkpoint=path)
+    path.write_text("{}")
+    with pytest.raises(
+        ValueError, match="is no checkpoint of this version: .*; give another path, or remove"
+    ):
+        equip.solve(kepler, *START, (0, 2), step=0.125, checkpoint=path)
+    with pytest.raises(OSError, match="nowhere"):
+        equip.solve(kepler, *START, (0, 2), step=0.125, checkpoint=tmp_path / "nowhere" / "x")
