@@ -14,8 +14,9 @@ pub(crate) const LEADING: usize = 3;
 pub(crate) const FARTHEST: i64 = 16;
 /// … or so many times as far as its estimated error. // ratio; grid.
 pub(crate) const BEYOND_ERROR: i64 = 16;
-/// A step of s stages resolves oscillations of angles hω up to so many times s. // ratio; grid.
-pub(crate) const RESOLVES: i64 = 1;
+/// A step of s stages resolves oscillations of angles hω up to so many times s. // ratio; there Gauss turns them by
+/// .04, .01, 5e-4 of an angle too far with s = 2, 4, 8 (s!² (hω)^(2s+1)/((2s)! (2s+1)!)); 1.5: three times the time.
+pub const RESOLVES: i64 = 1;
 /// Displacements of the end point of so many ε of the state are rounding. // ε
 pub(crate) const ROUNDING: i64 = 64;
 /// Moves of the α's in a step, at most. // moves; 2 to 4 in f64, 20 in double-double where slopes nearly

@@ -7,7 +7,7 @@
 //!
 //! $$ \frac{(s!)^2}{(2s)!\,(2s+1)!} (h\omega)^{2s+1} $$
 //!
-//! in each step. At hω = 1.5 s that is 0.3 to 1.3 for s = 2 to 32: the phase is lost within a few steps.
+//! in each step. Steps resolve hω up to [`equip_solver::RESOLVES`] times s, where that is 0.04, 0.01, 5e-4 for s = 2, 4, 8.
 //!
 //! Cost: one Hessian and at most 2·24 products with it.
 
@@ -18,9 +18,6 @@ use equip_scalar::Float;
 const MOST: u32 = 24;
 /// Estimates that differ by less are as good as any.
 const CLOSE: f64 = 0.01;
-/// hω per stage up to which steps resolve a motion.
-pub(crate) const RESOLVED: f64 = 1.5;
-
 /// The pattern of ∇²H, and room to work with it, which is made when it is first needed.
 #[derive(Debug)]
 pub(crate) struct Frequency<T> {

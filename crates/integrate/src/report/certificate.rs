@@ -1,6 +1,5 @@
 //! What a run kept, measured.
 
-use crate::control::frequency::RESOLVED;
 use crate::options::method::Method;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::report::defect::Defect;
@@ -8,7 +7,7 @@ use crate::report::energy_floor::EnergyFloor;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
-use equip_solver::{Counts, Outcome};
+use equip_solver::{Counts, Outcome, RESOLVES};
 use std::fmt;
 
 /// The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
@@ -62,7 +61,7 @@ impl<T: Float> Certificate<T> {
         is_finite && is_small && asked
     }
 
-    /// Whether the steps resolve the fastest motion: hω ≤ 1.5 s wherever it was looked at.
+    /// Whether the steps resolve the fastest motion: hω ≤ s wherever it was looked at.
     pub fn motion_is_resolved(&self) -> bool {
         let stages = self.method.stage_count();
         (self.phase_per_step).is_none_or(|phase| phase.is_resolved(stages))
@@ -144,7 +143,7 @@ impl<T: Float> Certificate<T> {
             && !self.motion_is_resolved()
         {
             let stages = self.method.stage_count();
-            let (angle, step, most) = (phase.angle, phase.step, RESOLVED * stages as f64);
+            let (angle, step, most) = (phase.angle, phase.step, RESOLVES as f64 * stages as f64);
             line(
                 "  not resolved",
                 format!(
