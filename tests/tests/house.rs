@@ -202,6 +202,33 @@ fn recipes_are_examples() {
     }
 }
 
+/// The pages that lead through the sources lead to files that are there; a path that does not begin at the root
+/// stands in a folder of the one before it.
+#[test]
+fn every_pointer_of_the_architecture_page_is_true() {
+    let page = std::fs::read_to_string(root().join("docs/architecture.md")).unwrap();
+    let (mut found, mut wrong) = (0, Vec::new());
+    for row in page.lines() {
+        let mut before = PathBuf::new();
+        let words = row.split(|c: char| !(c.is_ascii_alphanumeric() || "/._".contains(c)));
+        for word in words.filter(|word| word.ends_with(".rs") || word.ends_with(".py")) {
+            let place = before
+                .ancestors()
+                .skip(1)
+                .map(|folder| folder.join(word))
+                .chain([PathBuf::from(word)])
+                .find(|path| root().join(path).is_file());
+            found += 1;
+            match place {
+                Some(path) => before = path,
+                None => wrong.push(format!("{word}, in: {row}")),
+            }
+        }
+    }
+    assert!(found > 100, "{found} pointers");
+    none(&wrong);
+}
+
 /// A folder on the list is long enough to need it.
 #[test]
 fn lists_are_long() {

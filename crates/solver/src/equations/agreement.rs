@@ -84,6 +84,7 @@ fn systems() -> Vec<Case> {
         0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
     });
     let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos());
+    let swinging = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos());
     let henon = Hamiltonian::new(2, |q, p| {
         let square = q[0] * q[0] + q[1] * q[1] + p[0] * p[0] + p[1] * p[1];
         0.5 * square + q[0] * q[0] * q[1] - q[1].powi(3) / 3.0
@@ -109,6 +110,12 @@ fn systems() -> Vec<Case> {
             pendulum.unwrap(),
             vec![1.3, 0.9],
             vec![(2, 0.1), (4, 0.3), (6, 0.6)],
+        ),
+        (
+            "pendulum, hω beyond s",
+            swinging.unwrap(),
+            vec![0.3, 0.2],
+            vec![(2, 2.4), (3, 3.3)],
         ),
         (
             "Hénon–Heiles",
@@ -144,6 +151,11 @@ fn every_preconditioner_solves_the_equations() {
             for (s, step) in settings {
                 let outcome = compare::<f64>(name, &h, &y, (s, sign * step), 1e4);
                 solved += usize::from(outcome == Outcome::Solved);
+                assert_eq!(
+                    outcome == Outcome::Unresolved,
+                    name.contains("beyond"),
+                    "{name}, s = {s}"
+                );
             }
         }
         assert!(solved >= 6, "{solved} steps with α's");

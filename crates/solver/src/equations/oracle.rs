@@ -17,7 +17,7 @@
 //! with it; nothing else calls it.
 
 use crate::outcome::outcome::Outcome;
-use crate::policy::{BEYOND_ERROR, FARTHEST, LEADING, RIDGE};
+use crate::policy::{BEYOND_ERROR, FARTHEST, LEADING, RESOLVES, RIDGE};
 use equip_autodiff::{Evaluate, System};
 use equip_linear::DenseLu;
 use equip_scalar::Float;
@@ -83,6 +83,9 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         };
         if g.abs() <= floor {
             return carried(Outcome::AtFloor);
+        }
+        if self.fastest(gauss, (y, h), &unperturbed) > T::int(RESOLVES) * T::int(s as i64) {
+            return carried(Outcome::Unresolved);
         }
         let mut start_gradient = y.to_vec();
         self.energy.gradient(y, &mut start_gradient);
@@ -223,6 +226,21 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         each.collect()
     }
 
+    /// hω, as the spectral radius of |h J∇²H|, ∇²H in the mean over the step.
+    fn fastest(&mut self, gauss: &Gauss<T>, step: (&[T], T), at: &Stages<T>) -> T {
+        let b = self.linearise(gauss, step, &at.z);
+        let n = step.0.len();
+        let mean = b.iter().fold(DMatrix::zeros(n, n), |sum, b| sum + b).abs();
+        let mut x = DVector::from_element(n, T::int(1));
+        let mut square = T::int(0);
+        for _ in 0..64 {
+            x = &mean * (&mean * &x);
+            square = x.amax();
+            x /= square.max(T::MIN_POSITIVE);
+        }
+        square.sqrt()
+    }
+
     /// D for the energy alone, with 1 as its largest number, and ∂g/∂α; as long as α, zero for the α's that
     /// do not move.
     fn direction(
@@ -290,10 +308,10 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         (largest > T::int(0)).then_some((direction, slope))
     }
 
-    /// How far the method with one stage more comes from the same start.
+    /// How far the method with two stages more comes from the same start.
     fn local_error(&mut self, gauss: &Gauss<T>, step: (&[T], T), at: &Stages<T>) -> Option<Vec<T>> {
-        let finer = Gauss::new(gauss.stages() + 1).ok()?;
-        let finer = self.stages(&finer, step, &vec![T::int(0); gauss.stages()], None)?;
+        let finer = Gauss::new(gauss.stages() + 2).ok()?;
+        let finer = self.stages(&finer, step, &vec![T::int(0); gauss.stages() + 1], None)?;
         Some(
             finer
                 .end
