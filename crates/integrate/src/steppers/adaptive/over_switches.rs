@@ -115,10 +115,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 *next = proposed.max(h);
             }
         }
-        if is_on_switch {
-            if let Some(steps) = &mut self.inner.variable {
-                steps.switches_crossed += crossings.met();
-            }
+        if is_on_switch && let Some(steps) = &mut self.inner.variable {
+            steps.switches_crossed += crossings.met();
         }
     }
 
