@@ -30,7 +30,7 @@ class EnergyFloor:
 
 @dataclass(frozen=True)
 class PhasePerStep:
-    """The angle in radians by which the fastest motion turns in a step of size `step`, where it was largest."""
+    """The angle in radians by which the fastest motion turns in a step of that size, where it was largest."""
 
     angle: float
     step: float
@@ -93,7 +93,7 @@ class Certificate:
     energy_in_floors: Optional[float]
     #: None if the energy was not measured.
     energy_floor: Optional[EnergyFloor]
-    #: None where the iteration of the steps contracts without the Hessian, which it does only if the angle is small.
+    #: None where the iteration of the steps contracts without the Hessian, as it does for small angles only.
     phase_per_step: Optional[PhasePerStep]
     #: Whether the steps resolve the fastest motion: an angle of at most 1.5 times the number of stages.
     motion_is_resolved: bool
@@ -106,7 +106,7 @@ class Certificate:
     counts: Counts
     #: Steps by outcome.
     outcomes: dict[str, int]
-    #: Whether every step kept the energy to round-off, and that is at most 1e-6 of abs(H) or of the kinetic energy.
+    #: Whether every step kept the energy to round-off, which is at most 1e-6 of abs(H) or the kinetic energy.
     energy_kept_on_every_step: bool
     seconds: float
     text: str

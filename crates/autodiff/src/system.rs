@@ -184,7 +184,9 @@ pub trait Evaluate<T: Float> {
     /// # Errors
     /// The first component that differs.
     fn check_gradient(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
-        by_differences(self, y)
+        let mut given = vec![T::int(0); y.len()];
+        let (_, bound) = self.gradient_with_bound(y, &mut given);
+        by_differences(y, (&given, bound), |y| self.value(y))
     }
 
     /// T(p) of H = T(p) + U(q), if H is separable and T quadratic. Evaluates ∇²T once; allocates.

@@ -16,6 +16,8 @@ mod num_dual;
 mod num_traits;
 #[macro_use]
 mod simba;
+#[cfg(feature = "serde")]
+mod serialised;
 
 /// What num-dual asks of the float below its dual numbers.
 pub trait DualFloat: ::num_dual::DualNum<Primitive = Self> + ::num_dual::DualNumFloat {}

@@ -23,8 +23,6 @@
 
 #[macro_use]
 mod glue;
-#[cfg(feature = "serde")]
-mod serialised;
 
 mod constant;
 mod double;

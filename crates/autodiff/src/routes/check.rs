@@ -1,6 +1,6 @@
 //! Hand-written gradients, held against the energy.
 
-use crate::{BuildError, Evaluate};
+use crate::BuildError;
 use equip_scalar::Float;
 
 /// A component of a hand-written gradient that is not the derivative of the energy.
@@ -95,21 +95,20 @@ fn beside<T: Float>(y: &[T], point: &mut [T]) {
 /// Sizes of differences that are tried, each a 16th of the one before.
 const LEVELS: u32 = 4;
 
-/// The gradient of an evaluator written by hand against differences of its own values.
+/// A gradient written by hand, with the running error bound of H at `y`, against differences of `value`.
 ///
 /// Two central differences of steps δ and 2δ tell the derivative, and how far they can be trusted: 16 times
 /// what they differ by, 16 times the rounding of H over δ, and ⁴√ε of the largest component. A component is
-/// wrong if it is beyond that for every δ from ε^{1/4} of the component down to a 4096th of it. Coarser than a
-/// comparison with the derivative itself. Allocates.
-pub(crate) fn by_differences<T: Float, E: Evaluate<T> + ?Sized>(
-    energy: &mut E,
+/// wrong if it is beyond that for every δ from ε^{1/4} of the component down to a 4096th of it. Coarser than
+/// a comparison with the derivative itself. Allocates.
+pub(crate) fn by_differences<T: Float>(
     y: &[T],
+    (given, bound): (&[T], T),
+    mut value: impl FnMut(&[T]) -> T,
 ) -> Result<(), WrongGradient<T>> {
     let (m, two, many) = (y.len() / 2, T::int(2), T::int(16));
     let share = T::EPSILON.sqrt().sqrt();
-    let mut given = vec![T::int(0); y.len()];
-    let (_, bound) = energy.gradient_with_bound(y, &mut given);
-    let largest_slope = largest(&given);
+    let largest_slope = largest(given);
     let mut point = y.to_vec();
     for (component, &given) in given.iter().enumerate() {
         let half = if component < m { &y[..m] } else { &y[m..] };
@@ -117,9 +116,9 @@ pub(crate) fn by_differences<T: Float, E: Evaluate<T> + ?Sized>(
         let size = of.into_iter().find(|&x| x > T::int(0));
         let mut difference = |delta: T| {
             point[component] = y[component] + delta;
-            let ahead = energy.value(&point);
+            let ahead = value(&point);
             point[component] = y[component] - delta;
-            let behind = energy.value(&point);
+            let behind = value(&point);
             point[component] = y[component];
             (ahead - behind) / (two * delta)
         };
