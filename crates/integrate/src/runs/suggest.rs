@@ -1,7 +1,7 @@
 //! Advice on a fixed step, from H's second derivatives at the start and from trial runs.
 //!
-//! *Pace.* Linearised, y' = Ay with A = J∇²H; the largest |eigenvalue| of A is the pace ω of the fastest
-//! motion, by power iteration on A². A step turns it by the phase hω.
+//! *Pace.* A step turns the fastest motion at the start, of frequency ω ([`crate::control::frequency`]), by the
+//! phase hω.
 //!
 //! *Target.* With order 2s errors go like h^{2s}: a trial with n steps over the interval has the error e,
 //! measured against one with 2n, and
@@ -14,19 +14,18 @@
 //! Cost: per trial 3n steps for a trajectory, n for the energy. The interval should be one in which the
 //! motion has shown what it does, such as a period.
 
+use crate::control::frequency::Frequency;
 use crate::error::IntegrateError;
 use crate::options::adaptive::Adaptive;
 use crate::options::method::Gauss;
 use crate::options::method::Method;
 use crate::options::record::Record;
 use crate::runs::run::{Run, RunFailure};
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::System;
 use equip_scalar::Float;
 use equip_solver::{Family, Reach};
 use std::ops::RangeInclusive;
 
-/// Iterations for the largest eigenvalue: neighbours 5 % apart are told to 3 %.
-const POWER_ITERATIONS: u32 = 60;
 /// Most trials, …
 const MOST_TRIALS: u32 = 25;
 /// … most steps of one, and most numbers of its states.
@@ -98,7 +97,8 @@ impl Method {
         if !(value > T::int(0)) || !value.is_finite() {
             return Err(refused(value, "positive and finite"));
         }
-        let pace = pace(&mut system.evaluator::<T>(), &start);
+        let pace = Frequency::new(system).at(&mut system.evaluator::<T>(), &start);
+        let pace = T::exact(pace);
         if let Target::Phase(phase) = target {
             return if pace > T::int(0) && pace.is_finite() {
                 Ok((phase / pace).min(length))
@@ -121,31 +121,6 @@ impl Method {
         let steps = (length * pace / phase).to_f64();
         trials.search(value, if steps.is_finite() { steps } else { 1.0 })
     }
-}
-
-/// The largest |eigenvalue| of J∇²H at `y`. Allocates: it is made once.
-fn pace<T: Float, E: Evaluate<T>>(energy: &mut E, y: &[T]) -> T {
-    let n = y.len();
-    let mut x: Vec<T> = (1..=n).map(|j| T::int(j as i64).sin()).collect();
-    let mut product = vec![T::int(0); n];
-    let mut square = T::int(0);
-    for _ in 0..POWER_ITERATIONS {
-        let size = x.iter().fold(T::int(0), |sum, &x| sum + x * x).sqrt();
-        if !(size > T::int(0)) || !size.is_finite() {
-            return T::int(0);
-        }
-        x.iter_mut().for_each(|x| *x /= size);
-        for _ in 0..2 {
-            energy.hessian_vector(y, &x, &mut product);
-            let m = n / 2;
-            for j in 0..m {
-                x[j] = product[m + j];
-                x[m + j] = -product[j];
-            }
-        }
-        square = x.iter().fold(T::int(0), |sum, &x| sum + x * x).sqrt();
-    }
-    square.sqrt()
 }
 
 /// The search for a number of steps.

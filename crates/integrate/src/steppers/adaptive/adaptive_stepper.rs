@@ -14,7 +14,7 @@ use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
-use crate::steppers::adaptive::made::{EndIs, Made, Place};
+use crate::steppers::adaptive::made::{EndIs, Made, Place, shortest_at};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
 use equip_autodiff::Evaluate;
@@ -23,8 +23,6 @@ use equip_solver::{Counts, Outcome};
 
 /// Tries of the first step.
 pub(super) const TRIES_FOR_FIRST: u32 = 20;
-/// The first step is at least so many units of the last place of the time.
-const RESOLVED: i64 = 16;
 /// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
 const STRETCH: i64 = 16;
 
@@ -260,9 +258,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             }
         };
         self.longest_first = longest;
-        // Time resolves no shorter step.
-        let resolved = (T::int(RESOLVED) * T::EPSILON * t0.abs()).to_f64();
-        self.control.begin(first.max(resolved));
+        self.control.begin(first.max(shortest_at(t0).to_f64()));
         self.tries = match self.first_step {
             Some(_) => TRIES_FOR_FIRST,
             None => 0,

@@ -8,7 +8,7 @@ use crate::control::estimate::{End, Estimate};
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
-use crate::steppers::adaptive::made::{EndIs, Made, Place};
+use crate::steppers::adaptive::made::{EndIs, Made, Place, shortest_at};
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -16,8 +16,6 @@ use equip_scalar::Float;
 /// A step that meets the first knot of a table within 1/8 of its size is halved before it is made to end
 /// there: many knots are passed over by steps that are not so much shorter. // docs/adr/0017
 const SOON: i64 = 8;
-/// A step to a switch has at least so many units of the last place of the time.
-const RESOLVED: i64 = 16;
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// Makes a step with its estimate, or only its stages if it is to end on a switch before.
@@ -94,8 +92,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         if let Some(left) = left.filter(|&left| size >= left) {
             return Some(self.place(left.to_f64(), end));
         }
-        let resolved = T::int(RESOLVED) * T::EPSILON * self.time().abs();
-        (size > resolved).then(|| self.step_to(size, true))
+        (size > shortest_at(self.time())).then(|| self.step_to(size, true))
     }
 
     pub(super) fn stop_aiming(&mut self) {
