@@ -1,12 +1,12 @@
 //! [`Roughness`]: what kinks within a step make of it.
 //!
-//! The polynomial u of a step has u' = Σ_{k<s} γ_k P_k with γ_k from the rule of s nodes; along u itself
-//! J∇H(u) has the coefficients γ̃_k. The end of the step is off by what of the defect J∇H(u) − u' comes to
-//! it, γ̃_0 − γ_0, and of γ̃_k − γ_k a share of about ϱ^k, if coefficients decay by ϱ. Of smooth motion that is
-//! of the order of the step's error, 2s; where a derivative of H jumps within the step it is what the rule of
-//! s nodes is off there. The γ̃_k are found by rules on either side of the first root of a switch, and between
-//! it and another one close behind: of 2s nodes on the longest piece, where there may be more roots, and of s
-//! on the others.
+//! The polynomial u of a step has u' = Σ_{k<s} γ_k P_k with γ_k from the rule of s nodes; J∇H(u) along u
+//! itself has the coefficients γ̃_k. The end of the step is off by what of the defect J∇H(u) − u' comes to
+//! it, γ̃_0 − γ_0, and of γ̃_k − γ_k a share of about ϱ^k, if coefficients decay by ϱ. Of smooth motion
+//! that is of the order of the step's error, 2s; where a derivative of H jumps within the step it is what
+//! the rule of s nodes is off there. The γ̃_k are found by rules on either side of the first root of a
+//! switch, and between it and another one close behind: of 2s nodes on the longest piece, where there may
+//! be more roots, and of s on the others.
 //!
 //! Cost: ∇H at 3s points, 4s with two roots.
 
@@ -41,8 +41,8 @@ impl<T: Float> Roughness<T> {
         })
     }
 
-    /// The largest ϱ^k (γ̃_k − γ_k) of a step of size `h` along `path`, with kinks at two roots and ϱ = `rho`,
-    /// as `decay` measures errors.
+    /// The largest ϱ^k (γ̃_k − γ_k) of a step of size `h` along `path`, with kinks at two roots and
+    /// ϱ = `rho`, as `decay` measures errors.
     pub(crate) fn of_step<E: Evaluate<T>>(
         &mut self,
         core: &mut Core<T, E>,
