@@ -1,7 +1,7 @@
 //! Advice on a fixed step, from H's second derivatives at the start and from trial runs.
 //!
-//! *Pace.* A step turns the fastest motion at the start, of frequency ω ([`crate::control::frequency`]), by the
-//! phase hω.
+//! *Pace.* A step turns the fastest motion at the start, of frequency ω ([`crate::control::frequency`]), by
+//! the phase hω.
 //!
 //! *Target.* With order 2s errors go like h^{2s}: a trial with n steps over the interval has the error e,
 //! measured against one with 2n, and

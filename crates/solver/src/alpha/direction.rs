@@ -166,8 +166,8 @@ impl<T: Float> Direction<T> {
         })
     }
 
-    /// Linearises at the solution in `iterate`, with all its stages, for directions to a relative `tolerance` of
-    /// their displacements. `None` if that is not finite.
+    /// Linearises at the solution in `iterate`, with all its stages, for directions to a relative `tolerance`
+    /// of their displacements. `None` if that is not finite.
     pub(crate) fn linearise<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,

@@ -115,7 +115,7 @@ fn systems() -> Vec<Case> {
             "pendulum, hω beyond s",
             swinging.unwrap(),
             vec![0.3, 0.2],
-            vec![(2, 2.4), (3, 3.3)],
+            vec![(2, 2.1), (3, 3.2)],
         ),
         (
             "Hénon–Heiles",

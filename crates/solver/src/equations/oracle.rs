@@ -98,7 +98,8 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
                 .iter()
                 .zip(units)
                 .fold(T::int(0), |a, (&e, &x)| a.max((e / x).abs()));
-            (T::int(FARTHEST) * own).max(T::int(BEYOND_ERROR) * error)
+            let most = (T::int(FARTHEST) * own).max(T::int(BEYOND_ERROR) * error);
+            most.min(T::ratio(1, FARTHEST))
         });
         let mut at = self.stages(gauss, (y, h), &alphas, None)?;
         for _ in 0..30 {

@@ -7,8 +7,8 @@
 //!    D(Z) t then.
 //!
 //! *Admissible* (project note, section 8). The step resolves its fastest motion ([`RESOLVES`](crate::policy::RESOLVES)), |α_k| is within its bound, and the end point is within
-//! [`FARTHEST`] times the displacement that the step's own defect is worth at least, each component in units
-//! of its motion, or moved by rounding. Otherwise the step with α = 0 stands, and its defect is carried.
+//! [`FARTHEST`] times the displacement that the step's own defect is worth at least and 1/[`FARTHEST`] of the
+//! motion, each component in units of its motion, or moved by rounding. Otherwise the step with α = 0 stands, and its defect is carried.
 
 use crate::alpha::direction::Direction;
 use crate::equations::constraint::Constraint;
@@ -150,10 +150,18 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                     T::int(FARTHEST) * own
                 }
             }),
+            small: if is_free {
+                T::INFINITY
+            } else {
+                T::ratio(1, FARTHEST)
+            },
             has_error: is_free,
         };
         let rounding = T::int(ROUNDING) * T::EPSILON * direction.largest_size(next);
         let is_rounding = needed[0] <= rounding;
+        if !is_rounding && !reach.is_small(needed) {
+            return Err(Outcome::TooFar);
+        }
         self.linearise(reach.digits)?;
         if !is_free && !self.direction.as_mut().is_some_and(Direction::is_resolved) {
             return Err(Outcome::Unresolved);
@@ -167,7 +175,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
     /// Estimates the local error, once in a step. Returns whether the end point may be moved so `far` by it.
     fn extend(&mut self, step: (&State<T>, T), reach: &mut Bounds<T>, far: [T; 2]) -> bool {
-        if std::mem::replace(&mut reach.has_error, true) {
+        if !reach.is_small(far) || std::mem::replace(&mut reach.has_error, true) {
             return false;
         }
         if let (Some(local_error), Some(direction)) = (&mut self.local_error, &self.direction) {
@@ -265,6 +273,8 @@ struct Bounds<T> {
     /// Of the first direction.
     digits: T,
     most: [T; 2],
+    /// What is a small share of the motion: what moves further is no correction of a step.
+    small: T,
     /// The local error has been asked for.
     has_error: bool,
 }
@@ -280,7 +290,11 @@ fn digits<T: Float>(turns: T, far: T) -> T {
 }
 
 impl<T: Float> Bounds<T> {
+    fn is_small(&self, far: [T; 2]) -> bool {
+        far.iter().all(|&far| far <= self.small)
+    }
+
     fn holds(&self, far: [T; 2]) -> bool {
-        far.iter().zip(&self.most).all(|(far, most)| far <= most)
+        self.is_small(far) && far.iter().zip(&self.most).all(|(far, most)| far <= most)
     }
 }
