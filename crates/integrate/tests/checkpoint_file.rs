@@ -40,7 +40,7 @@ fn certificates_come_back_as_they_were() {
         let text = serde_json::to_string(of).unwrap();
         println!("{text}");
         assert_eq!(&serde_json::from_str::<Certificate<T>>(&text).unwrap(), of);
-        assert!(text.contains("\"AtFloor\":"), "{text}");
+        assert!(text.contains("\"Solved\":"), "{text}");
     }
     let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
     let options = Equip::stages(4).tolerance(1e-9).chaos();

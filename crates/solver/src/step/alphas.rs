@@ -6,9 +6,10 @@
 //! 3. D is taken anew at the solution, and t with it, until that moves the end point by rounding only: α =
 //!    D(Z) t then.
 //!
-//! *Admissible* (project note, section 8). The step resolves its fastest motion ([`RESOLVES`](crate::policy::RESOLVES)), |α_k| is within its bound, and the end point is within
-//! [`FARTHEST`] times the displacement that the step's own defect is worth at least and 1/[`FARTHEST`] of the
-//! motion, each component in units of its motion, or moved by rounding. Otherwise the step with α = 0 stands, and its defect is carried.
+//! *Admissible* (project note, section 8). The step resolves its fastest motion, hω ≤ s; |α_k| is within its
+//! bound; and the end point is within [`FARTHEST`] times the displacement that the step's own defect is worth
+//! at least, and 1/[`FARTHEST`] of the motion, each component in units of its motion, or moved by rounding.
+//! Otherwise the step with α = 0 stands, and its defect is carried.
 
 use crate::alpha::direction::Direction;
 use crate::equations::constraint::Constraint;
