@@ -3,13 +3,12 @@
 from . import scenes
 from ._certificate import Certificate, Counts, Defect, EnergyFloor, PhasePerStep, VariableSteps
 from ._ensemble import Ensemble, ensemble
-from ._files import load
 from ._functions import Table, erf, erfc, table, table2
 from ._hamiltonian import Hamiltonian
 from ._methods import Equip, FixedAlpha, Gauss
 from ._native import IntegrationError, __version__
 from ._numbers import DoubleDouble
-from ._solution import Solution
+from ._solution import Solution, load
 from ._solve import solve
 from ._steps import Step, Steps, steps, suggest_step
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from os import PathLike
-from typing import Any, Optional, Union
+from typing import Any, Optional
 
 import numpy as np
 
 from . import _native
 from ._certificate import Certificate
+from ._files import Path, read, write
 from ._hamiltonian import Hamiltonian
 from ._numbers import Floats, Shape
+
+#: What `Solution.save` writes as it is.
+_ARRAYS = ("t", "y", "energy_defect", "outcome", "t_low", "y_low")
 
 
 @dataclass(frozen=True)
@@ -167,12 +170,43 @@ class Solution:
         attributes = {"message": self.message, "method": self.certificate.method}
         return xarray.Dataset(variables, coords={"t": self.t}, attrs=attributes)
 
-    def save(self, path: Union[str, PathLike[str]]) -> None:
+    def save(self, path: Path) -> None:
         """Writes all but the dense output, and the recording of H, to a NumPy archive, or to HDF5 where the
         path ends in `.h5` or `.hdf5` (asks for the package h5py). `equip.load` reads it."""
-        from ._files import save
+        arrays: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
+        arrays |= {f"t_event_{i}": t for i, t in enumerate(self.t_events)}
+        arrays |= {f"y_event_{i}": y for i, y in enumerate(self.y_events)}
+        arrays["hamiltonian"] = np.frombuffer(self.hamiltonian.to_bytes(), dtype=np.uint8)
+        words = {
+            "success": self.success,
+            "message": self.message,
+            "shape": self.shape,
+            "certificate": self.certificate.to_dict(),
+            "events": len(self.t_events),
+        }
+        write(path, words, arrays)
 
-        save(self, path)
+
+def load(path: Path) -> Solution:
+    """The solution that `Solution.save` wrote to `path`; it has no dense output.
+
+    Raises
+    ------
+    ValueError
+        If the file was not written by `Solution.save`, or its recording of H is damaged.
+    """
+    words, arrays = read(path)
+    shape = tuple(words["shape"])
+    return Solution(
+        **{name: arrays[name] for name in _ARRAYS},
+        shape=shape,
+        t_events=tuple(arrays[f"t_event_{i}"] for i in range(words["events"])),
+        y_events=tuple(arrays[f"y_event_{i}"] for i in range(words["events"])),
+        success=words["success"],
+        message=words["message"],
+        certificate=Certificate._from_dict(words["certificate"]),
+        hamiltonian=Hamiltonian.from_bytes(arrays["hamiltonian"].tobytes(), shape),
+    )
 
 
 def _text(high: Floats, low: Floats, digits: int) -> np.ndarray[Any, Any]:

@@ -280,8 +280,8 @@ struct Bounds<T> {
     has_error: bool,
 }
 
-/// The relative tolerance of a direction that turns by so much yet and moves the end point so `far`: what shows
-/// in the end point, and no better than it turns.
+/// The relative tolerance of a direction that turns by so much yet and moves the end point so `far`: what
+/// shows in the end point, and no better than it turns.
 fn digits<T: Float>(turns: T, far: T) -> T {
     let rounding = T::int(ROUNDING) * T::EPSILON;
     (rounding / far / T::int(TURNS))

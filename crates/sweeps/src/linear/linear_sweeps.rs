@@ -112,8 +112,8 @@ impl<T: Float> LinearSweeps<T> {
         &self.sums
     }
 
-    /// Solves for all sides, from X as it is if that `is_near`, until their sums of δL, each component weighed
-    /// with `weights`, change by less than `tolerance`. Returns whether they do.
+    /// Solves for all sides, from X as it is if that `is_near`, until their sums of δL, each component
+    /// weighed with `weights`, change by less than `tolerance`. Returns whether they do.
     pub fn solve(
         &mut self,
         (held, is_near): (Held, bool),
