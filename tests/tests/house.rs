@@ -202,8 +202,8 @@ fn recipes_are_examples() {
     }
 }
 
-/// The pages that lead through the sources lead to files that are there; a path that does not begin at the root
-/// stands in a folder of the one before it.
+/// The page that leads through the sources leads to files that are there; a path that does not begin at the
+/// root stands in a folder of the one before it.
 #[test]
 fn every_pointer_of_the_architecture_page_is_true() {
     let page = std::fs::read_to_string(root().join("docs/architecture.md")).unwrap();

@@ -36,6 +36,6 @@ pub(crate) const QUOTIENTS: [i64; 2] = [10_000_000, 5_000_000_000];
 /// sweeps
 pub(crate) const MOST_LINEAR: usize = 100;
 pub(crate) const LEAST_LINEAR: usize = 3;
-/// Iterations for the angle of the fastest oscillation. // iterations; within a few per cent on chains, springs
-/// and N bodies.
+/// Iterations for the angle of the fastest oscillation. // iterations; within a few per cent on chains,
+/// springs and N bodies.
 pub(crate) const ANGLE_ITERATIONS: usize = 8;

@@ -218,8 +218,8 @@ impl<T: Float> StageHessians<T> {
         self.m
     }
 
-    /// Whether all |h λ| are at most `most`, λ the eigenvalues of J∇²H in the mean over the step: the angle hω
-    /// of the fastest oscillation, bounded by the spectral radius of the absolute values, and that by the
+    /// Whether all |h λ| are at most `most`, λ the eigenvalues of J∇²H in the mean over the step: the angle
+    /// hω of the fastest oscillation, bounded by the spectral radius of the absolute values, and that by the
     /// largest ratio of a power iteration (Collatz 1942, Wielandt 1950).
     pub(crate) fn is_within(&mut self, most: T) -> bool {
         let n = 2 * self.m;
