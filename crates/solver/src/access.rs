@@ -162,7 +162,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 
     /// From the next step on the α's are found by [`complete`](Core::complete) only, so that a step which is
-    /// refused for its stages has none. Steps are not halved then.
+    /// refused for its stages has none. For steps that are never halved.
     pub fn defer_alphas(&mut self) {
         self.is_deferred = true;
     }

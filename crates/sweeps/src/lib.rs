@@ -25,6 +25,7 @@ pub use layout::conjugate::turned;
 pub use layout::row::stride_for;
 pub use layout::state::State;
 pub use linear::linear_sweeps::LinearSweeps;
+pub use linear::power_iteration::PowerIteration;
 pub use linear::stage_hessians::Work;
 
 pub use equip_tableau::MAX_STAGES;

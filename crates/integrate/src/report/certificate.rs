@@ -29,8 +29,8 @@ pub struct Certificate<T> {
     pub energy: Option<Defect<T>>,
     /// Largest |H − H_ref| in units of its round-off floor, over the steps that solved for the energy.
     pub energy_in_floors: Option<T>,
-    /// The largest of these floors beside the energies. `None` where no step can keep the energy or nobody
-    /// measured it.
+    /// The largest of these floors beside the energies. `None` where no step can keep the energy or it was
+    /// not measured.
     pub energy_floor: Option<EnergyFloor<T>>,
     /// hω of the fastest motion, where it was largest. `None` if it was not looked at: after steps 1, 2, 4,
     /// 8, … it is, but where the iteration contracts without ∇²H, which it does only if hω is small.

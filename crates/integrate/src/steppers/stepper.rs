@@ -159,6 +159,21 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             check_gradient(self.core.energy_mut(), self.time, &self.y.hi)?;
         }
         let made = make_step(&mut self.core, (&self.y, self.time, h), &mut self.next);
+        self.checked(h, made)
+    }
+
+    /// Finds the α's of the step of size `h` made by [`attempt`](Self::attempt), where they were deferred.
+    pub(crate) fn complete(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
+        let made = complete_step(&mut self.core, (&self.y, self.time, h), &mut self.next);
+        self.checked(h, made)
+    }
+
+    /// A step that failed or was carried, unless a gradient written by hand is to blame.
+    fn checked(
+        &mut self,
+        h: T,
+        made: Result<Outcome, IntegrateError<T>>,
+    ) -> Result<Outcome, IntegrateError<T>> {
         if self.check_gradient {
             let (time, energy) = (self.time, self.core.energy_mut());
             let checked = match made {
@@ -174,11 +189,6 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             }
         }
         made
-    }
-
-    /// Finds the α's of the step of size `h` made by [`attempt`](Self::attempt), where they were deferred.
-    pub(crate) fn complete(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
-        complete_step(&mut self.core, (&self.y, self.time, h), &mut self.next)
     }
 
     /// Takes the step made by [`attempt`](Self::attempt), which ends at `time`.

@@ -179,8 +179,7 @@ impl<T: Float> Direction<T> {
 
     /// Whether the step resolves its fastest oscillation, at the solution that was linearised.
     pub(crate) fn is_resolved(&mut self) -> bool {
-        let most = T::int(RESOLVES) * T::int(self.s as i64);
-        self.linear.is_within(most)
+        self.linear.is_within(RESOLVES as f64 * self.s as f64)
     }
 
     /// Takes the directions where it was linearised, to a relative `tolerance` of their displacements; from

@@ -17,7 +17,7 @@
 //! with it; nothing else calls it.
 
 use crate::outcome::outcome::Outcome;
-use crate::policy::{BEYOND_ERROR, FARTHEST, LEADING, RESOLVES, RIDGE};
+use crate::policy::{BEYOND_ERROR, FARTHEST, LEADING, RESOLVES, RIDGE, SMALL};
 use equip_autodiff::{Evaluate, System};
 use equip_linear::DenseLu;
 use equip_scalar::Float;
@@ -99,7 +99,7 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
                 .zip(units)
                 .fold(T::int(0), |a, (&e, &x)| a.max((e / x).abs()));
             let most = (T::int(FARTHEST) * own).max(T::int(BEYOND_ERROR) * error);
-            most.min(T::ratio(1, FARTHEST))
+            most.min(T::ratio(1, SMALL))
         });
         let mut at = self.stages(gauss, (y, h), &alphas, None)?;
         for _ in 0..30 {
@@ -227,12 +227,12 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         each.collect()
     }
 
-    /// hω, as the spectral radius of |h J∇²H|, ∇²H in the mean over the step.
+    /// hω, ω the largest |λ| of J∇²H in the mean over the step, by power iteration on its square.
     fn fastest(&mut self, gauss: &Gauss<T>, step: (&[T], T), at: &Stages<T>) -> T {
         let b = self.linearise(gauss, step, &at.z);
         let n = step.0.len();
-        let mean = b.iter().fold(DMatrix::zeros(n, n), |sum, b| sum + b).abs();
-        let mut x = DVector::from_element(n, T::int(1));
+        let mean = b.iter().fold(DMatrix::zeros(n, n), |sum, b| sum + b);
+        let mut x = DVector::from_fn(n, |i, _| T::int(i as i64 + 1).sin());
         let mut square = T::int(0);
         for _ in 0..64 {
             x = &mean * (&mean * &x);

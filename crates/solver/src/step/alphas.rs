@@ -8,7 +8,7 @@
 //!
 //! *Admissible* (project note, section 8). The step resolves its fastest motion, hω ≤ s; |α_k| is within its
 //! bound; and the end point is within [`FARTHEST`] times the displacement that the step's own defect is worth
-//! at least, and 1/[`FARTHEST`] of the motion, each component in units of its motion, or moved by rounding.
+//! at least, and 1/[`SMALL`] of the motion, each component in units of its motion, or moved by rounding.
 //! Otherwise the step with α = 0 stands, and its defect is carried.
 
 use crate::alpha::direction::Direction;
@@ -17,7 +17,7 @@ use crate::options::step_options::Reach;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
 use crate::policy::{
-    BEYOND_ERROR, BITS_A_TURN, FARTHEST, MOST_MOVES, MOST_STALLS, ROUNDING, STALLED, TURNS,
+    BEYOND_ERROR, BITS_A_TURN, FARTHEST, MOST_MOVES, MOST_STALLS, ROUNDING, SMALL, STALLED, TURNS,
 };
 use crate::step::step::Core;
 use equip_autodiff::Evaluate;
@@ -154,7 +154,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             small: if is_free {
                 T::INFINITY
             } else {
-                T::ratio(1, FARTHEST)
+                T::ratio(1, SMALL)
             },
             has_error: is_free,
         };

@@ -85,8 +85,8 @@ impl<T: Float> LinearSweeps<T> {
         self.hessians.take_exactly(iterate, energy)
     }
 
-    /// Whether the fastest oscillation of what was linearised turns by an angle hω of at most `most`.
-    pub fn is_within(&mut self, most: T) -> bool {
+    /// Whether the fastest motion of what was linearised turns by an angle hω of at most `most`.
+    pub fn is_within(&mut self, most: f64) -> bool {
         self.hessians.is_within(most)
     }
 

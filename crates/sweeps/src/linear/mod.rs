@@ -2,4 +2,5 @@
 
 pub(crate) mod linear_sweeps;
 pub(crate) mod positions;
+pub(crate) mod power_iteration;
 pub(crate) mod stage_hessians;

@@ -10,7 +10,8 @@
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
 use crate::layout::row::{by_groups, fused_each, scaled};
-use crate::policy::{ANGLE_ITERATIONS, QUOTIENTS};
+use crate::linear::power_iteration::PowerIteration;
+use crate::policy::QUOTIENTS;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel};
 
@@ -63,6 +64,7 @@ pub(crate) struct StageHessians<T: Float> {
     gradients: Vec<T>,
     beside: Vec<T>,
     shifts: Vec<T>,
+    fastest: PowerIteration,
 }
 
 impl<T: Float> StageHessians<T> {
@@ -71,6 +73,8 @@ impl<T: Float> StageHessians<T> {
         let zeros = |len: usize| vec![T::int(0); len];
         let groups = pattern.column_groups();
         let columns = |group: &Vec<usize>| group.iter().map(|&c| Column::of(&pattern, c)).collect();
+        let mut fastest = PowerIteration::default();
+        fastest.make_room(&pattern);
         StageHessians {
             s: iterate.s,
             stride,
@@ -84,6 +88,7 @@ impl<T: Float> StageHessians<T> {
             gradients: zeros(n * stride),
             beside: zeros(n * stride),
             shifts: zeros(n * stride),
+            fastest,
             pattern,
         }
     }
@@ -218,40 +223,15 @@ impl<T: Float> StageHessians<T> {
         self.m
     }
 
-    /// Whether all |h λ| are at most `most`, λ the eigenvalues of J∇²H in the mean over the step: the angle
-    /// hω of the fastest oscillation, bounded by the spectral radius of the absolute values, and that by the
-    /// largest ratio of a power iteration (Collatz 1942, Wielandt 1950).
-    pub(crate) fn is_within(&mut self, most: T) -> bool {
-        let n = 2 * self.m;
+    /// Whether the fastest motion, ∇²H being the mean over the step, turns by an angle hω of at most `most`.
+    pub(crate) fn is_within(&mut self, most: f64) -> bool {
         let places = self.entries.chunks_exact(self.stride);
-        for (mean, entry) in self.hessian.iter_mut().zip(places) {
+        let mean = places.map(|entry| {
             let sum = entry[..self.s].iter().fold(T::int(0), |sum, &x| sum + x);
-            *mean = sum.abs();
-        }
-        let (mean, pattern) = (&self.hessian, &self.pattern);
-        let times = |x: &[T], to: &mut [T]| {
-            for (c, to) in to.iter_mut().enumerate() {
-                let row = pattern.row(turned::<T>(c, n).0);
-                *to = row.fold(T::int(0), |sum, (e, column)| sum + mean[e] * x[column]);
-            }
-        };
-        let (x, once) = (&mut self.state, &mut self.points[..n]);
-        let twice = &mut self.gradients[..n];
-        x.fill(T::int(1));
-        // Twice each time: J∇²H of T(p) + U(q) leads from positions to momenta, and back.
-        for _ in 0..ANGLE_ITERATIONS {
-            times(x, once);
-            times(once, twice);
-            let ratios = twice.iter().zip(&*x).filter(|&(_, x)| *x > T::int(0));
-            let largest = ratios.fold(T::int(0), |most, (&new, &x)| most.max(new / x));
-            if largest <= most * most {
-                return true;
-            }
-            let size = twice.iter().fold(T::int(0), |most, &x| most.max(x));
-            let from = x.iter_mut().zip(&*twice);
-            from.for_each(|(x, &twice)| *x = twice / size);
-        }
-        false
+            sum.to_f64()
+        });
+        self.fastest.set(&self.pattern, mean);
+        self.fastest.is_within(&self.pattern, most)
     }
 
     /// δL of these rows of ∇²H, of which the first `columns` count, from X of several sides.
