@@ -12,12 +12,15 @@ pub(crate) const FADING: i64 = 64;
 pub(crate) const LEADING: usize = 3;
 /// The end point may move so many times as far as the defect of the step itself is worth. // ratio; grid.
 pub(crate) const FARTHEST: i64 = 16;
-/// It moves by 1 over this of its motion at most.
+/// It moves by 1 over this of its motion at most. // ratio; grid: the energy is 5.5 times as far off as with
+/// Gauss at most, with 4 in its place 40 times, with 64 8.5 times.
 pub(crate) const SMALL: i64 = 16;
 /// … or so many times as far as its estimated error. // ratio; grid.
 pub(crate) const BEYOND_ERROR: i64 = 16;
 /// A step of s stages resolves oscillations of angles hω up to so many times s. // ratio; there Gauss turns
-/// them by .04, .01, 5e-4 of an angle too far with s = 2, 4, 8 (s!² (hω)^(2s+1)/((2s)! (2s+1)!)).
+/// them by .04, .01, 5e-4 of an angle too far with s = 2, 4, 8 (s!² (hω)^(2s+1)/((2s)! (2s+1)!)). Grid: 98 %
+/// of the errors of coarse steps are 2.5 times those of Gauss, with 2 9.6 times; with 1/2 less energy is kept,
+/// on 98.9 % of the resolved steps with s ≥ 4 (99.4).
 pub const RESOLVES: i64 = 1;
 /// Displacements of the end point of so many ε of the state are rounding. // ε
 pub(crate) const ROUNDING: i64 = 64;
