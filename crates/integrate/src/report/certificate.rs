@@ -147,7 +147,7 @@ impl<T: Float> Certificate<T> {
             line(
                 "  not resolved",
                 format!(
-                    "h ω = {angle:.3} in a step of {step:.2e}, above {most}: its phase is lost"
+                    "h ω = {angle:.3} in a step of {step:.2e}, above {most}: its phase drifts"
                 ),
             );
             let step = phase.resolving_step(stages);

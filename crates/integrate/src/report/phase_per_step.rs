@@ -19,7 +19,7 @@ impl<T: Float> PhasePerStep<T> {
         other.filter(|o| o.angle >= self.angle).unwrap_or(self)
     }
 
-    /// The step with half of the hω allowed, which turns that motion by the right angle to 1e-2 or better.
+    /// The step with half of the hω allowed, which turns that motion by the right angle to 2e-3 or better.
     pub(crate) fn resolving_step(&self, stages: usize) -> f64 {
         self.step.to_f64() * (0.5 * RESOLVES as f64 * stages as f64 / self.angle)
     }
