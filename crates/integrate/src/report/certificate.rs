@@ -146,9 +146,7 @@ impl<T: Float> Certificate<T> {
             let (angle, step, most) = (phase.angle, phase.step, RESOLVES as f64 * stages as f64);
             line(
                 "  not resolved",
-                format!(
-                    "h ω = {angle:.3} in a step of {step:.2e}, above {most}: its phase drifts"
-                ),
+                format!("h ω = {angle:.3} in a step of {step:.2e}, above {most}: its phase drifts"),
             );
             let step = phase.resolving_step(stages);
             line(
