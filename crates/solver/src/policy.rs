@@ -19,8 +19,8 @@ pub(crate) const SMALL: i64 = 16;
 pub(crate) const BEYOND_ERROR: i64 = 16;
 /// A step of s stages resolves oscillations of angles hω up to so many times s. // ratio; there Gauss turns
 /// them by .04, .01, 5e-4 of an angle too far with s = 2, 4, 8 (s!² (hω)^(2s+1)/((2s)! (2s+1)!)). Grid: 98 %
-/// of the errors of coarse steps are 2.5 times those of Gauss, with 2 9.6 times; with 1/2 less energy is kept,
-/// on 98.9 % of the resolved steps with s ≥ 4 (99.4).
+/// of the errors of coarse steps are 2.5 times those of Gauss, with 2 9.6 times; with 1/2 less energy is
+/// kept, on 98.9 % of the resolved steps with s ≥ 4 (99.4).
 pub const RESOLVES: i64 = 1;
 /// Displacements of the end point of so many ε of the state are rounding. // ε
 pub(crate) const ROUNDING: i64 = 64;

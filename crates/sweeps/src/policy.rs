@@ -36,9 +36,9 @@ pub(crate) const QUOTIENTS: [i64; 2] = [10_000_000, 5_000_000_000];
 /// sweeps
 pub(crate) const MOST_LINEAR: usize = 100;
 pub(crate) const LEAST_LINEAR: usize = 3;
-/// Products with (J∇²H)² for its largest eigenvalue. // iterations; ω to 3 % for chains, springs, 2 to 8 bodies
-/// and dense ∇²H, 200 random ones of each.
+/// Products with (J∇²H)² for its largest eigenvalue. // iterations; ω to 3 % for chains, springs, 2 to 8
+/// bodies and dense ∇²H, 200 random ones of each.
 pub(crate) const ITERATIONS: u32 = 32;
-/// Bounds of it that are tried before. // iterations; the fourth is within 4 % of ω for chains and springs, 23 %
-/// for bodies (the first 41 %, 113 %), and tells nothing of dense ∇²H without a sign, up to 9.5 ω.
+/// Bounds of it that are tried before. // iterations; the fourth is within 4 % of ω for chains and springs,
+/// 23 % for bodies (the first 41 %, 113 %), and tells nothing of dense ∇²H without a sign, up to 9.5 ω.
 pub(crate) const BOUNDS: u32 = 4;
