@@ -15,8 +15,8 @@ pub(crate) const FAR: f64 = 0.125;
 pub(crate) const ROUNDING: f64 = 256.0;
 /// Changes of so many ε have rounding in them. // ε
 pub(crate) const NOISY: f64 = 16.0;
-/// An error of ε over this at the end point is of no account. // with 4 angular momentum of Kepler's problem
-/// drifts by 1e-17 a step, with 64 not.
+/// A last change, and an error, of ε over this are of no account. // with 16 angular momentum of Kepler's
+/// problem, e = 0.3, s = 4, drifts by 1e-19 a step, with 64 it walks like rounding; 4 % more sweeps.
 pub(crate) const SETTLED: f64 = 64.0;
 /// Changes that do not shrink so many times in a row do not shrink. // sweeps
 pub(crate) const STILL: u32 = 3;

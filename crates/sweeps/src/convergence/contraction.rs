@@ -9,7 +9,8 @@
 //! end point has had the first half only. ρ is the worst seen in the step; preconditioned iterations do not
 //! begin as they end, so of these it is the worse of the last two.
 //!
-//! The iteration goes on until that error is ε/64 or the changes no longer shrink.
+//! The iteration goes on until Δ_n and that error are ε/64, or the changes no longer shrink.
+//! Σ_i Δ_n,i · C L_i is what a quadratic invariant yᵀCy is off by, and that is alike from step to step.
 
 use crate::policy::{ALLOWANCE, BEST, FAR, NOISY, ROUNDING, SETTLED, SLOW, STILL};
 use equip_scalar::Float;
@@ -146,9 +147,7 @@ impl<T: Float> Contraction<T> {
         self.still = if stagnates { self.still + 1 } else { 0 };
         let error = self.error();
         let is_known = compares || self.worst > 0.0 || (change <= 4.0 * eps && !is_remeasured);
-        self.is_settled = (is_known && error <= eps / SETTLED)
-            || (stagnates && error <= eps)
-            || self.still >= STILL;
+        self.is_settled = (is_known && error.max(self.left) <= eps / SETTLED) || self.still >= STILL;
         if self.is_settled {
             Progress::Settled
         } else {
