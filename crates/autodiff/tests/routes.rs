@@ -59,6 +59,15 @@ fn agree<E: Energy, T: Float, const N: usize>(energy: E, y: &[T]) {
     }
     let (dense, expected) = (dense.concat(), dual.hessian().concat());
     close(&dense, &expected, 256);
+    let mut by_type = entries.clone();
+    compiled_evaluator.hessian(y, &mut by_type);
+    close(&entries, &by_type, 256);
+    for i in 0..N {
+        for (entry, j) in pattern.row(i) {
+            let mut mirrored = pattern.row(j).filter(|&(_, column)| column == i);
+            assert!(mirrored.all(|(other, _)| by_type[entry] == by_type[other]));
+        }
+    }
     for i in 0..N {
         for j in 0..N {
             assert!(

@@ -1,10 +1,7 @@
 //! Everything that can go wrong, each with what to change.
 
+use crate::control::policy::GROWN;
 use equip_scalar::Float;
-
-/// Force or speed that has grown by this factor nears a singularity. // ratio; of a pericentre e = 0.9 it is
-/// 361, of what stops steps at the resolution of time 1e10 and more.
-pub(crate) const GROWN: i64 = 1000;
 
 /// What stopped the steps and what helps: a singularity is named where something has grown, and `min_step`
 /// where it was given.

@@ -1,8 +1,9 @@
 //! Runs of energy-preserving steps for Hamiltonian systems y' = J∇H(y): step control, dense output, events,
 //! checkpoints, the tangent map and the certificate.
 //!
-//! Folders, each importing from those before it only: `error`, `time` ← `options`, `control` ← `report` ←
-//! `checkpoints`, `dense` ← `events`, `tangent` ← `steppers` (one step at a time) ← `runs` (whole intervals).
+//! Folders, each importing from those before it only, but for the constants in `control`: `error`, `time` ←
+//! `options`, `control` ← `report` ← `checkpoints`, `dense` ← `events`, `tangent` ← `steppers` (one step at a
+//! time) ← `runs` (whole intervals).
 //! The step itself is `equip-solver`'s, whose public names are given here as well.
 #![forbid(unsafe_code)]
 

@@ -203,6 +203,34 @@ fn a_shorter_step_does_not_shorten_those_after_it() {
     assert!(met <= most);
 }
 
+/// In the rotating frame slopes are differences of what is 200 times as large: a tolerance of 1e-14 is below
+/// their rounding, which no shorter step has less of. It took 7·10⁶ steps with 8 stages, and came to no end.
+#[test]
+fn a_tolerance_below_the_rounding_of_slopes_is_passed() {
+    let h = sun_mars();
+    let (q, p) = (
+        [1.0039864458435765, 0.0, 4.335916304728241e-6],
+        [0.0, 0.0046152704705937145 + 1.0039864458435765, 0.0],
+    );
+    for s in [6, 8, 10, 12] {
+        let count = |tolerance: f64| {
+            let mut run = Equip::stages(s)
+                .tolerance(tolerance)
+                .max_steps(1000)
+                .start(&h, &q, &p, 0.0)
+                .unwrap();
+            run.advance_to(3.091479153450648).unwrap();
+            let refused = run.certificate().variable_steps.unwrap().rejected;
+            println!("s = {s}, {tolerance:e}: {refused} refused");
+            run.counts().steps + refused
+        };
+        // Within `max_steps`; and tries that are refused, of which there were two a step.
+        for tolerance in [1e-13, 1e-14, 3e-15] {
+            assert!(count(tolerance) <= 1000, "{s}, {tolerance:e}");
+        }
+    }
+}
+
 #[test]
 fn the_tangent_map_comes_along_in_one_call() {
     let h = sun_mars();

@@ -6,7 +6,7 @@ use crate::memory::SolverMemory;
 use crate::outcome::failure::Damaged;
 use crate::outcome::outcome::Counts;
 use crate::outcome::parts::Part;
-use crate::step::step::Core;
+use crate::step::core::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_sweeps::State;

@@ -30,6 +30,5 @@ pub use options::step_options::{Preconditioner, Reach, StepOptions};
 pub use outcome::failure::{Damaged, Failure};
 pub use outcome::outcome::{Counts, Outcome};
 pub use outcome::parts::Part;
-pub use policy::RESOLVES;
-pub use step::step::Core;
+pub use step::core::Core;
 pub use step_tangent::StepTangent;

@@ -10,36 +10,23 @@ pub(crate) const FADING: i64 = 64;
 /// α's that move, at most. // α's; further ones disturb the stages the more for the same displacement of the
 /// end point.
 pub(crate) const LEADING: usize = 3;
-/// The end point may move so many times as far as the defect of the step itself is worth. // ratio; grid.
+/// The end point may move so many times as far as the defect of the step itself is worth, or as its local
+/// error. // ratio; grid.
 pub(crate) const FARTHEST: i64 = 16;
 /// It moves by 1 over this of its motion at most. // ratio; grid: the energy is 5.5 times as far off as with
 /// Gauss at most, with 4 in its place 40 times, with 64 8.5 times.
 pub(crate) const SMALL: i64 = 16;
-/// … or so many times as far as its estimated error. // ratio; grid.
-pub(crate) const BEYOND_ERROR: i64 = 16;
-/// A step of s stages resolves oscillations of angles hω up to so many times s. // ratio; there Gauss turns
-/// them by .04, .01, 5e-4 of an angle too far with s = 2, 4, 8 (s!² (hω)^(2s+1)/((2s)! (2s+1)!)). Grid: 98 %
-/// of the errors of coarse steps are 2.5 times those of Gauss, with 2 9.6 times; with 1/2 less energy is
-/// kept, on 98.9 % of the resolved steps with s ≥ 4 (99.4).
-pub const RESOLVES: i64 = 1;
 /// Displacements of the end point of so many ε of the state are rounding. // ε
 pub(crate) const ROUNDING: i64 = 64;
-/// Moves of the α's in a step, at most. // moves; 2 to 4 in f64, 20 in double-double where slopes nearly
-/// vanish (1/50 a move).
-pub(crate) const MOST_MOVES: u32 = 30;
-/// A direction turns by so many times the share that the stages move, as its leading terms cancel. // ratio;
-/// 300 at a pericentre, s = 4.
+/// A direction turns by so many times the share that the stages move, as its leading terms cancel, and comes
+/// to rest by one over this a turn or better, or not at all. // ratio; 300 at a pericentre, s = 4; 1/50 a
+/// turn where slopes nearly vanish.
 pub(crate) const TURNS: i64 = 64;
-/// A direction is taken anew at most once for so many bits of the float. // bits; 1/50 a turn where slopes
-/// nearly vanish, at least a half elsewhere.
-pub(crate) const BITS_A_TURN: u32 = 6;
 /// A defect of so many floors that moves of the α's do not bring down is rounding. // floors
 pub(crate) const STALLED: i64 = 8;
-/// Ridge of the least-squares problem for the direction, of the diagonal. // ratio; 1e-4 to 1e-2 alike on the
-/// grid.
-pub(crate) const RIDGE: [i64; 2] = [1, 1000];
-/// Iterations for the stages of a step, at most. // iterations
-pub(crate) const MOST_ITERATIONS: u32 = 80;
+/// The ridge of the least-squares problem for the direction is the diagonal over this. // ratio; 1e2 to 1e4
+/// alike on the grid.
+pub(crate) const RIDGE: i64 = 1000;
 /// A factorisation whose iteration contracts worse than this is made anew. // ratio
 pub(crate) const OUTDATED: f64 = 0.1;
 /// Steps for which a cheaper preconditioner that has failed is not tried again: 1, 2, 4, … up to this. //
@@ -52,3 +39,5 @@ pub(crate) const SOFTEST: f64 = 0.25;
 /// Unknowns s·n up to which the stages are solved with ∇²H at each of them, by a dense matrix. // unknowns; 1
 /// s a step beyond.
 pub(crate) const MOST_DENSE: usize = 1024;
+/// Matrices are sparse if at most one entry in so many is there. // ratio
+pub(crate) const SPARSE_SHARE: usize = 8;

@@ -28,4 +28,6 @@ pub use linear::linear_sweeps::LinearSweeps;
 pub use linear::power_iteration::PowerIteration;
 pub use linear::stage_hessians::Work;
 
+pub use policy::MOST_ITERATIONS;
+
 pub use equip_tableau::MAX_STAGES;

@@ -13,29 +13,27 @@ pub(crate) const BEST: f64 = 1e-3;
 pub(crate) const FAR: f64 = 0.125;
 /// Changes of so many ε that do not shrink are rounding. // ε; 16 lanes of 32 stages round to 60 ε.
 pub(crate) const ROUNDING: f64 = 256.0;
-/// Changes of so many ε have rounding in them. // ε
+/// Changes of so many ε have rounding in them: sweeps that are expected to change Z by more are incremental.
+/// // ε; 8 to 256 within 3 % of the time, Kepler and a chain of 1024.
 pub(crate) const NOISY: f64 = 16.0;
 /// A last change, and an error, of ε over this are of no account. // with 16 angular momentum of Kepler's
 /// problem, e = 0.3, s = 4, drifts by 1e-19 a step, with 64 it walks like rounding; 4 % more sweeps.
 pub(crate) const SETTLED: f64 = 64.0;
-/// Changes that do not shrink so many times in a row do not shrink. // sweeps
+/// Changes that do not shrink so many times in a row do not shrink, and what a change is worth at the end
+/// point shows after so many linearised sweeps. // sweeps
 pub(crate) const STILL: u32 = 3;
-/// Sweeps that are expected to change Z by more ε than this are incremental. // ε; 8 to 256 within 3 % of the
-/// time, Kepler and a chain of 1024.
-pub(crate) const INCREMENTAL: f64 = 64.0;
+/// Iterations of whatever is iterated: the stages of a step, linearised sweeps, moves of the α's. //
+/// iterations
+pub const MOST_ITERATIONS: u32 = 100;
 /// L of a step is at most so many times that of the last. // ratio; Kepler's problem with 2.24 steps a
 /// period, s = 16, begins an orbit off in place of 100.
 pub(crate) const LIKELY: i64 = 8;
 /// From so many components on K B K is made of moved α's too, and rows are compared side by side. //
 /// components
 pub(crate) const MANY: usize = 64;
-/// ∇²H is taken by simple differences where displacements are wanted to 1 over the first, by central ones to
-/// 1 over the second, and itself beyond. // some 10 √ε and 10 ε^(2/3)
-pub(crate) const QUOTIENTS: [i64; 2] = [10_000_000, 5_000_000_000];
-/// Linearised sweeps at most, and at least: what a change is worth at the end shows after a few only. //
-/// sweeps
-pub(crate) const MOST_LINEAR: usize = 100;
-pub(crate) const LEAST_LINEAR: usize = 3;
+/// ∇²H is taken by simple differences where displacements are wanted to so many √ε, by central ones to so
+/// many ε^(2/3), and itself beyond. // ratio; the rounding of either, and some room
+pub(crate) const QUOTIENTS: i64 = 6;
 /// Products with (J∇²H)² for its largest eigenvalue. // iterations; ω to 3 % for chains, springs, 2 to 8
 /// bodies and dense ∇²H, 200 random ones of each.
 pub(crate) const ITERATIONS: u32 = 32;

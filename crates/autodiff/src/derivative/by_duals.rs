@@ -6,14 +6,33 @@
 //! 15 ns, division being the bottleneck), and each is compiled anew for every energy.
 
 use super::dual::Dual;
-use crate::Energy;
 use crate::replay::batch::Batch;
-use equip_scalar::Pack as _;
-use equip_scalar::{Constant, Float, Lanes, Num, Piecewise};
+use crate::{Energy, Pattern};
+use equip_scalar::{
+    Constant, FirstOrder, Float, Forward2, Lanes, Num, Pack as _, Piecewise, SecondOrder,
+};
 use std::array::from_fn;
 
 /// Points in a group.
 const LANES: usize = 4;
+
+/// Evaluates an expression with the length of the state as a constant.
+macro_rules! by_length {
+    ($y:expr, $n:ident => $small:expr, $large:expr) => {
+        match $y.len() {
+            2 => by_length!(@ $n = 2, $small),
+            4 => by_length!(@ $n = 4, $small),
+            6 => by_length!(@ $n = 6, $small),
+            8 => by_length!(@ $n = 8, $small),
+            _ => $large,
+        }
+    };
+    (@ $n:ident = $value:literal, $small:expr) => {{
+        const $n: usize = $value;
+        $small
+    }};
+}
+pub(crate) use by_length;
 
 impl Batch<'_, f64> {
     /// ∇H of a system with N components. Compiled once for an energy, not for every caller.
@@ -74,6 +93,26 @@ pub(crate) fn force<E: Energy, S: Piecewise, const M: usize>(energy: &E, state: 
 pub(crate) fn value<E: Energy, T: Float, const N: usize>(energy: &E, y: &[T]) -> T {
     let y: [Num<T>; N] = from_fn(|i| Num(y[i]));
     energy.energy(&y[..N / 2], &y[N / 2..]).0
+}
+
+/// ∇²H at a state of 2, 4, 6 or 8 components, by num-dual, into the entries of a pattern. Returns whether the
+/// state is that short.
+pub(crate) fn hessian<E: Energy, T: Float>(
+    energy: &E,
+    y: &[f64],
+    (pattern, entries): (&Pattern, &mut [T]),
+) -> bool {
+    by_length!(y, N => {
+        let y: [Num<Forward2<f64, N>>; N] = from_fn(|c| Num(Forward2::variable(y[c], c)));
+        let Num(h) = energy.energy(&y[..N / 2], &y[N / 2..]);
+        let h = h.hessian();
+        for i in 0..N {
+            for (entry, j) in pattern.row(i) {
+                entries[entry] = T::exact(h[i.min(j)][i.max(j)]);
+            }
+        }
+        true
+    }, false)
 }
 
 #[inline(always)]

@@ -67,9 +67,9 @@ pub(crate) enum Op {
     /// Derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants; in
     /// derivatives only.
     PowfSlope(u32),
-    /// a² + b, of [`crate::recording::peephole`].
+    /// a² + b, which two operations are replayed as.
     SquareAdd,
-    /// 1/√a, of [`crate::recording::peephole`].
+    /// 1/√a, which two operations are replayed as.
     RecipSqrt,
 }
 

@@ -1,4 +1,4 @@
-//! [`Tape`]: the operations of a recording, laid out for replay ([`crate::replay::layout`]).
+//! [`Tape`]: the operations of a recording, laid out for replay.
 
 use crate::recording::op::Op;
 use crate::replay::stretches::Access;

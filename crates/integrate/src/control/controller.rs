@@ -25,26 +25,19 @@
 //! Sizes are f64 in every float type: a step is a choice, not a result, and a size of 53 bits is exact.
 
 use crate::control::estimate::Estimate;
+use crate::control::policy::{
+    ACCEPTED, CHEAPEST, MOST_CHANGE, MOST_PREDICTED, MOST_SHRINKAGE, NEWTON, SAFETY,
+};
 
-/// Aim below the tolerance. // ratio; with 0.95 errors of a revolution (Kepler, 18 settings) go up to 7.1
-/// tolerances from 5.4.
-const SAFETY: f64 = 0.9;
-/// Estimates up to this many tolerances are accepted: the size is within 19 % (s = 4), 9 % (s = 8) of what it
-/// should be. // ratio; with 10 80 of 2480 steps are refused in place of 118 (Kepler, e = 0.9, s = 8, 1e-12),
-/// and the error after 100 revolutions is 1.2e-11 in place of 3.8e-12.
-const ACCEPTED: f64 = 4.0;
-/// Bound of the ratio h⁺/ĥ, …
-const MOST_PREDICTED: f64 = 2.0;
-/// … of ĥ/h, …
-const MOST_GROWTH: f64 = 4.0;
-/// … and of how much a refused step is shortened.
-const MOST_SHRINKAGE: f64 = 0.1;
-/// Contraction, per power of the step size, at which sweeps cost least for the time they cover. Twice the
-/// size takes three times the sweeps: the start is foretold worse, and the α's that remove a larger defect
-/// disturb the stages more.
-const BEST: f64 = 0.058;
-/// A tolerance that allows steps this many times as long as sweeps are made for asks for Newton's method.
-const NEWTON: f64 = 32.0;
+/// A try of the step that was refused.
+#[derive(Debug, Clone, Copy)]
+struct Refused {
+    /// Size of the first such try, and of the last.
+    first: f64,
+    size: f64,
+    rest: f64,
+}
+
 /// What control remembers between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Memory {
@@ -61,6 +54,9 @@ pub(crate) struct Control {
     /// Largest step.
     pub(crate) most: f64,
     pub(crate) memory: Memory,
+    /// Rests below this may be rounding.
+    rounding: f64,
+    refused: Option<Refused>,
 }
 
 /// What to do with a step that was made.
@@ -72,18 +68,22 @@ pub(crate) enum Judgement {
 }
 
 impl Control {
-    pub(crate) fn new(tolerance: f64, stages: usize, most: f64) -> Self {
+    /// `eps` is that of the float type.
+    pub(crate) fn new((tolerance, eps): (f64, f64), stages: usize, most: f64) -> Self {
         let root = |x: f64| x.powf(1.0 / (2 * stages) as f64);
         Control {
             wanted: root(tolerance),
             accepted: root(1.0 / ACCEPTED),
             most,
             memory: Memory { next: most },
+            rounding: eps.sqrt(),
+            refused: None,
         }
     }
 
     /// A run begins, with a step of the size `first` if that is allowed.
     pub(crate) fn begin(&mut self, first: f64) {
+        self.refused = None;
         self.memory = Memory {
             next: first.min(self.most),
         };
@@ -98,20 +98,38 @@ impl Control {
         contraction: Option<f64>,
     ) -> Judgement {
         let ratio = self.ratio(estimate);
+        let refused = self.refused.take();
         if !(ratio >= self.accepted) {
+            if let Some(before) = refused
+                && self.is_rounding(before, (h, estimate.rest))
+            {
+                self.memory.next = before.first;
+                return Judgement::Accept;
+            }
+            self.refused = Some(Refused {
+                first: refused.map_or(h, |before| before.first),
+                size: h,
+                rest: estimate.rest,
+            });
             return Judgement::Refuse(h * (SAFETY * ratio).max(MOST_SHRINKAGE));
         }
-        let growth = ratio.min(MOST_GROWTH);
+        let growth = ratio.min(MOST_CHANGE);
         let near = estimate.nearness;
         let predicted = (1.0 - near) / (1.0 + growth * near).max(f64::MIN_POSITIVE);
         let predicted = predicted.clamp(1.0 / MOST_PREDICTED, MOST_PREDICTED);
         let mut share = SAFETY * growth * predicted;
-        let cheapest = contraction.map_or(f64::INFINITY, |contraction| BEST / contraction);
+        let cheapest = contraction.map_or(f64::INFINITY, |contraction| CHEAPEST / contraction);
         if ratio <= NEWTON * cheapest {
             share = share.min(cheapest * predicted.min(1.0));
         }
         self.memory.next = (h * share).min(self.most);
         Judgement::Accept
+    }
+
+    /// Whether a `rest` that is small has not fallen with the size as that of any motion does: it is rounding
+    /// of the slopes, which shorter steps have too.
+    fn is_rounding(&self, before: Refused, (h, rest): (f64, f64)) -> bool {
+        rest <= self.rounding && rest >= before.rest * (h / before.size).sqrt()
     }
 
     /// (tol / e)^{1/(2s)}.

@@ -7,11 +7,9 @@
 //!
 //! Cost: one gradient, after a step has failed for good.
 
+use crate::control::policy::ESCAPING;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-
-/// The step that fails is this part, or more, of the time in which |q| grows by a factor e.
-const SHARE: (i64, i64) = (1, 4);
 
 /// |q| at `y` if the motion from there reaches infinity within about a step of `h`.
 pub(crate) fn escapes<T: Float, E: Evaluate<T>>(energy: &mut E, y: &[T], h: T) -> Option<T> {
@@ -27,6 +25,6 @@ pub(crate) fn escapes<T: Float, E: Evaluate<T>>(energy: &mut E, y: &[T], h: T) -
         outward += q * (gradient[m + i] / largest);
         pushed -= q * gradient[i];
     }
-    let grows = h * outward >= T::ratio(SHARE.0, SHARE.1) * square;
+    let grows = T::int(ESCAPING) * h * outward >= square;
     (grows && pushed > T::int(0) && square.is_finite()).then(|| largest * square.sqrt())
 }

@@ -38,13 +38,10 @@
 //!
 //! Cost: s² n multiplications, and ∇H at the end of the step.
 
+use crate::control::policy::NOISE;
 use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_solver::{State, stride_for};
 use equip_tableau::{Gauss, legendre_at};
-
-/// Coefficients of so many ε of the largest are rounding, and no end of a decay. // ε; with 0 runs of 5 of 10
-/// scenes do not come on with 12 stages and a tolerance of 1e-15.
-const NOISE: f64 = 1024.0;
 
 /// What the coefficients of a step say.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +51,8 @@ pub(crate) struct Estimate {
     /// 1/z: half a step divided by the signed distance from its middle to what the motion is about to meet,
     /// or leaves behind; within ±1.
     pub(crate) nearness: f64,
+    /// The largest part of the motion of a component that its s coefficients do not have.
+    pub(crate) rest: f64,
 }
 
 /// An end of a step: its start, or its end.
@@ -145,7 +144,7 @@ impl<T: Float> Decay<T> {
         let (set, s, stride) = (self.set, self.s, self.stride);
         mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
         let half = y.hi.len() / 2;
-        let mut decay = 0.0_f64;
+        let (mut decay, mut rest) = (0.0_f64, 0.0_f64);
         let is_inset = ends.map(|end| end.is_inset);
         for (group, y) in y.hi.chunks_exact(half).enumerate() {
             let largest = y[..self.m].iter().fold(T::int(0), |a, y| a.max(y.abs()));
@@ -154,28 +153,30 @@ impl<T: Float> Decay<T> {
             for (c, &y) in y[..self.m].iter().enumerate() {
                 let rates = ends.map(|end| sign * end.slope[from + c]);
                 let c = group * half + c;
-                decay = decay.max(self.of_component(c, (y, largest), rates, is_inset));
+                let component = self.of_component(c, (y, largest), rates, is_inset);
+                (decay, rest) = (decay.max(component[0]), rest.max(component[1]));
             }
         }
         Estimate {
             decay,
             nearness: self.nearness(),
+            rest,
         }
     }
 
-    /// ϱ of component c, `y` at the start of the step, `largest` being the largest of its group, with h f at
-    /// both ends; its unit is left behind.
+    /// ϱ of component c, and the rest of its motion. `y` is it at the start of the step, `largest` the largest
+    /// of its group, `ends` are h f there and at the end; its unit is left behind.
     fn of_component(
         &mut self,
         c: usize,
         (y, largest): (T, T),
         ends: [T; 2],
         is_inset: [bool; 2],
-    ) -> f64 {
+    ) -> [f64; 2] {
         let s = self.s;
         let row = &self.coefficients[c * self.stride..][..s];
         if !row.iter().chain(&ends).all(|x| x.is_finite()) {
-            return f64::INFINITY;
+            return [f64::INFINITY; 2];
         }
         let motion = row.iter().fold(T::int(0), |a, x| a.max(x.abs()));
         let least = (self.tolerance.sqrt() * y.abs()).max(T::EPSILON * largest);
@@ -189,7 +190,7 @@ impl<T: Float> Decay<T> {
         self.units[c] = unit;
         let inverse = self.inverse_units[c];
         if inverse == T::int(0) {
-            return 0.0;
+            return [0.0; 2];
         }
         // θ = |γ|/a_0.
         let theta = |x: T| (x * inverse).to_f64().abs();
@@ -218,7 +219,7 @@ impl<T: Float> Decay<T> {
             let allowed = 1.0 + absolute[c] * inverse.to_f64();
             decay /= root(allowed, 2 * s);
         }
-        decay
+        [decay, tail]
     }
 
     /// An error of component c of the step estimated last, in tolerances: 1 is allowed. None is of components

@@ -1,6 +1,6 @@
 //! A size to begin with, before there is a step to judge by.
 //!
-//! Between 1/100 of it and the whole of the time in which the motion turns into another, the shorter one of
+//! Between 1/64 of it and the whole of the time in which the motion turns into another, the shorter one of
 //! positions and momenta. With f = J∇H, f' = A f and f'' = A² f at the start, A = J∇²H, that is the root t of
 //!
 //! $$ \lVert f'' \rVert t^2 = \lVert f \rVert + \lVert f' \rVert t . $$
@@ -8,19 +8,13 @@
 //! A turning point, where f vanishes, and a passage through the centre, where f' does, have the same t.
 //! Where A² f vanishes, as in a free fall, it is ‖f‖/‖f'‖. Coordinates, whose origin is arbitrary, choose
 //! within these bounds only: 1/10 of the time in which the state would move by its own size, |y|/|f| and
-//! √(|y|/|f'|). The first step is then tried at longer or shorter sizes until its error fits, so that the
-//! factor does not matter.
+//! √(|y|/|f'|). The first step is then tried at longer or shorter sizes until its error fits, up to four such
+//! times: the error of a free fall is zero for any size, and a step far beyond an event leaves its root the
+//! rounding of the whole step.
 
+use crate::control::policy::{MOST_CHANGE, SHORT};
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-
-/// The first try is at least this share of the time in which the motion turns.
-const LEAST_SHARE: f64 = 0.01;
-/// The first step is at most so many of these times.
-const MOST_TURNS: f64 = 10.0;
-/// Where nothing turns it is at most so many times the pace of the motion: the error of a free fall is
-/// zero for any size, and a step far beyond an event leaves its root the rounding of the whole step.
-const MOST_UNKNOWN: f64 = 4.0;
 
 /// Workspace for it.
 #[derive(Debug)]
@@ -68,11 +62,7 @@ impl<T: Float> FirstSize<T> {
             |of: fn([f64; 3]) -> f64| groups.map(of).into_iter().fold(f64::INFINITY, f64::min);
         let turns = shortest(turning_time);
         let pace = || shortest(|[f, second, _]| if f > 0.0 { f / second } else { f64::INFINITY });
-        let (time, most) = if turns < f64::INFINITY {
-            (turns, MOST_TURNS)
-        } else {
-            (pace(), MOST_UNKNOWN)
-        };
+        let time = if turns < f64::INFINITY { turns } else { pace() };
         let mut own = f64::INFINITY;
         for (group, [f, second, _]) in [0..half, half..n].into_iter().zip(groups) {
             let size = y[group]
@@ -87,14 +77,14 @@ impl<T: Float> FirstSize<T> {
         }
         let own = own / 10.0;
         if time > 0.0 && time < f64::INFINITY {
-            return [own.clamp(LEAST_SHARE * time, time), most * time];
+            return [own.clamp(time / SHORT as f64, time), MOST_CHANGE * time];
         }
         let size = if own > 0.0 && own < f64::INFINITY {
             own
         } else {
             1.0
         };
-        [size, most * size]
+        [size, MOST_CHANGE * size]
     }
 }
 

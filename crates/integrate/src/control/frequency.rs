@@ -4,8 +4,7 @@
 //!
 //! $$ \frac{(s!)^2}{(2s)!\,(2s+1)!} (h\omega)^{2s+1} $$
 //!
-//! in each step. Steps resolve hω up to [`equip_solver::RESOLVES`] times s, where that is 0.04, 0.01, 5e-4
-//! for s = 2, 4, 8.
+//! in each step. Steps resolve hω up to s, where that is 0.04, 0.01, 5e-4 for s = 2, 4, 8.
 //!
 //! Cost: one Hessian, and the iteration.
 

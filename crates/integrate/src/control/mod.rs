@@ -6,5 +6,6 @@ pub(crate) mod estimate;
 pub(crate) mod first_step;
 pub(crate) mod frequency;
 pub(crate) mod make;
+pub(crate) mod policy;
 pub(crate) mod step_density;
 pub(crate) mod stuck;

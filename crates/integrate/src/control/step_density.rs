@@ -19,6 +19,7 @@
 //! gradient and a product ∇²H v.
 
 use crate::control::first_step::turn;
+use crate::control::policy::PART;
 use crate::error::IntegrateError;
 use crate::time::direction::TimeDirection;
 use equip_autodiff::{Evaluate, Hamiltonian, Pattern, System};
@@ -27,10 +28,6 @@ use equip_solver::Counts;
 
 /// Most unknowns 2m for which A² is made.
 const MOST_UNKNOWNS: usize = 512;
-
-/// The difference that stands for the rate of the automatic density spans 1/32 of its time either way: long
-/// enough for rounding not to add up in the sizes.
-const SHARE: i64 = 32;
 
 #[derive(Debug)]
 pub(crate) struct StepDensity<T: Float> {
@@ -127,7 +124,7 @@ impl<T: Float> StepDensity<T> {
         turn(&self.slope, &mut self.second);
         (self.second.iter_mut()).for_each(|x| *x = direction.signed(*x));
         let now = self.source.at(y, energy, counts)?;
-        let delta = T::ratio(1, SHARE) / now;
+        let delta = T::ratio(1, PART) / now;
         let mut end = |delta: T| {
             let half = delta * delta / T::int(2);
             for (j, x) in self.point.iter_mut().enumerate() {

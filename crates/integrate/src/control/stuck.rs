@@ -7,13 +7,10 @@
 //! Cost: four gradients, after a run has come to its end.
 
 use crate::control::escape::escapes;
-use crate::error::{GROWN, IntegrateError};
+use crate::control::policy::GROWN;
+use crate::error::IntegrateError;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-
-/// Where everything has grown, sizes that control goes down to are at least this part of those that fixed
-/// steps fail with. // ratio; with 16 three stages at 1e-12 on U = −q⁶ end at a singularity.
-const PART: i64 = 1024;
 
 /// A step that is too small to be made.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +36,7 @@ impl<T: Float> TooSmall<T> {
         let (time, step) = (self.time, self.h.abs());
         let growth = growth(energy, start, y);
         if growth >= T::int(GROWN)
-            && let Some(size) = escapes(energy, y, self.h * T::int(PART))
+            && let Some(size) = escapes(energy, y, self.h * T::int(GROWN))
         {
             return IntegrateError::Escape { time, step, size };
         }

@@ -12,17 +12,13 @@
 
 use crate::checkpoints::memories::SwitchMemory;
 use crate::control::estimate::Decay;
+use crate::control::policy::{MOST_TRIES, SOON};
 use crate::events::path::{Path, Place};
 use crate::events::roughness::Roughness;
 use equip_autodiff::{Evaluate, SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
 use equip_tableau::Gauss;
-
-/// Tries of one step that are searched for crossings; then it is made as if H were smooth.
-const MOST_LOOKS: u32 = 12;
-/// Halvings of one step among knots.
-const MOST_HALVINGS: u32 = 3;
 
 /// Where a step as made meets the first switch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -185,7 +181,7 @@ impl<T: Float> Crossings<T> {
     /// close together, and it has not been halved often yet.
     pub(crate) fn may_halve(&mut self) -> bool {
         self.halvings += 1;
-        self.has_knots && self.halvings <= MOST_HALVINGS
+        self.has_knots && self.halvings <= SOON.ilog2()
     }
 
     /// Where the step just made from `y` to `end` meets the first switch; the next try is to end there.
@@ -197,7 +193,7 @@ impl<T: Float> Crossings<T> {
     ) -> Option<Meeting<T>> {
         self.looks += 1;
         let aim = self.aim.take();
-        if self.looks > MOST_LOOKS {
+        if self.looks > MOST_TRIES {
             self.is_among_knots = false;
             return None;
         }

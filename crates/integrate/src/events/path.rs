@@ -4,20 +4,12 @@
 //! zero whose lowest place, by parabolas through three places, lies beyond it. Two roots between neighbours
 //! that no dip shows are not found.
 
+use crate::control::policy::{MOST_TRIES, PART};
 use crate::dense::polynomial::Polynomial;
 use crate::events::roots::{Interval, enclose};
 use equip_autodiff::{Evaluate, SwitchEvaluator, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
-
-/// Parabolas through a dip, one after the other.
-const PARABOLAS: u32 = 6;
-/// A parabola through three places tells a sixteenth of the largest value there from zero.
-const TELLING: i64 = 16;
-/// A switch on which the step begins is left within the first stage if it is at c_1/2^k, k up to this.
-const HALVINGS: u32 = 12;
-/// Secants to a root beyond the end, which is sought up to a quarter of the step behind it.
-const SECANTS: u32 = 8;
 
 /// Where a switch has a root, or comes so near to zero that the polynomial cannot tell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -163,7 +155,7 @@ impl<T: Float> Path<T> {
         vertex(a, b, c).is_some_and(|(_, lowest)| {
             side(lowest) != side(b.1)
                 || T::int(2) * lowest.abs() < least
-                || T::int(TELLING) * least < most
+                || T::int(PART) * least < most
         })
     }
 
@@ -207,7 +199,7 @@ impl<T: Float> Path<T> {
     /// A place before the first stage where switch j, on which the step begins, has the sign `wanted`.
     fn leaving(&mut self, j: usize, wanted: i8) -> Option<T> {
         let mut place = self.places[1];
-        (0..HALVINGS).find_map(|_| {
+        (0..MOST_TRIES).find_map(|_| {
             place /= T::int(2);
             (side(self.value_at(j, place)) == wanted).then_some(place)
         })
@@ -228,7 +220,7 @@ impl<T: Float> Path<T> {
         let [mut a, mut b, mut c] = [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
         let sizes = (0..self.places.len()).map(|i| self.value(j, i).abs());
         let vague = self.vague * sizes.fold(T::int(0), |most, size| most.max(size));
-        for _ in 0..PARABOLAS {
+        for _ in 0..MOST_TRIES {
             let Some((x, _)) = vertex(a, b, c) else {
                 break;
             };
@@ -254,7 +246,7 @@ impl<T: Float> Path<T> {
         let mut before = one - T::ratio(1, 64);
         let mut here = one;
         let mut at_before = self.value_at(j, before);
-        for _ in 0..SECANTS {
+        for _ in 0..MOST_TRIES {
             let at_here = self.value_at(j, here);
             let next = here - at_here * ((here - before) / (at_here - at_before));
             // Not for NaN either.

@@ -18,12 +18,11 @@
 //!
 //! Cost: 17 evaluations of g where there is no root, some 20 more per root, 1500 or so where it touches zero.
 
+use crate::control::policy::SHORT;
 use equip_scalar::Float;
 
 /// N.
 const DEGREE: usize = 16;
-/// Intervals shorter than 1/64 are short.
-const SHORT: i64 = 64;
 /// Intervals looked at before g is given up as too rough.
 const MOST_INTERVALS: usize = 2000;
 

@@ -34,7 +34,7 @@ impl<T: Float> Default for Options<T> {
         Options {
             reach: Reach::default(),
             alpha_bound: T::ratio(1, 20),
-            max_halvings: 3,
+            max_halvings: 10,
             preconditioner: Preconditioner::default(),
             measure_energy: true,
             check_gradient: true,

@@ -7,7 +7,7 @@ use crate::report::energy_floor::EnergyFloor;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
-use equip_solver::{Counts, Outcome, RESOLVES};
+use equip_solver::{Counts, Outcome};
 use std::fmt;
 
 /// The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
@@ -143,7 +143,7 @@ impl<T: Float> Certificate<T> {
             && !self.motion_is_resolved()
         {
             let stages = self.method.stage_count();
-            let (angle, step, most) = (phase.angle, phase.step, RESOLVES as f64 * stages as f64);
+            let (angle, step, most) = (phase.angle, phase.step, stages as f64);
             line(
                 "  not resolved",
                 format!("h ω = {angle:.3} in a step of {step:.2e}, above {most}: its phase drifts"),

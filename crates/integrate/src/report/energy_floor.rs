@@ -1,10 +1,7 @@
 //! [`EnergyFloor`]: what rounding alone makes of the energy, beside the energies themselves.
 
+use crate::control::policy::MOST_FLOOR;
 use equip_scalar::Float;
-
-/// A floor beyond this part of the energies makes "kept" an empty word. // ratio; floors of resolved motion
-/// in doubles are below 1e-12, and where 10⁹ times as much as is left cancels within H, 1e-6.
-const MOST: (i64, i64) = (1, 1_000_000);
 
 /// The largest round-off floor of the energy over the steps that kept it, and what it is to be held against.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +27,7 @@ impl<T: Float> EnergyFloor<T> {
     /// scale. At rest where H = 0 there is nothing to lose.
     pub fn is_small(&self) -> bool {
         let is_rest = self.scale == T::int(0) && self.floor.is_finite();
-        is_rest || self.floor <= self.scale * T::ratio(MOST.0, MOST.1)
+        is_rest || self.floor <= self.scale * T::ratio(1, MOST_FLOOR)
     }
 
     /// A step ended with this `floor`. The `kinetic` energy there is asked for only if it matters.
@@ -39,7 +36,7 @@ impl<T: Float> EnergyFloor<T> {
         if !(floor <= self.floor) && self.floor.is_finite() {
             self.floor = floor;
         }
-        let is_beyond = !(self.floor <= self.scale * T::ratio(MOST.0, MOST.1));
+        let is_beyond = !(self.floor <= self.scale * T::ratio(1, MOST_FLOOR));
         if is_beyond {
             self.scale = self.scale.max(kinetic());
         }

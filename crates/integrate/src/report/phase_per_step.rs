@@ -1,7 +1,6 @@
 //! [`PhasePerStep`]: whether steps resolve the motion.
 
 use equip_scalar::Float;
-use equip_solver::RESOLVES;
 
 /// hω of the fastest motion, the largest eigenvalue of J∇²H, where it was largest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,11 +20,11 @@ impl<T: Float> PhasePerStep<T> {
 
     /// The step with half of the hω allowed, which turns that motion by the right angle to 2e-3 or better.
     pub(crate) fn resolving_step(&self, stages: usize) -> f64 {
-        self.step.to_f64() * (0.5 * RESOLVES as f64 * stages as f64 / self.angle)
+        self.step.to_f64() * (0.5 * stages as f64 / self.angle)
     }
 
     /// Whether steps of a method with s `stages` resolve that motion: hω ≤ s.
     pub fn is_resolved(&self, stages: usize) -> bool {
-        self.angle <= RESOLVES as f64 * stages as f64
+        self.angle <= stages as f64
     }
 }

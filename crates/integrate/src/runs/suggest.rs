@@ -15,6 +15,7 @@
 //! motion has shown what it does, such as a period.
 
 use crate::control::frequency::Frequency;
+use crate::control::policy::{GOOD_ENOUGH, MOST_TRIES, SAFETY};
 use crate::error::IntegrateError;
 use crate::options::adaptive::Adaptive;
 use crate::options::method::Gauss;
@@ -26,15 +27,9 @@ use equip_scalar::Float;
 use equip_solver::{Family, Reach};
 use std::ops::RangeInclusive;
 
-/// Most trials, …
-const MOST_TRIALS: u32 = 25;
-/// … most steps of one, and most numbers of its states.
+/// Most steps of a trial, and most numbers of its states.
 const MOST_STEPS: f64 = 1e6;
 const MOST_NUMBERS: f64 = 5e7;
-/// A trial that is better than the target by no more than this will do.
-const GOOD_ENOUGH: i64 = 8;
-/// Aim below the target.
-const MARGIN: f64 = 1.03;
 
 /// What a suggested step is to reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -146,7 +141,7 @@ impl<T: Float, H: System> Trials<'_, T, H> {
         let (mut few, mut enough): (f64, Option<f64>) = (0.0, None);
         let mut least: Option<(f64, T)> = None;
         let mut last = T::INFINITY;
-        for _ in 0..MOST_TRIALS {
+        for _ in 0..MOST_TRIES {
             if steps > most {
                 break;
             }
@@ -178,7 +173,7 @@ impl<T: Float, H: System> Trials<'_, T, H> {
                         least = Some((steps, error));
                     }
                     let law = (error / target).to_f64().powf(1.0 / order);
-                    steps * (MARGIN * law).clamp(0.25, 4.0)
+                    steps * (law / SAFETY).clamp(0.25, 4.0)
                 }
                 // Not to be made at this size.
                 None => {

@@ -1,5 +1,6 @@
 //! [`ReversibleStepper`]: a run with reversible steps, one at a time, and whole runs.
 
+use crate::control::policy::{MOST_TRIES, ROUNDING};
 use crate::control::step_density::StepDensity;
 use crate::error::IntegrateError;
 use crate::options::reversible::StepRule;
@@ -10,11 +11,6 @@ use crate::steppers::view::StepView;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::Outcome;
-
-/// Tries to meet the integral rule.
-const MOST_TRIES: u32 = 25;
-/// A size that meets it within so many units of the last place meets it.
-const ROUND_OFF: i64 = 16;
 
 /// A run with reversible steps that is made step by step.
 #[derive(Debug)]
@@ -116,7 +112,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
             self.inner.core.refuse();
             secant.step(miss);
         }
-        let (outcome, _) = self.search(&mut secant, T::int(ROUND_OFF) * T::EPSILON)?;
+        let (outcome, _) = self.search(&mut secant, T::int(ROUNDING) * T::EPSILON)?;
         Ok((secant.h, outcome))
     }
 

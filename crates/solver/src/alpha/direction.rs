@@ -14,7 +14,7 @@
 
 use crate::alpha::least_displacement::{LeastDisplacement, dot};
 use crate::equations::constraint::Constraint;
-use crate::policy::{LEADING, RESOLVES};
+use crate::policy::LEADING;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_linear::DenseLu;
 use equip_scalar::{Float, mix_stages};
@@ -177,9 +177,10 @@ impl<T: Float> Direction<T> {
         self.linear.linearise(iterate, energy, tolerance)
     }
 
-    /// Whether the step resolves its fastest oscillation, at the solution that was linearised.
+    /// Whether the step resolves its fastest oscillation, hω ≤ s, at the solution that was linearised: there
+    /// Gauss turns it by .04, .01, 5e-4 of an angle too far with s = 2, 4, 8 (docs/adr/0020).
     pub(crate) fn is_resolved(&mut self) -> bool {
-        self.linear.is_within(RESOLVES as f64 * self.s as f64)
+        self.linear.is_within(self.s as f64)
     }
 
     /// Takes the directions where it was linearised, to a relative `tolerance` of their displacements; from

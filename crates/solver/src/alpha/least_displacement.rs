@@ -42,7 +42,7 @@ impl<T: Float> LeastDisplacement<T> {
         }
         let matrix = self.gram.matrix_mut();
         for (k, row) in rows.iter().enumerate() {
-            matrix[(k, k)] = one + T::ratio(RIDGE[0], RIDGE[1]);
+            matrix[(k, k)] = one + T::ratio(1, RIDGE);
             for (l, other) in rows.iter().enumerate().take(k) {
                 let x = finite(dot(row, other) / self.norms[k] / self.norms[l]);
                 (matrix[(k, l)], matrix[(l, k)]) = (x, x);

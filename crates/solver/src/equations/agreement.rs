@@ -5,7 +5,7 @@ use crate::equations::oracle::Oracle;
 use crate::options::family::{Alphas, Family};
 use crate::options::step_options::{Preconditioner, StepOptions};
 use crate::outcome::outcome::Outcome;
-use crate::step::step::Core;
+use crate::step::core::Core;
 use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
 use equip_scalar::{DoubleDouble, Float};
 use equip_sweeps::State;

@@ -17,7 +17,7 @@
 //! with it; nothing else calls it.
 
 use crate::outcome::outcome::Outcome;
-use crate::policy::{BEYOND_ERROR, FARTHEST, LEADING, RESOLVES, RIDGE, SMALL};
+use crate::policy::{FARTHEST, LEADING, RIDGE, SMALL};
 use equip_autodiff::{Evaluate, System};
 use equip_linear::DenseLu;
 use equip_scalar::Float;
@@ -84,7 +84,7 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         if g.abs() <= floor {
             return carried(Outcome::AtFloor);
         }
-        if self.fastest(gauss, (y, h), &unperturbed) > T::int(RESOLVES) * T::int(s as i64) {
+        if self.fastest(gauss, (y, h), &unperturbed) > T::int(s as i64) {
             return carried(Outcome::Unresolved);
         }
         let mut start_gradient = y.to_vec();
@@ -98,7 +98,7 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
                 .iter()
                 .zip(units)
                 .fold(T::int(0), |a, (&e, &x)| a.max((e / x).abs()));
-            let most = (T::int(FARTHEST) * own).max(T::int(BEYOND_ERROR) * error);
+            let most = T::int(FARTHEST) * own.max(error);
             most.min(T::ratio(1, SMALL))
         });
         let mut at = self.stages(gauss, (y, h), &alphas, None)?;
@@ -289,7 +289,7 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
             slope[k - 1] = dot(gradient, end.as_slice());
             v.push(slope[k - 1] - dot(start_gradient, start.as_slice()));
         }
-        let ridge = T::int(1) + T::ratio(RIDGE[0], RIDGE[1]);
+        let ridge = T::int(1) + T::ratio(1, RIDGE);
         let mut gram = DenseLu::new(free);
         for i in 0..free {
             for j in 0..free {

@@ -71,7 +71,7 @@ impl<T: Float> StepOptions<T> {
             },
             reach: Reach::default(),
             alpha_bound: T::ratio(1, 20),
-            max_halvings: 3,
+            max_halvings: 10,
             preconditioner: Preconditioner::default(),
         }
     }

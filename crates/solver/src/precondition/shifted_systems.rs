@@ -11,6 +11,7 @@
 //! real operations to factorise and 8 d² to solve if dense; for chains proportional to d if sparse. f64
 //! throughout: it is a preconditioner.
 
+use crate::policy::SPARSE_SHARE;
 use crate::precondition::schur::Block;
 use equip_autodiff::Pattern;
 use equip_linear::{DenseLu, Singular};
@@ -18,11 +19,6 @@ use equip_linear::{SparseLu, Symbolic};
 use equip_sweeps::turned;
 use nalgebra::{Complex, DVector};
 use std::ops::{AddAssign, Mul};
-
-/// Sparse from this dimension on, …
-const SPARSE_DIMENSION: usize = 64;
-/// … if at most one entry in so many is there.
-const SPARSE_SHARE: usize = 8;
 
 /// Half of G.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -252,7 +248,7 @@ fn sparse(pattern: &Pattern, reduced: bool, systems: usize) -> Option<Factors> {
     } else {
         pattern.len()
     };
-    if d < SPARSE_DIMENSION || number > d * d / SPARSE_SHARE {
+    if number > d * d / SPARSE_SHARE {
         return None;
     }
     let mut all = Vec::with_capacity(number);

@@ -16,13 +16,11 @@ use crate::equations::constraint::Constraint;
 use crate::options::step_options::Reach;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
-use crate::policy::{
-    BEYOND_ERROR, BITS_A_TURN, FARTHEST, MOST_MOVES, MOST_STALLS, ROUNDING, SMALL, STALLED, TURNS,
-};
-use crate::step::step::Core;
+use crate::policy::{FARTHEST, MOST_STALLS, ROUNDING, SMALL, STALLED, TURNS};
+use crate::step::core::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_sweeps::State;
+use equip_sweeps::{MOST_ITERATIONS, State};
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// Solves for the α's, or puts the stages with α = 0 back. `next` is the end point, before and after.
@@ -74,8 +72,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let (mut farthest, mut since) = (T::int(0), T::INFINITY);
         let (mut last, mut stalls) = ([T::INFINITY; 2], 0);
         // A direction that turns faster than it comes to rest is kept as it is.
-        let mut turns_left = T::MANTISSA_BITS / BITS_A_TURN;
-        for moves in 0..=MOST_MOVES {
+        let mut turns_left = T::MANTISSA_BITS / TURNS.ilog2();
+        for moves in 0..=MOST_ITERATIONS {
             let turns = T::int(TURNS) * farthest * since;
             let is_kept = turns <= rounding || turns_left == 0;
             if !is_kept {
@@ -111,7 +109,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             if stalls > 0 && is_near {
                 return Ok(());
             }
-            if stalls > MOST_STALLS || moves == MOST_MOVES {
+            if stalls > MOST_STALLS || moves == MOST_ITERATIONS {
                 return Err(Outcome::NoSlope);
             }
             last = [floors, of_state];
@@ -185,7 +183,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             counts.local_errors += 1;
             let error = local_error.estimate(&mut self.energy, step, l, &direction.motion, counts);
             for (most, error) in reach.most.iter_mut().zip(error.unwrap_or([T::int(0); 2])) {
-                *most = most.max(T::int(BEYOND_ERROR) * error);
+                *most = most.max(T::int(FARTHEST) * error);
             }
         }
         reach.holds(far)
@@ -239,6 +237,24 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         stages.iterate.end_point(y, next);
         self.evaluate_constraints(next, self.stages.contraction.noise())
             .map_err(|_| Outcome::BeyondBound)
+    }
+
+    /// Evaluates the constraints at the end point, which the iteration for the stages has left with this
+    /// `noise`.
+    pub(crate) fn evaluate_constraints(
+        &mut self,
+        next: &State<T>,
+        noise: f64,
+    ) -> Result<(), Failure<T>> {
+        let noise = T::exact(noise);
+        let sizes = self.stages.iterate.scale();
+        for constraint in &mut self.constraints {
+            self.counts.gradients += 1;
+            if !constraint.evaluate(&mut self.energy, next, (noise, sizes)) {
+                return Err(Failure::NotFinite);
+            }
+        }
+        Ok(())
     }
 
     /// Whether the end point is within reach of the one with α = 0, but for rounding.

@@ -3,7 +3,7 @@
 
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
-use crate::step::step::Core;
+use crate::step::core::Core;
 use equip_autodiff::{Evaluate, Holds, RecordedEvaluator};
 use equip_scalar::Float;
 use equip_sweeps::State;

@@ -2,5 +2,6 @@
 
 pub(crate) mod alphas;
 pub(crate) mod compiled;
+pub(crate) mod core;
 pub(crate) mod stages;
 pub(crate) mod step;

@@ -3,11 +3,10 @@
 use crate::options::step_options::Preconditioner;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Counts;
-use crate::policy::MOST_ITERATIONS;
 use crate::precondition::choice::Choice;
 use equip_autodiff::{Evaluate, Kinetic, Structure};
 use equip_scalar::Float;
-use equip_sweeps::{Contraction, Iterate, Polynomial, Progress, State};
+use equip_sweeps::{Contraction, Iterate, MOST_ITERATIONS, Polynomial, Progress, State};
 use equip_tableau::Gauss;
 
 /// The stages, and what finds them.

@@ -1,8 +1,8 @@
-//! Which sweeps are incremental ([`crate::forms::incremental`]): those that by the contraction seen leave
+//! Which sweeps are incremental: those that by the contraction seen leave
 //! others to come. Rows of them run inside one kernel, which asks here whether to go on.
 
 use crate::convergence::contraction::{Contraction, Progress};
-use crate::policy::INCREMENTAL;
+use crate::policy::NOISY;
 use equip_scalar::Float;
 
 /// Whether sweeps of a row go on.
@@ -51,7 +51,7 @@ impl<'a, T: Float> Row<'a, T> {
     /// Whether the next sweep leaves others to come.
     #[inline(always)]
     pub(crate) fn is_next(&self) -> bool {
-        self.contraction.next_change() > INCREMENTAL * T::EPSILON.to_f64()
+        self.contraction.next_change() > NOISY * T::EPSILON.to_f64()
     }
 }
 

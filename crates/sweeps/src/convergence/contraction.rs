@@ -147,7 +147,8 @@ impl<T: Float> Contraction<T> {
         self.still = if stagnates { self.still + 1 } else { 0 };
         let error = self.error();
         let is_known = compares || self.worst > 0.0 || (change <= 4.0 * eps && !is_remeasured);
-        self.is_settled = (is_known && error.max(self.left) <= eps / SETTLED) || self.still >= STILL;
+        self.is_settled =
+            (is_known && error.max(self.left) <= eps / SETTLED) || self.still >= STILL;
         if self.is_settled {
             Progress::Settled
         } else {

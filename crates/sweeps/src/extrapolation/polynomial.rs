@@ -1,5 +1,5 @@
-//! E and ρ of [`crate::extrapolation::gradients`]: what the polynomial through the gradients of the last
-//! step, and the one at its end, is at the nodes of this.
+//! E and ρ of an extrapolation: what the polynomial through the gradients of the last step, and the one at
+//! its end, is at the nodes of this.
 //!
 //! $$ E_{ij} = -\frac1h \sum_{k<s} \bigl(P_k(\tau_i) - \rho_i P_k(a)\bigr) P_k(c_j), \qquad \rho_i = P_s(\tau_i)/P_s(a), \quad \tau_i = a + r c_i . $$
 //!

@@ -1,6 +1,6 @@
 //! The linear half of a sweep, from the gradients to the next stages, compiled for every instruction set.
 //!
-//! Three forms: [`crate::forms::full`], [`crate::forms::separable`], [`crate::forms::incremental`]. Each is
+//! Three forms: `full`, `separable`, `incremental`. Each is
 //! written for rows of any length, and by rows of literal length for up to 16 stages of doubles: the same
 //! operations in the same order, bit for bit, and K stays in registers. In a chain of 1024 masses with 8
 //! stages a position and its momentum take 11 ns by rows in place of 24 on AVX-512, where the arithmetic
@@ -20,7 +20,7 @@ use std::ops::Range;
 /// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands
 /// at `c·stride + i`.
 pub(crate) struct Step<'a, T> {
-    /// K(α), column by column; or P and Q of [`crate::matrix::parity`]. Of [`crate::forms::incremental`] K B
+    /// K(α), column by column; or P and Q of [`crate::matrix::parity`]. Of an incremental sweep K B
     /// K, column by column.
     pub(crate) k: &'a [T],
     /// h b_i.

@@ -27,7 +27,7 @@ pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
 /// Lanes of half of sixteen stages.
 pub(crate) const HALF: usize = 8;
 
-/// Whether `s` stages of this float are multiplied by pairs ([`crate::matrix::parity`]).
+/// Whether `s` stages of this float are multiplied by pairs, with half the products.
 #[inline(always)]
 pub(crate) fn has_pairs<T: Float>(s: usize) -> bool {
     T::IS_DOUBLE && s == 2 * HALF

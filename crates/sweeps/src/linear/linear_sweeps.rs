@@ -20,7 +20,7 @@ use crate::iterate::precondition::{Held, Preconditioner};
 use crate::linear::positions::{Positions, Sides};
 use crate::linear::stage_hessians::{StageHessians, Work};
 use crate::matrix::coefficients::both_ways;
-use crate::policy::{LEAST_LINEAR, MOST_LINEAR};
+use crate::policy::{MOST_ITERATIONS, STILL};
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, mix_stages};
 use equip_tableau::Gauss;
@@ -134,7 +134,7 @@ impl<T: Float> LinearSweeps<T> {
                 }
             });
         }
-        for made in 0..MOST_LINEAR {
+        for made in 0..MOST_ITERATIONS {
             std::mem::swap(&mut self.sums, &mut self.sums_before);
             let unknown = if self.knows_momenta() {
                 x.len() / 2
@@ -157,7 +157,7 @@ impl<T: Float> LinearSweeps<T> {
                     .zip(before)
                     .for_each(|(x, &before)| *x += before);
             }
-            if made + 1 >= LEAST_LINEAR {
+            if made + 1 >= STILL {
                 match self.rests(sides, weights, tolerance) {
                     Some(true) => return true,
                     Some(false) => {}

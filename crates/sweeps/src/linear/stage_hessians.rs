@@ -101,7 +101,8 @@ impl<T: Float> StageHessians<T> {
         energy: &mut E,
         tolerance: T,
     ) -> Option<Work> {
-        let [simple, central] = QUOTIENTS.map(|x| T::ratio(1, x));
+        let [simple, central] = [T::EPSILON.sqrt(), T::EPSILON.cbrt().powi(2)];
+        let [simple, central] = [simple, central].map(|x| T::int(QUOTIENTS) * x);
         if !T::IS_DOUBLE || tolerance < central {
             return self.take_exactly(iterate, energy);
         }

@@ -1,7 +1,7 @@
 //! K L for one component, K standing column by column. Products are fused and sums have one order
 //! ([`crate::layout::row::dot`]), so the bits are the same on every instruction set.
 //!
-//! Cost: s² products; by pairs of stages ([`crate::matrix::parity`]) half of them.
+//! Cost: s² products; by pairs of stages half of them.
 
 use crate::MAX_STAGES;
 use crate::layout::row::{HALF, OnLines, Row, add, dot, has_pairs, in_memory, literal, rows};

@@ -9,6 +9,7 @@
 use crate::control::controller::{Control, Judgement};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
+use crate::control::policy::{MOST_TRIES, PART};
 use crate::control::stuck::TooSmall;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
@@ -20,11 +21,6 @@ use crate::steppers::view::{Step, StepView};
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
-
-/// Tries of the first step.
-pub(super) const TRIES_FOR_FIRST: u32 = 20;
-/// A step may be stretched by 1/16 to reach the end of the run, if that is no more than the largest allowed.
-const STRETCH: i64 = 16;
 
 /// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance)
 /// without copies.
@@ -98,19 +94,19 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             let h = place.size.to_f64();
             match self.make_up_to_switches(place, end) {
                 Ok(Made::OverSwitch(shorter)) => {
-                    self.tries = TRIES_FOR_FIRST;
+                    self.tries = MOST_TRIES;
                     self.inner.core.refuse();
                     (to_switch, is_retried) = (Some(shorter), true);
                 }
                 Ok(Made::OverKnots) => {
-                    self.tries = TRIES_FOR_FIRST;
+                    self.tries = MOST_TRIES;
                     self.inner.core.refuse();
                     (size, is_retried) = (self.control.shorter(h), true);
                     longest = size;
                     self.stop_aiming();
                 }
                 Ok(Made::Step(outcome, estimate, end_is)) => {
-                    if self.tries < TRIES_FOR_FIRST
+                    if self.tries < MOST_TRIES
                         && !place.cut
                         && end_is == EndIs::Smooth
                         && let Some(longer) =
@@ -133,7 +129,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                             return Ok(self.inner.view());
                         }
                         Judgement::Refuse(shorter) => {
-                            self.tries = TRIES_FOR_FIRST;
+                            self.tries = MOST_TRIES;
                             self.inner.core.refuse();
                             self.count(|steps| &mut steps.rejected);
                             cause = None;
@@ -147,7 +143,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     if error.stays_in_shorter_steps() {
                         return Err(error);
                     }
-                    self.tries = TRIES_FOR_FIRST;
+                    self.tries = MOST_TRIES;
                     self.count(|steps| &mut steps.failed);
                     size = self.control.shorter(h);
                     proposed = size;
@@ -191,8 +187,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         if let Some(end) = end {
             let left = self.inner.direction.signed((end - now) - low);
             let zero = T::int(0);
+            // A step may be stretched a little to meet the end.
             let allowed = left <= h || left.to_f64() <= self.control.most;
-            if left <= h + h / T::int(STRETCH) && allowed {
+            if left <= h + h / T::int(PART) && allowed {
                 return Place {
                     size: left,
                     time: end,
@@ -219,7 +216,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     }
 
     fn accept(&mut self, place: Place<T>, outcome: Outcome) {
-        self.tries = TRIES_FOR_FIRST;
+        self.tries = MOST_TRIES;
         self.time_low = place.time_low;
         if let Some(steps) = &mut self.inner.variable {
             steps.largest = steps.largest.max(place.size);
@@ -260,7 +257,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         self.longest_first = longest;
         self.control.begin(first.max(shortest_at(t0).to_f64()));
         self.tries = match self.first_step {
-            Some(_) => TRIES_FOR_FIRST,
+            Some(_) => MOST_TRIES,
             None => 0,
         };
         self.inner.variable = Some(VariableSteps::new(self.tolerance));

@@ -5,12 +5,13 @@ use crate::checkpoints::exact::Exact;
 use crate::control::controller::{Control, Memory};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
+use crate::control::policy::MOST_TRIES;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
 use crate::options::adaptive::Tolerance;
 use crate::options::common::Words;
 use crate::options::integrator::Integrator;
-use crate::steppers::adaptive::adaptive_stepper::{AdaptiveStepper, TRIES_FOR_FIRST};
+use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
@@ -36,7 +37,11 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         }
         Ok(AdaptiveStepper {
             crossings,
-            control: Control::new(tolerance, integrator.method.stages, most),
+            control: Control::new(
+                (tolerance, T::EPSILON.to_f64()),
+                integrator.method.stages,
+                most,
+            ),
             decay: Decay::new(inner.core.gauss(), (n, inner.m), sizes.tolerance, absolute),
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
@@ -47,7 +52,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
             end: None,
             min_step: sizes.min_step,
             max_steps: sizes.max_steps,
-            tries: TRIES_FOR_FIRST,
+            tries: MOST_TRIES,
             inner,
         })
     }

@@ -1,6 +1,7 @@
 //! [`Made`]: what has become of a try to make a step.
 
 use crate::control::estimate::Estimate;
+use crate::control::policy::ROUNDING;
 use equip_scalar::Float;
 use equip_solver::Outcome;
 
@@ -32,10 +33,7 @@ pub(super) enum EndIs {
     BeyondSwitch,
 }
 
-/// Units of the last place of the time that a step has at least, where it is ours to choose.
-const UNITS: i64 = 16;
-
 /// The shortest step that time resolves.
 pub(super) fn shortest_at<T: Float>(time: T) -> T {
-    T::int(UNITS) * T::EPSILON * time.abs()
+    T::int(ROUNDING) * T::EPSILON * time.abs()
 }

@@ -5,6 +5,7 @@
 //! there is taken a little within the step, where H is that of one side.
 
 use crate::control::estimate::{End, Estimate};
+use crate::control::policy::SOON;
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
@@ -12,10 +13,6 @@ use crate::steppers::adaptive::made::{EndIs, Made, Place, shortest_at};
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-
-/// A step that meets the first knot of a table within 1/8 of its size is halved before it is made to end
-/// there: many knots are passed over by steps that are not so much shorter. // docs/adr/0017
-const SOON: i64 = 8;
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     /// Makes a step with its estimate, or only its stages if it is to end on a switch before.

@@ -1,0 +1,52 @@
+//! Tuned constants of runs, each with the figure that chose it.
+
+/// Aim below the tolerance, and below a target. // ratio; with 0.95 errors of a revolution (Kepler, 18
+/// settings) go up to 7.1 tolerances from 5.4.
+pub(crate) const SAFETY: f64 = 0.9;
+/// Estimates up to this many tolerances are accepted: the size is within 19 % (s = 4), 9 % (s = 8) of what it
+/// should be. // ratio; with 10 80 of 2480 steps are refused in place of 118 (Kepler, e = 0.9, s = 8, 1e-12),
+/// and the error after 100 revolutions is 1.2e-11 in place of 3.8e-12.
+pub(crate) const ACCEPTED: f64 = 4.0;
+/// A size is foretold from an error at most so many times as long as it was, and the first step is at most so
+/// many times as long as the motion takes to turn. // ratio
+pub(crate) const MOST_CHANGE: f64 = 4.0;
+/// … and from what limits the motion, so many times as long or as short. // ratio
+pub(crate) const MOST_PREDICTED: f64 = 2.0;
+/// A refused step is shortened to this share of it at least. // ratio
+pub(crate) const MOST_SHRINKAGE: f64 = 0.1;
+/// Contraction, per power of the step size, at which sweeps cost least for the time they cover: twice the
+/// size takes three times the sweeps, as the start is foretold worse, and the α's that remove a larger defect
+/// disturb the stages more. // ratio; docs/adr/0005
+pub(crate) const CHEAPEST: f64 = 0.058;
+/// A tolerance that allows steps so many times as long as sweeps are made for asks for Newton's method. //
+/// ratio
+pub(crate) const NEWTON: f64 = 32.0;
+/// Coefficients of so many ε of the largest are rounding, and no end of a decay. // ε; with 0 runs of 5 of 10
+/// scenes do not come on with 12 stages and a tolerance of 1e-15.
+pub(crate) const NOISE: f64 = 1024.0;
+/// Tries of whatever is tried again: of a first step, of a step up to switches, of a size that meets a rule
+/// or a target, of a root. // tries
+pub(crate) const MOST_TRIES: u32 = 25;
+/// A small part of a step is one over this. // ratio
+pub(crate) const PART: i64 = 16;
+/// Sizes and times within so many units of the last place are the same. // ε
+pub(crate) const ROUNDING: i64 = 16;
+/// A step that meets the first knot of a table within one over this of its size is halved before it is made
+/// to end there, until it would be so many times as short: many knots are passed over by steps that are not.
+/// // ratio; docs/adr/0017
+pub(crate) const SOON: i64 = 8;
+/// Force or speed that has grown by this factor nears a singularity, and sizes that control goes down to are
+/// at least one over this of those that fixed steps fail with. // ratio; of a pericentre e = 0.9 it is 361,
+/// of what stops steps at the resolution of time 1e10 and more; with 16 three stages at 1e-12 on U = −q⁶ end
+/// at a singularity.
+pub(crate) const GROWN: i64 = 1000;
+/// A motion whose |q| grows by a factor e in so many steps of the size that fails escapes. // steps
+pub(crate) const ESCAPING: i64 = 4;
+/// A floor beyond one over this of the energies makes "kept" an empty word. // ratio; floors of resolved
+/// motion in doubles are below 1e-12, and where 10⁹ times as much as is left cancels within H, 1e-6.
+pub(crate) const MOST_FLOOR: i64 = 1_000_000;
+/// A trial whose error is the target over no more than this will do. // ratio
+pub(crate) const GOOD_ENOUGH: i64 = 8;
+/// Parts of a step shorter than one over this may have event functions that are noise, and the first try is
+/// at least such a part of the time in which the motion turns. // ratio
+pub(crate) const SHORT: i64 = 64;
