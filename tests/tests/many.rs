@@ -252,7 +252,6 @@ fn springs(omega: &str) -> (Hamiltonian, (Vec<f64>, Vec<f64>)) {
 
 /// 16 springs of ω = 50 among 32 masses: the energy is not bought with the trajectory.
 #[test]
-#[ignore = "known deficit: more than 2 times as far off as Gauss"]
 fn many_springs_are_as_near_as_gauss() {
     let (energy, start) = springs("50");
     let end = 10.0;

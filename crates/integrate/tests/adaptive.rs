@@ -227,7 +227,6 @@ fn a_singularity_ends_the_run_with_a_reason() {
 }
 
 #[test]
-#[ignore = "known deficit: 4.1e-11, 3e-11 allowed; the energy is at 0.8 floors"]
 fn pythagorean_to_ten() {
     let scene = equip_scenes::find("pythagorean").unwrap();
     let scene = scene.instance(&[]).unwrap();

@@ -342,7 +342,6 @@ fn sweeps_that_do_not_contract_say_how_far_they_came() {
 /// What the last iteration leaves of Z − K L is an error of quadratic invariants that repeats from period to
 /// period: iterations go on until it is rounding. Kepler e = 0.6, angular momentum 0.8, 1000 periods.
 #[test]
-#[ignore = "known deficit: a frozen Hessian leaves 9.7e-14 (s = 4) and 6.1e-15 (s = 3), 4e-15 allowed; the others 2.4e-15"]
 fn angular_momentum_is_left_to_rounding_alone() {
     let scene = instance("kepler", &[("e", "0.6")]);
     let (q, p) = scene.initial::<f64>();
