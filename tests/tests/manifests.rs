@@ -56,7 +56,7 @@ fn every_package_says_what_it_is() {
             let line = format!("{key}.workspace = true");
             assert!(manifest.contains(&line), "{folder}: {line} is missing");
         }
-        // A path is left out of a package, and a version must take its place: those of the workspace have one.
+        // A path is left out of a package, and a version takes its place: those of the workspace have one.
         assert!(!manifest.contains("path = \"../"), "{folder}");
     }
     let shared = text("Cargo.toml");

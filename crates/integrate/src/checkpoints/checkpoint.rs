@@ -288,7 +288,8 @@ fn same<T: Float>(
     })
 }
 
-#[cfg(all(test, feature = "serde"))]
+#[cfg(feature = "serde")]
+#[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::Checkpoint;

@@ -54,9 +54,9 @@ impl Checksum {
     }
 }
 
-/// The checksum of a function: of its formula, if that is recorded, and of its values and gradients at `y` and
-/// at two states beside it, so that energies that are types are told apart by their parameters too. Three
-/// gradients.
+/// The checksum of a function: of its formula, if that is recorded, and of its values and gradients at `y`
+/// and at two states beside it, so that energies that are types are told apart by their parameters too.
+/// Three gradients.
 pub(crate) fn of_function<T: Float, E: Evaluate<T>>(function: &mut E, y: &[T]) -> String {
     let mut sum = Checksum::new();
     if let Some(formula) = function.formula_checksum() {
