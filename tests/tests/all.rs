@@ -16,6 +16,7 @@ mod kept;
 mod kinks;
 mod kinks_random;
 mod long;
+mod manifests;
 mod many;
 mod newton;
 mod order;

@@ -95,6 +95,12 @@ pub trait Evaluate<T: Float> {
         unreachable!("only evaluators of recordings are asked")
     }
 
+    /// The checksum of the formula of H with its constants and tables, as it was recorded; `None` where H is
+    /// no recording. Closures from outside count as one. Linear in the operations of H.
+    fn formula_checksum(&self) -> Option<u64> {
+        None
+    }
+
     /// H(y).
     fn value(&mut self, y: &[T]) -> T;
 

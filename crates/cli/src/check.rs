@@ -19,11 +19,11 @@ mod verdict;
 use crate::args::CheckArgs;
 use crate::fault::Fault;
 use crate::run::progress::steps_of;
+use crate::write::outputs::{Output, apart};
 use case::Case;
 use cases::catalogue;
 use measure::Row;
 use reference::Cache;
-use std::fs::File;
 use std::io::{Write, stdout};
 use std::num::NonZero;
 use std::path::PathBuf;
@@ -47,14 +47,12 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
             expected: "a part of the theme, the name or the setting of some row",
         });
     }
-    // Files are made before the work: a path that cannot be written is worth knowing at once.
-    let create = |path: &Option<PathBuf>| match path {
-        None => Ok(None),
-        Some(path) => match File::create(path) {
-            Ok(file) => Ok(Some((file, path.clone()))),
-            Err(source) => Err(write_fault(path, source)),
-        },
-    };
+    apart(&[
+        ("--json", args.json.as_deref()),
+        ("--csv", args.csv.as_deref()),
+        ("--html", args.html.as_deref()),
+    ])?;
+    let create = |path: &Option<PathBuf>| path.as_deref().map(Output::create).transpose();
     let (json, csv, html) = (create(&args.json)?, create(&args.csv)?, create(&args.html)?);
     let rows = run_all(&cases)?;
     let summary = Summary::of(&rows, begun);
@@ -65,9 +63,8 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
     let csv_text = csv.as_ref().map(|_| documents::csv(&rows));
     let html_text = html.as_ref().map(|_| html::page(&rows, &summary));
     for (file, text) in [(json, json_text), (csv, csv_text), (html, html_text)] {
-        if let (Some((mut file, path)), Some(text)) = (file, text) {
-            file.write_all(text.as_bytes())
-                .map_err(|source| write_fault(&path, source))?;
+        if let (Some(file), Some(text)) = (file, text) {
+            file.write(&text)?;
         }
     }
     match summary.failed {
@@ -76,13 +73,6 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
             failed,
             rows: summary.rows,
         }),
-    }
-}
-
-fn write_fault(path: &std::path::Path, source: std::io::Error) -> Fault {
-    Fault::Write {
-        path: path.to_owned(),
-        source,
     }
 }
 

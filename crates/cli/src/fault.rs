@@ -139,6 +139,10 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
         E::StepLimit { steps, time } => format!(
             "{steps} steps were made and t = {time} is reached; loosen --tolerance, or end sooner with --until"
         ),
+        E::CheckpointMismatch { what, now, .. } if *what == "reach" => {
+            of_flag("--refuse", now == "Refuse")
+        }
+        E::CheckpointMismatch { what, .. } if *what == "deviation" => of_flag("--lyapunov", true),
         E::NoAdmissibleAlpha {
             time,
             step,
@@ -149,6 +153,18 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
         ),
         other => other.to_string(),
     }
+}
+
+/// A checkpoint made without a flag that this run has, or with one that it has not.
+fn of_flag(flag: &str, is_given: bool) -> String {
+    let (before, now, change) = if is_given {
+        ("without", "has it", "leave it out")
+    } else {
+        ("with", "has it not", "give it")
+    };
+    format!(
+        "the checkpoint was made {before} {flag}, this run {now}; {change}, or start anew with another --checkpoint"
+    )
 }
 
 #[cfg(test)]

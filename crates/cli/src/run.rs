@@ -51,7 +51,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     let method = method::<T>(args)?;
     let h = match &args.target_error {
         None => h,
-        Some(text) => step_for(number("--target-error", text)?, instance, method, end)?,
+        Some(text) => step_for(target_error(text)?, instance, method, end)?,
     };
     let mut integrator = match &args.tolerance {
         None => Integrator::Fixed(method.step(h).record(Record::Ends)),
@@ -162,8 +162,10 @@ fn resume<T: Float>(
         ..
     } = saved;
     let time = checkpoint.time::<T>().map_err(Fault::start)?;
-    // Behind the start of the run is for the integrator to refuse.
-    if time * end > end * end {
+    // Behind the start of the run is for the integrator to refuse. The last point of a grid of steps may lie
+    // beyond the end by the rounding of time.
+    let rounding = T::int(4) * T::EPSILON * end.abs();
+    if time * end > T::int(0) && time.abs() > end.abs() + rounding {
         return Err(Fault::Option {
             option: if args.periods.is_some() {
                 "--periods"
@@ -175,15 +177,22 @@ fn resume<T: Float>(
         });
     }
     watch.resumed = true;
-    if let Some((path, mark)) = &mut watch.out {
-        let Some(stored) = table else {
+    match (&mut watch.out, table) {
+        (Some((path, mark)), Some(stored)) => {
+            stored.check(path, mark)?;
+            *mark = stored;
+        }
+        (Some((path, _)), None) => {
             return Err(Fault::Table {
                 path: path.clone(),
                 what: format!("the run wrote none up to the checkpoint, at t = {time}"),
             });
-        };
-        stored.check(path, mark)?;
-        *mark = stored;
+        }
+        (None, Some(_)) if !args.quiet => eprintln!(
+            "note: there is no --out, so the table written up to the checkpoint ends at t = {}",
+            significant(time.to_f64(), 7)
+        ),
+        (None, _) => {}
     }
     match picture.filter(|picture| picture.is_like(&watch.picture)) {
         Some(picture) => watch.picture = picture,
@@ -262,6 +271,18 @@ fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), F
     Ok((h, end))
 }
 
+fn target_error<T: Float>(text: &str) -> Result<T, Fault> {
+    let target = number::<T>("--target-error", text)?;
+    if target.is_finite() && target > T::int(0) {
+        return Ok(target);
+    }
+    Err(Fault::Option {
+        option: "--target-error",
+        value: text.to_owned(),
+        expected: "positive and finite",
+    })
+}
+
 /// The step for an error at the end, from trial runs over a period, forward or back in time as the run.
 fn step_for<T: Float>(target: T, instance: &Instance, method: Method, end: T) -> Result<T, Fault> {
     let period = instance.period::<T>();
@@ -287,6 +308,13 @@ fn method<T: Float>(args: &RunArgs) -> Result<Method, Fault> {
         MethodName::Gauss => Gauss::stages(args.stages),
         MethodName::FixedAlpha(text) => {
             let alpha = number::<T>("--method fixed-alpha", text)?;
+            if !alpha.is_finite() {
+                return Err(Fault::Option {
+                    option: "--method fixed-alpha",
+                    value: text.clone(),
+                    expected: "finite",
+                });
+            }
             Method::fixed_alpha(args.stages, Constant::from_expansion(alpha.expansion()))
         }
     })

@@ -92,6 +92,54 @@ fn a_finished_run_repeated_changes_nothing() {
     }
 }
 
+/// The last point of a grid of steps lies an ulp before or behind the end of the run, or on it.
+#[test]
+fn a_finished_run_whose_grid_misses_the_end_by_rounding_is_repeated() {
+    for steps in ["50", "75", "97", "100", "160"] {
+        let home = directory(&format!("rounding-{steps}"));
+        let arguments = [
+            "kepler",
+            "--periods",
+            "1",
+            "--steps-per-period",
+            steps,
+            "--every",
+            "7",
+        ];
+        let first = certificate(&run(&home, &arguments));
+        let (table, picture) = (read(&home, "t.csv"), read(&home, "p.svg"));
+        assert_eq!(certificate(&run(&home, &arguments)), first, "{steps}");
+        assert!(read(&home, "t.csv") == table, "{steps}: table");
+        assert!(read(&home, "p.svg") == picture, "{steps}: picture");
+    }
+}
+
+/// Killed after its last checkpoint: the rows behind it are there, in part or not at all.
+#[test]
+fn a_run_killed_at_its_very_end_is_finished() {
+    for arguments in [
+        &["kepler", "--until", "3.3", "--every", "7"][..],
+        &["kepler", "--step", "1/8", "--until", "4"],
+        &["pendulum", "--until", "-2.03", "--lyapunov"],
+        &["henon-heiles", "--tolerance", "1e-8", "--until", "9.1"],
+    ] {
+        let home = directory("killed-at-the-end");
+        certificate(&run(&home, arguments));
+        let (table, picture) = (read(&home, "t.csv"), read(&home, "p.svg"));
+        let checkpoint = String::from_utf8(read(&home, "c")).unwrap();
+        let written = checkpoint.split("\"bytes\":").nth(1).unwrap();
+        let written: usize = written.split([',', '}']).next().unwrap().parse().unwrap();
+        let behind = table.len() - written;
+        for length in [written, written + behind / 2, table.len()] {
+            std::fs::write(home.join("t.csv"), &table[..length]).unwrap();
+            let _ = std::fs::remove_file(home.join("p.svg"));
+            certificate(&run(&home, arguments));
+            assert!(read(&home, "t.csv") == table, "{arguments:?}: {length}");
+            assert!(read(&home, "p.svg") == picture, "{arguments:?}: {length}");
+        }
+    }
+}
+
 /// Starts a long run, waits until it has a checkpoint, sends the signal, and returns the exit code.
 fn stopped_by(signal: &str, home: &Path, arguments: &[&str]) -> Option<i32> {
     let mut child = command(home, arguments)
@@ -253,7 +301,48 @@ fn a_checkpoint_of_another_run_is_refused_in_words() {
     );
     let text = failure(2, &home, &["kepler", "--e", "0.8", "--until", "1"]);
     assert!(text.contains("--until"), "{text}");
+    for (more, words) in [
+        (&["--precision", "dd"][..], "float type f64, this run has"),
+        (&["--stages", "6"], "stages 4, this run has 6"),
+        (&["--method", "gauss"], "method EQUIP, this run has Gauss"),
+        (&["--step", "1/8"], "this run has 0.125"),
+        (&["--tolerance", "1e-9"], "steps of one size"),
+        (&["--refuse"], "without --refuse"),
+        (&["--until", "-9"], "--until"),
+    ] {
+        let text = failure(2, &home, &[&["kepler", "--e", "0.8"][..], more].concat());
+        assert!(
+            text.contains(words) && !text.contains(['{', '`']),
+            "{more:?}: {text}"
+        );
+    }
     certificate(&run(&home, &["kepler", "--e", "4/5", "--until", "9"]));
+    // Without a table the columns of the Lyapunov exponent are not in the way.
+    let bare = |more: &[&str]| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
+        let program = program
+            .current_dir(&home)
+            .args(["run", "kepler", "--checkpoint", "d"]);
+        String::from_utf8(program.args(more).output().unwrap().stderr).unwrap()
+    };
+    bare(&["--until", "2"]);
+    let text = bare(&["--until", "3", "--lyapunov"]);
+    assert!(text.contains("without --lyapunov"), "{text}");
+}
+
+/// A run that goes on without its table says so.
+#[test]
+fn a_table_that_is_left_behind_is_named() {
+    let home = directory("left-behind");
+    certificate(&run(&home, &["kepler", "--until", "5"]));
+    let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
+    let program =
+        program
+            .current_dir(&home)
+            .args(["run", "kepler", "--until", "6", "--checkpoint", "c"]);
+    let output = program.output().unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(text.contains("there is no --out"), "{text}");
 }
 
 #[test]

@@ -42,6 +42,54 @@ fn two_outputs_do_not_go_into_one_file() {
         );
         assert!(error.contains("name two files"), "{error}");
     }
+    // A checkpoint is written to a file beside it first.
+    let error = refused(&[
+        "run",
+        "kepler",
+        "--until",
+        "1",
+        "--checkpoint",
+        "x",
+        "--out",
+        "./x.new",
+    ]);
+    assert!(error.contains("while it is written"), "{error}");
+    for command in [
+        "growth --revolutions 1 --plot x --csv x",
+        "section henon-heiles --orbits 1 --until 1 --plot x --csv ./x",
+        "check --only rest --json x --csv x",
+        "check --only rest --json x --html ./x",
+        "check --only rest --csv x --html x",
+    ] {
+        let error = refused(&command.split(' ').collect::<Vec<_>>());
+        assert!(error.contains("name two files"), "{command}: {error}");
+    }
+}
+
+/// The files of long commands are made when the first part of the work is done: a path that cannot be written
+/// costs no hour, and bad input costs no file.
+#[test]
+fn files_are_made_early_but_not_for_bad_input() {
+    let home = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("command-line");
+    std::fs::create_dir_all(&home).unwrap();
+    for command in [
+        "growth --revolutions 1",
+        "section henon-heiles --orbits 1 --until 1",
+    ] {
+        let run = |more: &str| {
+            let all: Vec<&str> = command.split(' ').chain(more.split(' ')).collect();
+            equip(&all)
+        };
+        std::fs::write(home.join("precious"), "precious").unwrap();
+        let bad = run("--stages 99 --plot precious");
+        assert_eq!(bad.status.code(), Some(2));
+        assert_eq!(std::fs::read(home.join("precious")).unwrap(), b"precious");
+        let unwritten = run("--plot no/such/directory");
+        assert_eq!(unwritten.status.code(), Some(1));
+        assert!(text(unwritten.stderr).contains("no/such/directory"));
+        // `growth` prints a row for each run, and is told before the first.
+        assert!(!text(unwritten.stdout).contains("EQUIP"), "{command}");
+    }
 }
 
 #[test]
@@ -129,6 +177,18 @@ fn messages_name_flags() {
         (&["run", "kepler", "--stages", "1"][..], "--stages is 1"),
         (&["run", "kepler", "--tolerance", "2"], "--tolerance is 2"),
         (&["run", "kepler", "--step", "0"], "--step is 0"),
+        (
+            &["run", "kepler", "--target-error", "-1"],
+            "--target-error is -1",
+        ),
+        (
+            &["run", "kepler", "--target-error", "nan"],
+            "--target-error is nan",
+        ),
+        (
+            &["run", "kepler", "--method", "fixed-alpha=inf"],
+            "--method fixed-alpha is inf",
+        ),
     ] {
         let error = refused(arguments);
         assert!(error.contains(flag) && !error.contains('`'), "{error}");
@@ -163,6 +223,9 @@ fn short_times_are_printed_with_their_digits() {
     };
     assert!(line("time ").contains("e-5"), "{printed}");
     assert!(line("steps ").contains("e-"), "{printed}");
+    let slow = text(equip(&["run", "harmonic", "--omega", "1e-300", "--until", "1"]).stdout);
+    let longest = slow.lines().map(|line| line.chars().count()).max();
+    assert!(longest < Some(100), "{slow}");
     let described = text(equip(&["scenes", "lotka-volterra"]).stdout);
     assert!(!described.contains("0.0000"), "{described}");
 }

@@ -286,7 +286,35 @@ fn a_checkpoint_belongs_to_its_functions_and_its_start() {
         ),
         "{refused}"
     );
+    // Where the run has been they are the same, with all derivatives.
+    let walled = |stiffness: f64| {
+        Hamiltonian::new(2, |q, p| {
+            let r = (q[0].powi(2) + q[1].powi(2)).sqrt();
+            let wall = stiffness * (r - 40.0).max(0.0).powi(2);
+            0.5 * (p[0].powi(2) + p[1].powi(2)) - r.recip() + wall
+        })
+        .unwrap()
+    };
+    let mut run = options(1).start(&walled(3.0), &q, &p, 0.0).unwrap();
+    run.advance().unwrap();
+    let behind_a_wall = run.checkpoint();
+    assert!(options(1).resume(&walled(3.0), &behind_a_wall).is_ok());
+    let refused = options(1).resume(&walled(2.0), &behind_a_wall).unwrap_err();
+    assert!(matches!(
+        refused,
+        IntegrateError::CheckpointOtherEnergy { .. }
+    ));
     assert_eq!(checkpoint.check_start(&q, &p, 0.0), Ok(()));
+    // Numbers of more digits are named before a start that differs by their rounding.
+    let wide = |x: &[f64]| {
+        x.iter()
+            .map(|&x| DoubleDouble::exact(x))
+            .collect::<Vec<_>>()
+    };
+    let refused = checkpoint
+        .check_start(&wide(&q), &wide(&p), DoubleDouble::int(0))
+        .unwrap_err();
+    assert!(refused.to_string().contains("float type f64"), "{refused}");
     let (other_q, _) = scene("kepler", &[("e", "0.7")]).initial::<f64>();
     for (q, t0, what) in [(&other_q, 0.0, "start state"), (&q, 1.0, "start time")] {
         let refused = checkpoint.check_start(q, &p, t0).unwrap_err();

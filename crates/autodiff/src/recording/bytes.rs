@@ -14,6 +14,7 @@ use crate::error::{BuildError, BytesError};
 use crate::recording::op::{Node, Op};
 use crate::recording::recorder::{MOST, Recorder, Recording};
 use equip_scalar::{Constant, Outside, Written, ratio};
+use std::convert::Infallible;
 use std::sync::Arc;
 
 const MAGIC: [u8; 8] = *b"equip H\n";
@@ -77,7 +78,12 @@ pub(crate) type Functions<'a> = &'a dyn Fn(&[u8]) -> Option<Arc<dyn Outside>>;
 pub(crate) fn write(recordings: &[&Recording]) -> Result<Vec<u8>, BytesError> {
     let mut content = vec![recordings.len() as u8];
     for recording in recordings {
-        write_recording(recording, &mut content)?;
+        write_recording(recording, &mut content, |function| {
+            let not_data = || BytesError::NotData {
+                function: format!("{function:?}"),
+            };
+            function.to_bytes().ok_or_else(not_data)
+        })?;
     }
     let mut bytes = Vec::with_capacity(HEAD + content.len());
     bytes.extend(MAGIC);
@@ -111,7 +117,21 @@ pub(crate) fn read(bytes: &[u8], functions: Functions<'_>) -> Result<Vec<Recordi
     Ok(recordings)
 }
 
-fn write_recording(recording: &Recording, bytes: &mut Vec<u8>) -> Result<(), BytesError> {
+/// The checksum of the formula: operations, constants and tables. Closures from outside count as one.
+pub(crate) fn formula_checksum(recording: &Recording) -> u64 {
+    let mut content = Vec::new();
+    let data =
+        |function: &dyn Outside| Ok::<_, Infallible>(function.to_bytes().unwrap_or_default());
+    let Ok(()) = write_recording(recording, &mut content, data);
+    checksum(&content)
+}
+
+/// A recording, with what is `data` of its functions from outside.
+fn write_recording<E>(
+    recording: &Recording,
+    bytes: &mut Vec<u8>,
+    data: impl Fn(&dyn Outside) -> Result<Vec<u8>, E>,
+) -> Result<(), E> {
     let operations = &recording.operations;
     let nodes = &operations.nodes[operations.inputs..];
     for n in [
@@ -128,11 +148,7 @@ fn write_recording(recording: &Recording, bytes: &mut Vec<u8>) -> Result<(), Byt
         write_constant(constant.written(), bytes);
     }
     for function in &operations.functions {
-        let Some(data) = function.to_bytes() else {
-            let function = format!("{function:?}");
-            return Err(BytesError::NotData { function });
-        };
-        write_all(&data, bytes);
+        write_all(&data(function.as_ref())?, bytes);
     }
     for node in nodes {
         write_node(node, bytes);

@@ -31,6 +31,10 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         held
     }
 
+    fn formula_checksum(&self) -> Option<u64> {
+        Some(self.shared.formula_checksum())
+    }
+
     fn value(&mut self, y: &[T]) -> T {
         (ready::<T>().value)(self, y)
     }

@@ -5,6 +5,7 @@ use super::results::Results;
 use crate::derivative::bound::differentiate_with_bound;
 use crate::derivative::hessian::HessianPlan;
 use crate::derivative::reverse::differentiate;
+use crate::recording::bytes;
 use crate::recording::graph::{Graph, partial_sums};
 use crate::recording::recorder::Recording;
 use crate::recording::trace::record;
@@ -101,6 +102,10 @@ impl Derived {
             with_bound: OnceLock::new(),
             plan: OnceLock::new(),
         })
+    }
+
+    pub(super) fn formula_checksum(&self) -> u64 {
+        bytes::formula_checksum(&self.recording)
     }
 
     pub(crate) fn slopes(&self) -> &Slopes {

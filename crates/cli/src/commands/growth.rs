@@ -11,11 +11,11 @@ use crate::draw::growth::{Curve, draw};
 use crate::fault::Fault;
 use crate::number::number;
 use crate::run::progress::steps_of;
+use crate::write::outputs::{Drawing, apart};
 use equip_integrate::{Equip, Gauss, Method, Record};
 use equip_scenes::Instance;
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
-use std::path::Path;
 
 /// Points of a curve in a decade of N.
 const PER_DECADE: u32 = 8;
@@ -29,6 +29,8 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
     let tolerances = (args.tolerances.iter())
         .map(|text| Ok((text, tolerance(text)?)))
         .collect::<Result<Vec<_>, Fault>>()?;
+    apart(&[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref())])?;
+    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref());
     let methods = [
         (true, Equip::stages(args.stages)),
         (false, Gauss::stages(args.stages)),
@@ -41,6 +43,7 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
         for (text, tolerance) in &tolerances {
             for (is_equip, method) in methods {
                 let mut curve = follow(instance, method, *tolerance, args.revolutions)?;
+                drawing.create()?;
                 curve.eccentricity.clone_from(eccentricity);
                 curve.tolerance.clone_from(text);
                 curve.is_equip = is_equip;
@@ -51,10 +54,9 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
         }
     }
     bar.finish_and_clear();
-    write(&args.plot, &draw(&curves, args))?;
+    drawing.write(&draw(&curves, args), || table(&curves))?;
     writeln!(out, "\nplot written to {}", args.plot.display())?;
     if let Some(path) = &args.csv {
-        write(path, &table(&curves))?;
         writeln!(out, "errors written to {}", path.display())?;
     }
     Ok(())
@@ -70,13 +72,6 @@ fn tolerance(text: &str) -> Result<f64, Fault> {
         option: "--tolerances",
         value: text.to_owned(),
         expected: "positive and below 1",
-    })
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Fault> {
-    std::fs::write(path, text).map_err(|source| Fault::Write {
-        path: path.to_owned(),
-        source,
     })
 }
 

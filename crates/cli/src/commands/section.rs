@@ -10,11 +10,11 @@ use crate::draw::svg::{Anchor, FAINT, INK, Svg};
 use crate::fault::Fault;
 use crate::number::number;
 use crate::run::progress::steps_of;
+use crate::write::outputs::{Drawing, apart};
 use equip_integrate::{Equip, Event, Record};
 use equip_scenes::Scene;
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
-use std::path::Path;
 
 /// The scene whose section is drawn.
 const SCENE: &str = "henon-heiles";
@@ -38,28 +38,22 @@ pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
     let energy: f64 = number("--energy", &args.energy)?;
     let tolerance: f64 = number("--tolerance", &args.tolerance)?;
     let end: f64 = number("--until", &args.until)?;
+    apart(&[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref())])?;
+    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref());
     let mut orbits: Vec<Crossings> = Vec::new();
     let (mut worst, mut steps) = (0.0f64, 0);
     let starts = starts(energy, args.orbits as usize);
     let bar = steps_of("orbits", starts.len());
     for (q2, p2) in starts {
         let (made, defect, count) = orbit(scene, args, (q2, p2), (tolerance, end))?;
+        drawing.create()?;
         orbits.push(made);
         worst = worst.max(defect);
         steps += count;
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let write = |path: &Path, text: &str| {
-        std::fs::write(path, text).map_err(|source| Fault::Write {
-            path: path.to_owned(),
-            source,
-        })
-    };
-    write(&args.plot, &draw(&orbits, args))?;
-    if let Some(path) = &args.csv {
-        write(path, &table(&orbits))?;
-    }
+    drawing.write(&draw(&orbits, args), || table(&orbits))?;
     let count: usize = orbits.iter().map(Vec::len).sum();
     let mut out = stdout().lock();
     writeln!(out, "{:<24}{count} of {} orbits", "crossings", orbits.len())?;

@@ -2,30 +2,22 @@
 
 use crate::args::{MethodName, RunArgs};
 use crate::fault::Fault;
-use std::path::{Path, PathBuf};
+use crate::write::checkpoint::unfinished;
+use crate::write::outputs::apart;
 
 /// Refuses two outputs in one file, and says which options change nothing.
 ///
 /// # Errors
 /// [`Fault::SameFile`].
 pub(crate) fn check(args: &RunArgs) -> Result<(), Fault> {
-    let files = [
-        ("--out", &args.out),
-        ("--plot", &args.plot),
-        ("--checkpoint", &args.checkpoint),
-    ];
-    for (i, (one, path)) in files.iter().enumerate() {
-        for (other, second) in &files[i + 1..] {
-            if let (Some(path), Some(second)) = (path, second)
-                && place(path) == place(second)
-            {
-                return Err(Fault::SameFile {
-                    options: (one, other),
-                    path: path.clone(),
-                });
-            }
-        }
-    }
+    let checkpoint = args.checkpoint.as_deref();
+    let new = checkpoint.map(unfinished);
+    apart(&[
+        ("--out", args.out.as_deref()),
+        ("--plot", args.plot.as_deref()),
+        ("--checkpoint", checkpoint),
+        ("--checkpoint, while it is written,", new.as_deref()),
+    ])?;
     if !args.quiet {
         for (option, why) in without_effect(args) {
             eprintln!("note: {option} changes nothing: {why}");
@@ -66,19 +58,4 @@ fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
     ];
     let given = rules.into_iter().filter(|(_, is_given, _)| *is_given);
     given.map(|(option, _, why)| (option, why)).collect()
-}
-
-/// A path in one form, whether there is a file or not.
-fn place(path: &Path) -> PathBuf {
-    if let Ok(whole) = path.canonicalize() {
-        return whole;
-    }
-    let directory = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    match (directory.canonicalize(), path.file_name()) {
-        (Ok(directory), Some(name)) => directory.join(name),
-        _ => path.to_owned(),
-    }
 }

@@ -14,7 +14,7 @@ use equip_scalar::DoubleDouble;
 use equip_scenes::Instance;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
+use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -107,9 +107,7 @@ impl Saver {
             checkpoint,
         };
         let text = serde_json::to_string(&saved).map_err(|e| fault(e.into()))?;
-        let mut name = self.path.clone().into_os_string();
-        name.push(".new");
-        let new = PathBuf::from(name);
+        let new = unfinished(&self.path);
         let mut file = BufWriter::new(File::create(&new).map_err(fault)?);
         let checksum = checksum(text.as_bytes());
         write!(file, "{NAME} {VERSION} {checksum:016x}\n{text}").map_err(fault)?;
@@ -119,6 +117,13 @@ impl Saver {
         self.last = Instant::now();
         Ok(())
     }
+}
+
+/// The file that a checkpoint is written to before it takes its name.
+pub(crate) fn unfinished(path: &Path) -> PathBuf {
+    let mut name = path.to_owned().into_os_string();
+    name.push(".new");
+    PathBuf::from(name)
 }
 
 /// The checkpoint in a file; `None` if there is no such file.
@@ -142,14 +147,24 @@ pub(crate) fn load(path: &Path) -> Result<Option<Saved>, Fault> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(read(error)),
     }
-    let bytes = std::fs::read(path).map_err(read)?;
-    parse(&bytes)
-        .map(Some)
-        .map_err(|what| Fault::NotACheckpoint {
-            path: path.to_owned(),
-            what,
-        })
+    let not_one = |what| Fault::NotACheckpoint {
+        path: path.to_owned(),
+        what,
+    };
+    let mut file = File::open(path).map_err(read)?;
+    let mut bytes = Vec::new();
+    // Of a file that is something else, of any size, no more than this is read.
+    let mut head = (&file).take(NAME.len() as u64);
+    head.read_to_end(&mut bytes).map_err(read)?;
+    if bytes != NAME.as_bytes() {
+        return Err(not_one(OTHER_FILE));
+    }
+    file.read_to_end(&mut bytes).map_err(read)?;
+    parse(&bytes).map(Some).map_err(not_one)
 }
+
+/// What is wrong with a file that is something else.
+const OTHER_FILE: &str = "its first line is not that of one";
 
 fn parse(bytes: &[u8]) -> Result<Saved, &'static str> {
     let split = bytes.iter().position(|&byte| byte == b'\n');
@@ -159,7 +174,7 @@ fn parse(bytes: &[u8]) -> Result<Saved, &'static str> {
     let (version, stored) = first
         .strip_prefix(NAME)
         .and_then(|rest| rest.trim_start().split_once(' '))
-        .ok_or("its first line is not that of one")?;
+        .ok_or(OTHER_FILE)?;
     if version != VERSION {
         return Err("it is of another version of the program");
     }

@@ -1,6 +1,7 @@
 //! Tables, summaries and JSON of runs.
 
 use crate::{failure, file, stdout, table, well_formed};
+use equip_integrate::Equip;
 use equip_scalar::{DoubleDouble, Float};
 
 #[test]
@@ -104,6 +105,48 @@ fn quiet_is_quiet_and_json_is_json() {
     // Measured 7e-14; headroom of 10.
     assert!(json["end_state_error"]["q"].as_f64().unwrap() < 7e-13);
     assert!(json["error"].is_null());
+}
+
+/// What the library writes with serde and what the program writes have the same names.
+#[test]
+fn names_of_the_document_are_those_of_the_certificate() {
+    let kepler = equip_scenes::find("kepler").unwrap();
+    let kepler = kepler.instance(&[]).unwrap();
+    let (q, p) = kepler.initial::<f64>();
+    let options = Equip::stages(4).tolerance(1e-8).chaos();
+    let run = options.integrate(kepler.hamiltonian(), &q, &p, 0.0..=5.0);
+    let library = serde_json::to_value(run.unwrap().certificate()).unwrap();
+    let text = stdout(&[
+        "run",
+        "kepler",
+        "--tolerance",
+        "1e-8",
+        "--lyapunov",
+        "--until",
+        "5",
+        "--json",
+    ]);
+    let program: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let mut compared = 0;
+    for (name, value) in library.as_object().unwrap() {
+        // Of the method the program writes the words.
+        let inside = match name.as_str() {
+            "method" => continue,
+            "counts" => &program["work"],
+            "output_steps" => &program["work"][name],
+            _ => &program[name],
+        };
+        assert!(!inside.is_null() || value.is_null(), "{name}");
+        for part in value.as_object().into_iter().flat_map(|map| map.keys()) {
+            let found = match part.as_str() {
+                "steps" | "outcomes" if name == "counts" => &program[part],
+                _ => &inside[part],
+            };
+            assert!(!found.is_null(), "{name}.{part}: {program}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 20, "{compared} names");
 }
 
 #[test]

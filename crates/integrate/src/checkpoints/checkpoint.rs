@@ -11,11 +11,12 @@ use crate::checkpoints::checksum::Checksum;
 use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memories::{ChaosMemory, ControlMemory};
 use crate::error::IntegrateError;
+use crate::options::common::in_digits;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 6;
+pub(crate) const FORMAT: u32 = 7;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
@@ -43,7 +44,7 @@ pub struct Checkpoint {
     pub(crate) precision: String,
     /// Method and options, as they have to be again.
     pub(crate) options: Vec<(String, String)>,
-    /// H by its values, and the invariants by name and values.
+    /// H by its formula and values, and the invariants by name, formula and values.
     pub(crate) energy: String,
     pub(crate) invariants: Vec<(String, String)>,
     /// Time and state at the start of the run.
@@ -97,13 +98,14 @@ impl Checkpoint {
     /// Whether a run from (`q0`, `p0`), each of length m, at `t0` is the one it was made of.
     ///
     /// # Errors
-    /// [`IntegrateError::CheckpointMismatch`] with the first component that differs.
+    /// [`IntegrateError::CheckpointMismatch`] with the float type or the first component that differs.
     pub fn check_start<T: Float>(
         &self,
         q0: &[T],
         p0: &[T],
         t0: T,
     ) -> Result<(), IntegrateError<T>> {
+        self.check_precision::<T>()?;
         let now = std::iter::once(&t0).chain(q0).chain(p0);
         let stored = std::iter::once(&self.start).chain(&self.start_state);
         let names = ["start time", "start state"];
@@ -112,8 +114,8 @@ impl Checkpoint {
             let stored: T = stored.read()?;
             same(
                 what,
-                || format!("{stored:?}"),
-                || format!("{now:?}"),
+                || in_digits(stored),
+                || in_digits(*now),
                 stored == *now,
             )?;
         }
@@ -124,6 +126,15 @@ impl Checkpoint {
             || stored.to_string(),
             || now.to_string(),
             stored == now,
+        )
+    }
+
+    fn check_precision<T: Float>(&self) -> Result<(), IntegrateError<T>> {
+        same(
+            "float type",
+            || self.precision.clone(),
+            || T::NAME.to_owned(),
+            self.precision == T::NAME,
         )
     }
 
@@ -140,7 +151,7 @@ impl Checkpoint {
             let what = "its checksum is not that of its content: it";
             return Err(IntegrateError::CheckpointDamaged { what });
         }
-        equal("float type", &self.precision, T::NAME)?;
+        self.check_precision::<T>()?;
         for (what, now) in options {
             let mut all = self.options.iter();
             let stored = all.find(|(name, _)| name == what);
@@ -275,4 +286,85 @@ fn same<T: Float>(
         stored: stored(),
         now: now(),
     })
+}
+
+#[cfg(feature = "serde")]
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::Checkpoint;
+    use crate::steppers::sizes::Advance;
+    use crate::{Equip, Integrator, StepSizes};
+    use equip_autodiff::Hamiltonian;
+    use serde_json::Value;
+
+    const NAN: &str = "7ff8000000000000";
+    /// What was measured of the steps so far, which decides nothing of those to come, and the checksum, which
+    /// is made anew.
+    const MEASURED: [&str; 10] = [
+        "/control/smallest",
+        "/control/largest",
+        "/seconds",
+        "/defects",
+        "/in_floors",
+        "/energy_floor",
+        "/phase_per_step",
+        "/floor",
+        "/alpha_range",
+        "/checksum",
+    ];
+
+    /// Where the name stands of the solver's list that the place is in.
+    fn name_of(place: &str) -> String {
+        let mut parts = place.split('/').skip(2);
+        format!("/solver/{}/0", parts.next().unwrap_or_default())
+    }
+
+    /// The places of all numbers.
+    fn numbers(value: &Value, place: &str, found: &mut Vec<String>) {
+        match value {
+            Value::Object(map) => (map.iter())
+                .for_each(|(name, value)| numbers(value, &format!("{place}/{name}"), found)),
+            Value::Array(list) => (list.iter().enumerate())
+                .for_each(|(i, value)| numbers(value, &format!("{place}/{i}"), found)),
+            Value::String(text) if u64::from_str_radix(text, 16).is_ok() && text.len() == 16 => {
+                found.push(place.to_owned());
+            }
+            _ => {}
+        }
+    }
+
+    /// A checkpoint whose checksum is right, with NaN in one place after the other.
+    fn nan_is_refused<S: StepSizes<f64>>(options: &Integrator<f64, S>) {
+        let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+        let mut run = options.start(&pendulum, &[0.3], &[1.0], 0.0).unwrap();
+        for _ in 0..3 {
+            run.step().unwrap();
+        }
+        let whole = serde_json::to_value(run.save()).unwrap();
+        let mut places = Vec::new();
+        numbers(&whole, "", &mut places);
+        assert!(places.len() > 40, "{}", places.len());
+        let gradients = Value::from("gradients");
+        for place in places {
+            let mut damaged = whole.clone();
+            *damaged.pointer_mut(&place).unwrap() = Value::from(NAN);
+            let mut damaged: Checkpoint = serde_json::from_value(damaged).unwrap();
+            damaged.seal();
+            let is_refused = options.resume(&pendulum, &damaged).is_err();
+            // Gradients of a state that begins with NaN are those of no state, and are made anew.
+            let makes_none = place.starts_with("/solver/")
+                && whole.pointer(&name_of(&place)) == Some(&gradients);
+            let is_measured = MEASURED.iter().any(|name| place.starts_with(name));
+            let decides_nothing = is_measured || makes_none && place.ends_with("/1/0");
+            assert!(is_refused || decides_nothing, "NaN at {place} was taken");
+        }
+    }
+
+    #[test]
+    fn nan_in_any_place_that_decides_something_is_refused() {
+        nan_is_refused(&Equip::stages(3).step(0.25));
+        nan_is_refused(&Equip::stages(4).tolerance(1e-8));
+        nan_is_refused(&Equip::stages(3).reversible_automatic(0.25));
+    }
 }

@@ -54,10 +54,14 @@ impl Checksum {
     }
 }
 
-/// The checksum of a function's values and gradients at `y` and at two states beside it: another formula, or
-/// another parameter in it, has another one. Three gradients.
+/// The checksum of a function: of its formula, if that is recorded, and of its values and gradients at `y`
+/// and at two states beside it, so that energies that are types are told apart by their parameters too.
+/// Three gradients.
 pub(crate) fn of_function<T: Float, E: Evaluate<T>>(function: &mut E, y: &[T]) -> String {
     let mut sum = Checksum::new();
+    if let Some(formula) = function.formula_checksum() {
+        sum.count(formula);
+    }
     let (mut point, mut slope) = (y.to_vec(), vec![T::int(0); y.len()]);
     for k in 0..3 {
         for (j, (x, &y)) in point.iter_mut().zip(y).enumerate() {

@@ -11,6 +11,15 @@ use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOpt
 /// What has to be the same again for a checkpoint to fit: names and values.
 pub(crate) type Words = Vec<(&'static str, String)>;
 
+/// A number as one would write it, in digits that read back to it.
+pub(crate) fn in_digits<T: Float>(x: T) -> String {
+    if T::IS_DOUBLE {
+        format!("{x:?}")
+    } else {
+        x.to_string()
+    }
+}
+
 /// The options that do not concern the size of the steps.
 #[derive(Debug, Clone)]
 pub(crate) struct Options<T: Float> {
@@ -113,7 +122,7 @@ impl<T: Float> Options<T> {
             }
         };
         let alpha = match method.family {
-            Family::FixedAlpha(alpha) => format!("{:?}", alpha.to::<T>()),
+            Family::FixedAlpha(alpha) => in_digits(alpha.to::<T>()),
             _ => "none".to_owned(),
         };
         vec![
@@ -121,7 +130,7 @@ impl<T: Float> Options<T> {
             ("method", method.family.to_string()),
             ("fixed α", alpha),
             ("reach", format!("{:?}", self.reach)),
-            ("alpha_bound", format!("{:?}", self.alpha_bound)),
+            ("alpha_bound", in_digits(self.alpha_bound)),
             ("max_halvings", self.max_halvings.to_string()),
             ("preconditioner", format!("{:?}", self.preconditioner)),
             ("measure_energy", self.measure_energy.to_string()),

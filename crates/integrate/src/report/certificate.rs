@@ -114,7 +114,8 @@ impl<T: Float> Certificate<T> {
         }
         if let Some(energy) = &self.energy {
             let start = energy.start;
-            let is_plain = start.abs() >= T::ratio(1, 1000) || start == T::int(0);
+            let is_plain =
+                start == T::int(0) || (T::ratio(1, 1000)..T::int(LARGE)).contains(&start.abs());
             line(
                 "energy at start",
                 if is_plain {
@@ -231,9 +232,12 @@ impl<T: Float> Certificate<T> {
     }
 }
 
-/// A time: six decimals, and as many digits where they would be zeros.
+/// From here on numbers are printed with an exponent.
+const LARGE: i64 = 1_000_000_000_000;
+
+/// A time: six decimals, and as many digits where they would be zeros or none of them would be significant.
 fn shown<T: Float>(x: T) -> String {
-    if x.abs() >= T::ratio(1, 100) || x == T::int(0) {
+    if x == T::int(0) || (T::ratio(1, 100)..T::int(LARGE)).contains(&x.abs()) {
         format!("{x:.6}")
     } else {
         format!("{x:.6e}")

@@ -129,11 +129,12 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         Exact::read_all(&from.high, &mut self.y.hi, "the state")?;
         Exact::read_all(&from.low, &mut self.y.lo, "the state")?;
         Exact::read_all(&from.start_state, &mut self.start, "the start")?;
-        let mut numbers = self.y.lo.iter().chain(&self.start);
+        let mut numbers = self.y.hi.iter().chain(&self.y.lo).chain(&self.start);
         if !numbers.all(|x| x.is_finite()) {
             return Err(damaged("the state"));
         }
         self.time = from.time.read_finite("the time")?;
+        from.time_low.read_finite::<T>("the time")?;
         self.index = from.index;
         self.direction = match from.goes_back {
             true => TimeDirection::Backward,
@@ -166,12 +167,21 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             PhasePerStep { angle, step }
         });
         self.floor = read(&from.floor)?;
-        self.last = (from.last_step.read()?, from.last_outcome);
+        self.last = (
+            from.last_step.read_finite("the last step")?,
+            from.last_outcome,
+        );
         *self.core.counts_mut() = from.counts;
         let mut parts = Vec::with_capacity(from.solver.len());
         for (name, stored) in &from.solver {
-            let numbers: Result<Vec<T>, _> = stored.iter().map(Exact::read).collect();
-            parts.push((name.clone(), numbers?));
+            let numbers = stored.iter().map(Exact::read);
+            let numbers = numbers.collect::<Result<Vec<T>, _>>()?;
+            // The solver has gradients of a state that begins with NaN where it has none.
+            let is_none = name == "gradients" && numbers.first().is_some_and(|x| x.is_nan());
+            if !is_none && numbers.iter().any(|x| x.is_nan()) {
+                return Err(damaged("the memory of the solver"));
+            }
+            parts.push((name.clone(), numbers));
         }
         self.core
             .restore(&SolverMemory::from_parts(parts))

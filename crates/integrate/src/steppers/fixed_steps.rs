@@ -2,7 +2,7 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
-use crate::options::common::Words;
+use crate::options::common::{Words, in_digits};
 use crate::options::fixed_step::Fixed;
 use crate::options::integrator::Integrator;
 use crate::steppers::grid::Grid;
@@ -141,7 +141,7 @@ impl<T: Float> StepSizes<T> for Fixed<T> {
     fn words(&self) -> Words {
         vec![
             ("steps", "of one size".to_owned()),
-            ("step", format!("{:?}", self.h.abs())),
+            ("step", in_digits(self.h.abs())),
         ]
     }
 }

@@ -5,7 +5,7 @@ use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memories::SwitchMemory;
 use crate::control::step_density::StepDensity;
 use crate::error::IntegrateError;
-use crate::options::common::Words;
+use crate::options::common::{Words, in_digits};
 use crate::options::integrator::Integrator;
 use crate::options::reversible::Symmetric;
 use crate::steppers::reversible_stepper::ReversibleStepper;
@@ -47,7 +47,7 @@ impl<T: Float> StepSizes<T> for Symmetric<T> {
         vec![
             ("steps", "reversible".to_owned()),
             ("rule", format!("{:?}", self.rule)),
-            ("epsilon", format!("{:?}", self.epsilon)),
+            ("epsilon", in_digits(self.epsilon)),
             ("sigma", sigma.to_owned()),
         ]
     }

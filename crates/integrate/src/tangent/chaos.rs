@@ -148,11 +148,15 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
     /// Goes on with what a checkpoint has of a deviation.
     pub(crate) fn restore(&mut self, memory: &ChaosMemory) -> Result<(), IntegrateError<T>> {
         Exact::read_all(&memory.deviation, &mut self.deviation, "the deviation")?;
-        self.start = memory.start.read()?;
+        let what = "the deviation";
+        if self.deviation.iter().any(|x| !x.is_finite()) {
+            return Err(IntegrateError::CheckpointDamaged { what });
+        }
+        self.start = memory.start.read_finite(what)?;
         let [growth, weighted, sum] = &memory.sums;
-        self.growth = growth.read()?;
-        self.weighted = weighted.read()?;
-        self.sum = sum.read()?;
+        self.growth = growth.read_finite(what)?;
+        self.weighted = weighted.read_finite(what)?;
+        self.sum = sum.read_finite(what)?;
         Ok(())
     }
 

@@ -9,7 +9,7 @@ use crate::control::policy::MOST_TRIES;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
 use crate::options::adaptive::Tolerance;
-use crate::options::common::Words;
+use crate::options::common::{Words, in_digits};
 use crate::options::integrator::Integrator;
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
 use crate::steppers::sizes::{Advance, StepSizes};
@@ -58,20 +58,23 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
     }
 
     fn words(&self) -> Words {
-        let or =
-            |x: Option<T>, automatic: &str| x.map_or(automatic.to_owned(), |x| format!("{x:?}"));
+        let or = |x: Option<T>, automatic: &str| x.map_or(automatic.to_owned(), in_digits);
         let errors = |x: &[T]| match x {
             [] => "zero".to_owned(),
-            x => format!("{x:?}"),
+            x => x
+                .iter()
+                .map(|&x| in_digits(x))
+                .collect::<Vec<_>>()
+                .join(", "),
         };
         vec![
             ("steps", "by a tolerance".to_owned()),
-            ("tolerance", format!("{:?}", self.tolerance)),
+            ("tolerance", in_digits(self.tolerance)),
             ("atol of the positions", errors(&self.absolute[0])),
             ("atol of the momenta", errors(&self.absolute[1])),
             ("first_step", or(self.first_step, "automatic")),
-            ("min_step", format!("{:?}", self.min_step)),
-            ("max_step", format!("{:?}", self.max_step)),
+            ("min_step", in_digits(self.min_step)),
+            ("max_step", in_digits(self.max_step)),
         ]
     }
 }

@@ -1,0 +1,101 @@
+//! Files that a command writes: apart from each other, and made before the work.
+
+use crate::fault::Fault;
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Refuses two outputs in one file.
+///
+/// # Errors
+/// [`Fault::SameFile`], with the options of both.
+pub(crate) fn apart(outputs: &[(&'static str, Option<&Path>)]) -> Result<(), Fault> {
+    for (i, (one, path)) in outputs.iter().enumerate() {
+        for (other, second) in &outputs[i + 1..] {
+            if let (Some(path), Some(second)) = (path, second)
+                && place(path) == place(second)
+            {
+                return Err(Fault::SameFile {
+                    options: (one, other),
+                    path: path.to_path_buf(),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A path in one form, whether there is a file or not.
+fn place(path: &Path) -> PathBuf {
+    if let Ok(whole) = path.canonicalize() {
+        return whole;
+    }
+    let directory = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    match (directory.canonicalize(), path.file_name()) {
+        (Ok(directory), Some(name)) => directory.join(name),
+        _ => path.to_owned(),
+    }
+}
+
+/// A picture and, if wanted, its table.
+#[derive(Debug)]
+pub(crate) struct Drawing<'a> {
+    plot: &'a Path,
+    csv: Option<&'a Path>,
+    files: Option<(Output, Option<Output>)>,
+}
+
+impl<'a> Drawing<'a> {
+    pub(crate) fn new(plot: &'a Path, csv: Option<&'a Path>) -> Self {
+        let files = None;
+        Drawing { plot, csv, files }
+    }
+
+    /// Makes the files, once: when the first part of the work is done, so that bad input leaves them alone.
+    pub(crate) fn create(&mut self) -> Result<(), Fault> {
+        if self.files.is_none() {
+            let csv = self.csv.map(Output::create).transpose()?;
+            self.files = Some((Output::create(self.plot)?, csv));
+        }
+        Ok(())
+    }
+
+    pub(crate) fn write(mut self, plot: &str, csv: impl FnOnce() -> String) -> Result<(), Fault> {
+        self.create()?;
+        if let Some((plot_file, csv_file)) = self.files {
+            plot_file.write(plot)?;
+            csv_file.map_or(Ok(()), |file| file.write(&csv()))?;
+        }
+        Ok(())
+    }
+}
+
+/// A file made before the work: a path that cannot be written is worth knowing at once.
+#[derive(Debug)]
+pub(crate) struct Output {
+    path: PathBuf,
+    file: File,
+}
+
+impl Output {
+    pub(crate) fn create(path: &Path) -> Result<Self, Fault> {
+        let file = File::create(path).map_err(|source| unwritten(path, source))?;
+        let path = path.to_owned();
+        Ok(Output { path, file })
+    }
+
+    pub(crate) fn write(mut self, text: &str) -> Result<(), Fault> {
+        let written = self.file.write_all(text.as_bytes());
+        written.map_err(|source| unwritten(&self.path, source))
+    }
+}
+
+fn unwritten(path: &Path, source: std::io::Error) -> Fault {
+    Fault::Write {
+        path: path.to_owned(),
+        source,
+    }
+}
