@@ -4,7 +4,7 @@ mod asked;
 pub(crate) mod comparison;
 mod curve;
 pub(crate) mod finished;
-mod integrator;
+pub(crate) mod integrator;
 pub(crate) mod progress;
 pub(crate) mod signals;
 pub(crate) mod watch;
@@ -48,7 +48,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
 /// The whole command in float type `T`.
 fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     let (h, end) = time_scale::<T>(args, instance)?;
-    let method = method::<T>(args)?;
+    let method = method::<T>(args.stages, &args.method)?;
     let h = match &args.target_error {
         None => h,
         Some(text) => step_for(number("--target-error", text)?, instance, method, end)?,
@@ -280,14 +280,14 @@ fn step_for<T: Float>(target: T, instance: &Instance, method: Method, end: T) ->
         .map_err(Fault::start)
 }
 
-fn method<T: Float>(args: &RunArgs) -> Result<Method, Fault> {
-    Ok(match &args.method {
-        MethodName::Equip => Equip::stages(args.stages),
-        MethodName::EquipLast => Equip::stages(args.stages).alphas(Alphas::Last),
-        MethodName::Gauss => Gauss::stages(args.stages),
+pub(crate) fn method<T: Float>(stages: usize, name: &MethodName) -> Result<Method, Fault> {
+    Ok(match name {
+        MethodName::Equip => Equip::stages(stages),
+        MethodName::EquipLast => Equip::stages(stages).alphas(Alphas::Last),
+        MethodName::Gauss => Gauss::stages(stages),
         MethodName::FixedAlpha(text) => {
             let alpha = number::<T>("--method fixed-alpha", text)?;
-            Method::fixed_alpha(args.stages, Constant::from_expansion(alpha.expansion()))
+            Method::fixed_alpha(stages, Constant::from_expansion(alpha.expansion()))
         }
     })
 }
