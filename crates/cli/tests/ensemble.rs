@@ -144,7 +144,7 @@ fn a_member_that_fails_is_a_row() {
     assert_eq!(rows.len(), 40);
 }
 
-const LONG: &str = "ensemble henon-heiles --n 400 --until 2000 --step 1/10 --threads 2 --out a";
+const LONG: &str = "ensemble henon-heiles --n 100 --until 500 --step 1/10 --threads 2 --out a";
 
 /// Starts a long ensemble, waits until some members are in its file, and ends it by the signal.
 fn stopped_by(signal: &str, home: &Path) -> (Option<i32>, String) {
@@ -179,14 +179,14 @@ fn what_was_finished_outlives_the_program() {
         }
         let part = read(&home, "a");
         let kept = part.matches('\n').count() - 2;
-        assert!((3..400).contains(&kept), "{kept}");
+        assert!((3..100).contains(&kept), "{kept}");
         let unfinished = refused(&home, "merge a --out b");
         assert!(
-            unfinished.contains("of its 400 members still to be made"),
+            unfinished.contains("of its 100 members still to be made"),
             "{unfinished}"
         );
         // A row that was being written when the power failed.
-        std::fs::write(home.join("a"), format!("{part}399,0.1")).unwrap();
+        std::fs::write(home.join("a"), format!("{part}99,0.1")).unwrap();
         let text = equip(&home, LONG);
         assert!(
             text.contains(&format!("{kept} of them there before")),
