@@ -47,8 +47,9 @@ pub(crate) fn ensemble(args: &EnsembleArgs) -> Result<(), Fault> {
     let (sender, receiver) = channel::<Made>();
     // Set when a row cannot be written.
     let is_lost = AtomicBool::new(false);
-    let make = |i: usize, run: Result<Run<f64>, RunFailure<f64>>| {
-        let start = (&q[i * head.m..][..head.m], &p[i * head.m..][..head.m]);
+    let (m, missing) = (head.m, &missing);
+    let make = move |i: usize, run: Result<Run<f64>, RunFailure<f64>>| {
+        let start = (&starts.q0[i * m..][..m], &starts.p0[i * m..][..m]);
         // Nobody takes rows any more once one could not be written.
         let _ = sender.send((missing[i], row(missing[i], start, &run)));
     };
