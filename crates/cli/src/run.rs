@@ -5,6 +5,7 @@ pub(crate) mod comparison;
 mod curve;
 pub(crate) mod finished;
 pub(crate) mod integrator;
+pub(crate) mod method;
 pub(crate) mod progress;
 pub(crate) mod signals;
 pub(crate) mod watch;
@@ -20,11 +21,12 @@ use crate::write::csv::Mark;
 use crate::write::json;
 use comparison::Comparison;
 use curve::curve;
-use equip_integrate::{Alphas, Checkpoint, Equip, Gauss, Invariant, Method, Reach, Record, Target};
-use equip_scalar::{Constant, DoubleDouble, Float};
+use equip_integrate::{Checkpoint, Invariant, Method, Reach, Record, Target};
+use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
 use finished::{EndError, Finished, end_error};
 use integrator::Integrator;
+use method::method;
 use progress::Progress;
 use std::io::{Write, stdout};
 use std::time::Duration;
@@ -278,18 +280,6 @@ fn step_for<T: Float>(target: T, instance: &Instance, method: Method, end: T) ->
     method
         .suggest_step(instance.hamiltonian(), &q, &p, interval, wanted)
         .map_err(Fault::start)
-}
-
-pub(crate) fn method<T: Float>(stages: usize, name: &MethodName) -> Result<Method, Fault> {
-    Ok(match name {
-        MethodName::Equip => Equip::stages(stages),
-        MethodName::EquipLast => Equip::stages(stages).alphas(Alphas::Last),
-        MethodName::Gauss => Gauss::stages(stages),
-        MethodName::FixedAlpha(text) => {
-            let alpha = number::<T>("--method fixed-alpha", text)?;
-            Method::fixed_alpha(stages, Constant::from_expansion(alpha.expansion()))
-        }
-    })
 }
 
 /// Prints the certificate in the form asked for.

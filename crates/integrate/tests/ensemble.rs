@@ -1,4 +1,4 @@
-//! Ensembles: every row is a run of its own bit for bit, whatever the threads, and starts are drawn by number.
+//! Ensembles: every row is a run of its own bit for bit, whatever the threads; starts are drawn by number.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;

@@ -1,7 +1,7 @@
 //! Many runs of one system over threads: a row for each start, in the order of the starts.
 //!
-//! A row is what a run of its own makes, bit for bit, whatever the number of threads: threads share the numbers
-//! of the starts that are left and nothing else, and each prepares the method once.
+//! A row is what a run of its own makes, bit for bit, whatever the number of threads: threads share the
+//! numbers of the starts that are left and nothing else, and each prepares the method once.
 
 use crate::error::IntegrateError;
 use crate::options::integrator::Integrator;
