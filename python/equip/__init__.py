@@ -2,10 +2,10 @@
 
 from . import scenes
 from ._certificate import Certificate, Counts, Defect, EnergyFloor, PhasePerStep, VariableSteps
-from ._ensemble import Ensemble, ensemble
+from ._ensemble import Ensemble, draw_starts, ensemble
 from ._functions import Table, erf, erfc, table, table2
 from ._hamiltonian import Hamiltonian
-from ._methods import Equip, FixedAlpha, Gauss
+from ._methods import Equip, FixedAlpha, Gauss, Reversible
 from ._native import IntegrationError, __version__
 from ._numbers import DoubleDouble
 from ._solution import Solution, load
@@ -25,12 +25,14 @@ __all__ = [
     "Hamiltonian",
     "IntegrationError",
     "PhasePerStep",
+    "Reversible",
     "Solution",
     "Step",
     "Steps",
     "Table",
     "VariableSteps",
     "__version__",
+    "draw_starts",
     "ensemble",
     "erf",
     "erfc",

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from typing import Any, Union
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _arrays, _native
 from ._numbers import Floats, Shape, shape_of
 
-Function = Callable[[Any, Any], Any]
+Function = Callable[..., Any]
 
 
 def _scalar(found: Any) -> Any:
@@ -69,6 +70,43 @@ class Hamiltonian:
         self._shape = axes
         self._recorded = _native.Recorded(call, int(np.prod(axes)))
 
+    @classmethod
+    def with_time(cls, function: Callable[[Any, Any, Any], Any], shape: Union[int, Shape]) -> Hamiltonian:
+        """An energy H(t, q, p) that depends on time.
+
+        Runs of it start, go on and are read like all others. What they keep is H less the energy that has
+        gone in since the start, so that is what `Solution.energy_defect` and the certificate are of; at
+        times of `t_eval` it is not known. Quantities to watch and to keep, and σ of reversible steps, are
+        functions of (t, q, p) as well.
+
+        Parameters
+        ----------
+        function
+            H as a function of the time t, a number, and of q and p; it is called twice, here.
+        shape
+            The shape of q, which is that of p.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> pushed = Hamiltonian.with_time(lambda t, q, p: p @ p / 2 - q[0] * np.cos(t), shape=1)
+        >>> pushed([2.0], [1.0], 0.0)
+        -1.5
+        """
+        axes = shape_of(shape)
+        if not callable(function):
+            raise TypeError("the first argument is the energy: a function of t, q and p")
+
+        def call(t: _native.Variable, q: list[_native.Variable], p: list[_native.Variable]) -> Any:
+            return _scalar(function(t, _arrays.variables(q, axes), _arrays.variables(p, axes)))
+
+        return of_recording(_native.Recorded.with_time(call, int(np.prod(axes))), axes)
+
+    @property
+    def has_time(self) -> bool:
+        """Whether H depends on time, as by `with_time`."""
+        return self._recorded.has_time
+
     @property
     def shape(self) -> Shape:
         """The shape of q and of p."""
@@ -100,8 +138,14 @@ class Hamiltonian:
         """Operations of one evaluation of the gradient."""
         return self._recorded.gradient_operations
 
-    def _states(self, q: Any, p: Any) -> tuple[Floats, Shape]:
-        """States (q, p), flat, and the axes before those of one state."""
+    def _states(self, q: Any, p: Any, t: Any) -> tuple[Floats, Shape]:
+        """States (q, p), or (q, t, p, 0), flat, and the axes before those of one state."""
+        if self.has_time == (t is None):
+            raise TypeError(
+                "H depends on time: give t after q and p"
+                if self.has_time
+                else "H does not depend on time: leave out t"
+            )
         q, p = np.asarray(q, dtype=float), np.asarray(p, dtype=float)
         axes = len(self._shape)
         for name, x in (("q", q), ("p", p)):
@@ -110,35 +154,49 @@ class Hamiltonian:
                     f"{name} has shape {x.shape}, but this Hamiltonian needs {self._shape}, "
                     "after any further axes"
                 )
-        batch = np.broadcast_shapes(q.shape[: q.ndim - axes], p.shape[: p.ndim - axes])
+        time = [] if t is None else [np.asarray(t, dtype=float)]
+        batch = np.broadcast_shapes(
+            q.shape[: q.ndim - axes], p.shape[: p.ndim - axes], *(x.shape for x in time)
+        )
         m = self.degrees_of_freedom
         q, p = (np.broadcast_to(x, batch + self._shape).reshape(*batch, m) for x in (q, p))
-        return np.concatenate([q, p], axis=-1).ravel(), batch
+        times = [np.broadcast_to(x, batch)[..., None] for x in time]
+        return np.concatenate([q, *times, p, *map(np.zeros_like, times)], axis=-1).ravel(), batch
 
-    def __call__(self, q: Any, p: Any) -> Any:
-        """H, in its own unit: a number, or an array if q and p have axes before those of `shape`."""
-        y, batch = self._states(q, p)
+    def _kept(self) -> tuple[int, NDArray[np.int64]]:
+        """Numbers of a flat state, and which of them are those of q and p."""
+        m = self.degrees_of_freedom
+        half = m + self.has_time
+        return 2 * half, np.r_[0:m, half : half + m]
+
+    def __call__(self, q: Any, p: Any, t: Any = None) -> Any:
+        """H, in its own unit: a number, or an array if q and p have axes before those of `shape`, or t has
+        axes. The time t is given where H depends on it."""
+        y, batch = self._states(q, p, t)
         values = self._recorded.values(y).reshape(batch)
         return values if batch else float(values)
 
-    def gradient(self, q: Any, p: Any) -> tuple[Floats, Floats]:
+    def gradient(self, q: Any, p: Any, t: Any = None) -> tuple[Floats, Floats]:
         """(∂H/∂q, ∂H/∂p), each of the shape of q, after any further axes."""
-        y, batch = self._states(q, p)
-        gradients = self._recorded.gradients(y).reshape(*batch, 2, *self._shape)
+        y, batch = self._states(q, p, t)
+        n, kept = self._kept()
+        gradients = self._recorded.gradients(y).reshape(*batch, n)[..., kept]
+        gradients = gradients.reshape(*batch, 2, *self._shape)
         return gradients[(..., 0) + (slice(None),) * len(self._shape)], gradients[
             (..., 1) + (slice(None),) * len(self._shape)
         ]
 
-    def hessian(self, q: Any, p: Any) -> Floats:
+    def hessian(self, q: Any, p: Any, t: Any = None) -> Floats:
         """∇²H, 2m × 2m, by the components of q.ravel() and then those of p.ravel(), after any further
         axes."""
-        y, batch = self._states(q, p)
-        n = 2 * self.degrees_of_freedom
-        return self._recorded.hessians(y).reshape(*batch, n, n)
+        y, batch = self._states(q, p, t)
+        n, kept = self._kept()
+        return self._recorded.hessians(y).reshape(*batch, n, n)[..., kept[:, None], kept]
 
     def __repr__(self) -> str:
         kind = "quadratic" if self.quadratic else "separable" if self.separable else "not separable"
-        return f"<Hamiltonian of shape {self._shape}, {kind}, {self.operations} operations>"
+        time = ", of time" if self.has_time else ""
+        return f"<Hamiltonian of shape {self._shape}{time}, {kind}, {self.operations} operations>"
 
     def to_bytes(self) -> bytes:
         """The recording, with its constants to all their digits and its tables, as pickling writes it:
@@ -180,18 +238,14 @@ def of_recording(recorded: _native.Recorded, shape: Union[int, Shape]) -> Hamilt
     return h
 
 
-def recorded_quantity(function: Any, shape: Shape, name: str) -> _native.Recorded:
-    """An invariant: a function of q and p, or a Hamiltonian."""
-    quantity = function if isinstance(function, Hamiltonian) else Hamiltonian(function, shape)
-    if quantity.degrees_of_freedom != int(np.prod(shape)):
-        raise ValueError(f"{name} is made for shape {quantity.shape}, but this Hamiltonian has {shape}")
+def recorded_quantity(function: Any, h: Hamiltonian, name: str) -> _native.Recorded:
+    """A quantity of the states of h: a function of what h is one of, or a Hamiltonian."""
+    if isinstance(function, Hamiltonian):
+        quantity = function
+    elif h.has_time:
+        quantity = Hamiltonian.with_time(function, h.shape)
+    else:
+        quantity = Hamiltonian(function, h.shape)
+    if quantity.degrees_of_freedom != h.degrees_of_freedom:
+        raise ValueError(f"{name} is made for shape {quantity.shape}, but this Hamiltonian has {h.shape}")
     return quantity._recorded
-
-
-def recorded_event(function: Callable[[Any, Any, Any], Any], shape: Shape) -> _native.Recorded:
-    """g(t, q, p) as a function of positions (t, q) and momenta (0, p)."""
-
-    def call(q: list[_native.Variable], p: list[_native.Variable]) -> Any:
-        return _scalar(function(q[0], _arrays.variables(q[1:], shape), _arrays.variables(p[1:], shape)))
-
-    return _native.Recorded(call, int(np.prod(shape)) + 1)

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal, Union
+from typing import Any, Literal, Optional, Union
 
 from ._numbers import pair
 
 _PRECONDITIONERS = ("automatic", "identity", "diagonal", "frozen", "full")
 
 
-def _chosen(name: str, value: str, words: tuple[str, ...]) -> str:
+def chosen(name: str, value: str, words: tuple[str, ...]) -> str:
     """`value`, which must be one of the words."""
     if value not in words:
         raise ValueError(f"{name} is {value!r}; it must be {' or '.join(map(repr, words))}")
@@ -24,7 +25,7 @@ def _options(family: str, stages: int, preconditioner: str) -> dict[str, Any]:
         "alpha": (0.0, 0.0),
         "reach": "within error",
         "alpha_bound": 0.05,
-        "preconditioner": _chosen("preconditioner", preconditioner, _PRECONDITIONERS),
+        "preconditioner": chosen("preconditioner", preconditioner, _PRECONDITIONERS),
     }
 
 
@@ -54,9 +55,9 @@ class Equip:
     preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
 
     def _options(self) -> dict[str, Any]:
-        family = "equip" if _chosen("alphas", self.alphas, ("all", "last")) == "all" else "equip-last"
+        family = "equip" if chosen("alphas", self.alphas, ("all", "last")) == "all" else "equip-last"
         options = _options(family, self.stages, self.preconditioner)
-        reach = _chosen("reach", self.reach, ("within error", "always", "refuse"))
+        reach = chosen("reach", self.reach, ("within error", "always", "refuse"))
         return {**options, "reach": reach, "alpha_bound": float(self.alpha_bound)}
 
 
@@ -82,6 +83,32 @@ class FixedAlpha:
     def _options(self) -> dict[str, Any]:
         options = _options("fixed-alpha", self.stages, self.preconditioner)
         return {**options, "alpha": pair(self.alpha, "alpha")}
+
+
+@dataclass(frozen=True)
+class Reversible:
+    """Variable steps that are the same backwards: given as `step`, for long runs of reversible systems.
+
+    Each step has about the size epsilon · sigma(q, p). No step is refused for its error: epsilon is the
+    accuracy, chosen once.
+
+    Parameters
+    ----------
+    epsilon
+        Step over sigma, positive. With the automatic sigma it is the angle in radians by which the fastest
+        linearised motion turns in a step.
+    sigma
+        A positive function of q and p, even in p, recorded like H; of (t, q, p) where H is. By default 1/σ
+        is the rate of the fastest linearised motion, from ∇²H: for at most 256 degrees of freedom, and for
+        motion that is nowhere free.
+    rule
+        "explicit" takes the size from the one before and the motion between; "integral" from the stages of
+        the step itself, which takes several solves of a step and needs no memory.
+    """
+
+    epsilon: float
+    sigma: Optional[Callable[..., Any]] = None
+    rule: Literal["explicit", "integral"] = "explicit"
 
 
 Method = Union[Equip, Gauss, FixedAlpha]

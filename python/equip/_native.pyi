@@ -21,6 +21,7 @@ __all__ = [
     "Variable",
     "__version__",
     "decimal_text",
+    "draw_starts",
     "ensemble",
     "scene",
     "scene_list",
@@ -131,11 +132,17 @@ class Table:
 
 @final
 class Recorded:
-    """A function of y = (q, p), 2m numbers."""
+    """A function of y = (q, p), 2m numbers, or of (t, q, p), whose values are read at y = (q, t, p, 0)."""
 
     def __new__(cls, function: Callable[[list[Variable], list[Variable]], Any], m: int) -> Recorded: ...
+    @staticmethod
+    def with_time(
+        function: Callable[[Variable, list[Variable], list[Variable]], Any], m: int
+    ) -> Recorded: ...
     @property
     def degrees_of_freedom(self) -> int: ...
+    @property
+    def has_time(self) -> bool: ...
     @property
     def separable(self) -> bool: ...
     @property
@@ -210,6 +217,11 @@ def suggest_step(
     target: tuple[str, float],
 ) -> float:
     """A fixed step that reaches a target."""
+
+def draw_starts(
+    q0: list[float], p0: list[float], n: int, seed: int, spread: float
+) -> tuple[_Floats, _Floats]:
+    """`n` starts around one, flat, one after the other: positions, and momenta."""
 
 def ensemble(
     system: Recorded,

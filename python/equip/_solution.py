@@ -145,6 +145,35 @@ class Solution:
         ax.set(xlabel="t", ylabel="|H − H(0)|")
         return ax
 
+    def section(self, x: int, y: int, *, event: int = 0, ax: Any = None) -> Any:
+        """Draws a Poincaré section: component y against component x of the states at the roots of an event,
+        a point each. Returns the axes of matplotlib.
+
+        Parameters
+        ----------
+        x, y
+            Numbers of components of (q, p), flat: 0 to m - 1 are those of q, m to 2m - 1 those of p.
+        event
+            Number of the event in the order in which `events` were given.
+        ax
+            Axes to draw into, for instance those of another solution; new ones if not given.
+        """
+        n = self.y.shape[1]
+        if not 0 <= event < len(self.y_events):
+            raise ValueError(
+                f"event is {event}, but the run was asked for {len(self.y_events)} events: "
+                "give `events` to solve"
+            )
+        if not (0 <= x < n and 0 <= y < n):
+            raise ValueError(f"x is {x} and y is {y}; components of (q, p) are 0 to {n - 1}")
+        ax = _axes(ax)
+        states = self.y_events[event]
+        ax.plot(states[:, x], states[:, y], ".", markersize=2)
+        half = n // 2
+        names = [f"{'q' if i < half else 'p'}[{i % half}]" for i in (x, y)]
+        ax.set(xlabel=names[0], ylabel=names[1])
+        return ax
+
     def to_dataframe(self) -> Any:
         """A pandas DataFrame with the columns t, q[...], p[...] and energy_defect, a row for each state."""
         import pandas

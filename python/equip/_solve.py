@@ -10,8 +10,8 @@ import numpy as np
 
 from . import _native
 from ._certificate import Certificate
-from ._hamiltonian import Function, Hamiltonian, recorded_event, recorded_quantity
-from ._methods import Equip, Method
+from ._hamiltonian import Function, Hamiltonian, recorded_quantity
+from ._methods import Equip, Method, Reversible, chosen
 from ._numbers import Floats, Shape, pair, pairs, state
 from ._solution import Solution
 
@@ -72,12 +72,19 @@ def options(
     if step is not None and given:
         raise ValueError(f"{' and '.join(given)} belong to variable steps: leave out step, or them")
 
+    reversible = None
+    if isinstance(step, Reversible):
+        by_integral = chosen("rule", step.rule, ("explicit", "integral")) == "integral"
+        sigma = None if step.sigma is None else recorded_quantity(step.sigma, h, "sigma")
+        reversible, step = (float(step.epsilon), sigma, by_integral), None
+
     def quantities(functions: Optional[Mapping[str, Function]]) -> list[tuple[str, _native.Recorded]]:
-        return [(name, recorded_quantity(f, h.shape, name)) for name, f in (functions or {}).items()]
+        return [(name, recorded_quantity(f, h, name)) for name, f in (functions or {}).items()]
 
     return {
         **method._options(),
         "step": None if step is None else pair(step, "step"),
+        "reversible": reversible,
         "tolerance": float(_TOLERANCE[precision] if tolerance is None else tolerance),
         "first_step": first_step,
         "min_step": float(min_step),
@@ -113,7 +120,7 @@ def _events(events: Union[None, Event, Sequence[Event]], shape: Shape) -> list[t
                 "the first root, or False"
             )
         direction = int(np.sign(getattr(event, "direction", 0)))
-        found.append((name, recorded_event(event, shape), direction, bool(terminal)))
+        found.append((name, Hamiltonian.with_time(event, shape)._recorded, direction, bool(terminal)))
     return found
 
 
@@ -150,7 +157,7 @@ def solve(
     Parameters
     ----------
     h
-        The energy.
+        The energy: H(q, p), or H(t, q, p) by `Hamiltonian.with_time`.
     q0, p0
         Positions and momenta at the start, each of the shape `h.shape`. In double-double also text,
         `Decimal`, `Fraction`, `np.longdouble` or `equip.DoubleDouble`.
@@ -159,8 +166,8 @@ def solve(
     method
         `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
     step, tolerance
-        A fixed step, or an error per step relative to the motion within it: one of them. Without both, the
-        tolerance is 1e-12, in double-double 1e-24.
+        A fixed step, or `equip.Reversible`, or an error per step relative to the motion within it: one of
+        them. Without both, the tolerance is 1e-12, in double-double 1e-24.
     t_eval
         Ascending times within the span at which states are wanted; `t` is then these. The steps do not
         change.
@@ -171,7 +178,7 @@ def solve(
         Attributes as of `scipy.integrate.solve_ivp`: `terminal = True` ends the run at the first root,
         `direction` of 1 or -1 takes rising or falling roots only.
     invariants
-        Further quantities f(q, p) by name, whose defects the certificate shows.
+        Further quantities f(q, p) by name, whose defects the certificate shows; of (t, q, p) where H is.
     keep
         Further quantities f(q, p) by name that are kept like the energy; for those that are not quadratic.
     record
@@ -244,7 +251,7 @@ def solve(
     path = None if checkpoint is None else fspath(checkpoint)
     if not progress:
         found = _native.solve(h._recorded, interval, given, precision, None, path)
-        return _solution(h, found, given, at_times)
+        return solution(h, found, given, at_times)
     from tqdm.auto import tqdm
 
     with tqdm(
@@ -256,10 +263,11 @@ def solve(
 
         found = _native.solve(h._recorded, interval, given, precision, show, path)
         show(found["certificate"]["end"])
-    return _solution(h, found, given, at_times)
+    return solution(h, found, given, at_times)
 
 
-def _solution(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any], at_times: bool) -> Solution:
+def solution(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any], at_times: bool) -> Solution:
+    """What the native part found, as a solution."""
     n = 2 * h.degrees_of_freedom
     prefix = "output_" if at_times else ""
     (t, t_low), (y, y_low) = found[prefix + "t"], found[prefix + "y"]

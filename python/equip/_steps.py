@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, Optional
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 
 from . import _native
 from ._certificate import Certificate
 from ._hamiltonian import Function, Hamiltonian
-from ._methods import Equip, Method
+from ._methods import Equip, Method, Reversible
 from ._numbers import Floats, Shape, state
 from ._solve import interval_of, options
 
@@ -95,7 +95,7 @@ def steps(
     t0: float = 0.0,
     *,
     method: Method = Equip(stages=8),
-    step: Optional[float] = None,
+    step: Union[None, float, Reversible] = None,
     tolerance: Optional[float] = None,
     deviations: Any = None,
     invariants: Optional[Mapping[str, Function]] = None,

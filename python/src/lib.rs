@@ -32,5 +32,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scene::scene_list, module)?)?;
     module.add_function(wrap_pyfunction!(steps::suggest_step, module)?)?;
     module.add_function(wrap_pyfunction!(ensemble::ensemble, module)?)?;
+    module.add_function(wrap_pyfunction!(ensemble::draw_starts, module)?)?;
     module.add_function(wrap_pyfunction!(run::solve, module)?)
 }

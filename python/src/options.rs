@@ -3,11 +3,12 @@
 use crate::faults::value_error;
 use crate::number::{Number, Pair};
 use crate::recording::recorded::Recorded;
-use equip::autodiff::{Evaluate, RecordedEvaluator};
 use equip::prelude::*;
-use equip::solver::{Fixed, Tolerance};
+use equip::solver::{Fixed, Symmetric, Tolerance};
 use pyo3::prelude::*;
-use std::sync::{Mutex, PoisonError};
+
+/// ε, σ if it is not the automatic one, and whether sizes follow the integral rule.
+type ReversibleOptions = (f64, Option<Py<Recorded>>, bool);
 
 /// Name, function, direction and whether it ends the run.
 type EventOptions = (String, Py<Recorded>, i8, bool);
@@ -23,6 +24,7 @@ pub(crate) struct Options {
     preconditioner: String,
     measure_energy: bool,
     pub(crate) step: Option<Pair>,
+    reversible: Option<ReversibleOptions>,
     tolerance: f64,
     atol: Option<(Vec<f64>, Vec<f64>)>,
     first_step: Option<f64>,
@@ -43,6 +45,7 @@ pub(crate) trait WithIntegrator<T: Number> {
     type Output;
     fn fixed(self, integrator: Integrator<T, Fixed<T>>) -> Self::Output;
     fn adaptive(self, integrator: Integrator<T, Tolerance<T>>) -> Self::Output;
+    fn reversible(self, integrator: Integrator<T, Symmetric<T>>) -> Self::Output;
 }
 
 impl Options {
@@ -61,6 +64,18 @@ impl Options {
     /// Hands the integrator to `task`.
     pub(crate) fn with<T: Number, W: WithIntegrator<T>>(&self, task: W) -> PyResult<W::Output> {
         let method = self.method()?;
+        if let Some((epsilon, sigma, by_integral)) = &self.reversible {
+            let epsilon = T::exact(*epsilon);
+            let sizes = match sigma {
+                Some(sigma) => method.reversible(epsilon, sigma.get().hamiltonian.clone()),
+                None => method.reversible_automatic(epsilon),
+            };
+            let sizes = match by_integral {
+                true => sizes.rule(StepRule::Integral),
+                false => sizes,
+            };
+            return Ok(task.reversible(self.fill(sizes)?));
+        }
         Ok(match self.step {
             Some(h) => task.fixed(self.fill(method.step(T::read(h)))?),
             None => {
@@ -120,31 +135,16 @@ impl Options {
             integrator = integrator.keep(invariant(kept));
         }
         for event in &self.events {
-            integrator = integrator.event(recorded_event(event));
+            let (name, function, direction, ends) = event;
+            let mut event = Event::recorded(name, function.get().hamiltonian.clone());
+            if *direction > 0 {
+                event = event.rising();
+            }
+            if *direction < 0 {
+                event = event.falling();
+            }
+            integrator = integrator.event(if *ends { event.terminal() } else { event });
         }
         Ok(integrator)
     }
-}
-
-/// g(t, q, p), recorded as a function of positions (t, q) and momenta (anything, p).
-fn recorded_event<T: Number>((name, function, direction, ends): &EventOptions) -> Event<T> {
-    let hamiltonian = &function.get().hamiltonian;
-    let n = 2 * hamiltonian.degrees_of_freedom();
-    let evaluator: RecordedEvaluator<T> = hamiltonian.evaluator();
-    let held = Mutex::new((evaluator, vec![T::int(0); n]));
-    let mut event = Event::new(name, move |t, q: &[T], p: &[T]| {
-        let mut held = held.lock().unwrap_or_else(PoisonError::into_inner);
-        let (evaluator, y) = &mut *held;
-        y[0] = t;
-        y[1..=q.len()].copy_from_slice(q);
-        y[q.len() + 2..].copy_from_slice(p);
-        evaluator.value(y)
-    });
-    if *direction > 0 {
-        event = event.rising();
-    }
-    if *direction < 0 {
-        event = event.falling();
-    }
-    if *ends { event.terminal() } else { event }
 }

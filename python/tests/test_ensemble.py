@@ -187,3 +187,72 @@ def test_mpi(tmp_path):
     command = [mpiexec, "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert ended.stdout == "the same\n", ended.stderr
+
+
+def test_starts_are_drawn_by_seed_and_number(kepler):
+    q, p = equip.draw_starts([0.4, 0.0], [0.0, 2.0], 500, seed=7, spread=0.02)
+    assert q.shape == p.shape == (500, 2) and not q[:, 1].any() and not p[:, 0].any()
+    u = np.concatenate([q[:, 0] / 0.4 - 1, p[:, 1] / 2 - 1]) / 0.02
+    # Uniform in [-1, 1): mean 0 ± 0.018, mean square 1/3 ± 0.01; three of these.
+    assert abs(u).max() <= 1 + 1e-12 and abs(u.mean()) < 0.055 and abs((u**2).mean() - 1 / 3) < 0.03
+    assert abs(np.corrcoef(q[:, 0], p[:, 1])[0, 1]) < 0.15
+    few = equip.draw_starts([0.4, 0.0], [0.0, 2.0], 9, seed=7, spread=0.02)
+    assert np.array_equal(few[0], q[:9]) and np.array_equal(few[1], p[:9])
+    assert not np.array_equal(equip.draw_starts([0.4, 0.0], [0.0, 2.0], 9, seed=8, spread=0.02)[0], q[:9])
+    ends = equip.ensemble(kepler, [0.4, 0.0], [0.0, 2.0], (0, 10), n=9, seed=7, spread=0.02)
+    same = equip.ensemble(kepler, q[:9], p[:9], (0, 10))
+    assert np.array_equal(ends.q, same.q)
+    with pytest.raises(ValueError, match="give their number n as well"):
+        equip.ensemble(kepler, [0.4, 0.0], [0.0, 2.0], (0, 10), seed=7)
+    for wrong, words in [
+        ({"n": 0}, "n is 0"),
+        ({"n": 3, "seed": -1}, "seed is -1"),
+        ({"n": 3, "spread": -1.0}, "spread is -1.0"),
+        ({"n": 3, "spread": np.nan}, "spread is nan"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            equip.ensemble(kepler, [0.4, 0.0], [0.0, 2.0], (0, 10), **wrong)
+
+
+def test_outcomes():
+    h = equip.Hamiltonian(lambda q, p: p @ p / 2 - q[0] ** 4, 1)
+    q0, p0 = np.array([[0.1], [1.0], [0.1]]), np.array([[0.0], [1.5], [0.1]])
+    ends = equip.ensemble(h, q0, p0, (0, 2), step=0.01)
+    assert ends.outcome.tolist() == ["kept", "failed", "kept"]
+    gauss = equip.ensemble(h, q0[:1], p0[:1], (0, 2), step=0.5, method=equip.Gauss(stages=2))
+    assert gauss.outcome.tolist() == ["finished"] and not gauss.errors
+
+
+def highest(sol):
+    return sol.t[sol.q[:, 0].argmax()], len(sol.t)
+
+
+def test_outputs(kepler, pool):
+    q0, p0 = starts(11)
+    q0[4] = np.nan
+    here = equip.ensemble(kepler, q0, p0, (0, 10), output=highest, threads=3, progress=True)
+    there = equip.ensemble(kepler, q0, p0, (0, 10), output=highest, executor=pool, chunk=3)
+    plain = equip.ensemble(kepler, q0, p0, (0, 10))
+    assert plain.outputs == ()
+    for ends in (here, there):
+        assert all(getattr(plain, name).tobytes() == getattr(ends, name).tobytes() for name in NAMES)
+        assert ends.errors == plain.errors and ends.outputs[4] is None
+        for i in (0, 10):
+            assert ends.outputs[i] == highest(equip.solve(kepler, q0[i], p0[i], (0, 10)))
+    with pytest.raises(ZeroDivisionError):
+        equip.ensemble(kepler, q0, p0, (0, 10), output=lambda sol: 1 / 0)
+
+
+def test_the_program_draws_the_same(tmp_path):
+    program = os.environ.get("EQUIP_PROGRAM") or shutil.which("equip")
+    if program is None:
+        pytest.skip("the program equip is not in the path, nor named by EQUIP_PROGRAM")
+    path = tmp_path / "a.csv"
+    options = "kepler --e 0.3 --n 12 --seed 3 --step 0.0625 --until 20 --stages 4 --quiet --out"
+    subprocess.run([program, "ensemble", *options.split(), str(path)], check=True)
+    rows = np.genfromtxt(path, delimiter=",", skip_header=2, usecols=range(1, 10))
+    scene = equip.scenes.kepler(e="0.3")
+    q, p = equip.draw_starts(scene.q0, scene.p0, 12, seed=3)
+    assert np.array_equal(rows[:, :4], np.hstack([q, p]))
+    ends = equip.ensemble(scene, q, p, (0, 20), step=0.0625, method=equip.Equip(stages=4))
+    assert np.array_equal(rows[:, 5:], np.hstack([ends.q, ends.p]))

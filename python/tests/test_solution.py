@@ -119,6 +119,26 @@ def test_pictures(sol):
     pyplot.close("all")
 
 
+def test_sections():
+    h = equip.scenes.henon_heiles(energy="1/12")
+
+    def crossing(t, q, p):
+        return q[0]
+
+    crossing.direction = 1
+    sol = equip.solve(h, h.q0, h.p0, (0, 300), events=[lambda t, q, p: p[1], crossing])
+    ax = sol.section(1, 3, event=1)
+    q2, p2 = ax.lines[0].get_data()
+    assert len(q2) > 40 and (ax.get_xlabel(), ax.get_ylabel()) == ("q[1]", "p[1]")
+    # What is left of 1/12 at q1 = 0 is p1²/2.
+    assert (1 / 6 - q2**2 + 2 / 3 * q2**3 - p2**2 > 0).all()
+    assert sol.section(0, 1, ax=ax) is ax and len(ax.lines) == 2
+    with pytest.raises(ValueError, match="event is 2, but the run was asked for 2 events"):
+        sol.section(1, 3, event=2)
+    with pytest.raises(ValueError, match="components of .* are 0 to 3"):
+        sol.section(1, 4)
+
+
 def test_matplotlib_is_imported_on_call_only():
     import subprocess
     import sys

@@ -4,7 +4,8 @@ mod asked;
 pub(crate) mod comparison;
 mod curve;
 pub(crate) mod finished;
-mod integrator;
+pub(crate) mod integrator;
+pub(crate) mod method;
 pub(crate) mod progress;
 pub(crate) mod signals;
 pub(crate) mod watch;
@@ -20,11 +21,12 @@ use crate::write::csv::Mark;
 use crate::write::json;
 use comparison::Comparison;
 use curve::curve;
-use equip_integrate::{Alphas, Checkpoint, Equip, Gauss, Invariant, Method, Reach, Record, Target};
-use equip_scalar::{Constant, DoubleDouble, Float};
+use equip_integrate::{Checkpoint, Invariant, Method, Reach, Record, Target};
+use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
 use finished::{EndError, Finished, end_error};
 use integrator::Integrator;
+use method::method;
 use progress::Progress;
 use std::io::{Write, stdout};
 use std::time::Duration;
@@ -48,7 +50,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
 /// The whole command in float type `T`.
 fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     let (h, end) = time_scale::<T>(args, instance)?;
-    let method = method::<T>(args)?;
+    let method = method::<T>(args.stages, &args.method)?;
     let h = match &args.target_error {
         None => h,
         Some(text) => step_for(target_error(text)?, instance, method, end)?,
@@ -299,25 +301,6 @@ fn step_for<T: Float>(target: T, instance: &Instance, method: Method, end: T) ->
     method
         .suggest_step(instance.hamiltonian(), &q, &p, interval, wanted)
         .map_err(Fault::start)
-}
-
-fn method<T: Float>(args: &RunArgs) -> Result<Method, Fault> {
-    Ok(match &args.method {
-        MethodName::Equip => Equip::stages(args.stages),
-        MethodName::EquipLast => Equip::stages(args.stages).alphas(Alphas::Last),
-        MethodName::Gauss => Gauss::stages(args.stages),
-        MethodName::FixedAlpha(text) => {
-            let alpha = number::<T>("--method fixed-alpha", text)?;
-            if !alpha.is_finite() {
-                return Err(Fault::Option {
-                    option: "--method fixed-alpha",
-                    value: text.clone(),
-                    expected: "finite",
-                });
-            }
-            Method::fixed_alpha(args.stages, Constant::from_expansion(alpha.expansion()))
-        }
-    })
 }
 
 /// Prints the certificate in the form asked for.

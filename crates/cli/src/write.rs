@@ -3,4 +3,5 @@
 pub(crate) mod checkpoint;
 pub(crate) mod csv;
 pub(crate) mod json;
+pub(crate) mod members;
 pub(crate) mod outputs;

@@ -51,8 +51,9 @@
 //! | `equip-integrate` | [`solver`] | methods, runs, events, checkpoints, certificate |
 //! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
 //!
-//! With the feature `serde` checkpoints and certificates can be written by it. The default feature `sparse`
-//! factorises ∇²H of long chains as sparse matrices; without it less is compiled. The program `equip` is a
+//! With the feature `rayon` there are ensembles over threads (`Integrator::ensemble`). With the feature
+//! `serde` checkpoints and certificates can be written by it. The default feature `sparse` factorises ∇²H of
+//! long chains as sparse matrices; without it less is compiled. The program `equip` is a
 //! package of its own, `equip-cli`.
 #![forbid(unsafe_code)]
 

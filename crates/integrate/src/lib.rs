@@ -38,6 +38,10 @@ pub use report::defect::Defect;
 pub use report::energy_floor::EnergyFloor;
 pub use report::phase_per_step::PhasePerStep;
 pub use report::variable_steps::VariableSteps;
+#[cfg(feature = "rayon")]
+pub use runs::drawn::drawn_start;
+#[cfg(feature = "rayon")]
+pub use runs::ensemble::Starts;
 pub use runs::observer::{NoObserver, Observer};
 pub use runs::prepared::Prepared;
 pub use runs::run::{Run, RunFailure};

@@ -7,6 +7,8 @@ mod checkpoint;
 #[cfg(feature = "serde")]
 mod checkpoint_file;
 mod dense;
+#[cfg(feature = "rayon")]
+mod ensemble;
 mod events;
 mod extended;
 mod gradients;

@@ -1,18 +1,19 @@
-//! Many runs of one system over threads: a row for each, in the order of the starts, whatever the threads.
+//! Many runs of one system over threads, by the library's ensemble: a row for each, in the order of the starts.
 
-use crate::faults::of_run;
+use crate::faults::{of_run, value_error};
 use crate::options::{Options, WithIntegrator};
 use crate::recording::recorded::Recorded;
 use crate::runs::signals::PATIENCE;
 use equip::prelude::*;
-use equip::solver::{Fixed, StepSizes, Tolerance};
-use numpy::IntoPyArray;
+use equip::solver::{Fixed, Starts, StepSizes, Symmetric, Tolerance, drawn_start};
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
-use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use rayon::ThreadPoolBuilder;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
+use std::time::Instant;
 
 /// How a run ended.
 struct End {
@@ -25,7 +26,7 @@ struct End {
     chaos: [f64; 2],
 }
 
-type Row = (usize, Result<End, String>);
+type Row = Result<End, String>;
 
 /// Integrates `system` from each of the starts, which stand one after the other in `q` and `p`.
 #[pyfunction]
@@ -43,25 +44,19 @@ pub(crate) fn ensemble<'py>(
     threads: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (hamiltonian, progress) = (&system.hamiltonian, progress.as_ref());
-    let task = Task {
+    options.with::<f64, _>(Task {
         py,
-        hamiltonian,
-        q: &q,
-        p: &p,
-        span,
+        hamiltonian: &system.hamiltonian,
+        starts: Starts::new(&q, &p, span.0..=span.1),
         threads,
-        progress,
-    };
-    options.with::<f64, _>(task)?
+        progress: progress.as_ref(),
+    })?
 }
 
 struct Task<'a, 'py> {
     py: Python<'py>,
     hamiltonian: &'a Hamiltonian,
-    q: &'a [f64],
-    p: &'a [f64],
-    span: (f64, f64),
+    starts: Starts<'a, f64>,
     threads: usize,
     progress: Option<&'a Py<PyAny>>,
 }
@@ -76,16 +71,10 @@ impl<'py> WithIntegrator<f64> for Task<'_, 'py> {
     fn adaptive(self, integrator: Integrator<f64, Tolerance<f64>>) -> Self::Output {
         self.run(&integrator)
     }
-}
 
-/// What the threads share.
-struct Shared<'a> {
-    hamiltonian: &'a Hamiltonian,
-    q: &'a [f64],
-    p: &'a [f64],
-    span: (f64, f64),
-    next: AtomicUsize,
-    stop: AtomicBool,
+    fn reversible(self, integrator: Integrator<f64, Symmetric<f64>>) -> Self::Output {
+        self.run(&integrator)
+    }
 }
 
 impl<'py> Task<'_, 'py> {
@@ -93,89 +82,58 @@ impl<'py> Task<'_, 'py> {
         self,
         integrator: &Integrator<f64, S>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        // Faults of the options are those of all members.
-        let prepared = integrator.prepare(self.hamiltonian);
-        drop(prepared.map_err(|error| of_run(&error))?);
-        let m = self.hamiltonian.degrees_of_freedom();
-        let members = self.q.len() / m;
-        let shared = Shared {
-            hamiltonian: self.hamiltonian,
-            q: self.q,
-            p: self.p,
-            span: self.span,
-            next: AtomicUsize::new(0),
-            stop: AtomicBool::new(false),
-        };
-        let (threads, progress) = (self.threads.clamp(1, members.max(1)), self.progress);
+        let pool = ThreadPoolBuilder::new().num_threads(self.threads).build();
+        let pool = pool.map_err(value_error)?;
+        let (hamiltonian, starts, progress) = (self.hamiltonian, self.starts, self.progress);
+        let is_over = AtomicBool::new(false);
         let rows = self.py.detach(|| {
             thread::scope(|scope| {
-                let (sender, receiver) = channel::<Row>();
-                for _ in 0..threads {
-                    let (sender, shared) = (sender.clone(), &shared);
-                    scope.spawn(move || shared.work(integrator, &sender));
-                }
-                drop(sender);
-                let mut rows: Vec<Option<Result<End, String>>> =
-                    (0..members).map(|_| None).collect();
-                let mut asked = std::time::Instant::now();
-                let mut done = 0;
-                loop {
-                    match receiver.recv_timeout(PATIENCE) {
-                        Ok((i, row)) => {
-                            rows[i] = Some(row);
-                            done += 1;
-                        }
-                        Err(RecvTimeoutError::Timeout) => {}
-                        Err(RecvTimeoutError::Disconnected) => return Ok(rows),
-                    }
-                    if asked.elapsed() < PATIENCE {
-                        continue;
-                    }
-                    asked = std::time::Instant::now();
-                    let ask = Python::attach(|py| {
-                        py.check_signals()?;
-                        progress.map_or(Ok(()), |f| f.call1(py, (done,)).map(drop))
-                    });
-                    if let Err(error) = ask {
-                        shared.stop.store(true, Relaxed);
-                        return Err(error);
-                    }
-                }
+                let (sender, receiver) = channel::<()>();
+                let (pool, is_over) = (&pool, &is_over);
+                let work = scope.spawn(move || {
+                    let row = |_, run: Result<Run<f64>, RunFailure<f64>>| {
+                        // Nobody counts any more once an exception has ended the ensemble.
+                        let _ = sender.send(());
+                        run.map(|run| end(&run))
+                            .map_err(|failure| failure.to_string())
+                    };
+                    let stop = || is_over.load(Relaxed);
+                    pool.install(|| integrator.ensemble(hamiltonian, starts, row, stop))
+                });
+                let watched = watch(&receiver, progress);
+                is_over.store(watched.is_err(), Relaxed);
+                let rows = work.join();
+                watched.map(|()| rows)
             })
         })?;
-        table(self.py, m, rows)
+        let rows = rows.map_err(|_| value_error("a thread of the ensemble ended early"))?;
+        let rows = rows.map_err(|error| of_run(&error))?;
+        let n = 2 * (hamiltonian.degrees_of_freedom() - usize::from(hamiltonian.has_time()));
+        table(self.py, n, rows)
     }
 }
 
-impl Shared<'_> {
-    /// Makes runs until none is left.
-    fn work<S: StepSizes<f64>>(&self, integrator: &Integrator<f64, S>, rows: &Sender<Row>) {
-        let m = self.hamiltonian.degrees_of_freedom();
-        let Ok(mut prepared) = integrator.prepare(self.hamiltonian) else {
-            return;
-        };
-        loop {
-            let i = self.next.fetch_add(1, Relaxed);
-            if i * m >= self.q.len() || self.stop.load(Relaxed) {
-                return;
-            }
-            let (q, p) = (&self.q[i * m..][..m], &self.p[i * m..][..m]);
-            let mut watch = |_: &StepView<'_, f64>| match self.stop.load(Relaxed) {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            };
-            let made = prepared.integrate_observed(q, p, self.span.0..=self.span.1, &mut watch);
-            let row = made
-                .map(|run| end(&run))
-                .map_err(|failure| failure.to_string());
-            if rows.send((i, row)).is_err() {
-                return;
-            }
+/// Counts rows until no thread makes any more, and asks Python for signals now and then.
+fn watch(rows: &Receiver<()>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
+    let (mut asked, mut done) = (Instant::now(), 0);
+    loop {
+        match rows.recv_timeout(PATIENCE) {
+            Ok(()) => done += 1,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
+        if asked.elapsed() < PATIENCE {
+            continue;
+        }
+        asked = Instant::now();
+        Python::attach(|py| {
+            py.check_signals()?;
+            progress.map_or(Ok(()), |f| f.call1(py, (done,)).map(drop))
+        })?;
     }
 }
 
-fn end(run: &equip::prelude::Run<f64>) -> End {
+fn end(run: &Run<f64>) -> End {
     let (t, q, p) = run.last();
     let certificate = run.certificate();
     End {
@@ -189,32 +147,24 @@ fn end(run: &equip::prelude::Run<f64>) -> End {
 }
 
 /// Rows of arrays; NaN where a run has failed.
-fn table<'py>(
-    py: Python<'py>,
-    m: usize,
-    rows: Vec<Option<Result<End, String>>>,
-) -> PyResult<Bound<'py, PyDict>> {
+fn table(py: Python<'_>, n: usize, rows: Vec<Option<Row>>) -> PyResult<Bound<'_, PyDict>> {
     let (mut t, mut y, mut defects, mut steps, mut kept) = (vec![], vec![], vec![], vec![], vec![]);
     let (mut lyapunov, mut megno) = (vec![], vec![]);
     let errors = PyDict::new(py);
     for (i, row) in rows.into_iter().enumerate() {
+        let row = row.ok_or_else(|| value_error("a thread of the ensemble ended early"))?;
         let end = match row {
-            Some(Ok(end)) => end,
-            Some(Err(error)) => {
+            Ok(end) => end,
+            Err(error) => {
                 errors.set_item(i, error)?;
                 End {
                     t: f64::NAN,
-                    y: vec![f64::NAN; 2 * m],
+                    y: vec![f64::NAN; n],
                     energy_defect: f64::NAN,
                     steps: 0,
                     is_kept: false,
                     chaos: [f64::NAN; 2],
                 }
-            }
-            None => {
-                return Err(crate::faults::value_error(
-                    "a thread of the ensemble ended early",
-                ));
             }
         };
         t.push(end.t);
@@ -235,4 +185,21 @@ fn table<'py>(
     dict.set_item("megno", megno.into_pyarray(py))?;
     dict.set_item("errors", errors)?;
     Ok(dict)
+}
+
+type Floats<'py> = Bound<'py, PyArray1<f64>>;
+
+/// `n` starts around one, flat, one after the other: positions, and momenta.
+#[pyfunction]
+pub(crate) fn draw_starts<'py>(
+    py: Python<'py>,
+    q0: Vec<f64>,
+    p0: Vec<f64>,
+    n: u64,
+    seed: u64,
+    spread: f64,
+) -> (Floats<'py>, Floats<'py>) {
+    let start = |index| drawn_start(&q0, &p0, spread, seed, index);
+    let (q, p): (Vec<_>, Vec<_>) = (0..n).map(start).unzip();
+    (q.concat().into_pyarray(py), p.concat().into_pyarray(py))
 }

@@ -9,7 +9,7 @@ use crate::runs::keeping::{self, Keeping};
 use crate::runs::signals::Signals;
 use equip::autodiff::Evaluate;
 use equip::prelude::*;
-use equip::solver::{Fixed, StepSizes, Tolerance};
+use equip::solver::{Fixed, StepSizes, Symmetric, Tolerance};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -123,6 +123,10 @@ impl<'py, T: Number + Kept> WithIntegrator<T> for Whole<'_, 'py> {
     fn adaptive(self, integrator: Integrator<T, Tolerance<T>>) -> Self::Output {
         self.run(&integrator)
     }
+
+    fn reversible(self, integrator: Integrator<T, Symmetric<T>>) -> Self::Output {
+        self.run(&integrator)
+    }
 }
 
 impl<'py> Whole<'_, 'py> {
@@ -207,7 +211,10 @@ fn results<'py, T: Number + Kept>(
     dict.set_item("output_t", arrays(py, run.outputs().map(|(t, _, _)| t)))?;
     let outputs = run.outputs().flat_map(|(_, q, p)| q.iter().chain(p));
     dict.set_item("output_y", arrays(py, outputs.copied()))?;
-    if let Some(energy) = &run.certificate().energy {
+    // With H(t, q, p) the energy that has gone in up to a time between two steps is not known.
+    if let Some(energy) = &run.certificate().energy
+        && !hamiltonian.has_time()
+    {
         let mut evaluator = hamiltonian.evaluator::<T>();
         let defects = run.outputs().map(|(_, q, p)| {
             let y: Vec<T> = q.iter().chain(p).copied().collect();
@@ -220,7 +227,7 @@ fn results<'py, T: Number + Kept>(
     dict.set_item("event_t", arrays(py, run.events().iter().map(|e| e.time)).0)?;
     let roots = run.events().iter().flat_map(|e| e.q.iter().chain(&e.p));
     dict.set_item("event_y", arrays(py, roots.copied()).0)?;
-    let n = 2 * hamiltonian.degrees_of_freedom();
+    let n = 2 * (hamiltonian.degrees_of_freedom() - usize::from(hamiltonian.has_time()));
     let curve = run.trajectory().map(|trajectory| Curve {
         dense: T::keep(trajectory),
         n,

@@ -6,7 +6,7 @@ use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
 use equip::autodiff::RecordedEvaluator;
 use equip::prelude::*;
-use equip::solver::{Fixed, Tolerance};
+use equip::solver::{Fixed, Symmetric, Tolerance};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -14,10 +14,11 @@ use std::sync::{Mutex, PoisonError};
 
 type Evaluator = RecordedEvaluator<f64>;
 
-#[expect(clippy::large_enum_variant, reason = "both are ten thousand bytes")]
+#[expect(clippy::large_enum_variant, reason = "all are ten thousand bytes")]
 enum Sized {
     Fixed(Stepper<f64, Evaluator>),
     Adaptive(AdaptiveStepper<f64, Evaluator>),
+    Reversible(ReversibleStepper<f64, Evaluator>),
 }
 
 macro_rules! each {
@@ -25,11 +26,13 @@ macro_rules! each {
         match $sized {
             Sized::Fixed($stepper) => $body,
             Sized::Adaptive($stepper) => $body,
+            Sized::Reversible($stepper) => $body,
         }
     };
 }
 
 struct Run {
+    hamiltonian: Hamiltonian,
     stepper: Sized,
     tangent: Option<TangentMap<f64, Evaluator>>,
     deviations: Vec<f64>,
@@ -41,6 +44,7 @@ impl Run {
             stepper,
             tangent,
             deviations,
+            ..
         } = self;
         each!(stepper, s => {
             s.advance()?;
@@ -95,9 +99,11 @@ impl Steps {
                 t,
             })?
             .map_err(|error| of_run(&error))?;
+        let deviations = whole(hamiltonian, &deviations);
         let tangent = (!deviations.is_empty())
             .then(|| each!(&mut stepper, s => TangentMap::new(hamiltonian, s)));
         let run = Mutex::new(Run {
+            hamiltonian: hamiltonian.clone(),
             stepper,
             tangent,
             deviations,
@@ -136,17 +142,35 @@ impl Steps {
 
     /// Deviations, one after the other.
     fn deviations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.with(|run| run.deviations.clone()).into_pyarray(py)
+        let visible = self.with(|run| {
+            let m = run.hamiltonian.degrees_of_freedom();
+            let kept = m - usize::from(run.hamiltonian.has_time());
+            let halves = run.deviations.chunks_exact(m);
+            halves
+                .flat_map(|half| half[..kept].to_vec())
+                .collect::<Vec<_>>()
+        });
+        visible.into_pyarray(py)
     }
 
     fn set_deviations(&self, deviations: Vec<f64>) {
-        self.with(|run| run.deviations = deviations);
+        self.with(|run| run.deviations = whole(&run.hamiltonian, &deviations));
     }
 
     fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let found = self.with(|run| each!(&run.stepper, s => s.certificate()));
         certificate(py, &found)
     }
+}
+
+/// Deviations (δq, δp) as the tangent map carries them: with (δt, δp_t) = 0 where H depends on time.
+fn whole(hamiltonian: &Hamiltonian, deviations: &[f64]) -> Vec<f64> {
+    let m = hamiltonian.degrees_of_freedom();
+    let kept = m - usize::from(hamiltonian.has_time());
+    let mut whole = vec![0.0; deviations.len() / kept * m];
+    let halves = whole.chunks_exact_mut(m).zip(deviations.chunks_exact(kept));
+    halves.for_each(|(whole, half)| whole[..kept].copy_from_slice(half));
+    whole
 }
 
 struct Start<'a> {
@@ -167,6 +191,11 @@ impl WithIntegrator<f64> for Start<'_> {
     fn adaptive(self, integrator: Integrator<f64, Tolerance<f64>>) -> Self::Output {
         let stepper = integrator.start(self.hamiltonian, self.q, self.p, self.t)?;
         Ok(Sized::Adaptive(stepper))
+    }
+
+    fn reversible(self, integrator: Integrator<f64, Symmetric<f64>>) -> Self::Output {
+        let stepper = integrator.start(self.hamiltonian, self.q, self.p, self.t)?;
+        Ok(Sized::Reversible(stepper))
     }
 }
 

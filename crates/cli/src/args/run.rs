@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use equip_integrate::MAX_STAGES;
+use std::fmt;
 use std::path::PathBuf;
 
 /// Heading of the options that are parameters of the scene.
@@ -151,6 +152,17 @@ pub(crate) enum MethodName {
     FixedAlpha(String),
 }
 
+impl fmt::Display for MethodName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MethodName::Equip => f.write_str("equip"),
+            MethodName::EquipLast => f.write_str("equip-last"),
+            MethodName::Gauss => f.write_str("gauss"),
+            MethodName::FixedAlpha(alpha) => write!(f, "fixed-alpha={alpha}"),
+        }
+    }
+}
+
 /// Reads whole numbers from `low` to `high`; others are refused with these.
 pub(super) fn whole(low: u64, high: u64) -> impl Fn(&str) -> Result<u64, String> + Clone {
     move |text| match text.trim().parse() {
@@ -168,14 +180,14 @@ pub(super) fn stages(text: &str) -> Result<usize, String> {
     }
 }
 
-fn pair(text: &str) -> Result<(String, String), &'static str> {
+pub(super) fn pair(text: &str) -> Result<(String, String), &'static str> {
     let (name, value) = text
         .split_once('=')
         .ok_or("write it as NAME=VALUE, like e=0.9")?;
     Ok((name.trim().to_owned(), value.trim().to_owned()))
 }
 
-fn method(text: &str) -> Result<MethodName, &'static str> {
+pub(super) fn method(text: &str) -> Result<MethodName, &'static str> {
     match text.split_once('=') {
         None => match text {
             "equip" => Ok(MethodName::Equip),

@@ -2,7 +2,11 @@
 
 pub(crate) mod chaos_watch;
 pub(crate) mod dense_watch;
+#[cfg(feature = "rayon")]
+pub(crate) mod drawn;
 pub(crate) mod drive;
+#[cfg(feature = "rayon")]
+pub(crate) mod ensemble;
 pub(crate) mod integrate;
 pub(crate) mod observer;
 pub(crate) mod outputs;

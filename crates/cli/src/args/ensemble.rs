@@ -1,0 +1,151 @@
+//! Options of `equip ensemble` and `equip merge`.
+
+use super::run::{MethodName, PARAMETERS, method, pair, stages, whole};
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "What is drawn: every component x of the scene's start, of q and of p, becomes x (1 + spread u), with u uniform in \
+        [-1, 1) and its own for each component; components that are zero stay so. u comes from the seed and the number \
+        of the member alone (ChaCha8, one stream a member), never from shard, thread or machine.\n\n\
+        FILE.csv has one line of the options, then `member`, the start, the end and what was kept of every member. A \
+        member that fails is a row of NaN with its reason, and does not end the program. While the program runs, rows \
+        stand in the order in which they are finished, at the end in that of the members. The same command with the \
+        same FILE makes what is missing. The bytes do not depend on threads, on interruptions, or on shards that \
+        `equip merge` puts together.\n\n\
+        Exit codes: 0 all members are in the file; 1 the output failed; 2 bad usage or input; 128 + n ended by signal n, \
+        with all finished members in the file.\n\n\
+        Examples:\n  \
+        equip ensemble henon-heiles --n 1000 --seed 7 --until 200 --tolerance 1e-12 --out hh.csv\n  \
+        equip ensemble kepler --e 0.3 --n 100000 --seed 1 --spread 1e-3 --shard 2/4 --out kepler-2.csv\n  \
+        equip merge kepler-1.csv kepler-2.csv kepler-3.csv kepler-4.csv --out kepler.csv"
+)]
+pub(crate) struct EnsembleArgs {
+    /// Scene to integrate; `equip scenes` lists them
+    pub(crate) scene: String,
+    /// Set a parameter of the scene; `--NAME VALUE` does the same where no option here has that name
+    #[arg(long, value_name = "NAME=VALUE", value_parser = pair, help_heading = PARAMETERS)]
+    pub(crate) set: Vec<(String, String)>,
+    /// Number of members, of all shards together
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1, u32::MAX.into()))]
+    pub(crate) n: u64,
+    /// Seed of the starts, a whole number
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Relative size of what is drawn: how far a component of the start is moved at most, in units of itself
+    #[arg(
+        long,
+        value_name = "SPREAD",
+        default_value = "0.01",
+        allow_hyphen_values = true
+    )]
+    pub(crate) spread: String,
+    /// Make the K-th of COUNT equal shares of the members only, K from 1
+    #[arg(long, value_name = "K/COUNT", default_value = "1/1", allow_hyphen_values = true, value_parser = shard)]
+    pub(crate) shard: Shard,
+    /// Threads; all of the machine if not given
+    #[arg(long, value_name = "THREADS", allow_negative_numbers = true, value_parser = whole(1, 4096))]
+    pub(crate) threads: Option<u64>,
+    /// Stages s: the order is 2s
+    #[arg(long, short, default_value_t = 4, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
+    pub(crate) stages: usize,
+    /// equip | equip-last | gauss | fixed-alpha[=VALUE], as of `equip run`
+    #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
+    pub(crate) method: MethodName,
+    /// Step; the scene's suggestion if not given
+    #[arg(
+        long,
+        value_name = "H",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub(crate) step: Option<String>,
+    /// Variable steps that follow this tolerance, in place of a fixed step
+    #[arg(
+        long,
+        value_name = "TOL",
+        allow_hyphen_values = true,
+        conflicts_with = "step",
+        help_heading = "Method"
+    )]
+    pub(crate) tolerance: Option<String>,
+    /// Time to end at, from the start at 0; the scene's suggestion if not given
+    #[arg(
+        long,
+        value_name = "T",
+        allow_hyphen_values = true,
+        conflicts_with = "periods",
+        help_heading = "Method"
+    )]
+    pub(crate) until: Option<String>,
+    /// Time to end at, in periods of the scene
+    #[arg(
+        long,
+        value_name = "P",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub(crate) periods: Option<String>,
+    /// Where the members are written; if the file is there, what is missing in it is made
+    #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
+    pub(crate) out: PathBuf,
+    /// Print nothing
+    #[arg(long, short, help_heading = "Output")]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "The shards must be those of one ensemble, each once and finished: the file is then, byte for byte, that of one \
+        program without --shard.\n\n\
+        Examples:\n  \
+        equip merge part-*.csv --out all.csv"
+)]
+pub(crate) struct MergeArgs {
+    /// Files that `equip ensemble` wrote, in any order
+    #[arg(required = true, value_name = "FILES")]
+    pub(crate) files: Vec<PathBuf>,
+    /// Where all members are written, in their order
+    #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
+    pub(crate) out: PathBuf,
+    /// Print nothing
+    #[arg(long, short, help_heading = "Output")]
+    pub(crate) quiet: bool,
+}
+
+/// One of `count` equal shares of the members, from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Shard {
+    pub(crate) number: u64,
+    pub(crate) count: u64,
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let read = |text: &str| text.trim().parse::<u64>().ok();
+    let given = text
+        .split_once('/')
+        .and_then(|(number, count)| Some((read(number)?, read(count)?)));
+    match given {
+        Some((_, 0)) | None => Err("write it as K/COUNT, like 2/4".into()),
+        Some((number, count)) if (1..=count).contains(&number) => Ok(Shard { number, count }),
+        Some((_, count)) => Err(format!("there are shards 1/{count} to {count}/{count}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Shard, shard};
+
+    #[test]
+    fn shards() {
+        let last = Shard {
+            number: 4,
+            count: 4,
+        };
+        assert_eq!(shard("4/4"), Ok(last));
+        for wrong in ["0/4", "5/4", "4", "1/0", "-1/4", "a/b", ""] {
+            assert!(shard(wrong).is_err(), "{wrong}");
+        }
+    }
+}

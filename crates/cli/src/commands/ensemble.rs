@@ -1,0 +1,258 @@
+//! `equip ensemble`: many members of one scene over threads, each a row of a file that can be gone on with.
+
+use crate::args::EnsembleArgs;
+use crate::fault::Fault;
+use crate::number::number;
+use crate::run::integrator::Integrator;
+use crate::run::method::method;
+use crate::run::progress::steps_of;
+use crate::run::signals;
+use crate::write::members::{self, Growing, Head, Members, Row};
+use equip_integrate::{IntegrateError, Record, Run, RunFailure, Starts, drawn_start};
+use equip_scenes::Instance;
+use std::io::{Write, stdout};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// How often rows are brought to the disk.
+const EVERY: Duration = Duration::from_secs(1);
+
+/// A finished member: its number and its row.
+type Made = (u64, String);
+
+pub(crate) fn ensemble(args: &EnsembleArgs) -> Result<(), Fault> {
+    let scene = equip_scenes::find(&args.scene)?;
+    let values = args.set.iter().map(|(n, v)| (n.as_str(), v.as_str()));
+    let instance = scene.instance(&values.collect::<Vec<_>>())?;
+    let (head, integrator) = asked(args, &instance)?;
+    let found = members::load(&args.out)?;
+    if let Some(found) = &found {
+        same(&args.out, found, &head)?;
+    }
+    let wanted = head.members().collect::<Vec<_>>();
+    let missing = found.as_ref().map_or(wanted, Members::missing);
+    let threads = args.threads.map_or(0, |threads| threads as usize);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| Fault::Start(error.into()))?;
+    signals::catch()?;
+    let mut growing = Growing::open(&args.out, &head, found.as_ref())?;
+    let mut rows = found.map(|found| found.rows).unwrap_or_default();
+    let resumed = rows.len();
+
+    let starts = missing.iter().map(|&i| start(&instance, &head, i));
+    let (q, p): (Vec<_>, Vec<_>) = starts.unzip();
+    let (q, p) = (q.concat(), p.concat());
+    let starts = Starts::new(&q, &p, 0.0..=head.until);
+    let (sender, receiver) = channel::<Made>();
+    // Set when a row cannot be written.
+    let is_lost = AtomicBool::new(false);
+    let (m, missing) = (head.m, &missing);
+    let make = move |i: usize, run: Result<Run<f64>, RunFailure<f64>>| {
+        let start = (&starts.q0[i * m..][..m], &starts.p0[i * m..][..m]);
+        // Nobody takes rows any more once one could not be written.
+        let _ = sender.send((missing[i], row(missing[i], start, &run)));
+    };
+    let stop = || is_lost.load(Relaxed) || signals::caught().is_some();
+    let pool = &pool;
+    let (made, written) = std::thread::scope(|scope| {
+        // `make` has the sender: rows end with it.
+        let work = || integrator.ensemble(instance.hamiltonian(), starts, make, stop);
+        let work = scope.spawn(move || pool.install(work));
+        let written = collect(receiver, &mut growing, missing.len(), args.quiet);
+        is_lost.store(written.is_err(), Relaxed);
+        (work.join(), written)
+    });
+    let made = made.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    drop(made.map_err(Fault::start)?);
+    rows.extend(written?);
+    if let Some(signal) = signals::caught()
+        && rows.len() < head.members().count()
+    {
+        return Err(Fault::EnsembleInterrupted {
+            signal,
+            exit_code: signals::exit_code(signal),
+            made: rows.len(),
+            members: head.members().count(),
+            path: args.out.clone(),
+        });
+    }
+    members::write(&args.out, &head, rows.values())?;
+    if !args.quiet {
+        summary(&head, resumed, rows.values(), &args.out)?;
+    }
+    Ok(())
+}
+
+/// The options, and what makes the runs; all faults of theirs are found here.
+fn asked(args: &EnsembleArgs, instance: &Instance) -> Result<(Head, Integrator<f64>), Fault> {
+    let read = |option, text: &Option<String>| match text {
+        Some(text) => number::<f64>(option, text).map(Some),
+        None => Ok(None),
+    };
+    let tolerance = read("--tolerance", &args.tolerance)?;
+    let step = match (read("--step", &args.step)?, tolerance) {
+        (None, None) => Some(instance.suggested_step()),
+        (step, _) => step,
+    };
+    let until = read("--until", &args.until)?;
+    let periods = read("--periods", &args.periods)?.map(|p| p * instance.period::<f64>());
+    let until = until.or(periods).unwrap_or(instance.suggested_end());
+    let spread = number::<f64>("--spread", &args.spread)?;
+    if !(0.0..=1.0).contains(&spread) {
+        return Err(Fault::Option {
+            option: "--spread",
+            value: args.spread.clone(),
+            expected: "from 0 to 1",
+        });
+    }
+    let method = method::<f64>(args.stages, &args.method)?;
+    let h = instance.hamiltonian();
+    let integrator = match (step, tolerance) {
+        (Some(step), _) => {
+            let steps = method.step(step).record(Record::Ends);
+            drop(steps.prepare(h).map_err(Fault::start)?);
+            Integrator::Fixed(steps)
+        }
+        (None, tolerance) => {
+            let steps = method.tolerance(tolerance.unwrap_or_default());
+            let steps = steps.record(Record::Ends);
+            drop(steps.prepare(h).map_err(Fault::start)?);
+            Integrator::Variable(steps)
+        }
+    };
+    let (start, end) = (0.0, until);
+    if !until.is_finite() {
+        return Err(Fault::start(IntegrateError::Interval { start, end }));
+    }
+    if let Some(step) = step.filter(|step| step * until < 0.0) {
+        return Err(Fault::start(IntegrateError::StepsLeadAway {
+            step,
+            start,
+            end,
+        }));
+    }
+    let text = |(name, value): (&str, &str)| (name.to_owned(), value.to_owned());
+    let head = Head {
+        version: env!("CARGO_PKG_VERSION").into(),
+        scene: instance.scene().name.into(),
+        parameters: instance.parameters().map(text).collect(),
+        n: args.n,
+        seed: args.seed,
+        spread,
+        method: args.method.to_string(),
+        stages: args.stages,
+        step,
+        tolerance,
+        until,
+        m: instance.initial::<f64>().0.len(),
+        shard: args.shard.into(),
+    };
+    Ok((head, integrator))
+}
+
+/// Whether a file is that of the same shard of the same ensemble.
+fn same(path: &Path, found: &Members, head: &Head) -> Result<(), Fault> {
+    match found.head.difference(head) {
+        None => Ok(()),
+        Some((what, stored, now)) => Err(Fault::OtherEnsemble {
+            path: path.to_owned(),
+            what,
+            stored,
+            now,
+        }),
+    }
+}
+
+fn start(instance: &Instance, head: &Head, member: u64) -> (Vec<f64>, Vec<f64>) {
+    let (q, p) = instance.initial::<f64>();
+    drawn_start(&q, &p, head.spread, head.seed, member)
+}
+
+/// The row of a member from its run.
+fn row(member: u64, start: (&[f64], &[f64]), run: &Result<Run<f64>, RunFailure<f64>>) -> String {
+    let nowhere = vec![f64::NAN; start.0.len()];
+    match run {
+        Ok(run) => {
+            let (t, q, p) = run.last();
+            let certificate = run.certificate();
+            let energy = certificate.energy.as_ref();
+            Row {
+                member,
+                start,
+                t,
+                end: (q, p),
+                energy_defect: energy.map_or(f64::NAN, |energy| energy.max),
+                steps: certificate.counts.steps,
+                energy_kept: certificate.energy_kept_on_every_step(),
+                error: "",
+            }
+            .text()
+        }
+        Err(failure) => Row {
+            member,
+            start,
+            t: f64::NAN,
+            end: (&nowhere, &nowhere),
+            energy_defect: f64::NAN,
+            steps: 0,
+            energy_kept: false,
+            error: &failure.to_string(),
+        }
+        .text(),
+    }
+}
+
+/// Writes rows as they come, until no thread makes any more.
+fn collect(
+    receiver: Receiver<Made>,
+    growing: &mut Growing,
+    count: usize,
+    is_quiet: bool,
+) -> Result<Vec<Made>, Fault> {
+    let bar = match is_quiet {
+        true => indicatif::ProgressBar::hidden(),
+        false => steps_of("members", count),
+    };
+    let mut all = Vec::new();
+    let mut synced = Instant::now();
+    for (member, row) in receiver {
+        growing.add(&row)?;
+        all.push((member, row));
+        bar.inc(1);
+        if synced.elapsed() > EVERY {
+            growing.sync()?;
+            synced = Instant::now();
+        }
+    }
+    bar.finish_and_clear();
+    growing.sync()?;
+    Ok(all)
+}
+
+fn summary<'a>(
+    head: &Head,
+    resumed: usize,
+    rows: impl Iterator<Item = &'a String>,
+    path: &Path,
+) -> Result<(), Fault> {
+    let (number, count) = head.shard;
+    let members = head.members();
+    let failed = rows
+        .filter(|row| !row.trim_end().ends_with(",\"\""))
+        .count();
+    let mut out = stdout().lock();
+    writeln!(out, "{:<24}{}", "scene", head.scene)?;
+    write!(out, "{:<24}{}", "members", members.clone().count())?;
+    if count > 1 {
+        write!(out, " of {}, shard {number}/{count}", head.n)?;
+    }
+    if resumed > 0 {
+        write!(out, ", {resumed} of them there before")?;
+    }
+    writeln!(out)?;
+    writeln!(out, "{:<24}{failed}", "failed")?;
+    writeln!(out, "{:<24}{}", "members written to", path.display())?;
+    Ok(())
+}
