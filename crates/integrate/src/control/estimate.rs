@@ -164,8 +164,8 @@ impl<T: Float> Decay<T> {
         }
     }
 
-    /// ϱ of component c, and the rest of its motion. `y` is it at the start of the step, `largest` the largest
-    /// of its group, `ends` are h f there and at the end; its unit is left behind.
+    /// ϱ of component c, and the rest of its motion. `y` is it at the start of the step, `largest` the
+    /// largest of its group, `ends` are h f there and at the end; its unit is left behind.
     fn of_component(
         &mut self,
         c: usize,
