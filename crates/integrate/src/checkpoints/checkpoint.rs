@@ -289,8 +289,8 @@ fn same<T: Float>(
 }
 
 #[cfg(feature = "serde")]
-#[cfg(test)]
 #[allow(clippy::unwrap_used)]
+#[cfg(test)]
 mod tests {
     use super::Checkpoint;
     use crate::steppers::sizes::Advance;

@@ -20,7 +20,7 @@ use std::ops::Range;
 /// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands
 /// at `c·stride + i`.
 pub(crate) struct Step<'a, T> {
-    /// K(α), column by column; or P and Q of [`crate::matrix::parity`]. Of an incremental sweep K B
+    /// K(α), column by column; or P and Q, by pairs of stages. Of an incremental sweep K B
     /// K, column by column.
     pub(crate) k: &'a [T],
     /// h b_i.

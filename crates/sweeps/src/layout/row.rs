@@ -43,7 +43,7 @@ pub(crate) fn groups_of<T: Float, const N: usize>(s: usize) -> usize {
 macro_rules! by_lanes {
     ($float:ty, $s:expr, $task:ident) => {
         if <$float>::IS_DOUBLE {
-            match $crate::layout::row::lanes_of::<$float>($s) {
+            match $crate::lanes_of::<$float>($s) {
                 4 => $task.lanes::<4>(),
                 _ => $task.lanes::<8>(),
             }
@@ -60,7 +60,7 @@ pub(crate) use by_lanes;
 /// literals: loops over groups are none.
 macro_rules! by_groups {
     ($float:ty, $s:expr, $task:ident) => {
-        match $crate::layout::row::stride_for::<$float>($s) {
+        match $crate::stride_for::<$float>($s) {
             s if const { <$float as Float>::WIDTH == 1 } => $task.groups::<1>(s),
             4 => $task.groups::<4>(1),
             8 => $task.groups::<8>(1),

@@ -1,6 +1,6 @@
 //! K B K, B = diag(b), of the method with α = 0: what two products with K do to the forces.
 //!
-//! [`crate::forms::incremental`] moves Z by it where other sweeps have K twice, and is to differ from them by
+//! An incremental sweep moves Z by it where other sweeps have K twice, and is to differ from them by
 //! no more than rounding the result: Z of all drafts of a step together is that of these sweeps then, though
 //! it was far off in the first of them. So K is taken as it is read, which is not the same in all layouts:
 //! ½ + U rounded, or ½ and U apart ([`crate::matrix::parity`]), and K B K is summed in double-double. With K
