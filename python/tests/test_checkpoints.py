@@ -45,6 +45,8 @@ def test_an_interrupted_run_goes_on(tmp_path):
     program = f"""
 import signal, threading, time, os, equip
 scene = equip.scenes.kepler()
+# Where this is run in the background Ctrl-C may be ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 try:
     equip.solve(scene, scene.q0, scene.p0, (0, 1e9), step=0.125, record="ends", checkpoint={str(path)!r})
