@@ -1,7 +1,8 @@
 //! [`judge`]: figures against expectations.
 //!
 //! The criteria, the same for every row:
-//! - every step is accounted for: as many outcomes as steps asked for, or a typed error after the last;
+//! - every step is accounted for: as many outcomes as steps asked for, or a typed error after the last, which
+//!   the row is to have or Gauss has on steps of the same size;
 //! - |H − H_ref| ≤ 8 floors on every step whose outcome says that the energy is kept, by the solver's own
 //!   evaluation of H and, for runs in `f64`, by one in double-double; H_ref is the number the run started
 //!   with. (After a start at a pericentre, where large terms cancel, that number itself is off by many floors
@@ -112,7 +113,17 @@ fn ending(
             notes.push(format!("{why}; at t = {:.6}: {}", ended.time, ended.text));
             return Word::ExpectedError;
         }
-        (Some(ended), _) => faults.push(format!("error at t = {:.6}: {}", ended.time, ended.text)),
+        (Some(ended), _) => {
+            let text = format!("error at t = {:.6}: {}", ended.time, ended.text);
+            match &measured.gauss_ended {
+                Some(gauss) if gauss.kind == ended.kind => {
+                    let time = gauss.time;
+                    notes.push(format!("{text}; Gauss ends alike at t = {time:.6}"));
+                    return Word::ExpectedError;
+                }
+                _ => faults.push(text),
+            }
+        }
     }
     if measured.ended.is_none() && !measured.impatient && measured.steps != wanted {
         faults.push(format!("{} of {wanted} steps made", measured.steps));
@@ -305,6 +316,24 @@ mod tests {
             });
             assert_eq!(word(expect, &measured), word_expected);
         }
+    }
+
+    #[test]
+    fn an_error_that_gauss_has_too_is_expected() {
+        let ended = |kind| {
+            Some(Ended {
+                kind,
+                text: String::new(),
+                time: 1.0,
+            })
+        };
+        let mut measured = good();
+        measured.ended = ended(Kind::NoConvergence);
+        assert_eq!(word(EXPECT, &measured), Word::Fail);
+        measured.gauss_ended = ended(Kind::NotFinite);
+        assert_eq!(word(EXPECT, &measured), Word::Fail);
+        measured.gauss_ended = ended(Kind::NoConvergence);
+        assert_eq!(word(EXPECT, &measured), Word::ExpectedError);
     }
 
     #[test]
