@@ -22,7 +22,6 @@ pub use iterate::iterate::Iterate;
 pub use iterate::moved::Kept;
 pub use iterate::precondition::{Held, Preconditioner};
 pub use layout::conjugate::turned;
-use layout::row::lanes_of;
 pub use layout::row::stride_for;
 pub use layout::state::State;
 pub use linear::linear_sweeps::LinearSweeps;

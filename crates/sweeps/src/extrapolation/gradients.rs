@@ -25,7 +25,7 @@ use crate::MAX_STAGES;
 use crate::extrapolation::polynomial::{View, foretold};
 use crate::layout::conjugate::conjugate;
 use crate::layout::row::{
-    Row, by_lanes, groups_of, larger, largest, literal, rows, rows_mut, times,
+    Row, by_lanes, groups_of, lanes_of, larger, largest, literal, rows, rows_mut, times,
 };
 use crate::matrix::product::{Mixes, Square};
 use crate::policy::{LIKELY, MANY};

@@ -9,7 +9,7 @@
 //! Cost of a sweep: s gradients (of H, or of U) and 2m s² products. Nothing is allocated.
 
 use crate::layout::aligned::{Aligned, Places};
-use crate::layout::row::{by_lanes, groups_of, placed, stride_for};
+use crate::layout::row::{by_lanes, groups_of, lanes_of, placed, stride_for};
 use crate::layout::state::State;
 use crate::matrix::coefficients::{Columns, length_of};
 use crate::matrix::twofold::Twice;

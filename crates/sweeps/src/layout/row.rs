@@ -39,11 +39,12 @@ pub(crate) fn groups_of<T: Float, const N: usize>(s: usize) -> usize {
     stride_for::<T>(s) / N
 }
 
-/// A task's `lanes` for the number of lanes that `s` stages of the float are worked on with.
+/// A task's `lanes` for the number of lanes that `s` stages of the float are worked on with, [`lanes_of`]
+/// being there.
 macro_rules! by_lanes {
     ($float:ty, $s:expr, $task:ident) => {
         if <$float>::IS_DOUBLE {
-            match $crate::lanes_of::<$float>($s) {
+            match lanes_of::<$float>($s) {
                 4 => $task.lanes::<4>(),
                 _ => $task.lanes::<8>(),
             }
@@ -57,10 +58,10 @@ macro_rules! by_lanes {
 pub(crate) use by_lanes;
 
 /// A task's `groups` for the number of lanes and groups that `s` stages of the float stand in, both of them
-/// literals: loops over groups are none.
+/// literals: loops over groups are none. [`stride_for`] is to be there.
 macro_rules! by_groups {
     ($float:ty, $s:expr, $task:ident) => {
-        match $crate::stride_for::<$float>($s) {
+        match stride_for::<$float>($s) {
             s if const { <$float as Float>::WIDTH == 1 } => $task.groups::<1>(s),
             4 => $task.groups::<4>(1),
             8 => $task.groups::<8>(1),

@@ -1,6 +1,6 @@
 //! The state y = (q, p) with the part that rounding would lose, and the compensated update.
 
-use crate::layout::row::{OnLines, by_lanes, groups_of, in_memory, literal};
+use crate::layout::row::{OnLines, by_lanes, groups_of, in_memory, lanes_of, literal};
 use equip_scalar::{Float, InstructionSet, Kernel, Pack};
 use std::array::from_fn;
 

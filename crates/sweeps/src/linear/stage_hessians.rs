@@ -9,7 +9,7 @@
 
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
-use crate::layout::row::{by_groups, fused_each, scaled};
+use crate::layout::row::{by_groups, fused_each, scaled, stride_for};
 use crate::linear::power_iteration::PowerIteration;
 use crate::policy::QUOTIENTS;
 use equip_autodiff::{Evaluate, Pattern};
