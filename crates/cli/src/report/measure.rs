@@ -11,6 +11,8 @@ use std::time::{Duration, Instant};
 
 /// Settings of a method at most.
 const SETTINGS: i32 = 14;
+/// Errors below this are what a method is asked for; those above only show where it begins.
+const USEFUL: f64 = 1e-7;
 /// Repeats at most.
 const REPEATS: usize = 9;
 
@@ -68,7 +70,7 @@ pub(super) fn curves<T: Float>(
 ) -> Vec<Curve> {
     let begun = Instant::now();
     let suited: Vec<_> = contenders.iter().filter(|c| c.suits(subject)).collect();
-    // The climbs may use a fifth of the time; the rest is for repeats.
+    // The climbs may use a fifth of the time, or three; the rest is for repeats.
     let share = budget.scene / (5 * suited.len().max(1) as u32);
     let mut curves = Vec::new();
     for contender in suited {
@@ -149,6 +151,8 @@ fn climb<T: Float>(
         } else {
             0
         };
+        // What has not come far yet has more time.
+        let share = if best < USEFUL { share } else { 3 * share };
         if at_floor || slow >= 3 || begun.elapsed() > share {
             break;
         }
