@@ -11,8 +11,6 @@ use std::time::{Duration, Instant};
 
 /// Settings of a method at most.
 const SETTINGS: i32 = 14;
-/// Errors below this are what a method is asked for; those above only show where it begins.
-const USEFUL: f64 = 1e-7;
 /// Repeats at most.
 const REPEATS: usize = 9;
 
@@ -70,8 +68,8 @@ pub(super) fn curves<T: Float>(
 ) -> Vec<Curve> {
     let begun = Instant::now();
     let suited: Vec<_> = contenders.iter().filter(|c| c.suits(subject)).collect();
-    // The climbs may use a fifth of the time, or three; the rest is for repeats.
-    let share = budget.scene / (5 * suited.len().max(1) as u32);
+    // The climbs may use half of the time; the rest is for repeats.
+    let share = budget.scene / (2 * suited.len().max(1) as u32);
     let mut curves = Vec::new();
     for contender in suited {
         say(&format!(
@@ -151,8 +149,6 @@ fn climb<T: Float>(
         } else {
             0
         };
-        // What has not come far yet has more time.
-        let share = if best < USEFUL { share } else { 3 * share };
         if at_floor || slow >= 3 || begun.elapsed() > share {
             break;
         }

@@ -24,7 +24,7 @@ impl Method {
 }
 
 impl<T: Float> FixedStep<T> {
-    /// How often a step whose stages do not converge may be halved, 3 by default; 0 never halves.
+    /// How often a step whose stages do not converge may be halved, 10 by default; 0 never halves.
     #[must_use]
     pub fn max_halvings(mut self, halvings: u32) -> Self {
         self.options.max_halvings = halvings;

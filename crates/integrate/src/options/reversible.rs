@@ -92,7 +92,7 @@ impl<T: Float> Reversible<T> {
         self
     }
 
-    /// How often a step that fails may be halved, 3 by default; 0 never halves.
+    /// How often a step that fails may be halved, 10 by default; 0 never halves.
     #[must_use]
     pub fn max_halvings(mut self, halvings: u32) -> Self {
         self.options.max_halvings = halvings;

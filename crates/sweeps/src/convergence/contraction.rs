@@ -158,7 +158,7 @@ impl<T: Float> Contraction<T> {
 
     /// Error of the end point that the last sweep has left.
     #[inline(always)]
-    pub fn error(&self) -> f64 {
+    fn error(&self) -> f64 {
         self.left * self.tail()
     }
 
