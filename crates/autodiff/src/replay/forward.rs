@@ -4,7 +4,6 @@
 //! the result has every bit of the energy evaluated directly. Cost: one evaluation of what was recorded.
 
 use crate::recording::op::Op;
-use crate::replay::stretches::Access;
 use crate::replay::tape::{Run, Tape};
 use equip_scalar::{Constant, Float, Kernel, Piecewise};
 
@@ -12,54 +11,15 @@ use equip_scalar::{Constant, Float, Kernel, Piecewise};
 /// a closure: closures are not always inlined, and what is not inlined into a kernel has no vector
 /// instructions.
 macro_rules! each {
-    ($step:ident, |$x:ident, $y:ident| $f:expr) => {
-        match $step.run.access {
-            Access::Listed => listed!($step, |$x, $y| $f),
-            Access::Slices => {
-                let ([left, right], results) = $step.slices();
-                for ((result, &$x), &$y) in results.iter_mut().zip(left).zip(right) {
-                    *result = $f;
-                }
-            }
-            Access::FixedLeft => {
-                let ([left, right], results) = $step.slices();
-                let $x = left[0];
-                for (result, &$y) in results.iter_mut().zip(right) {
-                    *result = $f;
-                }
-            }
-            Access::FixedRight => {
-                let ([left, right], results) = $step.slices();
-                let $y = right[0];
-                for (result, &$x) in results.iter_mut().zip(left) {
-                    *result = $f;
-                }
-            }
-        }
-    };
-    ($step:ident, |$x:ident| $f:expr) => {
-        if $step.run.access == Access::Slices {
-            let ([left, _], results) = $step.slices();
-            for (result, &$x) in results.iter_mut().zip(left) {
-                *result = $f;
-            }
-        } else {
-            listed!($step, |$x| $f)
-        }
-    };
-}
-
-/// The same for operands that lie anywhere.
-macro_rules! listed {
     ($step:ident, |$x:ident, $y:ident| $f:expr) => {{
-        let (operands, before, results) = $step.listed();
+        let (operands, before, results) = $step.split();
         for (result, &[i, j]) in results.iter_mut().zip(operands) {
             let ($x, $y) = (before[i as usize], before[j as usize]);
             *result = $f;
         }
     }};
     ($step:ident, |$x:ident| $f:expr) => {{
-        let (operands, before, results) = $step.listed();
+        let (operands, before, results) = $step.split();
         for (result, &[i, _]) in results.iter_mut().zip(operands) {
             let $x = before[i as usize];
             *result = $f;
@@ -102,41 +62,41 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::HalfPower(3) => each!(step, |x| S::powf(x, half(3))),
             Op::HalfPower(-3) => each!(step, |x| S::powf(x, half(-3))),
             Op::HalfPower(n) => { let c = half(n); each!(step, |x| S::powf(x, c)) }
-            Op::Powf(k) => { let c = exponents[k as usize]; listed!(step, |x| S::powf(x, c)) }
-            Op::PowfSlope(k) => { let c = exponents[k as usize]; listed!(step, |x, f| S::powf_slope(x, f, c)) }
-            Op::Pow => listed!(step, |x, y| S::pow(x, y)),
-            Op::Abs => listed!(step, |x| S::abs(x)),
-            Op::Cbrt => listed!(step, |x| S::cbrt(x)),
-            Op::Exp2 => listed!(step, |x| S::exp2(x)),
-            Op::Exp => listed!(step, |x| S::exp(x)),
-            Op::Ln => listed!(step, |x| S::ln(x)),
-            Op::ExpM1 => listed!(step, |x| S::exp_m1(x)),
-            Op::Ln1p => listed!(step, |x| S::ln_1p(x)),
-            Op::Sin => listed!(step, |x| S::sin(x)),
-            Op::Cos => listed!(step, |x| S::cos(x)),
-            Op::Tan => listed!(step, |x| S::tan(x)),
-            Op::Asin => listed!(step, |x| S::asin(x)),
-            Op::Acos => listed!(step, |x| S::acos(x)),
-            Op::Atan => listed!(step, |x| S::atan(x)),
-            Op::Atan2 => listed!(step, |y, x| S::atan2(y, x)),
-            Op::Sinh => listed!(step, |x| S::sinh(x)),
-            Op::Cosh => listed!(step, |x| S::cosh(x)),
-            Op::Tanh => listed!(step, |x| S::tanh(x)),
-            Op::Asinh => listed!(step, |x| S::asinh(x)),
-            Op::Acosh => listed!(step, |x| S::acosh(x)),
-            Op::Atanh => listed!(step, |x| S::atanh(x)),
-            Op::Erf => listed!(step, |x| S::erf(x)),
-            Op::Erfc => listed!(step, |x| S::erfc(x)),
+            Op::Powf(k) => { let c = exponents[k as usize]; each!(step, |x| S::powf(x, c)) }
+            Op::PowfSlope(k) => { let c = exponents[k as usize]; each!(step, |x, f| S::powf_slope(x, f, c)) }
+            Op::Pow => each!(step, |x, y| S::pow(x, y)),
+            Op::Abs => each!(step, |x| S::abs(x)),
+            Op::Cbrt => each!(step, |x| S::cbrt(x)),
+            Op::Exp2 => each!(step, |x| S::exp2(x)),
+            Op::Exp => each!(step, |x| S::exp(x)),
+            Op::Ln => each!(step, |x| S::ln(x)),
+            Op::ExpM1 => each!(step, |x| S::exp_m1(x)),
+            Op::Ln1p => each!(step, |x| S::ln_1p(x)),
+            Op::Sin => each!(step, |x| S::sin(x)),
+            Op::Cos => each!(step, |x| S::cos(x)),
+            Op::Tan => each!(step, |x| S::tan(x)),
+            Op::Asin => each!(step, |x| S::asin(x)),
+            Op::Acos => each!(step, |x| S::acos(x)),
+            Op::Atan => each!(step, |x| S::atan(x)),
+            Op::Atan2 => each!(step, |y, x| S::atan2(y, x)),
+            Op::Sinh => each!(step, |x| S::sinh(x)),
+            Op::Cosh => each!(step, |x| S::cosh(x)),
+            Op::Tanh => each!(step, |x| S::tanh(x)),
+            Op::Asinh => each!(step, |x| S::asinh(x)),
+            Op::Acosh => each!(step, |x| S::acosh(x)),
+            Op::Atanh => each!(step, |x| S::atanh(x)),
+            Op::Erf => each!(step, |x| S::erf(x)),
+            Op::Erfc => each!(step, |x| S::erfc(x)),
             Op::Outside { function, orders } => {
                 let f = &tape.functions[function as usize];
-                listed!(step, |x, y| S::outside(f, orders, [x, y]))
+                each!(step, |x, y| S::outside(f, orders, [x, y]))
             }
-            Op::Hypot => listed!(step, |x, y| S::hypot(x, y)),
-            Op::Min => listed!(step, |x, y| S::min(x, y)),
-            Op::Max => listed!(step, |x, y| S::max(x, y)),
-            Op::Sign => listed!(step, |x| S::sign(x)),
-            Op::AtMost => listed!(step, |x, y| S::at_most(x, y)),
-            Op::WhereNonzero => listed!(step, |x, y| S::where_nonzero(x, y)),
+            Op::Hypot => each!(step, |x, y| S::hypot(x, y)),
+            Op::Min => each!(step, |x, y| S::min(x, y)),
+            Op::Max => each!(step, |x, y| S::max(x, y)),
+            Op::Sign => each!(step, |x| S::sign(x)),
+            Op::AtMost => each!(step, |x, y| S::at_most(x, y)),
+            Op::WhereNonzero => each!(step, |x, y| S::where_nonzero(x, y)),
         }
     }
 }
@@ -159,23 +119,12 @@ impl<T: Float> Kernel for CompensatedSum<'_, T> {
         let mut sums = Compensated::<T, 4>::zero();
         for segment in &tape.segments[tape.sums[self.sum].clone()] {
             let minus = segment.minus;
-            if let Some(first) = segment.first {
-                let terms = &values[first..first + segment.terms.len()];
-                let (fours, rest) = terms.as_chunks::<4>();
-                for four in fours {
-                    sums.add(four, minus);
-                }
-                for &term in rest {
-                    sums.add_to(0, term, minus);
-                }
-            } else {
-                let (fours, rest) = tape.terms[segment.terms.clone()].as_chunks::<4>();
-                for [a, b, c, d] in fours {
-                    sums.add(&[*a, *b, *c, *d].map(|slot| values[slot as usize]), minus);
-                }
-                for &slot in rest {
-                    sums.add_to(0, values[slot as usize], minus);
-                }
+            let (fours, rest) = tape.terms[segment.terms.clone()].as_chunks::<4>();
+            for [a, b, c, d] in fours {
+                sums.add(&[*a, *b, *c, *d].map(|slot| values[slot as usize]), minus);
+            }
+            for &slot in rest {
+                sums.add_to(0, values[slot as usize], minus);
             }
         }
         let mut total = Compensated::<T, 1>::zero();
@@ -228,16 +177,9 @@ struct Step<'a, S> {
 }
 
 impl<'a, S: Piecewise> Step<'a, S> {
-    /// The operands from the first ones on, and the results.
-    #[inline(always)]
-    fn slices(self) -> ([&'a [S]; 2], &'a mut [S]) {
-        let (operands, before, results) = self.listed();
-        (operands[0].map(|first| &before[first as usize..]), results)
-    }
-
     /// Slots of the operands, all that stands before the results, and the results.
     #[inline(always)]
-    fn listed(self) -> (&'a [[u32; 2]], &'a [S], &'a mut [S]) {
+    fn split(self) -> (&'a [[u32; 2]], &'a [S], &'a mut [S]) {
         let (before, results) = self.values.split_at_mut(self.run.slots.start);
         let results = &mut results[..self.run.slots.len()];
         (&self.tape.operands[self.run.operands..], before, results)
@@ -247,25 +189,21 @@ impl<'a, S: Piecewise> Step<'a, S> {
     fn sum(self, k: usize) {
         let mut total: Option<S> = None;
         for segment in &self.tape.segments[self.tape.sums[k].clone()] {
-            let mut terms = segment.terms.clone();
-            let slot = |term: usize| match segment.first {
-                Some(first) => first + (term - segment.terms.start),
-                None => self.tape.terms[term] as usize,
-            };
+            let mut terms = self.tape.terms[segment.terms.clone()].iter();
             let mut sum = match total {
                 Some(total) => total,
                 None => match terms.next() {
-                    Some(first) => self.values[slot(first)],
+                    Some(&first) => self.values[first as usize],
                     None => continue,
                 },
             };
             if segment.minus {
-                for term in terms {
-                    sum = sum - self.values[slot(term)];
+                for &slot in terms {
+                    sum = sum - self.values[slot as usize];
                 }
             } else {
-                for term in terms {
-                    sum = sum + self.values[slot(term)];
+                for &slot in terms {
+                    sum = sum + self.values[slot as usize];
                 }
             }
             total = Some(sum);

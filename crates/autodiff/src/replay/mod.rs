@@ -4,6 +4,5 @@ pub(crate) mod batch;
 pub(crate) mod forward;
 pub(crate) mod layout;
 pub(crate) mod point;
-pub(crate) mod stretches;
 pub(crate) mod tape;
 pub(crate) mod values;

@@ -1,7 +1,6 @@
 //! [`Tape`]: the operations of a recording, laid out for replay.
 
 use crate::recording::op::Op;
-use crate::replay::stretches::Access;
 use equip_scalar::{Constant, Outside};
 use std::ops::Range;
 use std::sync::Arc;
@@ -17,15 +16,13 @@ pub(crate) struct Run {
     pub(crate) slots: Range<usize>,
     /// First entry in [`Tape::operands`].
     pub(crate) operands: usize,
-    pub(crate) access: Access,
 }
 
-/// Terms of a sum with one sign and, if `first` is given, side by side.
+/// Terms of a sum with one sign.
 #[derive(Debug, Clone)]
 pub(crate) struct Segment {
     pub(crate) minus: bool,
     pub(crate) terms: Range<usize>,
-    pub(crate) first: Option<usize>,
 }
 
 /// Components, of the inputs or of the results, side by side and in slots side by side.

@@ -144,7 +144,7 @@ impl<T: Float> Decay<T> {
         let (set, s, stride) = (self.set, self.s, self.stride);
         mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
         let half = y.hi.len() / 2;
-        let (mut decay, mut rest) = (0.0_f64, 0.0_f64);
+        let (mut decay, mut rest) = (f64::NEG_INFINITY, 0.0_f64);
         let is_inset = ends.map(|end| end.is_inset);
         for (group, y) in y.hi.chunks_exact(half).enumerate() {
             let largest = y[..self.m].iter().fold(T::int(0), |a, y| a.max(y.abs()));
@@ -158,13 +158,13 @@ impl<T: Float> Decay<T> {
             }
         }
         Estimate {
-            decay,
+            decay: decay.exp(),
             nearness: self.nearness(),
             rest,
         }
     }
 
-    /// ϱ of component c, and the rest of its motion. `y` is it at the start of the step, `largest` the
+    /// ln ϱ of component c, and the rest of its motion. `y` is it at the start of the step, `largest` the
     /// largest of its group, `ends` are h f there and at the end; its unit is left behind.
     fn of_component(
         &mut self,
@@ -190,34 +190,34 @@ impl<T: Float> Decay<T> {
         self.units[c] = unit;
         let inverse = self.inverse_units[c];
         if inverse == T::int(0) {
-            return [0.0; 2];
+            return [f64::NEG_INFINITY, 0.0];
         }
-        // θ = |γ|/a_0.
+        // ln θ, θ = |γ|/a_0.
         let theta = |x: T| (x * inverse).to_f64().abs();
-        let root = |x: f64, n: usize| x.powf(1.0 / n as f64);
         let beyond = self.beyond(row, ends, is_inset).map(theta);
-        let last = theta(row[s - 1]);
+        let tail = beyond[0].max(beyond[1]);
+        let [last, first_beyond] = [theta(row[s - 1]), beyond[0]].map(f64::ln);
         let from = |degree: usize, unit: f64| {
-            let decays = [(s - 1, last), (s, beyond[0])].map(|(k, theta)| match k {
-                k if k > degree => root(theta / unit, k - degree),
-                _ => 0.0,
+            let decays = [(s - 1, last), (s, first_beyond)].map(|(k, theta)| match k {
+                k if k > degree => (theta - unit) / (k - degree) as f64,
+                _ => f64::NEG_INFINITY,
             });
             decays[0].max(decays[1])
         };
-        let second = theta(row[1].abs().max(least));
-        let mut decay = from(0, 1.0).min(from(1, second));
-        let tail = beyond[0].max(beyond[1]);
+        let second = theta(row[1].abs().max(least)).ln();
+        let mut decay = from(0, 0.0).min(from(1, second));
         if tail > (NOISE * T::EPSILON.to_f64()).max(self.tolerance.to_f64()) {
             // Of two coefficients one may vanish: 92 of 2400 steps are refused in place of 450.
-            let fewest = (s - 2).max(1);
-            let decays = (fewest..s).map(|k| root(tail / theta(row[k]), s - k));
-            let r = decays.fold(1.0, f64::min);
-            let unit = (second / r).max(1.0);
-            decay = decay.max(root(tail / unit, 2 * s) * r.sqrt());
+            let tail = tail.ln();
+            let before = (s - 2).max(1)..s;
+            let decays = before.map(|k| (tail - theta(row[k]).ln()) / (s - k) as f64);
+            let r = decays.fold(0.0, f64::min);
+            let unit = (second - r).max(0.0);
+            decay = decay.max((tail - unit) / (2 * s) as f64 + r / 2.0);
         }
         if let Some(absolute) = &self.absolute {
             let allowed = 1.0 + absolute[c] * inverse.to_f64();
-            decay /= root(allowed, 2 * s);
+            decay -= allowed.ln() / (2 * s) as f64;
         }
         [decay, tail]
     }

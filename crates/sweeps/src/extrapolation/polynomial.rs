@@ -9,7 +9,6 @@
 //!
 //! Cost: s³ multiplications for E, s² without.
 
-use crate::MAX_STAGES;
 use crate::layout::row::{Row, fused, groups_of, in_memory, lanes_of, literal, rows, stride_for};
 use crate::matrix::product::{applied, product_any};
 use equip_scalar::{Float, InstructionSet, Kernel};
@@ -32,6 +31,9 @@ pub struct Polynomial<T> {
     nodes: Vec<T>,
     /// (2k+1)/(k+1) and k/(k+1), of the recurrence of Legendre polynomials, k = 0 … s − 1.
     recurrence: Vec<[T; 2]>,
+    /// Room for L_0 … L_s at the start of the step, and at a group of nodes.
+    at_start: Vec<T>,
+    at_node: Vec<T>,
     /// Where the step starts in the last one, its size over that, the size of that, and whether the gradient
     /// at the start is known.
     made_for: Option<([T; 3], bool)>,
@@ -63,6 +65,8 @@ impl<T: Float> Polynomial<T> {
             is_factored: false,
             nodes,
             recurrence: (0..s as i64).map(recurrence).collect(),
+            at_start: vec![T::int(0); s + 1],
+            at_node: vec![T::int(0); (s + 1) * stride],
             made_for: None,
         }
     }
@@ -206,27 +210,26 @@ impl<T: Float> Make<'_, T> {
     fn lanes<const N: usize, const B: usize>(&mut self) {
         let to = &mut *self.to;
         let s = to.recurrence.len();
-        let mut at_start = [[T::int(0); 1]; MAX_STAGES + 1];
-        classical(&to.recurrence, [self.start], &mut at_start);
+        let at_start = to.at_start.as_chunks_mut::<1>().0;
+        classical(&to.recurrence, [self.start], at_start);
+        let at_node = &mut to.at_node.as_chunks_mut::<N>().0[..=s];
         let scale = T::int(-1) / self.h;
         let groups = groups_of::<T, N>(s);
         let e = to.e.as_chunks_mut::<N>().0;
         let rho = to.rho.as_chunks_mut::<N>().0;
         for (g, nodes) in to.nodes.as_chunks::<N>().0.iter().enumerate() {
-            let mut at_node = [[T::int(0); N]; MAX_STAGES + 1];
             let tau = std::array::from_fn(|i| self.start + self.ratio * nodes[i]);
-            classical(&to.recurrence, tau, &mut at_node);
+            classical(&to.recurrence, tau, at_node);
             if self.known {
                 rho[g] = at_node[s].map(|p| p / at_start[s][0]);
             } else {
                 rho[g] = [T::int(0); N];
             }
-            for (p, a) in at_node.iter_mut().zip(&at_start).take(s) {
+            for (p, a) in at_node.iter_mut().zip(&*at_start).take(s) {
                 for i in 0..N {
                     p[i] = scale * (p[i] - rho[g][i] * a[0]);
                 }
             }
-            at_node[s..].fill([T::int(0); N]);
             if to.is_factored {
                 for (k, p) in at_node.iter().enumerate().take(s) {
                     e[k * groups + g] = *p;
@@ -254,11 +257,7 @@ impl<T: Float> Make<'_, T> {
 
 /// The classical Legendre polynomials L_0 … L_s at 2τ − 1: P_k = √(2k+1) L_k.
 #[inline(always)]
-fn classical<T: Float, const N: usize>(
-    recurrence: &[[T; 2]],
-    tau: [T; N],
-    out: &mut [[T; N]; MAX_STAGES + 1],
-) {
+fn classical<T: Float, const N: usize>(recurrence: &[[T; 2]], tau: [T; N], out: &mut [[T; N]]) {
     let x = tau.map(|tau| (tau + tau) - T::int(1));
     let (mut before, mut now) = ([T::int(1); N], x);
     (out[0], out[1]) = (before, now);
