@@ -2,9 +2,9 @@
 
 from . import scenes
 from ._certificate import Certificate, Counts, Defect, EnergyFloor, PhasePerStep, VariableSteps
-from ._ensemble import Ensemble, draw_starts, ensemble
 from ._functions import Table, erf, erfc, table, table2
 from ._hamiltonian import Hamiltonian
+from ._many import Ensemble, draw_starts, ensemble
 from ._methods import Equip, FixedAlpha, Gauss, Reversible
 from ._native import IntegrationError, __version__
 from ._numbers import DoubleDouble

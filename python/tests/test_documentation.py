@@ -12,7 +12,9 @@ import equip
 README = Path(__file__).parent.parent / "README.md"
 
 
-@pytest.mark.parametrize("name", ["_hamiltonian", "_functions", "_solve", "_steps", "_ensemble"])
+@pytest.mark.parametrize(
+    "name", ["_hamiltonian", "_functions", "_solve", "_steps", "_many.run", "_many.starts"]
+)
 def test_examples_of_docstrings(name):
     failed, tried = doctest.testmod(importlib.import_module(f"equip.{name}"))
     assert tried > 0 and failed == 0

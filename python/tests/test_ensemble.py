@@ -5,7 +5,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -151,42 +150,6 @@ def test_a_killed_worker_loses_nothing_that_was_finished(kepler):
     assert all(getattr(here, name).tobytes() == getattr(whole, name).tobytes() for name in NAMES)
     with pytest.raises(ValueError, match="resume has 20 starts, but q0 has 3"):
         equip.ensemble(kepler, q0[:3], p0[:3], span, resume=part)
-
-
-def test_dask(kepler):
-    distributed = pytest.importorskip("distributed")
-    q0, p0 = starts(10)
-    here = equip.ensemble(kepler, q0, p0, (0, 5))
-    with distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
-        there = equip.ensemble(kepler, q0, p0, (0, 5), executor=client.get_executor(), chunk=3)
-    assert here.q.tobytes() == there.q.tobytes() and there.success
-
-
-MPI = """
-import numpy as np
-from mpi4py.futures import MPIPoolExecutor
-import equip
-
-if __name__ == "__main__":
-    h = equip.Hamiltonian(lambda q, p: p @ p / 2 - np.cos(q[0]), 1)
-    q0, p0 = np.linspace(0, 2, 10)[:, None], np.zeros((10, 1))
-    with MPIPoolExecutor() as pool:
-        there = equip.ensemble(h, q0, p0, (0, 5), executor=pool, chunk=3)
-    here = equip.ensemble(h, q0, p0, (0, 5))
-    print("the same" if here.q.tobytes() == there.q.tobytes() and there.success else "another")
-"""
-
-
-def test_mpi(tmp_path):
-    pytest.importorskip("mpi4py")
-    mpiexec = shutil.which("mpiexec")
-    if mpiexec is None:
-        pytest.skip("mpiexec is not in the path")
-    script = tmp_path / "script.py"
-    script.write_text(MPI)
-    command = [mpiexec, "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
-    assert ended.stdout == "the same\n", ended.stderr
 
 
 def test_starts_are_drawn_by_seed_and_number(kepler):
