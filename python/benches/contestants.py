@@ -148,7 +148,7 @@ def kepler() -> Problem:
         (
             by_equip("equip, s = 16, equal steps", record, ours, end, 16, 2 * math.pi, counts(8, 30)),
             by_equip("equip, s = 8, equal steps", record, ours, end, 8, 2 * math.pi, counts(14, 80)),
-            by_equip("equip, s = 8, by tolerance", record, ours, end, 8, None, tolerances(7, 14)),
+            by_equip("equip, s = 8, by tolerance", record, ours, end, 8, None, tolerances(5, 14)),
             by_heyoka("heyoka", system, start, end, [0, 1], tolerances(9, 18)),
             by_heyoka(
                 "heyoka, high accuracy", system, start, end, [0, 1], tolerances(9, 18), high_accuracy=True
@@ -275,7 +275,7 @@ def henon_heiles(members: int) -> Problem:
         np.array(fine),
         members,
         (
-            ours("equip.ensemble, s = 8, by tolerance", equip.Equip(stages=8), None, tolerances(7, 14)),
+            ours("equip.ensemble, s = 8, by tolerance", equip.Equip(stages=8), None, tolerances(6, 14)),
             ours("equip.ensemble, s = 8, equal steps", equip.Equip(stages=8), end, counts(70, 400)),
             ours("equip.ensemble, s = 16, equal steps", equip.Equip(stages=16), end, counts(40, 200)),
             ours("equip.ensemble, Gauss s = 8, equal steps", equip.Gauss(stages=8), end, counts(70, 400)),
