@@ -8,6 +8,8 @@ from typing import Any, Union
 
 import numpy as np
 
+from ._native import __version__
+
 Path = Union[str, PathLike[str]]
 
 
@@ -16,8 +18,9 @@ def _is_hdf5(path: Path) -> bool:
 
 
 def write(path: Path, words: dict[str, Any], arrays: dict[str, Any], kind: str) -> None:
-    """Writes words and arrays of a kind of file, to HDF5 where the path ends so."""
-    text = json.dumps({"format": kind, **words})
+    """Writes words and arrays of a kind of file, with the version of this package, to HDF5 where the path
+    ends so."""
+    text = json.dumps({"format": kind, "equip": __version__, **words})
     if _is_hdf5(path):
         import h5py
 

@@ -34,7 +34,7 @@ def test_saved_and_read(kepler, tmp_path, name):
     q0, p0 = starts(6)
     q0[2] = np.nan
     ends = equip.ensemble(kepler, q0, p0, (0, 5), chaos=True)
-    ends.save(tmp_path / name)
+    ends.save(str(tmp_path / name))
     read = equip.Ensemble.load(tmp_path / name)
     assert same(ends, read) and list(read.errors) == [2] and read.outcome.tolist() == ends.outcome.tolist()
     assert read.q.dtype == ends.q.dtype and read.energy_kept.dtype == bool

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import time
 from collections.abc import Iterator
@@ -76,6 +75,8 @@ class Checkpoint:
 
 def _digest(task: Task, q: Floats, p: Floats) -> str:
     """Of all that the rows depend on; threads and chunks are not among it."""
+    import hashlib
+
     text = repr((task.times, q.shape, sorted((name, _plain(x)) for name, x in task.given.items())))
     parts = (task.h.to_bytes(), q.tobytes(), p.tobytes(), text.encode())
     return hashlib.sha256(b"".join(len(part).to_bytes(8, "little") + part for part in parts)).hexdigest()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
 from typing import Any, Optional, Protocol
 
@@ -79,6 +78,8 @@ def _with_outputs(
         sol = solution(h, found, whole, False)
         return row_of(sol), output(sol)
 
+    from concurrent.futures import ThreadPoolExecutor
+
     pool = ThreadPoolExecutor(task.threads)
     try:
         made = []
@@ -152,6 +153,8 @@ def made_elsewhere(
 
 
 def _as_completed(futures: list[tuple[NDArray[np.int64], Any]]) -> Iterator[tuple[NDArray[np.int64], Any]]:
+    from concurrent.futures import Future, as_completed
+
     if not all(isinstance(future, Future) for _, future in futures):
         yield from futures
         return
