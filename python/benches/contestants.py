@@ -18,6 +18,9 @@ from scipy.integrate import solve_ivp
 
 import equip
 
+# What heyoka compiles it keeps on disk: here each contestant is compiled anew.
+hy.llvm_state.set_diskcache_enabled(False)
+
 #: Makes a run ready: of a setting, a function without arguments that returns positions, (members, m).
 Maker = Callable[[float], Callable[[], Any]]
 
@@ -25,8 +28,6 @@ Maker = Callable[[float], Callable[[], Any]]
 @dataclass(frozen=True)
 class Contestant:
     name: str
-    #: What the setting is: a tolerance, or steps of equal size in a unit of time.
-    unit: str
     #: From coarse to fine.
     settings: Sequence[float]
     make: Maker
@@ -76,7 +77,7 @@ def by_equip(
         size = {"tolerance": setting} if unit is None else {"step": unit / setting}
         return lambda: equip.solve(h, q0, p0, (0, end), method=method, record="ends", **size).q[-1:]
 
-    return Contestant(name, "tolerance" if unit is None else "steps a period", settings, make)
+    return Contestant(name, settings, make)
 
 
 def by_heyoka(
@@ -85,6 +86,7 @@ def by_heyoka(
     """One run of an integrator that is compiled once for each tolerance."""
 
     def make(setting: float) -> Callable[[], Any]:
+        hy.llvm_state.clear_memcache()
         integrator = hy.taylor_adaptive(system, start, tol=setting, **options)
 
         def run() -> Any:
@@ -95,7 +97,7 @@ def by_heyoka(
 
         return run
 
-    return Contestant(name, "tolerance", settings, make)
+    return Contestant(name, settings, make)
 
 
 def by_scipy(name: str, slope: Any, starts: Any, end: float, positions: Any, settings: Any) -> Contestant:
@@ -111,7 +113,7 @@ def by_scipy(name: str, slope: Any, starts: Any, end: float, positions: Any, set
 
         return run
 
-    return Contestant(name, "rtol", settings, make, len(starts))
+    return Contestant(name, settings, make, len(starts))
 
 
 def kepler() -> Problem:
@@ -235,9 +237,10 @@ def henon_heiles(members: int) -> Problem:
             size = {"tolerance": setting} if unit is None else {"step": unit / setting}
             return lambda: equip.ensemble(h, q0, p0, (0, end), method=method, threads=1, **size).q
 
-        return Contestant(name, "tolerance" if unit is None else "steps in 200", settings, make)
+        return Contestant(name, settings, make)
 
     def one_by_one(setting: float) -> Callable[[], Any]:
+        hy.llvm_state.clear_memcache()
         integrator = hy.taylor_adaptive(system, starts[0], tol=setting)
 
         def run() -> Any:
@@ -252,6 +255,7 @@ def henon_heiles(members: int) -> Problem:
         return run
 
     def in_batches(setting: float) -> Callable[[], Any]:
+        hy.llvm_state.clear_memcache()
         integrator = hy.taylor_adaptive_batch(system, np.ascontiguousarray(starts[:8].T), tol=setting)
 
         def run() -> Any:
@@ -279,8 +283,8 @@ def henon_heiles(members: int) -> Problem:
             ours("equip.ensemble, s = 8, equal steps", equip.Equip(stages=8), end, counts(70, 400)),
             ours("equip.ensemble, s = 16, equal steps", equip.Equip(stages=16), end, counts(40, 200)),
             ours("equip.ensemble, Gauss s = 8, equal steps", equip.Gauss(stages=8), end, counts(70, 400)),
-            Contestant("heyoka, one by one", "tolerance", tolerances(9, 18), one_by_one),
-            Contestant("heyoka, in batches of 8", "tolerance", tolerances(9, 18), in_batches),
+            Contestant("heyoka, one by one", tolerances(9, 18), one_by_one),
+            Contestant("heyoka, in batches of 8", tolerances(9, 18), in_batches),
             by_scipy("SciPy, DOP853", slope, starts[compared[:2]], end, [0, 1], tolerances(8, 13, 1)),
         ),
         compared,

@@ -8,7 +8,8 @@ For each error asked for, every contestant gets its quickest setting of those th
 finer one does too: errors are measured, none is interpolated. The runs of all contestants are then made in
 turn, for several rounds, and the medians are printed: CPU time, which other work on the machine disturbs
 least, and wall time. A contestant is made ready before; the CPU time of that, of recording H or compiling, is
-the column "ready".
+the column "ready". A setting is a tolerance, or the number of steps in a period (Kepler's, Jupiter's) or in
+t = 200.
 """
 
 from __future__ import annotations
@@ -103,27 +104,33 @@ def measured(entries: list[Entry], rounds: int) -> None:
 
 
 def table(problem: Problem, rounds: int) -> None:
+    """A row for each contestant: CPU time, error and setting for each error asked for."""
     found = [(c, *searched(problem, c)) for c in problem.contestants]
     entries = [e for _, of_one, _ in found for e in of_one]
     measured(entries, rounds)
-    many = problem.members > 1
-    scale, unit = (1e6, "µs a run") if many else (1e3, "ms")
-    print(f"\n**{problem.title}**\n")
-    print(f"| error asked for | | setting | error | CPU {unit} | wall {unit} | ready, ms |")
-    print("|---|---|---|---|---|---|---|")
-    for target in problem.targets:
-        for contestant, of_one, smallest in found:
-            e = next((e for e in of_one if e.target == target), None)
-            if e is None:
-                print(f"| {target:.0e} | {contestant.name} | – | {smallest:.1e} at best | – | – | – |")
-                continue
-            runs = contestant.members or problem.members
-            cpu, wall = (statistics.median(times) * scale / runs for times in (e.cpu, e.wall))
-            setting = f"{e.setting:.1e}" if e.setting < 1 else f"{e.setting:.0f} {contestant.unit}"
-            print(
-                f"| {target:.0e} | {contestant.name} | {setting} | {e.error:.1e} | {cpu:.3g} | {wall:.3g} | "
-                f"{e.ready * 1e3:.2g} |"
-            )
+    scale, unit = (1e6, "µs a run") if problem.members > 1 else (1e3, "ms")
+    print(f"\n**{problem.title}: CPU {unit} / error / setting**\n")
+    titles = [f"to {target:.0e}" for target in problem.targets]
+    print(f"| | {' | '.join(titles)} | ready, ms |\n|---|{'---|' * len(titles)}---|")
+    for contestant, of_one, smallest in found:
+        cells = [cell(problem, of_one, target, scale) for target in problem.targets]
+        ready = max((e.ready for e in of_one), default=0.0)
+        if not of_one or of_one[-1].target != problem.targets[-1]:
+            cells[-1] = f"{smallest:.1e} at best"
+        print(f"| {contestant.name} | {' | '.join(cells)} | {ready * 1e3:.2g} |")
+    ratios = [statistics.median(e.wall) / statistics.median(e.cpu) for e in entries]
+    print(f"\nWall time over CPU time: {min(ratios):.2f} to {max(ratios):.2f}.")
+
+
+def cell(problem: Problem, entries: list[Entry], target: float, scale: float) -> str:
+    """CPU time of a run, error and setting; a dash where the error is not reached."""
+    e = next((e for e in entries if e.target == target), None)
+    if e is None:
+        return "–"
+    runs = e.contestant.members or problem.members
+    setting = f"{e.setting:.1e}" if e.setting < 1 else f"{e.setting:.0f}"
+    cpu = statistics.median(e.cpu) * scale / runs
+    return f"{cpu:.{0 if cpu >= 100 else 1}f} / {e.error:.1e} / {setting}"
 
 
 def growth(members: int, rounds: int) -> None:
