@@ -1,5 +1,13 @@
 """Energy-conserving integration of Hamiltonian systems from the scalar H(q, p) alone."""
 
+from importlib.util import find_spec as _find_spec
+
+if _find_spec(f"{__name__}._native") is None:
+    raise ImportError(
+        "the native part of equip is not in this folder, which has the sources: start Python in another "
+        "folder, where it finds the installed package, or build in place by `maturin develop`"
+    )
+
 from . import scenes
 from ._certificate import Certificate, Counts, Defect, EnergyFloor, PhasePerStep, VariableSteps
 from ._functions import Table, erf, erfc, table, table2
