@@ -109,7 +109,7 @@ def table(problem: Problem, rounds: int) -> None:
     entries = [e for _, of_one, _ in found for e in of_one]
     measured(entries, rounds)
     scale, unit = (1e6, "µs a run") if problem.members > 1 else (1e3, "ms")
-    print(f"\n**{problem.title}: CPU {unit} / error / setting**\n")
+    print(f"\n**{problem.title}: CPU {unit} (error, setting)**\n")
     titles = [f"to {target:.0e}" for target in problem.targets]
     print(f"| | {' | '.join(titles)} | ready, ms |\n|---|{'---|' * len(titles)}---|")
     for contestant, of_one, smallest in found:
@@ -128,9 +128,9 @@ def cell(problem: Problem, entries: list[Entry], target: float, scale: float) ->
     if e is None:
         return "–"
     runs = e.contestant.members or problem.members
-    setting = f"{e.setting:.1e}" if e.setting < 1 else f"{e.setting:.0f}"
+    setting = f"{e.setting:.0e}" if e.setting < 1 else f"{e.setting:.0f}"
     cpu = statistics.median(e.cpu) * scale / runs
-    return f"{cpu:.{0 if cpu >= 100 else 1}f} / {e.error:.1e} / {setting}"
+    return f"{cpu:.{0 if cpu >= 100 else 1 if cpu >= 10 else 2}f} ({e.error:.0e}, {setting})"
 
 
 def growth(members: int, rounds: int) -> None:
