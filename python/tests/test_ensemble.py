@@ -186,6 +186,10 @@ def test_outcomes():
     assert gauss.outcome.tolist() == ["finished"] and not gauss.errors
 
 
+def by_zero(sol):
+    return 1 / 0
+
+
 def highest(sol):
     return sol.t[sol.q[:, 0].argmax()], len(sol.t)
 
@@ -204,6 +208,9 @@ def test_outputs(kepler, pool):
             assert ends.outputs[i] == highest(equip.solve(kepler, q0[i], p0[i], (0, 10)))
     with pytest.raises(ZeroDivisionError):
         equip.ensemble(kepler, q0, p0, (0, 10), output=lambda sol: 1 / 0)
+    with pytest.raises(ZeroDivisionError) as raised:
+        equip.ensemble(kepler, q0, p0, (0, 10), output=by_zero, executor=pool, chunk=3)
+    assert "in by_zero" in str(raised.value.__cause__)
 
 
 def test_the_program_draws_the_same(tmp_path):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Optional, Protocol
+from typing import Any, Optional, Protocol, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +94,17 @@ def _with_outputs(
     return replace(rows, outputs=tuple(result for _, result in made))
 
 
+def _chunk_or_fault(task: Task, q: Floats, p: Floats) -> Union[Ensemble, tuple[Exception, str]]:
+    """The rows of these starts; or what `output` raised, and where. What a worker has not enough of is a
+    fault of the worker."""
+    try:
+        return chunk_of(task, q, p)
+    except (MemoryError, OSError):
+        raise
+    except Exception as error:
+        return error, traceback.format_exc()
+
+
 def made_here(
     task: Task, which: NDArray[np.int64], starts: tuple[Floats, Floats], chunk: int, show: Show
 ) -> Generator[Made, None, None]:
@@ -125,7 +137,7 @@ def made_elsewhere(
         for at in range(0, len(which), chunk):
             numbers = which[at : at + chunk]
             try:
-                futures.append((numbers, executor.submit(chunk_of, task, q[numbers], p[numbers])))
+                futures.append((numbers, executor.submit(_chunk_or_fault, task, q[numbers], p[numbers])))
             except Exception as error:  # A pool that is broken already refuses more.
                 futures.append((numbers, error))
         for numbers, future in _as_completed(futures):
@@ -133,7 +145,9 @@ def made_elsewhere(
                 if isinstance(future, Exception):
                     raise future
                 made, is_lost = future.result(), False
+                raised = None if isinstance(made, Ensemble) else made
             except Exception as error:
+                raised = None
                 message = (
                     f"the worker of this run ended early ({type(error).__name__}: {error}); call ensemble "
                     "again with resume= to make it"
@@ -141,6 +155,8 @@ def made_elsewhere(
                 nothing = () if task.output is None else (None,) * len(numbers)
                 made = replace(missing(len(numbers), task.h.shape, message), outputs=nothing)
                 is_lost = True
+            if raised is not None:
+                raise raised[0] from RuntimeError(f"in a worker:\n{raised[1]}")
             done += len(numbers)
             if show is not None:
                 show(done)

@@ -63,8 +63,8 @@ def ensemble(
         whatever threads, chunks and executors.
     output
         A function of each run that succeeds, as a `Solution` with all its steps; `Ensemble.outputs` has what
-        it returns. It is called in threads, and travels with the chunks to an executor; each run is then
-        made ready anew, and Ctrl-C waits for those that are under way.
+        it returns, and what it raises ends the ensemble. It is called in threads, and travels with the chunks
+        to an executor; each run is then made ready anew, and Ctrl-C waits for those that are under way.
     threads
         Threads of the machine; all by default, with an executor one for each chunk.
     executor
