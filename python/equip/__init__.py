@@ -1,10 +1,18 @@
 """Energy-conserving integration of Hamiltonian systems from the scalar H(q, p) alone."""
 
+from importlib.util import find_spec as _find_spec
+
+if _find_spec(f"{__name__}._native") is None:
+    raise ImportError(
+        "the native part of equip is not in this folder, which has the sources: start Python in another "
+        "folder, where it finds the installed package, or build in place by `maturin develop`"
+    )
+
 from . import scenes
 from ._certificate import Certificate, Counts, Defect, EnergyFloor, PhasePerStep, VariableSteps
-from ._ensemble import Ensemble, draw_starts, ensemble
 from ._functions import Table, erf, erfc, table, table2
 from ._hamiltonian import Hamiltonian
+from ._many import Ensemble, draw_starts, ensemble
 from ._methods import Equip, FixedAlpha, Gauss, Reversible
 from ._native import IntegrationError, __version__
 from ._numbers import DoubleDouble

@@ -8,19 +8,19 @@ from typing import Any, Union
 
 import numpy as np
 
-Path = Union[str, PathLike[str]]
+from ._native import __version__
 
-#: Of files written by `Solution.save`.
-FORMAT = "equip solution 2"
+Path = Union[str, PathLike[str]]
 
 
 def _is_hdf5(path: Path) -> bool:
     return fspath(path).endswith((".h5", ".hdf5"))
 
 
-def write(path: Path, words: dict[str, Any], arrays: dict[str, Any]) -> None:
-    """Writes words and arrays, to HDF5 where the path ends so."""
-    text = json.dumps({"format": FORMAT, **words})
+def write(path: Path, words: dict[str, Any], arrays: dict[str, Any], kind: str) -> None:
+    """Writes words and arrays of a kind of file, with the version of this package, to HDF5 where the path
+    ends so."""
+    text = json.dumps({"format": kind, "equip": __version__, **words})
     if _is_hdf5(path):
         import h5py
 
@@ -49,13 +49,15 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
     return words, arrays
 
 
-def read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The words, and the arrays by name, that `write` wrote."""
+def read(path: Path, kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The words, and the arrays by name, that `write` wrote of this kind, such as "equip solution 2"."""
     text, arrays = _read(path)
     words: dict[str, Any] = json.loads(text)
-    found = words.get("format", "")
-    if found == FORMAT:
+    found = str(words.get("format", ""))
+    if found == kind:
         return words, arrays
-    if str(found).startswith("equip solution"):
-        raise ValueError(f"{path} has the format {found!r}; this version reads {FORMAT!r}: run it again")
-    raise ValueError(f"{path} is not a solution written by Solution.save")
+    name = kind.split()[1]
+    if found.startswith(f"equip {name}"):
+        raise ValueError(f"{path} has the format {found!r}; this version reads {kind!r}: run it again")
+    what = {"solution": "a solution", "ensemble": "an ensemble"}[name]
+    raise ValueError(f"{path} is not {what} written by {name.capitalize()}.save")

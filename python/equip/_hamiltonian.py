@@ -146,7 +146,7 @@ class Hamiltonian:
                 if self.has_time
                 else "H does not depend on time: leave out t"
             )
-        q, p = np.asarray(q, dtype=float), np.asarray(p, dtype=float)
+        q, p = _real(q, "q"), _real(p, "p")
         axes = len(self._shape)
         for name, x in (("q", q), ("p", p)):
             if x.shape[x.ndim - axes :] != self._shape or x.ndim < axes:
@@ -154,7 +154,7 @@ class Hamiltonian:
                     f"{name} has shape {x.shape}, but this Hamiltonian needs {self._shape}, "
                     "after any further axes"
                 )
-        time = [] if t is None else [np.asarray(t, dtype=float)]
+        time = [] if t is None else [_real(t, "t")]
         batch = np.broadcast_shapes(
             q.shape[: q.ndim - axes], p.shape[: p.ndim - axes], *(x.shape for x in time)
         )
@@ -225,6 +225,14 @@ class Hamiltonian:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Hamiltonian.from_bytes, (self.to_bytes(), self._shape)
+
+
+def _real(x: Any, name: str) -> Floats:
+    """Doubles of real numbers; NumPy would take real parts of complex ones, and ticks of times."""
+    array = np.asarray(x)
+    if array.dtype.kind in "cmM":
+        raise ValueError(f"{name} is of dtype {array.dtype}; it must be real numbers")
+    return np.asarray(array, dtype=float)
 
 
 def of_recording(recorded: _native.Recorded, shape: Union[int, Shape]) -> Hamiltonian:

@@ -48,8 +48,7 @@ def pairs(x: Any, name: str) -> tuple[Floats, Floats]:
         raise ValueError(f"{name} is complex; it must be real")
     if kind in "biu" or array.dtype in (np.float64, np.float32, np.float16):
         high = array.astype(float)
-        low = (array - high.astype(array.dtype)).astype(float) if kind in "iu" else np.zeros(array.shape)
-        return high, low
+        return high, _below(array, high) if kind in "iu" else np.zeros(array.shape)
     try:
         split = (
             [_native.split(number) for number in array.astype(object).ravel().tolist()]
@@ -60,6 +59,15 @@ def pairs(x: Any, name: str) -> tuple[Floats, Floats]:
         raise ValueError(f"{name}: {error}") from error
     both = np.array(split, dtype=float).reshape((*array.shape, 2))
     return both[..., 0].copy(), both[..., 1].copy()
+
+
+def _below(integers: NDArray[Any], high: Floats) -> Floats:
+    """What the doubles nearest to integers lack."""
+    if not (np.abs(high) >= 2.0**53).any():
+        return np.zeros(high.shape)
+    # A double next to the largest integer is not one of the integers of its dtype.
+    differences = [n - int(x) for n, x in zip(integers.ravel().tolist(), high.ravel().tolist())]
+    return np.array(differences, dtype=float).reshape(high.shape)
 
 
 def pair(x: Any, name: str) -> tuple[float, float]:

@@ -13,6 +13,8 @@ from ._files import Path, read, write
 from ._hamiltonian import Hamiltonian
 from ._numbers import Floats, Shape
 
+#: Of files.
+FORMAT = "equip solution 2"
 #: What `Solution.save` writes as it is.
 _ARRAYS = ("t", "y", "energy_defect", "outcome", "t_low", "y_low")
 
@@ -213,7 +215,7 @@ class Solution:
             "certificate": self.certificate.to_dict(),
             "events": len(self.t_events),
         }
-        write(path, words, arrays)
+        write(path, words, arrays, FORMAT)
 
 
 def load(path: Path) -> Solution:
@@ -224,7 +226,7 @@ def load(path: Path) -> Solution:
     ValueError
         If the file was not written by `Solution.save`, or its recording of H is damaged.
     """
-    words, arrays = read(path)
+    words, arrays = read(path, FORMAT)
     shape = tuple(words["shape"])
     return Solution(
         **{name: arrays[name] for name in _ARRAYS},

@@ -242,6 +242,8 @@ def solve(
     at_times = t_eval is not None
     if at_times:
         high, low = pairs(t_eval, "t_eval")
+        if high.ndim > 1:
+            raise ValueError(f"t_eval has shape {high.shape}; it must have one axis: ascending times")
         given["t_eval"] = (high.ravel().tolist(), low.ravel().tolist())
     given["record"] = 0 if record == "ends" or at_times else int(record)
     given["dense"] = dense_output

@@ -3,6 +3,9 @@
 import doctest
 import importlib
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -12,7 +15,9 @@ import equip
 README = Path(__file__).parent.parent / "README.md"
 
 
-@pytest.mark.parametrize("name", ["_hamiltonian", "_functions", "_solve", "_steps", "_ensemble"])
+@pytest.mark.parametrize(
+    "name", ["_hamiltonian", "_functions", "_solve", "_steps", "_many.run", "_many.starts"]
+)
 def test_examples_of_docstrings(name):
     failed, tried = doctest.testmod(importlib.import_module(f"equip.{name}"))
     assert tried > 0 and failed == 0
@@ -29,3 +34,12 @@ def test_programs_of_the_readme():
 def test_all_that_is_exported_is_documented():
     for name in set(equip.__all__) - {"__version__"}:
         assert getattr(equip, name).__doc__, name
+
+
+def test_sources_without_their_native_part_say_so(tmp_path):
+    sources = Path(__file__).parent.parent / "equip"
+    shutil.copytree(
+        sources, tmp_path / "equip", ignore=shutil.ignore_patterns("*.so", "*.pyd", "__pycache__")
+    )
+    ended = subprocess.run([sys.executable, "-c", "import equip"], capture_output=True, text=True)
+    assert "start Python in another folder, where it finds the installed package" in ended.stderr

@@ -5,7 +5,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -153,42 +152,6 @@ def test_a_killed_worker_loses_nothing_that_was_finished(kepler):
         equip.ensemble(kepler, q0[:3], p0[:3], span, resume=part)
 
 
-def test_dask(kepler):
-    distributed = pytest.importorskip("distributed")
-    q0, p0 = starts(10)
-    here = equip.ensemble(kepler, q0, p0, (0, 5))
-    with distributed.Client(n_workers=2, threads_per_worker=1, dashboard_address=None) as client:
-        there = equip.ensemble(kepler, q0, p0, (0, 5), executor=client.get_executor(), chunk=3)
-    assert here.q.tobytes() == there.q.tobytes() and there.success
-
-
-MPI = """
-import numpy as np
-from mpi4py.futures import MPIPoolExecutor
-import equip
-
-if __name__ == "__main__":
-    h = equip.Hamiltonian(lambda q, p: p @ p / 2 - np.cos(q[0]), 1)
-    q0, p0 = np.linspace(0, 2, 10)[:, None], np.zeros((10, 1))
-    with MPIPoolExecutor() as pool:
-        there = equip.ensemble(h, q0, p0, (0, 5), executor=pool, chunk=3)
-    here = equip.ensemble(h, q0, p0, (0, 5))
-    print("the same" if here.q.tobytes() == there.q.tobytes() and there.success else "another")
-"""
-
-
-def test_mpi(tmp_path):
-    pytest.importorskip("mpi4py")
-    mpiexec = shutil.which("mpiexec")
-    if mpiexec is None:
-        pytest.skip("mpiexec is not in the path")
-    script = tmp_path / "script.py"
-    script.write_text(MPI)
-    command = [mpiexec, "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
-    assert ended.stdout == "the same\n", ended.stderr
-
-
 def test_starts_are_drawn_by_seed_and_number(kepler):
     q, p = equip.draw_starts([0.4, 0.0], [0.0, 2.0], 500, seed=7, spread=0.02)
     assert q.shape == p.shape == (500, 2) and not q[:, 1].any() and not p[:, 0].any()
@@ -223,6 +186,10 @@ def test_outcomes():
     assert gauss.outcome.tolist() == ["finished"] and not gauss.errors
 
 
+def by_zero(sol):
+    return 1 / 0
+
+
 def highest(sol):
     return sol.t[sol.q[:, 0].argmax()], len(sol.t)
 
@@ -241,6 +208,9 @@ def test_outputs(kepler, pool):
             assert ends.outputs[i] == highest(equip.solve(kepler, q0[i], p0[i], (0, 10)))
     with pytest.raises(ZeroDivisionError):
         equip.ensemble(kepler, q0, p0, (0, 10), output=lambda sol: 1 / 0)
+    with pytest.raises(ZeroDivisionError) as raised:
+        equip.ensemble(kepler, q0, p0, (0, 10), output=by_zero, executor=pool, chunk=3)
+    assert "in by_zero" in str(raised.value.__cause__)
 
 
 def test_the_program_draws_the_same(tmp_path):

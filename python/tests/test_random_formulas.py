@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy import special
@@ -216,9 +217,26 @@ def value(formula, f, q, p):
 STEP = 1e-30
 
 
-@settings(max_examples=400, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+def settings_of(examples):
+    return settings(
+        max_examples=examples, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
+    )
+
+
+@settings_of(400)
 @given(formulas, st.integers(0, 2**32 - 1))
 def test_value_and_gradient(formula, seed):
+    check(formula, seed)
+
+
+@pytest.mark.long
+@settings_of(2000)
+@given(formulas, st.integers(0, 2**32 - 1))
+def test_value_and_gradient_of_2000(formula, seed):
+    check(formula, seed)
+
+
+def check(formula, seed):
     q, p = np.random.default_rng(seed).normal(size=(2, M))
     h = equip.Hamiltonian(lambda q, p: value(formula, Real(), q, p), M)
     expected = float(value(formula, Real(), q, p))

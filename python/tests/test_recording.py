@@ -113,6 +113,15 @@ def test_half_integer_powers_are_roots():
     assert by_power.operations == by_root.operations
 
 
+@pytest.mark.parametrize("q", [[1j, 0], np.array(["2020", "2021"], dtype="M8[Y]")])
+def test_states_are_real(kepler, q):
+    for f in (kepler, kepler.gradient, kepler.hessian):
+        with pytest.raises(
+            ValueError, match="q is of dtype (complex128|datetime64.*); it must be real numbers"
+        ):
+            f(q, [0, 1])
+
+
 def test_captured_arrays_are_read_once():
     masses = np.array([1.0, 2.0])
     h = equip.Hamiltonian(lambda q, p: (masses * p * p).sum(), 2)
@@ -197,3 +206,11 @@ def test_repr():
         repr(equip.Hamiltonian(module_level_energy, 2))
         == "<Hamiltonian of shape (2,), quadratic, 8 operations>"
     )
+
+
+@pytest.mark.parametrize("n", [2**64 - 1, 2**63 - 1, -(2**63), 2**53 + 1, 2**62 + 3])
+def test_arrays_of_integers_are_exact_in_double_double(n):
+    free = equip.Hamiltonian(lambda q, p: p @ p / 2, 1)
+    q0 = np.array([n], dtype=np.uint64 if n >= 2**63 else np.int64)
+    sol = equip.solve(free, q0, [0], (0, 1), precision="dd", step=1)
+    assert int(sol.q[0, 0]) + int(sol.q_low[0, 0]) == n

@@ -1,4 +1,4 @@
-"""Ctrl-C, threads and memory."""
+"""Ctrl-C and threads."""
 
 import signal
 import subprocess
@@ -69,23 +69,3 @@ def test_other_threads_run_meanwhile():
     done.set()
     counter.join()
     assert sum(begun < t < ended for t in counts) > 50 * (ended - begun)
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="/proc")
-def test_memory_stays_flat():
-    def resident():
-        with open("/proc/self/statm") as file:
-            return int(file.read().split()[1]) * 4096
-
-    def work(n):
-        for _ in range(n):
-            h = equip.Hamiltonian(lambda q, p: 0.5 * p @ p - "1.5" / np.sqrt(q @ q), 2)
-            sol = equip.solve(h, [0.4, 0], [0, 2.0], (0, 2), dense_output=True, events=lambda t, q, p: q[1])
-            sol.sol(1.0), sol.certificate.to_dict(), h.hessian([1, 2], [3, 4])
-            next(equip.steps(h, [0.4, 0], [0, 2.0], deviations=np.eye(4)))
-
-    work(200)
-    before = resident()
-    work(600)
-    # A leak of 1 KiB a round would be 0.6 MiB.
-    assert resident() - before < 600 * 1024

@@ -88,6 +88,7 @@ def test_files_are_checked(sol, tmp_path):
     sol.save(path)
     with np.load(path) as stored:
         arrays = dict(stored)
+    assert json.loads(str(arrays["words"]))["equip"] == equip.__version__
     arrays["hamiltonian"][30] ^= 1
     np.savez(path, **arrays)
     with pytest.raises(ValueError, match="these bytes are damaged"):

@@ -251,6 +251,7 @@ def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "`one` is not a decimal|one", ["one", "0"], [0, 1], (0, 1))
     fails(kepler, r"output time 2 \(number 1\) must lie in 0 to 1", t_eval=[0.5, 2])
     fails(kepler, "not before the one ahead of it", t_eval=[0.5, 0.25])
+    fails(kepler, r"t_eval has shape \(1, 2\); it must have one axis", t_eval=[[0.25, 0.5]])
     fails(kepler, "40 stages asked for; this method takes 2 to 32", method=equip.Equip(40))
     fails(kepler, "reach is 'far'; it must be", method=equip.Equip(4, reach="far"))
     fails(kepler, "preconditioner is 'none'; it must be", method=equip.Gauss(4, preconditioner="none"))

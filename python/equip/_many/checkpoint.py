@@ -1,0 +1,95 @@
+"""Finished rows of an ensemble in a file, written while others are made."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, Optional
+
+import numpy as np
+
+from .._files import Path
+from .._hamiltonian import Hamiltonian
+from .._numbers import Floats
+from .chunks import Task
+from .rows import Ensemble, Rows, read_rows, write_rows
+
+#: The file is written at most for one part in so many of the time.
+SHARE = 20
+
+
+class Checkpoint:
+    """The file of runs: all rows, with the numbers of those that are missing, and what they are runs of."""
+
+    def __init__(self, path: Path, task: Task, q: Floats, p: Floats) -> None:
+        self._path = os.fspath(path)
+        self._of = _digest(task, q, p)
+        self._rows: Optional[Rows] = None
+        self._written = self._took = 0.0
+
+    def read(self) -> Optional[Ensemble]:
+        """The rows of an earlier call; None if there is no file."""
+        if not os.path.exists(self._path):
+            return None
+        found, of = read_rows(self._path)
+        if of != self._of:
+            raise ValueError(
+                f"{self._path} has runs of another H, of other starts, another span or other options; give "
+                "another checkpoint, or remove the file"
+            )
+        return found
+
+    @contextmanager
+    def of(self, rows: Rows) -> Iterator[None]:
+        """Writes these rows at the end, also if an exception ends them early."""
+        self._rows = rows
+        # A path that cannot be written is known before the first run is made.
+        self.write()
+        try:
+            yield
+        finally:
+            self.write()
+
+    def write_if_due(self) -> None:
+        """Writes the rows, unless writing takes too large a share of the time."""
+        if time.monotonic() - self._written >= SHARE * self._took:
+            self.write()
+
+    def write(self) -> None:
+        """The file has the one or the other state at any time, never a part of one."""
+        if self._rows is None:
+            return
+        begun = time.monotonic()
+        folder, name = os.path.split(self._path)
+        beside = os.path.join(folder, f"new.{name}")
+        rows, lost = self._rows, self._rows.lost
+        missing = set(lost.tolist())
+        errors = {i: text for i, text in rows.errors.items() if i not in missing}
+        write_rows(beside, rows.arrays, lost, errors, self._of)
+        os.replace(beside, self._path)
+        self._written = time.monotonic()
+        self._took = self._written - begun
+
+
+def _digest(task: Task, q: Floats, p: Floats) -> str:
+    """Of all that the rows depend on; threads and chunks are not among it."""
+    import hashlib
+
+    text = repr((task.times, q.shape, sorted((name, _plain(x)) for name, x in task.given.items())))
+    parts = (task.h.to_bytes(), q.tobytes(), p.tobytes(), text.encode())
+    return hashlib.sha256(b"".join(len(part).to_bytes(8, "little") + part for part in parts)).hexdigest()
+
+
+def _plain(x: Any) -> Any:
+    """An option as words and numbers whose text has all of their digits."""
+    if isinstance(x, Hamiltonian):
+        return x.to_bytes().hex()
+    if isinstance(x, np.ndarray):
+        return x.shape, x.tobytes().hex()
+    if isinstance(x, dict):
+        return sorted((name, _plain(y)) for name, y in x.items())
+    if isinstance(x, (list, tuple)):
+        return [_plain(y) for y in x]
+    return x

@@ -1,0 +1,209 @@
+"""`Ensemble`: the ends of many runs, as rows of arrays, and their files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._files import Path, read, write
+from .._numbers import Floats, Shape
+from .._solution import Solution
+
+#: Of files.
+FORMAT = "equip ensemble 1"
+#: Names of arrays with a row for each run.
+ARRAYS = ("t", "q", "p", "energy_defect", "energy_kept", "steps", "lyapunov", "megno")
+#: Of a run that a file has not.
+NOT_FINISHED = (
+    "this run is not finished; call ensemble again with the same checkpoint, or with resume= to make it"
+)
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """The ends of many runs, a row for each start, in their order. Rows of runs that failed are NaN."""
+
+    #: Times reached, (N,).
+    t: Floats
+    #: Positions and momenta at the ends, (N, *shape).
+    q: Floats
+    p: Floats
+    #: Largest |H - H(start)| of each run, (N,).
+    energy_defect: Floats
+    #: Whether every step of the run kept the energy to round-off, (N,).
+    energy_kept: NDArray[np.bool_]
+    #: Steps of each run, (N,).
+    steps: NDArray[np.int64]
+    #: Largest Lyapunov exponent, per unit of time, and MEGNO, (N,) each; NaN without `chaos=True`.
+    lyapunov: Floats
+    megno: Floats
+    #: What went wrong, and what to change, by the number of the run.
+    errors: dict[int, str]
+    #: Numbers of the runs that an executor lost, (k,): `ensemble(..., resume=this)` makes them.
+    lost: NDArray[np.int64]
+    #: What `output` made of each run, by its number; None where it failed. Empty without `output`.
+    outputs: tuple[Any, ...] = ()
+
+    @property
+    def outcome(self) -> NDArray[np.str_]:
+        """How each run ended, (N,): "kept" with the energy kept on every step, "finished" without, "failed",
+        or "lost" with its worker."""
+        ends = np.where(self.energy_kept, "kept", np.where(np.isnan(self.t), "failed", "finished"))
+        ends[self.lost] = "lost"
+        return ends
+
+    @property
+    def success(self) -> bool:
+        """Whether no run failed."""
+        return not self.errors
+
+    def save(self, path: Path) -> None:
+        """Writes all rows, with what went wrong, to a NumPy archive, or to HDF5 where the path ends in
+        `.h5` or `.hdf5` (asks for the package h5py). `Ensemble.load` reads it.
+
+        Raises
+        ------
+        ValueError
+            If it has `outputs`, which may be of any kind.
+        """
+        if self.outputs:
+            raise ValueError(
+                "outputs of a function are not written: write those yourself, and the rest by "
+                "dataclasses.replace(ends, outputs=()).save(path)"
+            )
+        arrays = {name: getattr(self, name) for name in ARRAYS}
+        lost = set(self.lost.tolist())
+        errors = {i: text for i, text in self.errors.items() if i not in lost}
+        write_rows(path, arrays, self.lost, errors, "")
+
+    @staticmethod
+    def load(path: Path) -> Ensemble:
+        """What `save` wrote to `path`, or `equip.ensemble(..., checkpoint=path)`: runs that were not finished
+        are `lost`, and `equip.ensemble(..., resume=this)` makes them.
+
+        Raises
+        ------
+        ValueError
+            If the file was not written by either of them.
+        """
+        return read_rows(path)[0]
+
+
+def write_rows(
+    path: Path, arrays: dict[str, Any], lost: NDArray[np.int64], errors: dict[int, str], of: str
+) -> None:
+    """Writes rows, what went wrong with those that are not lost, and what a checkpoint is of."""
+    words = {"errors": {str(i): text for i, text in errors.items()}, "of": of}
+    write(path, words, {**arrays, "lost": lost}, FORMAT)
+
+
+def read_rows(path: Path) -> tuple[Ensemble, str]:
+    """An ensemble in a file, and what its checkpoint is of; empty if it is none."""
+    words, arrays = read(path, FORMAT)
+    errors = {int(i): text for i, text in words["errors"].items()}
+    errors |= {i: NOT_FINISHED for i in arrays["lost"].tolist()}
+    return Ensemble(**arrays, errors=errors), words["of"]
+
+
+def row_of(sol: Solution) -> Ensemble:
+    """The end of a run as the row of an ensemble."""
+    certificate = sol.certificate
+    energy, chaos = certificate.energy, (certificate.lyapunov, certificate.megno)
+    lyapunov, megno = (np.array([np.nan if x is None else x]) for x in chaos)
+    return Ensemble(
+        t=sol.t[-1:],
+        q=sol.q[-1:],
+        p=sol.p[-1:],
+        energy_defect=np.array([np.nan if energy is None else energy.max]),
+        energy_kept=np.array([certificate.energy_kept_on_every_step]),
+        steps=np.array([certificate.counts.steps]),
+        lyapunov=lyapunov,
+        megno=megno,
+        errors={},
+        lost=np.empty(0, dtype=np.int64),
+    )
+
+
+def rows_of(found: dict[str, Any], shape: Shape) -> Ensemble:
+    """Rows from the arrays of the native part."""
+    ends = found["y"].reshape(-1, 2, *shape)
+    return Ensemble(
+        t=found["t"],
+        q=ends[:, 0],
+        p=ends[:, 1],
+        energy_defect=found["energy_defect"],
+        energy_kept=found["kept"],
+        steps=found["steps"],
+        lyapunov=found["lyapunov"],
+        megno=found["megno"],
+        errors=found["errors"],
+        lost=np.empty(0, dtype=np.int64),
+    )
+
+
+def missing(n: int, shape: Shape, message: str) -> Ensemble:
+    """Rows that were not made."""
+    states = np.full((2, n, *shape), np.nan)
+    none = np.full(n, np.nan)
+    return Ensemble(
+        t=none,
+        q=states[0],
+        p=states[1],
+        energy_defect=none,
+        energy_kept=np.zeros(n, dtype=bool),
+        steps=np.zeros(n, dtype=np.int64),
+        lyapunov=none,
+        megno=none,
+        errors={i: message for i in range(n)},
+        lost=np.empty(0, dtype=np.int64),
+    )
+
+
+def joined(parts: Sequence[Ensemble], shape: Shape) -> Ensemble:
+    """Rows of runs that follow each other."""
+    parts = parts or [missing(0, shape, "")]
+    starts = np.cumsum([0] + [len(part.t) for part in parts])
+    errors = {int(at) + i: text for at, part in zip(starts, parts) for i, text in part.errors.items()}
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in ARRAYS
+    }
+    outputs = tuple(output for part in parts for output in part.outputs)
+    return Ensemble(**arrays, errors=errors, lost=np.empty(0, dtype=np.int64), outputs=outputs)
+
+
+class Rows:
+    """The rows of N runs while they are made; those of `before` that are not lost are there."""
+
+    def __init__(self, n: int, shape: Shape, before: Optional[Ensemble], with_outputs: bool) -> None:
+        found = missing(n, shape, "") if before is None else before
+        self.arrays: dict[str, Any] = {name: getattr(found, name).copy() for name in ARRAYS}
+        self.errors = {} if before is None else dict(before.errors)
+        self._is_lost = np.full(n, before is None)
+        if before is not None:
+            self._is_lost[before.lost] = True
+        self._outputs = list(found.outputs) or [None] * (n if with_outputs else 0)
+
+    @property
+    def lost(self) -> NDArray[np.int64]:
+        """Numbers of the runs that are not made."""
+        return np.flatnonzero(self._is_lost)
+
+    def take(self, numbers: NDArray[np.int64], made: Ensemble, is_lost: bool) -> None:
+        """The rows `made` of the runs with these numbers, or of a worker that died."""
+        for name, array in self.arrays.items():
+            array[numbers] = getattr(made, name)
+        self._is_lost[numbers] = is_lost
+        for i in self.errors.keys() & set(numbers.tolist()):
+            del self.errors[i]
+        self.errors |= {int(numbers[place]): text for place, text in made.errors.items()}
+        for i, output in zip(numbers.tolist(), made.outputs):
+            self._outputs[i] = output
+
+    def ensemble(self) -> Ensemble:
+        """All of them."""
+        errors = dict(sorted(self.errors.items()))
+        return Ensemble(**self.arrays, errors=errors, lost=self.lost, outputs=tuple(self._outputs))

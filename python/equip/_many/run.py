@@ -1,0 +1,181 @@
+"""`ensemble`: many runs of one system, over threads, or over processes and machines by an executor."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager, nullcontext
+from typing import Any, Optional, Union
+
+import numpy as np
+
+from .. import _native
+from .._files import Path
+from .._hamiltonian import Function, Hamiltonian, of_recording
+from .._methods import Equip, Method, Reversible
+from .._solution import Solution
+from .._solve import interval_of, options
+from .checkpoint import Checkpoint
+from .chunks import Executor, Task, made_elsewhere, made_here
+from .rows import Ensemble, Rows
+from .starts import draw_starts, starts_of
+
+
+def ensemble(
+    h: Hamiltonian,
+    q0: Any,
+    p0: Any,
+    span: tuple[float, float],
+    *,
+    n: Optional[int] = None,
+    seed: Optional[int] = None,
+    spread: float = 0.01,
+    output: Optional[Callable[[Solution], Any]] = None,
+    method: Method = Equip(stages=8),
+    step: Union[None, float, Reversible] = None,
+    tolerance: Optional[float] = None,
+    keep: Optional[Mapping[str, Function]] = None,
+    measure_energy: bool = True,
+    chaos: bool = False,
+    first_step: Optional[float] = None,
+    min_step: float = 0.0,
+    max_step: float = np.inf,
+    max_steps: Optional[int] = None,
+    atol: Any = None,
+    threads: Optional[int] = None,
+    executor: Optional[Executor] = None,
+    chunk: int = 256,
+    resume: Optional[Ensemble] = None,
+    checkpoint: Optional[Path] = None,
+    progress: bool = False,
+) -> Ensemble:
+    """Integrates from N starts over the same span. Parameters are those of `equip.solve`.
+
+    Every bit is that of a run of its own, whatever the number of threads, processes and machines. Python runs
+    meanwhile, and Ctrl-C ends all runs of this process within a tenth of a second or a step.
+
+    Parameters
+    ----------
+    q0, p0
+        Positions and momenta at the starts, (N, *h.shape); with `n`, of one start, h.shape.
+    n, seed, spread
+        Draws n starts around one, by `equip.draw_starts`: each from the seed and its own number alone,
+        whatever threads, chunks and executors.
+    output
+        A function of each run that succeeds, as a `Solution` with all its steps; `Ensemble.outputs` has what
+        it returns, and what it raises ends the ensemble. It is called in threads, and travels with the chunks
+        to an executor; each run is then made ready anew, and Ctrl-C waits for those that are under way.
+    threads
+        Threads of the machine; all by default, with an executor one for each chunk.
+    executor
+        Makes the runs elsewhere, `chunk` starts at a time: an executor of `concurrent.futures` with
+        processes, `mpi4py.futures.MPIPoolExecutor`, Dask's `client.get_executor()`. H travels as its
+        recording, so that it may be a lambda. If a worker dies, the runs that were not finished are `lost`,
+        and all others are kept.
+    resume
+        An ensemble of the same starts: its rows are taken, and only its `lost` runs are made.
+    checkpoint
+        A file for rows: HDF5 if its name ends in `.h5`, else a NumPy archive. Finished rows are written while
+        the others are made, and when an exception ends them; the same call, in this process or a later one,
+        makes only what is missing. With it runs are made `chunk` starts at a time, by threads too.
+        `Ensemble.load` reads the file.
+
+    Raises
+    ------
+    ValueError
+        For options that cannot be used, and a checkpoint of other runs. A start that cannot be used is in
+        `Ensemble.errors`, as is a run that failed.
+
+    Examples
+    --------
+    >>> pendulum = Hamiltonian(lambda q, p: p @ p / 2 - np.cos(q[0]), shape=1)
+    >>> ends = ensemble(pendulum, np.linspace(0, 3, 100)[:, None], np.zeros((100, 1)), (0, 10), step=0.2)
+    >>> ends.q.shape, ends.success
+    ((100, 1), True)
+    """
+    given = options(
+        h,
+        method,
+        step,
+        tolerance,
+        first_step=first_step,
+        min_step=min_step,
+        max_step=max_step,
+        max_steps=max_steps,
+        atol=atol,
+        keep=keep,
+        measure_energy=measure_energy,
+        chaos=chaos,
+    )
+    given["record"] = 0
+    if n is not None:
+        q0, p0 = draw_starts(q0, p0, n, seed=seed or 0, spread=spread)
+    elif seed is not None:
+        raise ValueError("seed draws starts around one: give their number n as well")
+    q, p = starts_of(q0, h.shape, "q0"), starts_of(p0, h.shape, "p0")
+    if q.shape != p.shape:
+        raise ValueError(f"q0 has {len(q)} starts, but p0 has {len(p)}")
+    workers = (os.cpu_count() or 1) if threads is None else int(threads)
+    if workers < 1:
+        raise ValueError(f"threads is {threads}; it must be 1 or more")
+    start, end = interval_of(span)
+    times = (start[0], end[0])
+    if isinstance(step, (int, float)) and (end[0] - start[0]) * step < 0:
+        raise ValueError(
+            f"steps of {step} lead from {start[0]} away from {end[0]}; give a step without a sign"
+        )
+    if chunk < 1:
+        raise ValueError(f"chunk is {chunk}; it must be 1 or more")
+    if checkpoint is not None and (resume is not None or output is not None):
+        raise ValueError(
+            "checkpoint has the rows of its own runs: leave out resume and output, or checkpoint"
+        )
+    if resume is not None and resume.q.shape != q.shape:
+        raise ValueError(f"resume has {len(resume.q)} starts, but q0 has {len(q)}; give those it was made of")
+    # Faults of the options are found here.
+    _native.ensemble(h._recorded, [], [], times, given, 1, None)
+    task = _task(h, times, given, (threads or 1) if executor is not None else workers, output)
+    kept = None if checkpoint is None else Checkpoint(checkpoint, task, q, p)
+    before = resume if kept is None else kept.read()
+    rows = Rows(len(q), h.shape, before, output is not None)
+    which = np.arange(len(q)) if before is None else before.lost
+    with _bar(len(which), progress) as show, nullcontext() if kept is None else kept.of(rows):
+        if executor is None:
+            at_once = max(len(which), 1) if kept is None else chunk
+            parts = made_here(task, which, (q, p), at_once, show)
+        else:
+            parts = made_elsewhere(executor, task, which, (q, p), chunk, show)
+        with closing(parts):
+            for numbers, made, is_lost in parts:
+                rows.take(numbers, made, is_lost)
+                if kept is not None:
+                    kept.write_if_due()
+        if show is not None:
+            show(len(which))
+    return rows.ensemble()
+
+
+def _task(
+    h: Hamiltonian,
+    times: tuple[float, float],
+    given: dict[str, Any],
+    threads: int,
+    output: Optional[Callable[[Solution], Any]],
+) -> Task:
+    """What all chunks have in common; recordings in it can be pickled."""
+    keep = {name: of_recording(f, h.shape) for name, f in given["keep"]}
+    sizes = given["reversible"]
+    if sizes is not None and sizes[1] is not None:
+        sizes = (sizes[0], of_recording(sizes[1], h.shape), sizes[2])
+    return Task(h, times, {**given, "keep": keep, "reversible": sizes}, threads, output)
+
+
+@contextmanager
+def _bar(total: int, progress: bool) -> Iterator[Optional[Callable[[int], None]]]:
+    if not progress:
+        yield None
+        return
+    from tqdm.auto import tqdm
+
+    with tqdm(total=total, unit="run") as bar:
+        yield lambda done: bar.update(done - bar.n)

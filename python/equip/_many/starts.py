@@ -1,0 +1,54 @@
+"""Starts of ensembles: drawn around one, or given as arrays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .. import _native
+from .._numbers import Floats, Shape, pairs
+
+
+def draw_starts(q0: Any, p0: Any, n: int, *, seed: int = 0, spread: float = 0.01) -> tuple[Floats, Floats]:
+    """Starts of `n` members around (q0, p0): positions and momenta, (n, *shape) each.
+
+    Every component x becomes x (1 + spread u), with u uniform in [-1, 1) and its own for each component;
+    components that are zero stay so. Member number i depends on `seed` and i alone, so that the first n
+    members of more are the same. The program's `equip ensemble` draws the same ones.
+
+    Parameters
+    ----------
+    q0, p0
+        One start, each of the shape of the Hamiltonian.
+    seed
+        A whole number from 0 to 2^64 - 1.
+    spread
+        How far a component is moved at most, in units of itself.
+
+    Examples
+    --------
+    >>> q, p = draw_starts([1.0, 0.0], [0.0, 2.0], 100, seed=7)
+    >>> q.shape, bool(abs(q[:, 0] - 1).max() <= 0.01), bool((q[:, 1] == 0).all())
+    ((100, 2), True, True)
+    """
+    (q, _), (p, _) = pairs(q0, "q0"), pairs(p0, "p0")
+    if q.shape != p.shape:
+        raise ValueError(f"q0 has shape {q.shape}, but p0 has {p.shape}")
+    if n != int(n) or n < 1:
+        raise ValueError(f"n is {n}; it must be a whole number, 1 or more")
+    if seed != int(seed) or not 0 <= seed < 2**64:
+        raise ValueError(f"seed is {seed}; it must be a whole number from 0 to 2^64 - 1")
+    if not 0 <= spread < np.inf:
+        raise ValueError(f"spread is {spread}; it must be finite and not negative")
+    flat = (q.ravel().tolist(), p.ravel().tolist())
+    drawn = _native.draw_starts(*flat, int(n), int(seed), float(spread))
+    return drawn[0].reshape(-1, *q.shape), drawn[1].reshape(-1, *q.shape)
+
+
+def starts_of(x: Any, shape: Shape, name: str) -> Floats:
+    """Positions or momenta at N starts, (N, *shape)."""
+    high, _ = pairs(x, name)
+    if high.shape[1:] != shape or high.ndim != len(shape) + 1:
+        raise ValueError(f"{name} has shape {high.shape}; it must be (N, {', '.join(map(str, shape))})")
+    return high
