@@ -3,5 +3,6 @@
 pub(crate) mod checkpoint;
 pub(crate) mod csv;
 pub(crate) mod json;
+pub(crate) mod lock;
 pub(crate) mod members;
 pub(crate) mod outputs;

@@ -135,23 +135,15 @@ pub(crate) fn load(path: &Path) -> Result<Option<Saved>, Fault> {
         path: path.to_owned(),
         source,
     };
-    match std::fs::metadata(path) {
-        Ok(found) if !found.is_file() => {
-            return Err(Fault::Option {
-                option: "--checkpoint",
-                value: path.display().to_string(),
-                expected: "an ordinary file",
-            });
-        }
-        Ok(_) => {}
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(read(error)),
-    }
     let not_one = |what| Fault::NotACheckpoint {
         path: path.to_owned(),
         what,
     };
-    let mut file = File::open(path).map_err(read)?;
+    let mut file = match File::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(read(error)),
+    };
     let mut bytes = Vec::new();
     // Of a file that is something else, of any size, no more than this is read.
     let mut head = (&file).take(NAME.len() as u64);

@@ -7,13 +7,15 @@
 
 use crate::args::Shard;
 use crate::fault::Fault;
+use crate::write::checkpoint::unfinished;
 use crate::write::csv::digits;
+use crate::write::lock::{self, unwritten};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, ErrorKind, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -67,7 +69,23 @@ impl Head {
         let differs = |(name, value): &(&String, &Value)| theirs.get(*name) != Some(value);
         let (name, value) = ours.iter().find(differs)?;
         let theirs = theirs.get(name).unwrap_or(&Value::Null);
-        Some((name.clone(), value.to_string(), theirs.to_string()))
+        if name == "parameters" {
+            let mut pairs = self.parameters.iter().zip(&other.parameters);
+            if let Some((ours, theirs)) = pairs.find(|(ours, theirs)| ours != theirs) {
+                return Some((ours.0.clone(), ours.1.clone(), theirs.1.clone()));
+            }
+        }
+        let word = |value: &Value| match value {
+            Value::String(text) => text.clone(),
+            Value::Null => "none".to_owned(),
+            Value::Array(pair) => pair
+                .iter()
+                .map(Value::to_string)
+                .collect::<Vec<_>>()
+                .join("/"),
+            other => other.to_string(),
+        };
+        Some((name.clone(), word(value), word(theirs)))
     }
 
     /// The two lines before the rows.
@@ -141,25 +159,19 @@ impl Members {
     }
 }
 
-/// The ensemble in a file; `None` if there is no such file.
+/// The ensemble in the file `path`, read from `file`.
 ///
 /// # Errors
 /// If the file cannot be read, or is not that of an ensemble.
-pub(crate) fn load(path: &Path) -> Result<Option<Members>, Fault> {
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(source) => {
-            let path = path.to_owned();
-            return Err(Fault::Read { path, source });
-        }
-    };
+pub(crate) fn read(path: &Path, file: &mut File) -> Result<Members, Fault> {
+    let path = || path.to_owned();
+    let mut bytes = Vec::new();
+    (file.read_to_end(&mut bytes)).map_err(|source| Fault::Read {
+        path: path(),
+        source,
+    })?;
     parse(&String::from_utf8_lossy(&bytes))
-        .map(Some)
-        .map_err(|what| Fault::NotAnEnsemble {
-            path: path.to_owned(),
-            what,
-        })
+        .map_err(|what| Fault::NotAnEnsemble { path: path(), what })
 }
 
 fn parse(text: &str) -> Result<Members, String> {
@@ -205,37 +217,50 @@ pub(crate) struct Growing {
 }
 
 impl Growing {
-    /// Makes the file of the ensemble, or goes on with what `found` says is in it.
-    pub(crate) fn open(path: &Path, head: &Head, found: Option<&Members>) -> Result<Self, Fault> {
-        let made = || {
-            let mut file = OpenOptions::new()
-                .write(true)
-                .create(true)
-                .truncate(false)
-                .open(path)?;
-            file.set_len(found.map_or(0, |found| found.bytes))?;
-            file.seek(SeekFrom::End(0))?;
-            if found.is_none() {
-                file.write_all(head.text()?.as_bytes())?;
+    /// Opens the file of the ensemble, locked, and reads what is in it; it is made if it is not there.
+    ///
+    /// # Errors
+    /// If it is not the file of this shard of this ensemble, or another program writes it.
+    pub(crate) fn open(path: &Path, head: &Head) -> Result<(Self, Members), Fault> {
+        let mut file = lock::reopen_or_make(path)?;
+        let fault = |source| unwritten(path, source);
+        // One that was killed before its first line has nothing in its file.
+        let found = if file.metadata().map_err(fault)?.len() > 0 {
+            let found = read(path, &mut file)?;
+            if let Some((what, stored, now)) = found.head.difference(head) {
+                return Err(Fault::OtherEnsemble {
+                    path: path.to_owned(),
+                    what,
+                    stored,
+                    now,
+                });
             }
-            Ok(file)
+            file.set_len(found.bytes).map_err(fault)?;
+            file.seek(SeekFrom::End(0)).map_err(fault)?;
+            found
+        } else {
+            let text = head.text().map_err(fault)?;
+            file.write_all(text.as_bytes()).map_err(fault)?;
+            Members {
+                head: head.clone(),
+                rows: BTreeMap::new(),
+                bytes: text.len() as u64,
+            }
         };
-        Ok(Growing {
-            file: made().map_err(|source| write_fault(path, source))?,
-            path: path.to_owned(),
-        })
+        let path = path.to_owned();
+        Ok((Growing { path, file }, found))
     }
 
     /// Adds a row: from here on it outlives the program.
     pub(crate) fn add(&mut self, row: &str) -> Result<(), Fault> {
         let added = self.file.write_all(row.as_bytes());
-        added.map_err(|source| write_fault(&self.path, source))
+        added.map_err(|source| unwritten(&self.path, source))
     }
 
     /// Brings what was written to the disk.
     pub(crate) fn sync(&self) -> Result<(), Fault> {
         let synced = self.file.sync_data();
-        synced.map_err(|source| write_fault(&self.path, source))
+        synced.map_err(|source| unwritten(&self.path, source))
     }
 }
 
@@ -245,10 +270,10 @@ pub(crate) fn write<'a>(
     head: &Head,
     rows: impl Iterator<Item = &'a String>,
 ) -> Result<(), Fault> {
-    let mut beside = path.to_owned().into_os_string();
-    beside.push(".new");
+    let beside = unfinished(path);
+    let file = lock::create(&beside)?;
     let written = || {
-        let mut out = BufWriter::new(File::create(&beside)?);
+        let mut out = BufWriter::new(file);
         out.write_all(head.text()?.as_bytes())?;
         for row in rows {
             out.write_all(row.as_bytes())?;
@@ -257,12 +282,7 @@ pub(crate) fn write<'a>(
         out.get_ref().sync_all()?;
         std::fs::rename(&beside, path)
     };
-    written().map_err(|source| write_fault(path, source))
-}
-
-fn write_fault(path: &Path, source: std::io::Error) -> Fault {
-    let path = path.to_owned();
-    Fault::Write { path, source }
+    written().map_err(|source| unwritten(path, source))
 }
 
 impl From<Shard> for (u64, u64) {
