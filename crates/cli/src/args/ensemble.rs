@@ -9,7 +9,7 @@ use std::path::PathBuf;
     after_help = "What is drawn: every component x of the scene's start, of q and of p, becomes x (1 + spread u), with u uniform in \
         [-1, 1) and its own for each component; components that are zero stay so. u comes from the seed and the number \
         of the member alone (ChaCha8, one stream a member), never from shard, thread or machine.\n\n\
-        FILE.csv has one line of the options, then `member`, the start, the end and what was kept of every member. A \
+        FILE.csv has one line of the options, then `member`, the start, the end, what was kept, and a checksum of every member. A \
         member that fails is a row of NaN with its reason, and does not end the program. While the program runs, rows \
         stand in the order in which they are finished, at the end in that of the members. The same command with the \
         same FILE makes what is missing. The bytes do not depend on threads, on interruptions, or on shards that \

@@ -7,7 +7,8 @@ use crate::run::integrator::Integrator;
 use crate::run::method::method;
 use crate::run::progress::steps_of;
 use crate::run::signals;
-use crate::write::members::{self, Growing, Head, Row};
+use crate::write::lock::unwritten;
+use crate::write::members::{self, Growing, Head, Row, Seal};
 use crate::write::outputs::ordinary;
 use equip_integrate::{IntegrateError, Record, Run, RunFailure, Starts, drawn_start};
 use equip_scenes::Instance;
@@ -49,10 +50,11 @@ pub(crate) fn ensemble(args: &EnsembleArgs) -> Result<(), Fault> {
     // Set when a row cannot be written.
     let is_lost = AtomicBool::new(false);
     let (m, missing) = (head.m, &missing);
+    let seal = Seal::of(&head).map_err(|source| unwritten(&args.out, source))?;
     let make = move |i: usize, run: Result<Run<f64>, RunFailure<f64>>| {
         let start = (&starts.q0[i * m..][..m], &starts.p0[i * m..][..m]);
         // Nobody takes rows any more once one could not be written.
-        let _ = sender.send((missing[i], row(missing[i], start, &run)));
+        let _ = sender.send((missing[i], row(missing[i], start, &run, seal)));
     };
     let stop = || is_lost.load(Relaxed) || signals::caught().is_some();
     let pool = &pool;
@@ -167,7 +169,12 @@ fn start(instance: &Instance, head: &Head, member: u64) -> (Vec<f64>, Vec<f64>) 
 }
 
 /// The row of a member from its run.
-fn row(member: u64, start: (&[f64], &[f64]), run: &Result<Run<f64>, RunFailure<f64>>) -> String {
+fn row(
+    member: u64,
+    start: (&[f64], &[f64]),
+    run: &Result<Run<f64>, RunFailure<f64>>,
+    seal: Seal,
+) -> String {
     let nowhere = vec![f64::NAN; start.0.len()];
     match run {
         Ok(run) => {
@@ -184,7 +191,7 @@ fn row(member: u64, start: (&[f64], &[f64]), run: &Result<Run<f64>, RunFailure<f
                 energy_kept: certificate.energy_kept_on_every_step(),
                 error: "",
             }
-            .text()
+            .text(seal)
         }
         Err(failure) => Row {
             member,
@@ -196,7 +203,7 @@ fn row(member: u64, start: (&[f64], &[f64]), run: &Result<Run<f64>, RunFailure<f
             energy_kept: false,
             error: &failure.to_string(),
         }
-        .text(),
+        .text(seal),
     }
 }
 
@@ -235,9 +242,7 @@ fn summary<'a>(
 ) -> Result<(), Fault> {
     let (number, count) = head.shard;
     let members = head.members();
-    let failed = rows
-        .filter(|row| !row.trim_end().ends_with(",\"\""))
-        .count();
+    let failed = rows.filter(|row| !row.contains(",\"\",")).count();
     let mut out = stdout().lock();
     writeln!(out, "{:<24}{}", "scene", head.scene)?;
     write!(out, "{:<24}{}", "members", members.clone().count())?;

@@ -262,7 +262,10 @@ fn chaos(svg: &mut Svg, seen: &Path, end: f64, time: &str) {
         })
     };
     let first = positive().map(|point| point.0).fold(end, f64::min);
-    let (low, high) = range(&mut positive().map(|point| point.1));
+    let (low, high) = match positive().next() {
+        Some(_) => range(&mut positive().map(|point| point.1)),
+        None => (1e-3, 1.0),
+    };
     let top = TOP + f64::from(MORE);
     let exponent = Panel {
         top,

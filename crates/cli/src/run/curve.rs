@@ -7,7 +7,7 @@ use equip_scalar::Float;
 use equip_scenes::Instance;
 
 /// Runs of more steps are drawn by their steps alone.
-const MOST_STEPS: u64 = 6000;
+const MOST_STEPS: u64 = 12_000;
 /// Numbers of all stages of the run at most, which dense output keeps: 64 MB.
 const MOST_NUMBERS: u64 = 4_000_000;
 /// Points of the curve in a step, and coordinates of all points at most: fewer are kept where there are many

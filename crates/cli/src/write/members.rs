@@ -1,13 +1,15 @@
 //! The file of an ensemble: its options, and a row of comma-separated values for every member made.
 //!
 //! The first line is `# equip ensemble`, the version of the format, and the options as JSON: all that the
-//! bits of the rows depend on. The second has the names of the columns. Rows stand in the order in which they
+//! bits of the rows depend on. The second has the names of the columns, and the last of these is a checksum of
+//! the options, whatever the shard, and the row: what was changed is refused. Rows stand in the order in which they
 //! were finished until all are there; then the file is written anew in the order of the members, beside the
 //! old one, whose name it takes.
 
 use crate::args::Shard;
 use crate::fault::Fault;
 use crate::write::checkpoint::unfinished;
+use crate::write::checksum::{checksum, continued};
 use crate::write::csv::digits;
 use crate::write::lock::{self, unwritten};
 use serde::{Deserialize, Serialize};
@@ -20,7 +22,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// What the first line begins with.
-const NAME: &str = "# equip ensemble 1 ";
+const NAME: &str = "# equip ensemble 2 ";
 
 /// All that the rows of an ensemble depend on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -104,8 +106,31 @@ impl Head {
         };
         columns("_start");
         columns("");
-        text += ",energy_defect,steps,energy_kept,error\n";
+        text += ",energy_defect,steps,energy_kept,error,checksum\n";
         Ok(text)
+    }
+}
+
+/// The checksum that those of the rows go on from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seal(u64);
+
+impl Seal {
+    /// # Errors
+    /// If the options cannot be written as text.
+    pub(crate) fn of(head: &Head) -> std::io::Result<Self> {
+        Ok(Seal(checksum(head.whole().text()?.as_bytes())))
+    }
+
+    /// The row with its checksum and the end of its line.
+    fn close(self, row: &str) -> String {
+        format!("{row},{:016x}\n", continued(self.0, row.as_bytes()))
+    }
+
+    /// Whether a line is as it was written.
+    fn is_whole(self, line: &str) -> bool {
+        let row = line.rsplit_once(',').map(|(row, _)| self.close(row));
+        row.as_deref() == Some(line)
     }
 }
 
@@ -123,7 +148,7 @@ pub(crate) struct Row<'a> {
 
 impl Row<'_> {
     /// The row as a line, its end included.
-    pub(crate) fn text(&self) -> String {
+    pub(crate) fn text(&self, seal: Seal) -> String {
         let mut text = self.member.to_string();
         let mut put = |x: f64| {
             text.push(',');
@@ -136,8 +161,8 @@ impl Row<'_> {
         self.end.1.iter().for_each(|&x| put(x));
         put(self.energy_defect);
         let error = self.error.replace('"', "\"\"").replace('\n', " ");
-        let _ = writeln!(text, ",{},{},\"{error}\"", self.steps, self.energy_kept);
-        text
+        let _ = write!(text, ",{},{},\"{error}\"", self.steps, self.energy_kept);
+        seal.close(&text)
     }
 }
 
@@ -191,8 +216,15 @@ fn parse(text: &str) -> Result<Members, String> {
     };
     // A row without an end was being written when the program was killed.
     let whole = lines.rfind('\n').map_or(0, |at| at + 1);
+    let seal = Seal::of(&head).map_err(|_| no_head())?;
     let mut rows = BTreeMap::new();
     for line in lines[..whole].split_inclusive('\n') {
+        if !seal.is_whole(line) {
+            return Err(format!(
+                "the row that begins with {} is not as it was written, by its checksum; without that line it is made again",
+                line.chars().take(40).collect::<String>().trim_end()
+            ));
+        }
         let member = line.split(',').next().and_then(|cell| cell.parse().ok());
         let Some(member) = member.filter(|member| head.members().contains(member)) else {
             return Err(format!(
@@ -293,7 +325,7 @@ impl From<Shard> for (u64, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Head, parse};
+    use super::{Head, Seal, parse};
 
     fn head(n: u64, shard: (u64, u64)) -> Head {
         Head {
@@ -325,12 +357,26 @@ mod tests {
     #[test]
     fn half_rows_do_not_count_and_strange_ones_are_refused() {
         let before = head(4, (2, 2)).text().unwrap();
-        let found = parse(&format!("{before}3,whole\n2,hal")).unwrap();
+        let seal = Seal::of(&head(4, (2, 2))).unwrap();
+        let row = seal.close("3,whole");
+        let found = parse(&format!("{before}{row}2,hal")).unwrap();
         assert_eq!(found.missing(), [2]);
-        assert_eq!(found.bytes as usize, before.len() + "3,whole\n".len());
-        for wrong in ["1,of another shard\n", "4,none\n", "x\n"] {
-            assert!(parse(&format!("{before}{wrong}")).is_err());
+        assert_eq!(found.bytes as usize, before.len() + row.len());
+        for wrong in ["1,of another shard", "4,none", "x"] {
+            assert!(parse(&format!("{before}{}", seal.close(wrong))).is_err());
         }
+        for place in 0..row.len() - 1 {
+            let mut bytes = row.clone().into_bytes();
+            bytes[place] ^= 1;
+            let changed = String::from_utf8(bytes).unwrap();
+            assert!(parse(&format!("{before}{changed}")).is_err(), "{changed}");
+        }
+        // The options belong to every row, the shard does not.
+        let mut other = head(4, (2, 2));
+        other.seed = 1;
+        assert!(parse(&format!("{}{row}", other.text().unwrap())).is_err());
+        let whole = head(4, (1, 1)).text().unwrap();
+        assert!(parse(&format!("{whole}{row}")).is_ok());
         assert!(parse("member,q1\n").is_err() && parse("").is_err());
     }
 }

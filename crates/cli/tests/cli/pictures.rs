@@ -89,7 +89,7 @@ fn lines_are_curves() {
         first.split('"').next().unwrap().matches('L').count()
     };
     assert!(drawn("630") > 2100);
-    assert_eq!(drawn("2100"), 0);
+    assert_eq!(drawn("4200"), 0);
 }
 
 #[test]
