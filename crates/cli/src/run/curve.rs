@@ -13,7 +13,7 @@ const MOST_NUMBERS: u64 = 4_000_000;
 /// Points of the curve in a step, and coordinates of all points at most: fewer are kept where there are many
 /// steps or bodies.
 const PER_STEP: i64 = 12;
-const MOST_COORDINATES: usize = 120_000;
+const MOST_COORDINATES: usize = 90_000;
 
 /// The paths of these components of y = (q, p) up to the end of `run`, if it has few steps.
 pub(crate) fn curve<T: Float>(
