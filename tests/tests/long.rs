@@ -24,8 +24,8 @@ struct Long {
     energy: f64,
     /// The same in round-off floors of the steps; 0 for Gauss, which is not judged by them.
     in_floors: f64,
-    /// The largest round-off floor of H, the running error bound over all operations of its recording. (With
-    /// six bodies it is ten times ε (2|H| + Σ|∂_iH y_i|), which counts the rounding of the ends of sums only.)
+    /// The largest round-off floor of H, the running error bound over all operations of its recording. With
+    /// six bodies it is ten times ε (2|H| + Σ|∂_iH y_i|), the rounding of the ends of its sums.
     floor: f64,
     /// H − H(y0) at the samples.
     energies: Vec<f64>,
@@ -116,8 +116,8 @@ impl Long {
     }
 
     /// The energy error is bounded by round-off, by the solver's evaluation of H and by one in double-double,
-    /// and has no trend beyond it: within a floor the energy moves as that of Gauss does. The angular momentum
-    /// walks at random.
+    /// and has no trend beyond it: within a floor the energy moves as that of Gauss does. The angular
+    /// momentum walks at random.
     fn keeps_both(&self) {
         // Measured: 0.2 to 1.13 floors, the energy by double-double 4e-22 where the floor is 4.0e-22.
         assert!(

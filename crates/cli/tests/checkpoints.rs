@@ -330,59 +330,6 @@ fn a_checkpoint_of_another_run_is_refused_in_words() {
     assert!(text.contains("without --lyapunov"), "{text}");
 }
 
-/// A deviation that was followed is not dropped.
-#[test]
-fn a_run_with_a_deviation_does_not_go_on_without() {
-    let home = directory("deviation");
-    let bare = |more: &[&str]| {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
-        program
-            .current_dir(&home)
-            .args(["run", "kepler", "--checkpoint", "c"]);
-        let output = program.args(more).output().unwrap();
-        (
-            output.status.code(),
-            String::from_utf8(output.stderr).unwrap(),
-        )
-    };
-    assert_eq!(bare(&["--until", "2", "--lyapunov"]).0, Some(0));
-    let (code, text) = bare(&["--until", "3"]);
-    assert_eq!(code, Some(2), "{text}");
-    assert!(
-        text.contains("was made with --lyapunov, this run has it not"),
-        "{text}"
-    );
-    assert_eq!(bare(&["--until", "3", "--lyapunov"]).0, Some(0));
-}
-
-/// What a refused run says is only why.
-#[test]
-fn a_refused_run_does_not_say_that_it_goes_on() {
-    let home = directory("refused");
-    certificate(&run(&home, &["kepler", "--until", "5"]));
-    let table = read(&home, "t.csv");
-    for more in [
-        &["--stages", "6"][..],
-        &["--method", "gauss"],
-        &["--tolerance", "1e-9"],
-        &["--until", "1"],
-        &["--precision", "dd"],
-        &["--plot", "no/such/directory/p.svg"],
-    ] {
-        let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
-        let arguments = ["run", "kepler", "--out", "t.csv", "--checkpoint", "c"];
-        program.current_dir(&home).args(arguments);
-        if more[0] != "--until" {
-            program.args(["--until", "9"]);
-        }
-        let output = program.args(more).output().unwrap();
-        let text = String::from_utf8(output.stderr).unwrap();
-        assert!(!output.status.success(), "{more:?}");
-        assert!(!text.contains("resuming"), "{more:?}: {text}");
-        assert!(read(&home, "t.csv") == table, "{more:?}");
-    }
-}
-
 /// A run that goes on without its table says so.
 #[test]
 fn a_table_that_is_left_behind_is_named() {

@@ -120,8 +120,8 @@ fn a_member_is_a_run_of_its_own_from_a_start_near_that_of_the_scene() {
     assert!(mean(|u| *u).abs() < 0.18 && (mean(|u| u * u) - 1.0 / 3.0).abs() < 0.09);
 }
 
-/// Of one bit changed in each of many places: the file is refused, by `ensemble` and by `merge`, or, where the
-/// last row has lost its end, made whole again.
+/// One bit is changed in each of many places: the file is refused, by `ensemble` and by `merge`, or, where
+/// the last row has lost its end, made whole again.
 #[test]
 fn changed_bytes_of_an_ensemble_are_refused() {
     let home = directory("changed");

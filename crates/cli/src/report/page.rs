@@ -101,8 +101,8 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
     )
 }
 
-/// The quickest method that keeps the energy on its own, for an error in the middle of those looked at, or for
-/// the smallest above it that one reaches.
+/// The quickest method that keeps the energy on its own, for an error in the middle of those looked at, or
+/// for the smallest above it that one reaches.
 fn advice(result: &Results) -> Option<String> {
     let middle = (result.targets.len() / 2).min(result.targets.len().checked_sub(1)?);
     let keeping = || result.curves.iter().filter(|c| c.contender.keeps_energy());

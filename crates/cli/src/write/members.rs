@@ -1,10 +1,10 @@
 //! The file of an ensemble: its options, and a row of comma-separated values for every member made.
 //!
 //! The first line is `# equip ensemble`, the version of the format, and the options as JSON: all that the
-//! bits of the rows depend on. The second has the names of the columns, and the last of these is a checksum of
-//! the options, whatever the shard, and the row: what was changed is refused. Rows stand in the order in which they
-//! were finished until all are there; then the file is written anew in the order of the members, beside the
-//! old one, whose name it takes.
+//! bits of the rows depend on. The second has the names of the columns, of which the last is a checksum of
+//! the options, whatever the shard, and the row: what was changed is refused. Rows stand in the order in
+//! which they were finished until all are there; then the file is written anew in the order of the members,
+//! beside the old one, whose name it takes.
 
 use crate::args::Shard;
 use crate::fault::Fault;
