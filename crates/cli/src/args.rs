@@ -6,14 +6,16 @@
 mod ensemble;
 mod others;
 mod run;
+mod shared;
 
 pub(crate) use ensemble::{EnsembleArgs, MergeArgs, Shard};
 pub(crate) use others::{CheckArgs, GrowthArgs, ReportArgs, ScenesArgs, SectionArgs};
-pub(crate) use run::{MethodName, Precision, RunArgs};
+pub(crate) use run::{Precision, RunArgs};
+pub(crate) use shared::MethodName;
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use equip_scenes::Scene;
-use run::PARAMETERS;
+use shared::PARAMETERS;
 use std::ffi::OsString;
 
 #[derive(Debug, Parser)]
@@ -83,8 +85,8 @@ pub(crate) fn parse() -> Cli {
     }
     let mut cli = Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|error| error.exit());
     match &mut cli.command {
-        Command::Run(run) => run.set.extend(given),
-        Command::Ensemble(ensemble) => ensemble.set.extend(given),
+        Command::Run(run) => run.problem.set.extend(given),
+        Command::Ensemble(ensemble) => ensemble.problem.set.extend(given),
         _ => {}
     }
     cli

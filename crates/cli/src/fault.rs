@@ -60,12 +60,22 @@ pub(crate) enum Fault {
         options: (&'static str, &'static str),
         path: PathBuf,
     },
+    #[error(
+        "{} is being written by another program; wait until that one has ended, or name another file",
+        path.display()
+    )]
+    InUse { path: PathBuf },
     #[error("ended by signal {signal} at t = {reached}; {next}")]
     Interrupted {
         signal: i32,
         exit_code: u8,
         reached: String,
         next: String,
+    },
+    #[error("cannot start {threads} threads: {source}; give fewer --threads")]
+    Threads {
+        threads: usize,
+        source: Box<dyn std::error::Error>,
     },
     #[error("{} is not the file of an ensemble: {what}; name another file with --out", path.display())]
     NotAnEnsemble { path: PathBuf, what: String },
@@ -189,7 +199,9 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
         E::CheckpointMismatch { what, now, .. } if *what == "reach" => {
             of_flag("--refuse", now == "Refuse")
         }
-        E::CheckpointMismatch { what, .. } if *what == "deviation" => of_flag("--lyapunov", true),
+        E::CheckpointMismatch { what, now, .. } if *what == "deviation" => {
+            of_flag("--lyapunov", now == "followed")
+        }
         E::NoAdmissibleAlpha {
             time,
             step,

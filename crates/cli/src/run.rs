@@ -15,10 +15,12 @@ use crate::draw::run::{components, draw};
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
 use crate::number::number;
-use crate::text::significant;
+use crate::text::{significant, without_long_numbers};
 use crate::write::checkpoint::{self, Saved, Saver};
 use crate::write::csv::Mark;
 use crate::write::json;
+use crate::write::lock::Claim;
+use crate::write::outputs::ordinary;
 use comparison::Comparison;
 use curve::curve;
 use equip_integrate::{Checkpoint, Invariant, Method, Reach, Record, Target};
@@ -30,17 +32,11 @@ use method::method;
 use progress::Progress;
 use std::io::{Write, stdout};
 use std::time::Duration;
-use watch::Watch;
+use watch::{Resumed, Watch};
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
     asked::check(args)?;
-    let scene = equip_scenes::find(&args.scene)?;
-    let values: Vec<_> = args
-        .set
-        .iter()
-        .map(|(n, v)| (n.as_str(), v.as_str()))
-        .collect();
-    let instance = scene.instance(&values)?;
+    let instance = args.problem.instance()?;
     match args.precision {
         Precision::F64 => run_in::<f64>(args, &instance),
         Precision::Dd => run_in::<DoubleDouble>(args, &instance),
@@ -50,12 +46,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
 /// The whole command in float type `T`.
 fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     let (h, end) = time_scale::<T>(args, instance)?;
-    let method = method::<T>(args.stages, &args.method)?;
+    let method = method::<T>(args.stepping.stages, &args.stepping.method)?;
     let h = match &args.target_error {
         None => h,
         Some(text) => step_for(target_error(text)?, instance, method, end)?,
     };
-    let mut integrator = match &args.tolerance {
+    let mut integrator = match &args.stepping.tolerance {
         None => Integrator::Fixed(method.step(h).record(Record::Ends)),
         Some(text) => {
             let tolerance = number::<T>("--tolerance", text)?;
@@ -81,22 +77,24 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     };
     let steps = (end / h).abs().to_f64().ceil() as u64;
     // How many steps a tolerance will take is not known.
-    let shown = !args.quiet && args.tolerance.is_none();
+    let shown = !args.quiet && args.stepping.tolerance.is_none();
     let progress = Progress::new("integrating", steps, shown);
     let mut watch = Watch::new((&q0, &p0), end, Picture::new(components), progress);
     watch.plot.clone_from(&args.plot);
     watch.follows_chaos = args.lyapunov;
-    watch.grid = args.tolerance.is_none().then_some(h);
+    watch.grid = args.stepping.tolerance.is_none().then_some(h);
     watch.out =
         (args.out.clone()).map(|path| (path, Mark::new(q0.len(), args.every, args.lyapunov)));
-    let mut from = None;
+    let (mut from, mut claim) = (None, None);
     if let Some(path) = &args.checkpoint {
         let every =
             Duration::try_from_secs_f64(args.checkpoint_every).map_err(|_| Fault::Option {
                 option: "--checkpoint-every",
                 value: args.checkpoint_every.to_string(),
-                expected: "a number of seconds that is not negative",
+                expected: "a number of seconds from 0 to 1e18",
             })?;
+        ordinary("--checkpoint", path)?;
+        claim = Some(Claim::new(path)?);
         watch.saver = Some(Saver::new(path, every, instance));
         if let Some(saved) = checkpoint::load(path)? {
             saved.check(path, instance)?;
@@ -122,6 +120,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     };
     picture(args, h, integrator, &finished, &mut watch)?;
     drop(watch);
+    drop(claim);
     report(args, &finished)?;
     if let Some(signal) = signals::caught()
         && finished.run.stopped()
@@ -164,12 +163,13 @@ fn resume<T: Float>(
         ..
     } = saved;
     let time = checkpoint.time::<T>().map_err(Fault::start)?;
+    let reached = significant(time.to_f64(), 7);
     // Behind the start of the run is for the integrator to refuse. The last point of a grid of steps may lie
     // beyond the end by the rounding of time.
     let rounding = T::int(4) * T::EPSILON * end.abs();
     if time * end > T::int(0) && time.abs() > end.abs() + rounding {
         return Err(Fault::Option {
-            option: if args.periods.is_some() {
+            option: if args.span.periods.is_some() {
                 "--periods"
             } else {
                 "--until"
@@ -178,10 +178,10 @@ fn resume<T: Float>(
             expected: "no earlier than the checkpoint",
         });
     }
-    watch.resumed = true;
+    let mut resumed = Resumed::default();
     match (&mut watch.out, table) {
         (Some((path, mark)), Some(stored)) => {
-            stored.check(path, mark)?;
+            resumed.table = Some(stored.open(path, mark)?);
             *mark = stored;
         }
         (Some((path, _)), None) => {
@@ -190,25 +190,22 @@ fn resume<T: Float>(
                 what: format!("the run wrote none up to the checkpoint, at t = {time}"),
             });
         }
-        (None, Some(_)) if !args.quiet => eprintln!(
-            "note: there is no --out, so the table written up to the checkpoint ends at t = {}",
-            significant(time.to_f64(), 7)
-        ),
-        (None, _) => {}
+        (None, Some(_)) => resumed.notes.push(format!(
+            "note: there is no --out, so the table written up to the checkpoint ends at t = {reached}"
+        )),
+        (None, None) => {}
     }
     match picture.filter(|picture| picture.is_like(&watch.picture)) {
         Some(picture) => watch.picture = picture,
-        None if args.plot.is_some() && !args.quiet => {
-            eprintln!(
-                "nothing was drawn before the checkpoint: the picture begins at t = {}",
-                significant(time.to_f64(), 7)
-            );
-        }
+        None if args.plot.is_some() => resumed.notes.push(format!(
+            "note: nothing was drawn before the checkpoint, the picture begins at t = {reached}"
+        )),
         None => {}
     }
     if !args.quiet {
-        eprintln!("resuming at t = {}", significant(time.to_f64(), 7));
+        resumed.notes.push(format!("resuming at t = {reached}"));
     }
+    watch.resumed = Some(resumed);
     Ok(checkpoint)
 }
 
@@ -224,13 +221,13 @@ fn picture<T: Float>(
         return Ok(());
     };
     let compare = !args.no_compare
-        && args.tolerance.is_none()
-        && args.method != MethodName::Gauss
+        && args.stepping.tolerance.is_none()
+        && args.stepping.method != MethodName::Gauss
         && signals::caught().is_none();
     let comparison = compare.then(|| {
         let progress = Progress::new("Gauss for comparison", watch.progress.steps(), !args.quiet);
         let end = finished.run.certificate().end;
-        Comparison::new(args.stages, h, finished.instance, end, progress)
+        Comparison::new(args.stepping.stages, h, finished.instance, end, progress)
     });
     let curve = curve(
         integrator,
@@ -249,23 +246,23 @@ fn picture<T: Float>(
 /// Step and end time.
 fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), Fault> {
     let period = || instance.period::<T>();
-    let h = match (&args.step, &args.steps_per_period) {
+    let h = match (&args.stepping.step, &args.steps_per_period) {
         (Some(text), _) => number::<T>("--step", text)?,
         (None, Some(text)) => {
             let steps = number::<T>("--steps-per-period", text)?;
-            if steps <= T::int(0) {
+            if !(steps > T::int(0) && steps.is_finite()) {
                 let (option, value) = ("--steps-per-period", text.clone());
                 return Err(Fault::Option {
                     option,
                     value,
-                    expected: "positive",
+                    expected: "positive and finite",
                 });
             }
             period() / steps
         }
         (None, None) => T::exact(instance.suggested_step()),
     };
-    let end = match (&args.until, &args.periods) {
+    let end = match (&args.span.until, &args.span.periods) {
         (Some(text), _) => number::<T>("--until", text)?,
         (None, Some(text)) => number::<T>("--periods", text)? * period(),
         (None, None) => T::exact(instance.suggested_end()),
@@ -287,6 +284,10 @@ fn target_error<T: Float>(text: &str) -> Result<T, Fault> {
 
 /// The step for an error at the end, from trial runs over a period, forward or back in time as the run.
 fn step_for<T: Float>(target: T, instance: &Instance, method: Method, end: T) -> Result<T, Fault> {
+    if end == T::int(0) {
+        // A run of no steps has no error.
+        return Ok(T::exact(instance.suggested_step()));
+    }
     let period = instance.period::<T>();
     let whole = end.abs() < T::int(2) * period;
     let (stretch, target) = if whole {
@@ -322,7 +323,8 @@ fn report<T: Float>(args: &RunArgs, finished: &Finished<'_, T>) -> Result<(), Fa
             finished.instance.scene().name,
             parameters.concat()
         )?;
-        writeln!(out, "{}", finished.run.certificate())?;
+        let certificate = finished.run.certificate().to_string();
+        writeln!(out, "{}", without_long_numbers(&certificate))?;
         if let Some(EndError { against, q, p }) = &finished.end_error {
             writeln!(
                 out,

@@ -26,6 +26,26 @@ pub(crate) fn wrapped(label: &str, indent: usize, text: &str) -> String {
     lines + line.trim_end()
 }
 
+/// The same text, with numbers of more than 60 places, which are zeros mostly, in powers of ten.
+pub(crate) fn without_long_numbers(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let mut short = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
+        let (before, from) = rest.split_at(start);
+        let is_part = |c: char| c.is_ascii_digit() || c == '.';
+        let length = from.find(|c| !is_part(c)).unwrap_or(from.len());
+        let (number, after) = from.split_at(length);
+        short += before;
+        match number.parse::<f64>() {
+            Ok(x) if length > LONGEST && !after.starts_with('e') => short += &format!("{x:e}"),
+            _ => short += number,
+        }
+        rest = after;
+    }
+    short + rest
+}
+
 /// A number in at most five digits.
 pub(crate) fn brief(x: f64) -> String {
     significant(x, 5)
@@ -45,7 +65,7 @@ pub(crate) fn significant(x: f64, digits: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{significant, wrapped};
+    use super::{significant, without_long_numbers, wrapped};
 
     #[test]
     fn words_stay_whole_and_lines_short() {
@@ -54,6 +74,14 @@ mod tests {
         assert!(text.starts_with("label   word") && text.contains("\n        word"));
         assert_eq!(text.matches("word").count(), 40);
         assert_eq!(wrapped("a", 2, ""), "a");
+    }
+
+    #[test]
+    fn numbers_of_many_zeros_are_written_in_powers_of_ten() {
+        let long = format!("h = {}, t = -{}: no", 1e300, 2.5e-200);
+        assert_eq!(without_long_numbers(&long), "h = 1e300, t = -2.5e-200: no");
+        let wide = "-0.500000000000000000000000000000030814879110195774 and 5e-1, 3.";
+        assert_eq!(without_long_numbers(wide), wide);
     }
 
     #[test]

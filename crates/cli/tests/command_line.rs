@@ -103,10 +103,10 @@ fn negative_values_meet_the_range_they_are_out_of() {
         (
             "run kepler --checkpoint negative",
             "--checkpoint-every",
-            "not negative",
+            "from 0 to 1e18",
         ),
         ("run kepler", "--e", "out of range"),
-        ("growth", "--tolerances", "positive and below 1"),
+        ("growth", "--tolerances", "--tolerances is -1; it must be"),
         ("growth", "--eccentricities", "out of range"),
         ("growth", "--revolutions", "a whole number"),
         ("growth", "--stages", "a whole number from 1 to 32"),
@@ -119,6 +119,55 @@ fn negative_values_meet_the_range_they_are_out_of() {
         let error = refused(&arguments);
         assert!(error.contains(words), "{command} {option} -1: {error}");
     }
+}
+
+#[test]
+fn values_that_are_no_numbers_or_too_large_meet_their_range() {
+    for (command, words) in [
+        (
+            "run kepler --steps-per-period nan",
+            "--steps-per-period is nan; it must be positive and finite",
+        ),
+        (
+            "run kepler --steps-per-period inf",
+            "--steps-per-period is inf",
+        ),
+        (
+            "run kepler --checkpoint huge --checkpoint-every 1e300",
+            "it must be a number of seconds from 0 to 1e18",
+        ),
+        ("run kepler --tolerance 1e-300", "--tolerance is 1e-300"),
+        (
+            "section henon-heiles --until nan",
+            "--until is nan; it must be finite",
+        ),
+        ("growth --tolerances 1e-30", "--tolerances is 1e-30"),
+        (
+            "ensemble kepler --n 3 --seed -1 --out e",
+            "a whole number, 0 or more",
+        ),
+        (
+            "ensemble kepler --n 4294967295 --out e",
+            "make more of them with --shard",
+        ),
+    ] {
+        let error = refused(&command.split(' ').collect::<Vec<_>>());
+        assert!(error.contains(words), "{command}: {error}");
+        assert!(
+            error.lines().all(|line| line.chars().count() < 200),
+            "{error}"
+        );
+    }
+    // An error inside a step of any size.
+    let output = equip(&["run", "kepler", "--step", "1e300", "--until", "1e301"]);
+    let error = text(output.stderr);
+    assert!(
+        error.contains("e296") && !error.contains("00000"),
+        "{error}"
+    );
+    // A run of no length has no error to aim at.
+    let output = equip(&["run", "kepler", "--target-error", "1e-8", "--until", "0"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(output.stderr));
 }
 
 #[test]
@@ -135,6 +184,9 @@ fn growth_reads_its_lists_before_it_begins() {
         ["--eccentricities", "0.6,1.5"],
         ["--tolerances", "1e-9,0"],
         ["--tolerances", "1e-9,2"],
+        ["--tolerances", "1e-9,1e-30"],
+        ["--tolerances", "1e-1,1e-2,1e-3,1e-4,1e-5,1e-6,1e-7"],
+        ["--stages", "1"],
     ] {
         let output = equip(&[&["growth", "--revolutions", "1"][..], &lists].concat());
         assert_eq!(output.status.code(), Some(2), "{lists:?}");
@@ -167,8 +219,17 @@ fn options_that_change_nothing_are_named() {
         let error = text(output.stderr);
         assert!(error.contains(words), "{options:?}: {error}");
     }
-    let quiet = equip(&["run", "kepler", "--until", "1", "--every", "5", "--quiet"]);
-    assert!(quiet.stderr.is_empty());
+    // --quiet leaves out the certificate and the progress, not what a user has to know.
+    for (option, words) in [
+        ("--every=5", "--every changes nothing"),
+        ("--lyapunov", "--lyapunov changes nothing: with --quiet"),
+    ] {
+        let quiet = equip(&["run", "kepler", "--until", "1", "--quiet", option]);
+        assert!(text(quiet.stderr).contains(words), "{option}");
+        assert!(quiet.stdout.is_empty());
+    }
+    let quiet = equip(&["run", "kepler", "--until", "1", "--quiet"]);
+    assert!(quiet.stderr.is_empty() && quiet.stdout.is_empty());
 }
 
 #[test]

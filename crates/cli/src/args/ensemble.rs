@@ -1,6 +1,6 @@
 //! Options of `equip ensemble` and `equip merge`.
 
-use super::run::{MethodName, PARAMETERS, method, pair, stages, whole};
+use super::shared::{Problem, Span, Stepping, whole};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use std::path::PathBuf;
     after_help = "What is drawn: every component x of the scene's start, of q and of p, becomes x (1 + spread u), with u uniform in \
         [-1, 1) and its own for each component; components that are zero stay so. u comes from the seed and the number \
         of the member alone (ChaCha8, one stream a member), never from shard, thread or machine.\n\n\
-        FILE.csv has one line of the options, then `member`, the start, the end and what was kept of every member. A \
+        FILE.csv has one line of the options, then `member`, the start, the end, what was kept, and a checksum of every member. A \
         member that fails is a row of NaN with its reason, and does not end the program. While the program runs, rows \
         stand in the order in which they are finished, at the end in that of the members. The same command with the \
         same FILE makes what is missing. The bytes do not depend on threads, on interruptions, or on shards that \
@@ -22,16 +22,13 @@ use std::path::PathBuf;
         equip merge kepler-1.csv kepler-2.csv kepler-3.csv kepler-4.csv --out kepler.csv"
 )]
 pub(crate) struct EnsembleArgs {
-    /// Scene to integrate; `equip scenes` lists them
-    pub(crate) scene: String,
-    /// Set a parameter of the scene; `--NAME VALUE` does the same where no option here has that name
-    #[arg(long, value_name = "NAME=VALUE", value_parser = pair, help_heading = PARAMETERS)]
-    pub(crate) set: Vec<(String, String)>,
+    #[command(flatten)]
+    pub(crate) problem: Problem,
     /// Number of members, of all shards together
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole(1, u32::MAX.into()))]
     pub(crate) n: u64,
     /// Seed of the starts, a whole number
-    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    #[arg(long, value_name = "SEED", default_value_t = 0, allow_negative_numbers = true, value_parser = whole(0, u64::MAX))]
     pub(crate) seed: u64,
     /// Relative size of what is drawn: how far a component of the start is moved at most, in units of itself
     #[arg(
@@ -47,46 +44,10 @@ pub(crate) struct EnsembleArgs {
     /// Threads; all of the machine if not given
     #[arg(long, value_name = "THREADS", allow_negative_numbers = true, value_parser = whole(1, 4096))]
     pub(crate) threads: Option<u64>,
-    /// Stages s: the order is 2s
-    #[arg(long, short, default_value_t = 4, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
-    pub(crate) stages: usize,
-    /// equip | equip-last | gauss | fixed-alpha[=VALUE], as of `equip run`
-    #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
-    pub(crate) method: MethodName,
-    /// Step; the scene's suggestion if not given
-    #[arg(
-        long,
-        value_name = "H",
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub(crate) step: Option<String>,
-    /// Variable steps that follow this tolerance, in place of a fixed step
-    #[arg(
-        long,
-        value_name = "TOL",
-        allow_hyphen_values = true,
-        conflicts_with = "step",
-        help_heading = "Method"
-    )]
-    pub(crate) tolerance: Option<String>,
-    /// Time to end at, from the start at 0; the scene's suggestion if not given
-    #[arg(
-        long,
-        value_name = "T",
-        allow_hyphen_values = true,
-        conflicts_with = "periods",
-        help_heading = "Method"
-    )]
-    pub(crate) until: Option<String>,
-    /// Time to end at, in periods of the scene
-    #[arg(
-        long,
-        value_name = "P",
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub(crate) periods: Option<String>,
+    #[command(flatten)]
+    pub(crate) stepping: Stepping,
+    #[command(flatten)]
+    pub(crate) span: Span,
     /// Where the members are written; if the file is there, what is missing in it is made
     #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
     pub(crate) out: PathBuf,

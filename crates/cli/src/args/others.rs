@@ -1,6 +1,6 @@
 //! Options of the commands beside `equip run`.
 
-use super::run::{stages, whole};
+use super::shared::{stages, whole};
 use clap::Args;
 use std::path::PathBuf;
 

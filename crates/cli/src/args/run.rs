@@ -1,12 +1,8 @@
 //! Options of `equip run`.
 
+use super::shared::{Problem, Span, Stepping, whole};
 use clap::{Args, ValueEnum};
-use equip_integrate::MAX_STAGES;
-use std::fmt;
 use std::path::PathBuf;
-
-/// Heading of the options that are parameters of the scene.
-pub(super) const PARAMETERS: &str = "Parameters of the scene";
 
 #[derive(Debug, Args)]
 #[command(
@@ -26,45 +22,19 @@ pub(super) const PARAMETERS: &str = "Parameters of the scene";
         `equip run SCENE --help` lists the parameters of that scene."
 )]
 pub(crate) struct RunArgs {
-    /// Scene to integrate; `equip scenes` lists them
-    pub(crate) scene: String,
-    /// Set a parameter of the scene; `--NAME VALUE` does the same
-    #[arg(long, value_name = "NAME=VALUE", value_parser = pair, help_heading = PARAMETERS)]
-    pub(crate) set: Vec<(String, String)>,
-    /// Stages s: the order is 2s, the cost of a step grows like s², or s³ where
-    /// Newton's method makes it
-    #[arg(long, short, default_value_t = 4, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
-    pub(crate) stages: usize,
-    /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not
-    /// given)
-    #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
-    pub(crate) method: MethodName,
-    /// Step, positive or, back in time, negative; the scene's suggestion if not given
-    #[arg(
-        long,
-        value_name = "H",
-        allow_hyphen_values = true,
-        conflicts_with = "steps_per_period",
-        help_heading = "Method"
-    )]
-    pub(crate) step: Option<String>,
+    #[command(flatten)]
+    pub(crate) problem: Problem,
+    #[command(flatten)]
+    pub(crate) stepping: Stepping,
     /// Step as the scene's period divided by N
     #[arg(
         long,
         value_name = "N",
         allow_hyphen_values = true,
+        conflicts_with_all = ["step", "tolerance"],
         help_heading = "Method"
     )]
     pub(crate) steps_per_period: Option<String>,
-    /// Variable steps that follow this tolerance, in place of a fixed step
-    #[arg(
-        long,
-        value_name = "TOL",
-        allow_hyphen_values = true,
-        conflicts_with_all = ["step", "steps_per_period"],
-        help_heading = "Method"
-    )]
-    pub(crate) tolerance: Option<String>,
     /// A fixed step for which the largest error of a position or momentum at the end is about ERROR, found by
     /// trial runs over one period of the scene (or the whole run if that is shorter than two); from there
     /// errors are taken to grow linearly, as they do for regular motion
@@ -76,24 +46,8 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) target_error: Option<String>,
-    /// Time to end at, from the start at 0; a negative one runs back in time; the scene's suggestion if not
-    /// given
-    #[arg(
-        long,
-        value_name = "T",
-        allow_hyphen_values = true,
-        conflicts_with = "periods",
-        help_heading = "Method"
-    )]
-    pub(crate) until: Option<String>,
-    /// Time to end at, in periods of the scene; negative back in time
-    #[arg(
-        long,
-        value_name = "P",
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub(crate) periods: Option<String>,
+    #[command(flatten)]
+    pub(crate) span: Span,
     /// Numbers to compute in: f64 has 16 digits, dd (double-double) about 31
     #[arg(long, value_enum, default_value = "f64", help_heading = "Method")]
     pub(crate) precision: Precision,
@@ -142,79 +96,4 @@ pub(crate) struct RunArgs {
 pub(crate) enum Precision {
     F64,
     Dd,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum MethodName {
-    Equip,
-    EquipLast,
-    Gauss,
-    FixedAlpha(String),
-}
-
-impl fmt::Display for MethodName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            MethodName::Equip => f.write_str("equip"),
-            MethodName::EquipLast => f.write_str("equip-last"),
-            MethodName::Gauss => f.write_str("gauss"),
-            MethodName::FixedAlpha(alpha) => write!(f, "fixed-alpha={alpha}"),
-        }
-    }
-}
-
-/// Reads whole numbers from `low` to `high`; others are refused with these.
-pub(super) fn whole(low: u64, high: u64) -> impl Fn(&str) -> Result<u64, String> + Clone {
-    move |text| match text.trim().parse() {
-        Ok(number) if (low..=high).contains(&number) => Ok(number),
-        _ if high == u64::MAX => Err(format!("a whole number, {low} or more")),
-        _ => Err(format!("a whole number from {low} to {high}")),
-    }
-}
-
-/// Reads a number of stages; which of them a method takes is known by the method.
-pub(super) fn stages(text: &str) -> Result<usize, String> {
-    match text.trim().parse() {
-        Ok(stages) if stages >= 1 => Ok(stages),
-        _ => Err(format!("a whole number from 1 to {MAX_STAGES}")),
-    }
-}
-
-pub(super) fn pair(text: &str) -> Result<(String, String), &'static str> {
-    let (name, value) = text
-        .split_once('=')
-        .ok_or("write it as NAME=VALUE, like e=0.9")?;
-    Ok((name.trim().to_owned(), value.trim().to_owned()))
-}
-
-pub(super) fn method(text: &str) -> Result<MethodName, &'static str> {
-    match text.split_once('=') {
-        None => match text {
-            "equip" => Ok(MethodName::Equip),
-            "equip-last" => Ok(MethodName::EquipLast),
-            "gauss" => Ok(MethodName::Gauss),
-            "fixed-alpha" => Ok(MethodName::FixedAlpha("0.02".into())),
-            _ => Err("choose equip, equip-last, gauss or fixed-alpha=VALUE"),
-        },
-        Some(("fixed-alpha", value)) => Ok(MethodName::FixedAlpha(value.into())),
-        Some(_) => Err("only fixed-alpha takes a value"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{MethodName, method};
-
-    #[test]
-    fn method_names() {
-        assert_eq!(
-            method("fixed-alpha=-1/50"),
-            Ok(MethodName::FixedAlpha("-1/50".into()))
-        );
-        assert_eq!(
-            method("fixed-alpha"),
-            Ok(MethodName::FixedAlpha("0.02".into()))
-        );
-        assert!(method("gauss=2").is_err() && method("euler").is_err());
-    }
 }

@@ -13,7 +13,7 @@ table { border-collapse: collapse; width: 100%; }
 td { white-space: nowrap; }
 th, td { padding: .15rem .4rem; font-size: 13px; text-align: right; border-bottom: 1px solid #8884; }
 thead th { position: sticky; top: 0; background: Canvas; }
-td:first-child, td:nth-child(2), td:nth-child(4), td:last-child { text-align: left; }
+tr > :first-child, tr > :nth-child(2), tr > :nth-child(4), tr > :last-child { text-align: left; }
 td:first-child, td:nth-child(2), td:nth-child(4), td:last-child { white-space: normal; }
 td:last-child { min-width: 15rem; overflow-wrap: anywhere; }
 tr.theme th { text-align: left; padding-top: 1.2rem; font-size: 1.1rem; }
@@ -93,7 +93,12 @@ fn line(row: &Row) -> String {
         escape(&row.name),
         escape(&row.setting),
         m.steps.to_string(),
-        outcomes(row),
+        // A letter and its number stay together.
+        outcomes(row)
+            .iter()
+            .map(|(letter, n)| format!("{letter}&nbsp;{n}"))
+            .collect::<Vec<_>>()
+            .join(" "),
         plain(row.floors()),
         number(Some(m.energy)),
         number(Some(m.gauss_energy)),

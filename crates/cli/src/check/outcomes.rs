@@ -28,18 +28,33 @@ fn letter(label: &str) -> &'static str {
     }
 }
 
-/// Steps by outcome: `S 97 C 3`.
-pub(crate) fn outcomes(row: &Row) -> String {
+/// Steps by outcome: letters with their numbers.
+pub(crate) fn outcomes(row: &Row) -> Vec<(&'static str, u64)> {
     let parts = row.measured.outcomes.iter();
-    let parts: Vec<_> = parts
-        .map(|(label, n)| format!("{} {n}", letter(label)))
-        .collect();
-    parts.join(" ")
+    parts.map(|(label, n)| (letter(label), *n)).collect()
 }
 
 pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off floor, carried \
-    C without a slope, B beyond the bound of α, D beyond the reach of the end point; Q quadratic H, N energy not asked for\n\
+    C without a slope, B beyond the bound of α, D beyond the reach of the end point, U without resolving the motion; Q quadratic H, N energy not asked for\n\
     floors: worst |H − H_ref| in units of its round-off floor, the worse of the solver's figure and one in double-double; \
     energy: the same, absolute, EQUIP and Gauss\n\
     inv.: defect of the invariant that is off most; error: of the trajectory, relative, largest over the grid, EQUIP and \
     Gauss; s: seconds of the row with Gauss and reference";
+
+#[cfg(test)]
+mod tests {
+    use super::{LEGEND, letter};
+    use equip_integrate::Outcome;
+
+    #[test]
+    fn every_outcome_has_a_letter_and_every_letter_its_meaning() {
+        for outcome in Outcome::ALL {
+            let letter = letter(outcome.label());
+            assert_ne!(letter, "?", "{}", outcome.label());
+            let (_, outcomes) = LEGEND.split_once("outcomes: ").unwrap_or_default();
+            let outcomes = outcomes.lines().next().unwrap_or_default();
+            let words = outcomes.split([' ', ',', ';']);
+            assert_eq!(words.filter(|word| *word == letter).count(), 1, "{letter}");
+        }
+    }
+}

@@ -37,7 +37,11 @@ pub(crate) fn line(out: &mut impl Write, row: &Row) -> io::Result<()> {
         row.name,
         row.setting,
         m.steps,
-        outcomes(row),
+        outcomes(row)
+            .iter()
+            .map(|(letter, n)| format!("{letter} {n}"))
+            .collect::<Vec<_>>()
+            .join(" "),
         row.verdict.word.label(),
     )?;
     writeln!(

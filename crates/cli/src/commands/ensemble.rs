@@ -1,13 +1,15 @@
 //! `equip ensemble`: many members of one scene over threads, each a row of a file that can be gone on with.
 
-use crate::args::EnsembleArgs;
+use crate::args::{EnsembleArgs, Shard};
 use crate::fault::Fault;
 use crate::number::number;
 use crate::run::integrator::Integrator;
 use crate::run::method::method;
 use crate::run::progress::steps_of;
 use crate::run::signals;
-use crate::write::members::{self, Growing, Head, Members, Row};
+use crate::write::lock::unwritten;
+use crate::write::members::{self, Growing, Head, Row, Seal};
+use crate::write::outputs::ordinary;
 use equip_integrate::{IntegrateError, Record, Run, RunFailure, Starts, drawn_start};
 use equip_scenes::Instance;
 use std::io::{Write, stdout};
@@ -16,6 +18,8 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
+/// Members of a shard at most: all their rows are in memory at the end, some 200 bytes each.
+const MOST_MEMBERS: u128 = 10_000_000;
 /// How often rows are brought to the disk.
 const EVERY: Duration = Duration::from_secs(1);
 
@@ -23,22 +27,19 @@ const EVERY: Duration = Duration::from_secs(1);
 type Made = (u64, String);
 
 pub(crate) fn ensemble(args: &EnsembleArgs) -> Result<(), Fault> {
-    let scene = equip_scenes::find(&args.scene)?;
-    let values = args.set.iter().map(|(n, v)| (n.as_str(), v.as_str()));
-    let instance = scene.instance(&values.collect::<Vec<_>>())?;
+    let instance = args.problem.instance()?;
     let (head, integrator) = asked(args, &instance)?;
-    let found = members::load(&args.out)?;
-    if let Some(found) = &found {
-        same(&args.out, found, &head)?;
-    }
-    let wanted = head.members().collect::<Vec<_>>();
-    let missing = found.as_ref().map_or(wanted, Members::missing);
+    ordinary("--out", &args.out)?;
     let threads = args.threads.map_or(0, |threads| threads as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| Fault::Start(error.into()))?;
+    let pool = pool.map_err(|source| Fault::Threads {
+        threads,
+        source: source.into(),
+    })?;
     signals::catch()?;
-    let mut growing = Growing::open(&args.out, &head, found.as_ref())?;
-    let mut rows = found.map(|found| found.rows).unwrap_or_default();
+    let (mut growing, found) = Growing::open(&args.out, &head)?;
+    let missing = found.missing();
+    let mut rows = found.rows;
     let resumed = rows.len();
 
     let starts = missing.iter().map(|&i| start(&instance, &head, i));
@@ -49,10 +50,11 @@ pub(crate) fn ensemble(args: &EnsembleArgs) -> Result<(), Fault> {
     // Set when a row cannot be written.
     let is_lost = AtomicBool::new(false);
     let (m, missing) = (head.m, &missing);
+    let seal = Seal::of(&head).map_err(|source| unwritten(&args.out, source))?;
     let make = move |i: usize, run: Result<Run<f64>, RunFailure<f64>>| {
         let start = (&starts.q0[i * m..][..m], &starts.p0[i * m..][..m]);
         // Nobody takes rows any more once one could not be written.
-        let _ = sender.send((missing[i], row(missing[i], start, &run)));
+        let _ = sender.send((missing[i], row(missing[i], start, &run, seal)));
     };
     let stop = || is_lost.load(Relaxed) || signals::caught().is_some();
     let pool = &pool;
@@ -91,14 +93,23 @@ fn asked(args: &EnsembleArgs, instance: &Instance) -> Result<(Head, Integrator<f
         Some(text) => number::<f64>(option, text).map(Some),
         None => Ok(None),
     };
-    let tolerance = read("--tolerance", &args.tolerance)?;
-    let step = match (read("--step", &args.step)?, tolerance) {
+    let tolerance = read("--tolerance", &args.stepping.tolerance)?;
+    let step = match (read("--step", &args.stepping.step)?, tolerance) {
         (None, None) => Some(instance.suggested_step()),
         (step, _) => step,
     };
-    let until = read("--until", &args.until)?;
-    let periods = read("--periods", &args.periods)?.map(|p| p * instance.period::<f64>());
+    let until = read("--until", &args.span.until)?;
+    let periods = read("--periods", &args.span.periods)?.map(|p| p * instance.period::<f64>());
     let until = until.or(periods).unwrap_or(instance.suggested_end());
+    let Shard { number: k, count } = args.shard;
+    let members = u128::from(args.n).div_ceil(u128::from(count));
+    if members > MOST_MEMBERS {
+        return Err(Fault::Option {
+            option: "--n",
+            value: format!("{}, {members} members in shard {k}/{count}", args.n),
+            expected: "at most 10000000 for each shard; make more of them with --shard K/COUNT",
+        });
+    }
     let spread = number::<f64>("--spread", &args.spread)?;
     if !(0.0..=1.0).contains(&spread) {
         return Err(Fault::Option {
@@ -107,7 +118,7 @@ fn asked(args: &EnsembleArgs, instance: &Instance) -> Result<(Head, Integrator<f
             expected: "from 0 to 1",
         });
     }
-    let method = method::<f64>(args.stages, &args.method)?;
+    let method = method::<f64>(args.stepping.stages, &args.stepping.method)?;
     let h = instance.hamiltonian();
     let integrator = match (step, tolerance) {
         (Some(step), _) => {
@@ -141,8 +152,8 @@ fn asked(args: &EnsembleArgs, instance: &Instance) -> Result<(Head, Integrator<f
         n: args.n,
         seed: args.seed,
         spread,
-        method: args.method.to_string(),
-        stages: args.stages,
+        method: args.stepping.method.to_string(),
+        stages: args.stepping.stages,
         step,
         tolerance,
         until,
@@ -152,26 +163,18 @@ fn asked(args: &EnsembleArgs, instance: &Instance) -> Result<(Head, Integrator<f
     Ok((head, integrator))
 }
 
-/// Whether a file is that of the same shard of the same ensemble.
-fn same(path: &Path, found: &Members, head: &Head) -> Result<(), Fault> {
-    match found.head.difference(head) {
-        None => Ok(()),
-        Some((what, stored, now)) => Err(Fault::OtherEnsemble {
-            path: path.to_owned(),
-            what,
-            stored,
-            now,
-        }),
-    }
-}
-
 fn start(instance: &Instance, head: &Head, member: u64) -> (Vec<f64>, Vec<f64>) {
     let (q, p) = instance.initial::<f64>();
     drawn_start(&q, &p, head.spread, head.seed, member)
 }
 
 /// The row of a member from its run.
-fn row(member: u64, start: (&[f64], &[f64]), run: &Result<Run<f64>, RunFailure<f64>>) -> String {
+fn row(
+    member: u64,
+    start: (&[f64], &[f64]),
+    run: &Result<Run<f64>, RunFailure<f64>>,
+    seal: Seal,
+) -> String {
     let nowhere = vec![f64::NAN; start.0.len()];
     match run {
         Ok(run) => {
@@ -188,7 +191,7 @@ fn row(member: u64, start: (&[f64], &[f64]), run: &Result<Run<f64>, RunFailure<f
                 energy_kept: certificate.energy_kept_on_every_step(),
                 error: "",
             }
-            .text()
+            .text(seal)
         }
         Err(failure) => Row {
             member,
@@ -200,7 +203,7 @@ fn row(member: u64, start: (&[f64], &[f64]), run: &Result<Run<f64>, RunFailure<f
             energy_kept: false,
             error: &failure.to_string(),
         }
-        .text(),
+        .text(seal),
     }
 }
 
@@ -239,9 +242,7 @@ fn summary<'a>(
 ) -> Result<(), Fault> {
     let (number, count) = head.shard;
     let members = head.members();
-    let failed = rows
-        .filter(|row| !row.trim_end().ends_with(",\"\""))
-        .count();
+    let failed = rows.filter(|row| !row.contains(",\"\",")).count();
     let mut out = stdout().lock();
     writeln!(out, "{:<24}{}", "scene", head.scene)?;
     write!(out, "{:<24}{}", "members", members.clone().count())?;

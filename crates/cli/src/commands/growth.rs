@@ -7,12 +7,12 @@
 //! angular momentum leaves N.
 
 use crate::args::GrowthArgs;
-use crate::draw::growth::{Curve, draw};
+use crate::draw::growth::{Curve, DASHES, draw};
 use crate::fault::Fault;
 use crate::number::number;
 use crate::run::progress::steps_of;
 use crate::write::outputs::{Drawing, apart};
-use equip_integrate::{Equip, Gauss, Method, Record};
+use equip_integrate::{Equip, Gauss, IntegrateError, Method, Record};
 use equip_scenes::Instance;
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
@@ -27,14 +27,26 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
         .map(|e| Ok((e, scene.instance(&[("e", e)])?)))
         .collect::<Result<Vec<_>, Fault>>()?;
     let tolerances = (args.tolerances.iter())
-        .map(|text| Ok((text, tolerance(text)?)))
+        .map(|text| Ok((text, number::<f64>("--tolerances", text)?)))
         .collect::<Result<Vec<_>, Fault>>()?;
+    if tolerances.len() > DASHES.len() {
+        return Err(Fault::Option {
+            option: "--tolerances",
+            value: format!("a list of {}", tolerances.len()),
+            expected: "at most 6, which can be told apart in the picture",
+        });
+    }
     apart(&[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref())])?;
-    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref());
     let methods = [
         (true, Equip::stages(args.stages)),
         (false, Gauss::stages(args.stages)),
     ];
+    for (_, method) in methods {
+        for &(text, tolerance) in &tolerances {
+            accepted(method, text, tolerance, &orbits)?;
+        }
+    }
+    let mut drawing = Drawing::new(&args.plot, args.csv.as_deref());
     let bar = steps_of("runs", orbits.len() * tolerances.len() * methods.len());
     let mut curves = Vec::new();
     let mut out = stdout().lock();
@@ -62,16 +74,28 @@ pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A tolerance that step control takes.
-fn tolerance(text: &str) -> Result<f64, Fault> {
-    let tolerance = number("--tolerances", text)?;
-    if tolerance > 0.0 && tolerance < 1.0 {
-        return Ok(tolerance);
-    }
-    Err(Fault::Option {
-        option: "--tolerances",
-        value: text.to_owned(),
-        expected: "positive and below 1",
+/// Whether the library takes the method and the tolerance.
+fn accepted(
+    method: Method,
+    text: &str,
+    tolerance: f64,
+    orbits: &[(&String, Instance)],
+) -> Result<(), Fault> {
+    let Some((_, orbit)) = orbits.first() else {
+        return Ok(());
+    };
+    let made = method.tolerance(tolerance).prepare(orbit.hamiltonian());
+    made.map(drop).map_err(|error| match error {
+        IntegrateError::Option {
+            option: "tolerance",
+            expected,
+            ..
+        } => Fault::Option {
+            option: "--tolerances",
+            value: text.to_owned(),
+            expected,
+        },
+        other => Fault::start(other),
     })
 }
 

@@ -2,20 +2,19 @@
 
 use crate::args::MergeArgs;
 use crate::fault::Fault;
+use crate::write::lock;
 use crate::write::members::{self, Members};
+use crate::write::outputs::{apart, ordinary};
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io::{Write, stdout};
 use std::path::Path;
 
 pub(crate) fn merge(args: &MergeArgs) -> Result<(), Fault> {
+    ordinary("--out", &args.out)?;
     let mut shards: BTreeMap<u64, (&Path, Members)> = BTreeMap::new();
     for path in &args.files {
-        if path == &args.out {
-            return Err(Fault::SameFile {
-                options: ("a shard", "--out"),
-                path: path.clone(),
-            });
-        }
+        apart(&[("a shard", Some(path)), ("--out", Some(&args.out))])?;
         let found = read(path)?;
         let one = shards.values().next();
         if let Some((first, one)) = one {
@@ -41,6 +40,12 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Fault> {
         let shards = missing.join(", ");
         return Err(Fault::ShardsMissing { shards });
     }
+    // An ensemble that is being made there keeps its file.
+    let _lock = args
+        .out
+        .exists()
+        .then(|| lock::open(&args.out))
+        .transpose()?;
     let rows = shards.values().flat_map(|(_, found)| found.rows.values());
     members::write(&args.out, &head, rows)?;
     if !args.quiet {
@@ -54,11 +59,12 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Fault> {
 
 /// A finished shard.
 fn read(path: &Path) -> Result<Members, Fault> {
-    let Some(found) = members::load(path)? else {
-        let source = std::io::ErrorKind::NotFound.into();
-        let path = path.to_owned();
-        return Err(Fault::Read { path, source });
-    };
+    let mut file = File::open(path).map_err(|source| Fault::Read {
+        path: path.to_owned(),
+        source,
+    })?;
+    ordinary("a shard", path)?;
+    let found = members::read(path, &mut file)?;
     let missing = found.missing().len();
     if missing == 0 {
         return Ok(found);

@@ -38,6 +38,13 @@ pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
     let energy: f64 = number("--energy", &args.energy)?;
     let tolerance: f64 = number("--tolerance", &args.tolerance)?;
     let end: f64 = number("--until", &args.until)?;
+    if !end.is_finite() {
+        return Err(Fault::Option {
+            option: "--until",
+            value: args.until.clone(),
+            expected: "finite",
+        });
+    }
     apart(&[("--plot", Some(&args.plot)), ("--csv", args.csv.as_deref())])?;
     let mut drawing = Drawing::new(&args.plot, args.csv.as_deref());
     let mut orbits: Vec<Crossings> = Vec::new();

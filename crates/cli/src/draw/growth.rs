@@ -8,13 +8,16 @@ use equip_integrate::Certificate;
 
 const EQUIP: &str = "#2b6a99";
 const GAUSS: &str = "#c46b1f";
-/// Patterns of the tolerances, by turns.
-const DASHES: [&str; 3] = ["none", "6 4", "2 3"];
+/// Patterns of the tolerances; there are no more of these than of patterns.
+pub(crate) const DASHES: [&str; 6] = ["none", "6 4", "2 3", "12 3", "10 3 2 3", "1 6"];
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 270.0;
-/// Left and top of the first panel, and the way to the next.
-const FIRST: (f64, f64) = (92.0, 112.0);
+/// Left of the first panel, its distance from the legend, and the way to the next.
+const FIRST: (f64, f64) = (92.0, 34.0);
 const NEXT: (f64, f64) = (510.0, 370.0);
+
+/// Width that the lines of text need.
+const TEXT: f64 = 720.0;
 
 /// One method on one orbit.
 #[derive(Debug)]
@@ -38,7 +41,22 @@ impl Curve {
 pub(crate) fn draw(curves: &[Curve], args: &GrowthArgs) -> String {
     let panels = args.eccentricities.len();
     let (columns, rows) = (panels.min(2), panels.div_ceil(2));
-    let mut svg = Svg::new(30 + 510 * columns as u32, 112 + 370 * rows as u32);
+    let width = (30.0 + NEXT.0 * columns as f64).max(TEXT);
+    let names = (args.tolerances.iter().zip(DASHES)).flat_map(|(tolerance, dashes)| {
+        [("EQUIP", EQUIP), ("Gauss", GAUSS)]
+            .map(|(name, colour)| (format!("{name}, tolerance {tolerance}"), colour, dashes))
+    });
+    let (mut entries, mut left, mut legend) = (Vec::new(), 28.0, 78.0);
+    for (label, colour, dashes) in names {
+        let length = 60.0 + 7.5 * label.chars().count() as f64;
+        if left + length > width {
+            (left, legend) = (28.0, legend + 22.0);
+        }
+        entries.push(((left, legend), label, colour, dashes));
+        left += length;
+    }
+    let top = legend + FIRST.1;
+    let mut svg = Svg::new(width as u32, (top + NEXT.1 * rows as f64) as u32);
     svg.text(
         (28.0, 36.0),
         20,
@@ -51,15 +69,10 @@ pub(crate) fn draw(curves: &[Curve], args: &GrowthArgs) -> String {
         args.stages
     );
     svg.text((28.0, 58.0), 13, Anchor::Start, FAINT, &text);
-    let mut left = 28.0;
-    for (i, tolerance) in args.tolerances.iter().enumerate() {
-        for (name, colour) in [("EQUIP", EQUIP), ("Gauss", GAUSS)] {
-            let line = [(left, 78.0), (left + 34.0, 78.0)];
-            svg.dashed(line.into_iter(), colour, 2.0, DASHES[i % DASHES.len()]);
-            let label = format!("{name}, tolerance {tolerance}");
-            svg.text((left + 40.0, 83.0), 13, Anchor::Start, INK, &label);
-            left += 60.0 + 7.5 * label.chars().count() as f64;
-        }
+    for ((left, y), label, colour, dashes) in &entries {
+        let line = [(*left, *y), (left + 34.0, *y)];
+        svg.dashed(line.into_iter(), colour, 2.0, dashes);
+        svg.text((left + 40.0, y + 5.0), 13, Anchor::Start, INK, label);
     }
     let errors = || curves.iter().flat_map(|curve| &curve.points);
     let positive = errors().map(|point| point.1).filter(|&x| x > 0.0);
@@ -69,10 +82,10 @@ pub(crate) fn draw(curves: &[Curve], args: &GrowthArgs) -> String {
     for (i, eccentricity) in args.eccentricities.iter().enumerate() {
         let panel = Panel {
             left: FIRST.0 + NEXT.0 * (i % 2) as f64,
-            top: FIRST.1 + NEXT.1 * (i / 2) as f64,
+            top: top + NEXT.1 * (i / 2) as f64,
             width: WIDTH,
             height: HEIGHT,
-            x: Axis::decades(1.0, args.revolutions as f64 * 0.75, "revolutions N"),
+            x: Axis::decades_to(1.0, args.revolutions as f64, "revolutions N"),
             y: Axis::decades(low.min(high), high, "error"),
         };
         panel.draw_axes(&mut svg);

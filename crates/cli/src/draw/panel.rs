@@ -70,8 +70,9 @@ impl Axis {
         }
     }
 
-    /// Whole decades from `low` on, exactly to `end`, both positive.
+    /// Whole decades from `low` on, exactly to `end`, both positive; to 1 if `end` is not.
     pub(crate) fn decades_to(low: f64, end: f64, label: &str) -> Self {
+        let (low, end) = if end > 0.0 { (low, end) } else { (0.1, 1.0) };
         let (low, high) = (low.log10().floor(), end.log10());
         Axis {
             low: low.min(high - 1.0),
@@ -235,20 +236,29 @@ fn tick_label(svg: &mut Svg, axis: &Axis, at: (f64, f64), anchor: Anchor, tick: 
         return svg.power(at, SIZE, anchor, tick as i32);
     }
     let largest = axis.low.abs().max(axis.high.abs());
-    let text = if largest >= 1e5 || unit < 1e-4 {
+    let text = tick_text(tick, unit, largest);
+    svg.text(at, SIZE, anchor, INK, &text.replace('-', "\u{2212}"));
+}
+
+/// The number at a tick of a linear axis whose ticks are `unit` apart.
+fn tick_text(tick: f64, unit: f64, largest: f64) -> String {
+    let is_zero = tick.abs() < unit / 2.0;
+    if largest >= 1e6 || unit < 1e-4 {
+        if is_zero {
+            return "0".to_owned();
+        }
         let tick: f64 = format!("{tick:.3e}").parse().unwrap_or(tick);
         format!("{tick:e}")
     } else {
         let decimals = (-unit.log10().floor()).max(0.0) as usize;
-        let tick = if tick.abs() < unit / 2.0 { 0.0 } else { tick };
+        let tick = if is_zero { 0.0 } else { tick };
         format!("{tick:.decimals$}")
-    };
-    svg.text(at, SIZE, anchor, INK, &text.replace('-', "\u{2212}"));
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Axis;
+    use super::{Axis, tick_text};
 
     #[test]
     fn ticks_are_round_and_within_the_axis() {
@@ -267,6 +277,28 @@ mod tests {
                 vec![-16.0, -14.0, -12.0, -10.0, -8.0, -6.0, -4.0, -2.0]
             )
         );
+    }
+
+    #[test]
+    fn ticks_are_short_numbers() {
+        for (tick, unit, largest, text) in [
+            (0.0, 5e4, 2e5, "0"),
+            (1.5e5, 5e4, 2e5, "150000"),
+            (1.5e6, 5e5, 2e6, "1.5e6"),
+            (0.0, 5e-6, 2e-5, "0"),
+            (1.5e-5, 5e-6, 2e-5, "1.5e-5"),
+            (-0.25, 0.05, 1.0, "-0.25"),
+        ] {
+            assert_eq!(tick_text(tick, unit, largest), text);
+        }
+    }
+
+    #[test]
+    fn an_axis_to_the_end_of_a_run_of_no_length_is_finite() {
+        let axis = Axis::decades_to(0.0, 0.0, "");
+        assert_eq!((axis.low, axis.high), (-1.0, 0.0));
+        let axis = Axis::decades_to(1.0, 50.0, "");
+        assert_eq!((axis.low, axis.high), (0.0, 50f64.log10()));
     }
 
     #[test]

@@ -22,8 +22,8 @@ const TOP: f64 = 108.0;
 const SIDE: f64 = 300.0;
 /// What the panels of the chaos indicators add.
 const MORE: u32 = 390;
-/// Up to this many steps, each is marked by a dot.
-const FEW: usize = 1500;
+/// Up to this many steps, each is marked by a dot on its curve.
+const FEW: usize = 400;
 
 /// The components of y = (q, p) that the scene's picture is made of, two for each path.
 pub(crate) fn components(instance: &Instance) -> Vec<usize> {
@@ -49,13 +49,17 @@ pub(crate) fn draw<T: Float>(
         .parameters()
         .map(|(n, v)| format!("{n} = {v}"))
         .collect();
-    let sizes = match &certificate.variable_steps {
+    let mut sizes = match &certificate.variable_steps {
         None => brief(certificate.step.to_f64()),
         Some(sizes) => {
             let [low, high] = [sizes.smallest, sizes.largest].map(|h| brief(h.to_f64()));
             format!("{low} to {high}")
         }
     };
+    let unit = instance.units().time;
+    if !unit.is_empty() {
+        sizes = format!("{sizes} {unit}");
+    }
     facts.push(format!("{} steps of {sizes}", certificate.counts.steps));
     facts.push(format!("{} in {}", certificate.method, T::NAME));
     svg.text(
@@ -114,8 +118,8 @@ fn left_panel(x: Axis, y: Axis) -> Panel {
     }
 }
 
-/// Paths of bodies, or the phase portrait of one degree of freedom: a dot for each step, and the curve
-/// between them where there is one.
+/// Paths of bodies, or the phase portrait of one degree of freedom: the curve, with a dot for each of few
+/// steps, or dots alone where there is no curve.
 fn paths(svg: &mut Svg, instance: &Instance, drawn: (&Path, Option<&Path>), view: &View) {
     let (path, curve) = drawn;
     let count = components(instance).len() / 2;
@@ -141,29 +145,25 @@ fn paths(svg: &mut Svg, instance: &Instance, drawn: (&Path, Option<&Path>), view
     for i in 0..count {
         let colour = COLOURS[i % COLOURS.len()];
         let points = path.pairs(i).map(|point| panel.at(point));
-        // Points of steps far apart are not joined: the line would not be the path.
-        if path.stride() == 1 {
-            if points.clone().count() <= FEW {
-                svg.dots(points.clone(), colour, 3.0);
-            }
-            match curve {
-                Some(curve) => {
-                    let points = curve.pairs(i).map(|point| panel.at(point));
-                    svg.polyline(points, colour, 1.2);
+        // Points of steps are not joined: the line would not be the path.
+        match curve {
+            Some(curve) => {
+                if points.clone().count() <= FEW {
+                    svg.dots(points, colour, 3.0);
                 }
-                None => svg.polyline(points, colour, 1.2),
+                let points = curve.pairs(i).map(|point| panel.at(point));
+                svg.polyline(points, colour, 1.2);
             }
-        } else {
-            svg.dots(points, colour, 1.6);
+            None => svg.dots(points, colour, 1.6),
         }
         if let Some(start) = path.pairs(i).next() {
             svg.dot(panel.at(start), 4.0, INK);
         }
     }
     svg.dot((panel.left + 6.0, TOP - 18.0), 4.0, INK);
-    let every = match path.stride() {
-        1 => String::new(),
-        stride => format!(", one step in {stride} drawn"),
+    let every = match (curve, path.stride()) {
+        (Some(_), _) | (None, 1) => String::new(),
+        (None, stride) => format!(", one step in {stride} drawn"),
     };
     svg.text(
         (panel.left + 18.0, TOP - 13.0),
@@ -262,7 +262,10 @@ fn chaos(svg: &mut Svg, seen: &Path, end: f64, time: &str) {
         })
     };
     let first = positive().map(|point| point.0).fold(end, f64::min);
-    let (low, high) = range(&mut positive().map(|point| point.1));
+    let (low, high) = match positive().next() {
+        Some(_) => range(&mut positive().map(|point| point.1)),
+        None => (1e-3, 1.0),
+    };
     let top = TOP + f64::from(MORE);
     let exponent = Panel {
         top,

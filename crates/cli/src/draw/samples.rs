@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Points kept of the paths, and of the energy.
-const MOST_POINTS: usize = 12_000;
+/// Coordinates kept of all paths together, and points of the energy.
+const MOST_COORDINATES: usize = 24_000;
 const MOST_BUCKETS: usize = 1_000;
 
 /// All that is drawn of a run.
@@ -38,14 +38,23 @@ pub(crate) struct Path {
     #[serde(serialize_with = "write_bits", deserialize_with = "read_bits")]
     points: Vec<f64>,
     stride: u64,
+    /// Coordinates kept at most. Paths that checkpoints hold have the room of a run.
+    #[serde(skip, default = "room_of_a_run")]
+    most: usize,
 }
 
 impl Path {
     pub(crate) fn new(components: Vec<usize>) -> Self {
+        Path::with_room(components, MOST_COORDINATES)
+    }
+
+    /// One that keeps at most so many coordinates.
+    pub(crate) fn with_room(components: Vec<usize>, most: usize) -> Self {
         Path {
             components,
             points: Vec::new(),
             stride: 1,
+            most,
         }
     }
 
@@ -55,7 +64,7 @@ impl Path {
             return;
         }
         self.points.extend(self.components.iter().map(|&i| y(i)));
-        if self.points.len() > MOST_POINTS * 2 {
+        if self.points.len() > self.most {
             let width = self.components.len();
             let kept = self
                 .points
@@ -80,6 +89,10 @@ impl Path {
             .chunks_exact(width)
             .map(move |row| (row[2 * i], row[2 * i + 1]))
     }
+}
+
+fn room_of_a_run() -> usize {
+    MOST_COORDINATES
 }
 
 /// The largest |value| over consecutive buckets of steps; buckets are joined in pairs when there are too
@@ -147,7 +160,7 @@ fn read_pairs<'a, D: Deserializer<'a>>(from: D) -> Result<Vec<(f64, f64)>, D::Er
 
 #[cfg(test)]
 mod tests {
-    use super::{Envelope, MOST_BUCKETS, MOST_POINTS, Path};
+    use super::{Envelope, MOST_BUCKETS, MOST_COORDINATES, Path};
 
     #[test]
     fn long_runs_keep_their_shape_and_their_peak() {
@@ -156,7 +169,9 @@ mod tests {
             path.see(index, |i| index as f64 + i as f64);
             energy.see(index as f64, if index == 765_432 { -9.0 } else { 1.0 });
         }
-        assert!(path.pairs(0).count() <= MOST_POINTS && energy.points().len() <= MOST_BUCKETS);
+        assert!(
+            2 * path.pairs(0).count() <= MOST_COORDINATES && energy.points().len() <= MOST_BUCKETS
+        );
         let step = path.stride() as f64;
         assert!(
             path.pairs(0)

@@ -101,16 +101,22 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
     )
 }
 
-/// The quickest method that keeps the energy on its own, for an error in the middle of those looked at.
+/// The quickest method that keeps the energy on its own, for an error in the middle of those looked at, or
+/// for the smallest above it that one reaches.
 fn advice(result: &Results) -> Option<String> {
-    let middle = result.targets.len() / 2;
-    let target = result.targets.get(middle)?;
-    let keeping = result.curves.iter().filter(|c| c.contender.keeps_energy());
-    let timed = keeping.filter_map(|curve| {
-        let milliseconds = times(curve, result.targets).get(middle)?.milliseconds()?;
-        Some((milliseconds, curve.contender.name()))
-    });
-    let (milliseconds, name) = timed.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let middle = (result.targets.len() / 2).min(result.targets.len().checked_sub(1)?);
+    let keeping = || result.curves.iter().filter(|c| c.contender.keeps_energy());
+    let quickest = |k: usize| {
+        let timed = keeping().filter_map(|curve| {
+            let milliseconds = times(curve, result.targets).get(k)?.milliseconds()?;
+            Some((milliseconds, curve.contender.name()))
+        });
+        timed.min_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let found = (0..=middle)
+        .rev()
+        .find_map(|k| Some((result.targets[k], quickest(k)?)));
+    let (target, (milliseconds, name)) = found?;
     Some(format!(
         "To begin with: {name}, the quickest that keeps the energy on its own for an error of {target:e} ({} ms).",
         brief(milliseconds)
@@ -310,7 +316,45 @@ fn at_tolerance(at: &super::peers::AtTolerance) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::brief;
+    use super::{Curve, Results, advice, brief};
+    use crate::report::contender::{Contender, Outcome};
+    use crate::report::measure::Point;
+
+    /// Two methods that keep the energy: to 1e-8 the second is the quicker, and none reaches 1e-10.
+    #[test]
+    fn the_advice_is_for_an_error_that_is_reached() {
+        let curve = |stages, reached: &[(f64, f64)]| Curve {
+            contender: Contender::Equip(stages),
+            points: (reached.iter())
+                .map(|&(error, milliseconds)| Point {
+                    setting: 1.0,
+                    outcome: Outcome {
+                        error,
+                        ..Outcome::default()
+                    },
+                    milliseconds: vec![milliseconds],
+                })
+                .collect(),
+            failure: None,
+        };
+        let mut results = Results {
+            name: "",
+            precision: "f64",
+            title: String::new(),
+            source: String::new(),
+            invariants: vec![],
+            targets: &[1e-6, 1e-8, 1e-10, 1e-12],
+            curves: vec![
+                curve(4, &[(1e-7, 1.0), (1e-9, 16.0)]),
+                curve(8, &[(1e-7, 2.0), (1e-9, 3.0)]),
+            ],
+            svg: String::new(),
+        };
+        let text = advice(&results).unwrap();
+        assert!(text.contains("EQUIP(8)") && text.contains("1e-8"), "{text}");
+        results.curves.clear();
+        assert_eq!(advice(&results), None);
+    }
 
     #[test]
     fn three_digits() {

@@ -79,7 +79,7 @@ pub(super) const ENTRIES: [Entry; 10] = [
         "kepler-1000-periods",
         Source::Scene("kepler", &[("e", "0.6")]),
         End::Periods(1000.3),
-        10_000.0,
+        28_000.0,
     )
     .quick()
     .long(),

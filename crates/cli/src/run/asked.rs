@@ -3,6 +3,7 @@
 use crate::args::{MethodName, RunArgs};
 use crate::fault::Fault;
 use crate::write::checkpoint::unfinished;
+use crate::write::lock::beside;
 use crate::write::outputs::apart;
 
 /// Refuses two outputs in one file, and says which options change nothing.
@@ -12,23 +13,29 @@ use crate::write::outputs::apart;
 pub(crate) fn check(args: &RunArgs) -> Result<(), Fault> {
     let checkpoint = args.checkpoint.as_deref();
     let new = checkpoint.map(unfinished);
+    let lock = checkpoint.map(beside);
     apart(&[
         ("--out", args.out.as_deref()),
         ("--plot", args.plot.as_deref()),
         ("--checkpoint", checkpoint),
         ("--checkpoint, while it is written,", new.as_deref()),
+        ("--checkpoint, by its lock,", lock.as_deref()),
     ])?;
-    if !args.quiet {
-        for (option, why) in without_effect(args) {
-            eprintln!("note: {option} changes nothing: {why}");
-        }
+    for (option, why) in without_effect(args) {
+        eprintln!("note: {option} changes nothing: {why}");
     }
     Ok(())
 }
 
 /// Options given that change nothing, and why.
 fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
-    let asks_for_energy = matches!(args.method, MethodName::Equip | MethodName::EquipLast);
+    let asks_for_energy = matches!(
+        args.stepping.method,
+        MethodName::Equip | MethodName::EquipLast
+    );
+    let has_file = [&args.out, &args.plot, &args.checkpoint]
+        .into_iter()
+        .any(Option::is_some);
     let rules = [
         (
             "--every",
@@ -42,13 +49,18 @@ fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
         ),
         (
             "--no-compare",
-            args.no_compare && args.plot.is_some() && args.tolerance.is_some(),
+            args.no_compare && args.plot.is_some() && args.stepping.tolerance.is_some(),
             "variable steps are drawn without Gauss",
         ),
         (
             "--no-compare",
-            args.no_compare && args.plot.is_some() && args.method == MethodName::Gauss,
+            args.no_compare && args.plot.is_some() && args.stepping.method == MethodName::Gauss,
             "Gauss is not drawn beside itself",
+        ),
+        (
+            "--lyapunov",
+            args.lyapunov && args.quiet && !has_file,
+            "with --quiet it is not printed, and there is no --out, --plot or --checkpoint",
         ),
         (
             "--refuse",

@@ -6,10 +6,14 @@ use equip_integrate::{NoObserver, Run};
 use equip_scalar::Float;
 use equip_scenes::Instance;
 
-/// Up to this many steps a line from step to step would show its corners.
-pub(crate) const FEW: u64 = 1500;
-/// Points of the curve in a step.
+/// Runs of more steps are drawn by their steps alone.
+const MOST_STEPS: u64 = 12_000;
+/// Numbers of all stages of the run at most, which dense output keeps: 64 MB.
+const MOST_NUMBERS: u64 = 4_000_000;
+/// Points of the curve in a step, and coordinates of all points at most: fewer are kept where there are many
+/// steps or bodies.
 const PER_STEP: i64 = 12;
+const MOST_COORDINATES: usize = 90_000;
 
 /// The paths of these components of y = (q, p) up to the end of `run`, if it has few steps.
 pub(crate) fn curve<T: Float>(
@@ -18,10 +22,14 @@ pub(crate) fn curve<T: Float>(
     run: &Run<T>,
     components: Vec<usize>,
 ) -> Option<Path> {
-    if components.is_empty() || run.certificate().counts.steps > FEW {
+    let certificate = run.certificate();
+    let steps = certificate.counts.steps;
+    let (stages, unknowns) = (certificate.method.stage_count(), 2 * run.last().1.len());
+    let numbers = steps.saturating_mul((stages * unknowns) as u64);
+    if components.is_empty() || steps > MOST_STEPS || numbers > MOST_NUMBERS {
         return None;
     }
-    let end = run.certificate().end;
+    let end = certificate.end;
     let again = integrator
         .dense()
         .integrate(instance, None, end, &mut NoObserver);
@@ -31,7 +39,7 @@ pub(crate) fn curve<T: Float>(
         Err(failure) => *failure.partial?,
     };
     let trajectory = run.trajectory()?;
-    let mut path = Path::new(components);
+    let mut path = Path::with_room(components, MOST_COORDINATES);
     let mut index = 0;
     for pair in run.times().windows(2) {
         for k in 0..PER_STEP {

@@ -6,11 +6,12 @@ use crate::run::progress::Progress;
 use crate::run::signals;
 use crate::write::checkpoint::Saver;
 use crate::write::csv::{Mark, Row, Rows};
+use crate::write::lock::{self, unwritten};
 use equip_integrate::{Checkpoint, Observer, Run, StepView};
 use equip_scalar::Float;
 use std::fs::File;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Files are made at the first step: late enough to leave them alone on bad input, early enough to miss no
 /// hour's work.
@@ -31,8 +32,8 @@ pub(crate) struct Watch<'a, T> {
     pub(crate) drawing: Option<File>,
     /// Keeps checkpoints.
     pub(crate) saver: Option<Saver>,
-    /// Whether the run goes on from a checkpoint.
-    pub(crate) resumed: bool,
+    /// Of a run that goes on from a checkpoint.
+    pub(crate) resumed: Option<Resumed>,
     at_end: bool,
     /// Whether a run can be gone on with from here, and whether a run of this length has no other such place
     /// before it.
@@ -40,6 +41,15 @@ pub(crate) struct Watch<'a, T> {
     is_last_place: bool,
     fault: Option<Fault>,
     begun: bool,
+}
+
+/// What a run that goes on from a checkpoint has of the one before.
+#[derive(Debug, Default)]
+pub(crate) struct Resumed {
+    /// Its table, locked and checked.
+    pub(crate) table: Option<File>,
+    /// What the user is told when the run has begun.
+    pub(crate) notes: Vec<String>,
 }
 
 impl<'a, T: Float> Watch<'a, T> {
@@ -62,7 +72,7 @@ impl<'a, T: Float> Watch<'a, T> {
             rows: None,
             drawing: None,
             saver: None,
-            resumed: false,
+            resumed: None,
             at_end: false,
             is_on_grid: true,
             is_last_place: false,
@@ -75,19 +85,31 @@ impl<'a, T: Float> Watch<'a, T> {
     fn begin(&mut self) -> Result<(), Fault> {
         self.begun = true;
         let (q, p) = self.start;
-        if !self.resumed {
+        if self.resumed.is_none() {
             self.picture.path.see(0, |i| component(q, p, i));
         }
+        // All files are had before one of them is emptied.
+        let table = self
+            .resumed
+            .as_mut()
+            .and_then(|resumed| resumed.table.take());
+        let (is_new, table) = match (table, &self.out) {
+            (None, Some((path, _))) => (true, Some(lock::open(path)?)),
+            (table, _) => (false, table),
+        };
         if let Some(path) = &self.plot {
-            self.drawing = Some(File::create(path).map_err(|e| unwritten(path, e))?);
+            self.drawing = Some(lock::create(path)?);
         }
-        if let Some((path, mark)) = &self.out {
-            let rows = if self.resumed {
-                Rows::go_on(path, mark.clone())
+        if let (Some(table), Some((path, mark))) = (table, &self.out) {
+            let rows = if is_new {
+                lock::empty(&table).and_then(|()| Rows::start(table, mark.clone(), (q, p)))
             } else {
-                Rows::start(path, mark.clone(), (q, p))
+                Rows::go_on(table, mark.clone())
             };
             self.rows = Some(rows.map_err(|e| unwritten(path, e))?);
+        }
+        if let Some(resumed) = &self.resumed {
+            resumed.notes.iter().for_each(|note| eprintln!("{note}"));
         }
         Ok(())
     }
@@ -200,13 +222,6 @@ impl<T: Float> Observer<T> for Watch<'_, T> {
     fn checkpoint(&mut self, checkpoint: Checkpoint) -> ControlFlow<()> {
         let saved = self.save(checkpoint);
         self.go_on_if(saved)
-    }
-}
-
-fn unwritten(path: &Path, source: std::io::Error) -> Fault {
-    Fault::Write {
-        path: path.to_owned(),
-        source,
     }
 }
 

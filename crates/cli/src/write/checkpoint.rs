@@ -8,6 +8,7 @@
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
 use crate::number::number;
+use crate::write::checksum::checksum;
 use crate::write::csv::Mark;
 use equip_integrate::Checkpoint;
 use equip_scalar::DoubleDouble;
@@ -135,23 +136,15 @@ pub(crate) fn load(path: &Path) -> Result<Option<Saved>, Fault> {
         path: path.to_owned(),
         source,
     };
-    match std::fs::metadata(path) {
-        Ok(found) if !found.is_file() => {
-            return Err(Fault::Option {
-                option: "--checkpoint",
-                value: path.display().to_string(),
-                expected: "an ordinary file",
-            });
-        }
-        Ok(_) => {}
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(read(error)),
-    }
     let not_one = |what| Fault::NotACheckpoint {
         path: path.to_owned(),
         what,
     };
-    let mut file = File::open(path).map_err(read)?;
+    let mut file = match File::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(error) => return Err(read(error)),
+    };
     let mut bytes = Vec::new();
     // Of a file that is something else, of any size, no more than this is read.
     let mut head = (&file).take(NAME.len() as u64);
@@ -182,26 +175,4 @@ fn parse(bytes: &[u8]) -> Result<Saved, &'static str> {
         return Err("it is not as it was written, by its checksum");
     }
     serde_json::from_slice(text).map_err(|_| "it holds something else than a run")
-}
-
-/// FNV-1a with 64 bits: every step is one to one, so that a change within one byte is always seen.
-fn checksum(bytes: &[u8]) -> u64 {
-    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0000_0100_0000_01b3;
-    bytes.iter().fold(BASIS, |sum, &byte| {
-        (sum ^ u64::from(byte)).wrapping_mul(PRIME)
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::checksum;
-
-    /// Values of the authors of the checksum, <http://www.isthe.com/chongo/tech/comp/fnv/>.
-    #[test]
-    fn checksums_are_those_of_fnv_1a() {
-        assert_eq!(checksum(b""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(checksum(b"a"), 0xaf63_dc4c_8601_ec8c);
-        assert_eq!(checksum(b"foobar"), 0x8594_4171_f739_67e8);
-    }
 }

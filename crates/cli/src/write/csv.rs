@@ -5,11 +5,12 @@
 //! Where a deviation is followed there are two more columns, `lyapunov,megno`, empty in the first row.
 
 use crate::fault::Fault;
+use crate::write::lock;
 use equip_integrate::ChaosIndicators;
 use equip_scalar::Float;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -59,11 +60,12 @@ impl Mark {
         }
     }
 
-    /// Whether the table in `path` is the one that was written up to this mark, by one that is `wanted`.
+    /// Opens the table in `path`, locked, if it is the one that was written up to this mark, by one that is
+    /// `wanted`.
     ///
     /// # Errors
-    /// [`Fault::Table`], with what is missing.
-    pub(crate) fn check(&self, path: &Path, wanted: &Mark) -> Result<(), Fault> {
+    /// [`Fault::Table`], with what is missing; [`Fault::InUse`].
+    pub(crate) fn open(&self, path: &Path, wanted: &Mark) -> Result<File, Fault> {
         let wrong = |what: String| Fault::Table {
             path: path.to_owned(),
             what,
@@ -81,7 +83,10 @@ impl Mark {
                 "it was written with --every {before}, not {now}"
             )));
         }
-        let mut file = File::open(path).map_err(io)?;
+        let mut file = lock::reopen(path).map_err(|fault| match fault {
+            Fault::Write { source, .. } => io(source),
+            other => other,
+        })?;
         let length = file.metadata().map_err(io)?.len();
         let read = |file: &mut File, from: u64, count: usize| {
             let mut text = vec![0; count];
@@ -112,7 +117,7 @@ impl Mark {
                 time(&self.last_row)
             )));
         }
-        Ok(())
+        Ok(file)
     }
 }
 
@@ -132,13 +137,13 @@ pub(crate) struct Row<'a, T> {
 }
 
 impl Rows {
-    /// Makes the table and writes the header and the initial state.
+    /// Writes the header and the initial state to an empty file.
     pub(crate) fn start<T: Float>(
-        path: &Path,
+        file: File,
         mark: Mark,
         (q, p): (&[T], &[T]),
     ) -> io::Result<Self> {
-        let out = BufWriter::new(File::create(path)?);
+        let out = BufWriter::new(file);
         let mut rows = Rows { out, mark };
         let header = format!("{}\n", rows.mark.header);
         rows.put(header)?;
@@ -155,10 +160,9 @@ impl Rows {
         Ok(rows)
     }
 
-    /// Goes on with the table in `path` from a mark that it was checked against; rows behind it were made by
-    /// steps that are made again.
-    pub(crate) fn go_on(path: &Path, mark: Mark) -> io::Result<Self> {
-        let mut file = OpenOptions::new().write(true).open(path)?;
+    /// Goes on with a table from the mark that opened it; rows behind it were made by steps that are made
+    /// again.
+    pub(crate) fn go_on(mut file: File, mark: Mark) -> io::Result<Self> {
         if file.metadata()?.len() != mark.bytes {
             file.set_len(mark.bytes)?;
         }
@@ -239,6 +243,7 @@ pub(crate) fn digits<T: Float>(x: T) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Mark, Row, Rows, digits};
+    use crate::write::lock;
     use equip_scalar::{DoubleDouble, Float};
 
     #[test]
@@ -263,7 +268,8 @@ mod tests {
             chaos: None,
         };
         let mark = Mark::new(1, 2, false);
-        let mut rows = Rows::start(&path, mark.clone(), (&[0.5], &[2.0])).unwrap();
+        let mut rows =
+            Rows::start(lock::create(&path).unwrap(), mark.clone(), (&[0.5], &[2.0])).unwrap();
         for index in 1..=3 {
             rows.step(row(index), false).unwrap();
         }
@@ -273,8 +279,8 @@ mod tests {
         let expected = "t,q1,p1,energy_defect,outcome\n0e0,5e-1,2e0,0e0,\"start\"\n2e0,5e-1,2e0,,\"a, b\"\n3e0,5e-1,2e0,,\"a, b\"\n";
         assert_eq!(text(), expected);
         // From the mark on the last row is written again.
-        assert!(at.check(&path, &mark).is_ok());
-        Rows::go_on(&path, at).unwrap().finish(row(3)).unwrap();
+        let file = at.open(&path, &mark).unwrap();
+        Rows::go_on(file, at).unwrap().finish(row(3)).unwrap();
         assert_eq!(text(), expected);
         std::fs::remove_file(&path).unwrap();
     }

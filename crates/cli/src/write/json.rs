@@ -112,6 +112,8 @@ struct Document<'a> {
     energy_kept_on_every_step: bool,
     invariants: Vec<Quantity>,
     outcomes: BTreeMap<&'static str, u64>,
+    /// Steps whose defect was carried, for whatever reason.
+    carried: u64,
     alpha_range: Vec<[Number; 2]>,
     chaos: Option<Chaos>,
     work: Work,
@@ -163,6 +165,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             .iter()
             .map(|o| (o.label(), counts.outcome(*o)))
             .collect(),
+        carried: counts.carried(),
         alpha_range: certificate
             .alpha_range
             .iter()

@@ -1,24 +1,28 @@
 //! The file of an ensemble: its options, and a row of comma-separated values for every member made.
 //!
 //! The first line is `# equip ensemble`, the version of the format, and the options as JSON: all that the
-//! bits of the rows depend on. The second has the names of the columns. Rows stand in the order in which they
-//! were finished until all are there; then the file is written anew in the order of the members, beside the
-//! old one, whose name it takes.
+//! bits of the rows depend on. The second has the names of the columns, of which the last is a checksum of
+//! the options, whatever the shard, and the row: what was changed is refused. Rows stand in the order in
+//! which they were finished until all are there; then the file is written anew in the order of the members,
+//! beside the old one, whose name it takes.
 
 use crate::args::Shard;
 use crate::fault::Fault;
+use crate::write::checkpoint::unfinished;
+use crate::write::checksum::{checksum, continued};
 use crate::write::csv::digits;
+use crate::write::lock::{self, unwritten};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::fs::{File, OpenOptions};
-use std::io::{BufWriter, ErrorKind, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// What the first line begins with.
-const NAME: &str = "# equip ensemble 1 ";
+const NAME: &str = "# equip ensemble 2 ";
 
 /// All that the rows of an ensemble depend on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -67,7 +71,23 @@ impl Head {
         let differs = |(name, value): &(&String, &Value)| theirs.get(*name) != Some(value);
         let (name, value) = ours.iter().find(differs)?;
         let theirs = theirs.get(name).unwrap_or(&Value::Null);
-        Some((name.clone(), value.to_string(), theirs.to_string()))
+        if name == "parameters" {
+            let mut pairs = self.parameters.iter().zip(&other.parameters);
+            if let Some((ours, theirs)) = pairs.find(|(ours, theirs)| ours != theirs) {
+                return Some((ours.0.clone(), ours.1.clone(), theirs.1.clone()));
+            }
+        }
+        let word = |value: &Value| match value {
+            Value::String(text) => text.clone(),
+            Value::Null => "none".to_owned(),
+            Value::Array(pair) => pair
+                .iter()
+                .map(Value::to_string)
+                .collect::<Vec<_>>()
+                .join("/"),
+            other => other.to_string(),
+        };
+        Some((name.clone(), word(value), word(theirs)))
     }
 
     /// The two lines before the rows.
@@ -86,8 +106,31 @@ impl Head {
         };
         columns("_start");
         columns("");
-        text += ",energy_defect,steps,energy_kept,error\n";
+        text += ",energy_defect,steps,energy_kept,error,checksum\n";
         Ok(text)
+    }
+}
+
+/// The checksum that those of the rows go on from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seal(u64);
+
+impl Seal {
+    /// # Errors
+    /// If the options cannot be written as text.
+    pub(crate) fn of(head: &Head) -> std::io::Result<Self> {
+        Ok(Seal(checksum(head.whole().text()?.as_bytes())))
+    }
+
+    /// The row with its checksum and the end of its line.
+    fn close(self, row: &str) -> String {
+        format!("{row},{:016x}\n", continued(self.0, row.as_bytes()))
+    }
+
+    /// Whether a line is as it was written.
+    fn is_whole(self, line: &str) -> bool {
+        let row = line.rsplit_once(',').map(|(row, _)| self.close(row));
+        row.as_deref() == Some(line)
     }
 }
 
@@ -105,7 +148,7 @@ pub(crate) struct Row<'a> {
 
 impl Row<'_> {
     /// The row as a line, its end included.
-    pub(crate) fn text(&self) -> String {
+    pub(crate) fn text(&self, seal: Seal) -> String {
         let mut text = self.member.to_string();
         let mut put = |x: f64| {
             text.push(',');
@@ -118,8 +161,8 @@ impl Row<'_> {
         self.end.1.iter().for_each(|&x| put(x));
         put(self.energy_defect);
         let error = self.error.replace('"', "\"\"").replace('\n', " ");
-        let _ = writeln!(text, ",{},{},\"{error}\"", self.steps, self.energy_kept);
-        text
+        let _ = write!(text, ",{},{},\"{error}\"", self.steps, self.energy_kept);
+        seal.close(&text)
     }
 }
 
@@ -141,25 +184,19 @@ impl Members {
     }
 }
 
-/// The ensemble in a file; `None` if there is no such file.
+/// The ensemble in the file `path`, read from `file`.
 ///
 /// # Errors
 /// If the file cannot be read, or is not that of an ensemble.
-pub(crate) fn load(path: &Path) -> Result<Option<Members>, Fault> {
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(source) => {
-            let path = path.to_owned();
-            return Err(Fault::Read { path, source });
-        }
-    };
+pub(crate) fn read(path: &Path, file: &mut File) -> Result<Members, Fault> {
+    let path = || path.to_owned();
+    let mut bytes = Vec::new();
+    (file.read_to_end(&mut bytes)).map_err(|source| Fault::Read {
+        path: path(),
+        source,
+    })?;
     parse(&String::from_utf8_lossy(&bytes))
-        .map(Some)
-        .map_err(|what| Fault::NotAnEnsemble {
-            path: path.to_owned(),
-            what,
-        })
+        .map_err(|what| Fault::NotAnEnsemble { path: path(), what })
 }
 
 fn parse(text: &str) -> Result<Members, String> {
@@ -179,8 +216,15 @@ fn parse(text: &str) -> Result<Members, String> {
     };
     // A row without an end was being written when the program was killed.
     let whole = lines.rfind('\n').map_or(0, |at| at + 1);
+    let seal = Seal::of(&head).map_err(|_| no_head())?;
     let mut rows = BTreeMap::new();
     for line in lines[..whole].split_inclusive('\n') {
+        if !seal.is_whole(line) {
+            return Err(format!(
+                "the row that begins with {} is not as it was written, by its checksum; without that line it is made again",
+                line.chars().take(40).collect::<String>().trim_end()
+            ));
+        }
         let member = line.split(',').next().and_then(|cell| cell.parse().ok());
         let Some(member) = member.filter(|member| head.members().contains(member)) else {
             return Err(format!(
@@ -205,37 +249,50 @@ pub(crate) struct Growing {
 }
 
 impl Growing {
-    /// Makes the file of the ensemble, or goes on with what `found` says is in it.
-    pub(crate) fn open(path: &Path, head: &Head, found: Option<&Members>) -> Result<Self, Fault> {
-        let made = || {
-            let mut file = OpenOptions::new()
-                .write(true)
-                .create(true)
-                .truncate(false)
-                .open(path)?;
-            file.set_len(found.map_or(0, |found| found.bytes))?;
-            file.seek(SeekFrom::End(0))?;
-            if found.is_none() {
-                file.write_all(head.text()?.as_bytes())?;
+    /// Opens the file of the ensemble, locked, and reads what is in it; it is made if it is not there.
+    ///
+    /// # Errors
+    /// If it is not the file of this shard of this ensemble, or another program writes it.
+    pub(crate) fn open(path: &Path, head: &Head) -> Result<(Self, Members), Fault> {
+        let mut file = lock::reopen_or_make(path)?;
+        let fault = |source| unwritten(path, source);
+        // One that was killed before its first line has nothing in its file.
+        let found = if file.metadata().map_err(fault)?.len() > 0 {
+            let found = read(path, &mut file)?;
+            if let Some((what, stored, now)) = found.head.difference(head) {
+                return Err(Fault::OtherEnsemble {
+                    path: path.to_owned(),
+                    what,
+                    stored,
+                    now,
+                });
             }
-            Ok(file)
+            file.set_len(found.bytes).map_err(fault)?;
+            file.seek(SeekFrom::End(0)).map_err(fault)?;
+            found
+        } else {
+            let text = head.text().map_err(fault)?;
+            file.write_all(text.as_bytes()).map_err(fault)?;
+            Members {
+                head: head.clone(),
+                rows: BTreeMap::new(),
+                bytes: text.len() as u64,
+            }
         };
-        Ok(Growing {
-            file: made().map_err(|source| write_fault(path, source))?,
-            path: path.to_owned(),
-        })
+        let path = path.to_owned();
+        Ok((Growing { path, file }, found))
     }
 
     /// Adds a row: from here on it outlives the program.
     pub(crate) fn add(&mut self, row: &str) -> Result<(), Fault> {
         let added = self.file.write_all(row.as_bytes());
-        added.map_err(|source| write_fault(&self.path, source))
+        added.map_err(|source| unwritten(&self.path, source))
     }
 
     /// Brings what was written to the disk.
     pub(crate) fn sync(&self) -> Result<(), Fault> {
         let synced = self.file.sync_data();
-        synced.map_err(|source| write_fault(&self.path, source))
+        synced.map_err(|source| unwritten(&self.path, source))
     }
 }
 
@@ -245,10 +302,10 @@ pub(crate) fn write<'a>(
     head: &Head,
     rows: impl Iterator<Item = &'a String>,
 ) -> Result<(), Fault> {
-    let mut beside = path.to_owned().into_os_string();
-    beside.push(".new");
+    let beside = unfinished(path);
+    let file = lock::create(&beside)?;
     let written = || {
-        let mut out = BufWriter::new(File::create(&beside)?);
+        let mut out = BufWriter::new(file);
         out.write_all(head.text()?.as_bytes())?;
         for row in rows {
             out.write_all(row.as_bytes())?;
@@ -257,12 +314,7 @@ pub(crate) fn write<'a>(
         out.get_ref().sync_all()?;
         std::fs::rename(&beside, path)
     };
-    written().map_err(|source| write_fault(path, source))
-}
-
-fn write_fault(path: &Path, source: std::io::Error) -> Fault {
-    let path = path.to_owned();
-    Fault::Write { path, source }
+    written().map_err(|source| unwritten(path, source))
 }
 
 impl From<Shard> for (u64, u64) {
@@ -273,7 +325,7 @@ impl From<Shard> for (u64, u64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Head, parse};
+    use super::{Head, Seal, parse};
 
     fn head(n: u64, shard: (u64, u64)) -> Head {
         Head {
@@ -305,12 +357,26 @@ mod tests {
     #[test]
     fn half_rows_do_not_count_and_strange_ones_are_refused() {
         let before = head(4, (2, 2)).text().unwrap();
-        let found = parse(&format!("{before}3,whole\n2,hal")).unwrap();
+        let seal = Seal::of(&head(4, (2, 2))).unwrap();
+        let row = seal.close("3,whole");
+        let found = parse(&format!("{before}{row}2,hal")).unwrap();
         assert_eq!(found.missing(), [2]);
-        assert_eq!(found.bytes as usize, before.len() + "3,whole\n".len());
-        for wrong in ["1,of another shard\n", "4,none\n", "x\n"] {
-            assert!(parse(&format!("{before}{wrong}")).is_err());
+        assert_eq!(found.bytes as usize, before.len() + row.len());
+        for wrong in ["1,of another shard", "4,none", "x"] {
+            assert!(parse(&format!("{before}{}", seal.close(wrong))).is_err());
         }
+        for place in 0..row.len() - 1 {
+            let mut bytes = row.clone().into_bytes();
+            bytes[place] ^= 1;
+            let changed = String::from_utf8(bytes).unwrap();
+            assert!(parse(&format!("{before}{changed}")).is_err(), "{changed}");
+        }
+        // The options belong to every row, the shard does not.
+        let mut other = head(4, (2, 2));
+        other.seed = 1;
+        assert!(parse(&format!("{}{row}", other.text().unwrap())).is_err());
+        let whole = head(4, (1, 1)).text().unwrap();
+        assert!(parse(&format!("{whole}{row}")).is_ok());
         assert!(parse("member,q1\n").is_err() && parse("").is_err());
     }
 }

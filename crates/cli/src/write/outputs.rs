@@ -1,6 +1,7 @@
 //! Files that a command writes: apart from each other, and made before the work.
 
 use crate::fault::Fault;
+use crate::write::lock::{self, unwritten};
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -23,6 +24,22 @@ pub(crate) fn apart(outputs: &[(&'static str, Option<&Path>)]) -> Result<(), Fau
         }
     }
     Ok(())
+}
+
+/// Refuses a directory or a device where a file is to be replaced by another.
+///
+/// # Errors
+/// [`Fault::Option`].
+pub(crate) fn ordinary(option: &'static str, path: &Path) -> Result<(), Fault> {
+    match std::fs::metadata(path) {
+        Ok(found) if !found.is_file() => Err(Fault::Option {
+            option,
+            value: path.display().to_string(),
+            expected: "an ordinary file",
+        }),
+        // What else is wrong shows when it is opened.
+        _ => Ok(()),
+    }
 }
 
 /// A path in one form, whether there is a file or not.
@@ -82,7 +99,7 @@ pub(crate) struct Output {
 
 impl Output {
     pub(crate) fn create(path: &Path) -> Result<Self, Fault> {
-        let file = File::create(path).map_err(|source| unwritten(path, source))?;
+        let file = lock::create(path)?;
         let path = path.to_owned();
         Ok(Output { path, file })
     }
@@ -90,12 +107,5 @@ impl Output {
     pub(crate) fn write(mut self, text: &str) -> Result<(), Fault> {
         let written = self.file.write_all(text.as_bytes());
         written.map_err(|source| unwritten(&self.path, source))
-    }
-}
-
-fn unwritten(path: &Path, source: std::io::Error) -> Fault {
-    Fault::Write {
-        path: path.to_owned(),
-        source,
     }
 }

@@ -65,6 +65,61 @@ fn orbits_are_drawn_between_their_steps() {
     }
 }
 
+/// The path of 2100 steps is drawn by its curve, and that of a run too long for it by dots: steps are never
+/// joined by lines.
+#[test]
+fn lines_are_curves() {
+    let plot = file("many.svg");
+    let drawn = |until: &str| {
+        let path = plot.to_str().unwrap();
+        let arguments = [
+            "run",
+            "kepler",
+            "--step",
+            "0.3",
+            "--stages",
+            "8",
+            "--no-compare",
+        ];
+        stdout(&[&arguments[..], &["--until", until, "--plot", path]].concat());
+        let picture = std::fs::read_to_string(&plot).unwrap();
+        well_formed(&picture);
+        // Lines of the path, which is drawn before the energy.
+        let first = picture.split("<path d=\"").nth(1).unwrap();
+        first.split('"').next().unwrap().matches('L').count()
+    };
+    assert!(drawn("630") > 2100);
+    assert_eq!(drawn("4200"), 0);
+}
+
+#[test]
+fn pictures_of_runs_of_no_length_are_well_formed() {
+    let plot = file("nothing.svg");
+    for scene in ["kepler", "pendulum", "fpu", "outer-solar-system"] {
+        let path = plot.to_str().unwrap();
+        stdout(&["run", scene, "--until", "0", "--lyapunov", "--plot", path]);
+        well_formed(&std::fs::read_to_string(&plot).unwrap());
+    }
+}
+
+#[test]
+fn sizes_of_steps_have_the_unit_of_the_scene() {
+    let plot = file("units.svg");
+    let path = plot.to_str().unwrap();
+    stdout(&[
+        "run",
+        "outer-solar-system",
+        "--until",
+        "4000",
+        "--plot",
+        path,
+    ]);
+    let picture = std::fs::read_to_string(&plot).unwrap();
+    for words in ["20 steps of 200 days", "x / AU", "time t / days"] {
+        assert!(picture.contains(words), "{words}");
+    }
+}
+
 #[test]
 fn growth_is_drawn() {
     let (plot, csv) = (file("growth.svg"), file("growth.csv"));

@@ -12,25 +12,27 @@ use equip_scalar::Float;
 /// goes on from.
 ///
 /// # Errors
-/// A checkpoint of a run that followed no deviation.
+/// A checkpoint of a run that followed no deviation where this one does, or the other way round.
 pub(crate) fn chaos_of_run<T: Float, E: Evaluate<T>, H: System<Evaluator<T> = E>>(
     system: &H,
     options: &Options<T>,
     stepper: &mut Stepper<T, E>,
     from: Option<&Checkpoint>,
 ) -> Result<Option<Chaos<T, E>>, IntegrateError<T>> {
+    let follows = from.map_or(options.chaos, |from| from.chaos.is_some());
+    if follows != options.chaos {
+        let word = |follows| if follows { "followed" } else { "none followed" };
+        return Err(IntegrateError::CheckpointMismatch {
+            what: "deviation",
+            stored: word(follows).to_owned(),
+            now: word(options.chaos).to_owned(),
+        });
+    }
     if !options.chaos {
         return Ok(None);
     }
     let mut chaos = Chaos::new(system, stepper, &any_deviation(2 * stepper.m));
-    if let Some(from) = from {
-        let Some(memory) = &from.chaos else {
-            return Err(IntegrateError::CheckpointMismatch {
-                what: "deviation",
-                stored: "none followed".to_owned(),
-                now: "followed".to_owned(),
-            });
-        };
+    if let Some(memory) = from.and_then(|from| from.chaos.as_ref()) {
         chaos.restore(memory)?;
     }
     Ok(Some(chaos))

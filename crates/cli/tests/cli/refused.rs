@@ -1,0 +1,71 @@
+//! Checkpoints that a run does not go on from: nothing is dropped, and what is said is only why.
+
+use crate::file;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A directory of one test alone, empty.
+fn directory(name: &str) -> PathBuf {
+    let path = file(&format!("refused-{name}"));
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+/// Exit code and standard error of `equip run kepler` with the checkpoint c in the directory.
+fn run(home: &Path, more: &[&str]) -> (Option<i32>, String) {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
+    program.current_dir(home);
+    program.args(["run", "kepler", "--checkpoint", "c"]);
+    let output = program.args(more).output().unwrap();
+    let text = String::from_utf8(output.stderr).unwrap();
+    (output.status.code(), text)
+}
+
+#[test]
+fn a_run_with_a_deviation_does_not_go_on_without() {
+    let home = directory("deviation");
+    assert_eq!(run(&home, &["--until", "2", "--lyapunov"]).0, Some(0));
+    let (code, text) = run(&home, &["--until", "3"]);
+    assert_eq!(code, Some(2), "{text}");
+    assert!(
+        text.contains("was made with --lyapunov, this run has it not"),
+        "{text}"
+    );
+    assert_eq!(run(&home, &["--until", "3", "--lyapunov"]).0, Some(0));
+}
+
+#[test]
+fn a_refused_run_does_not_say_that_it_goes_on() {
+    let home = directory("words");
+    let table = ["--out", "t.csv"];
+    let first = run(&home, &[&table[..], &["--until", "5"]].concat());
+    assert_eq!(first.0, Some(0));
+    let read = || std::fs::read(home.join("t.csv")).unwrap();
+    let before = read();
+    let until = ["--until", "9"];
+    for more in [
+        &["--stages", "6"][..],
+        &["--method", "gauss"],
+        &["--tolerance", "1e-9"],
+        &["--precision", "dd"],
+        &["--plot", "no/such/directory/p.svg"],
+        &[],
+    ] {
+        // The last one ends before the checkpoint.
+        let until = if more.is_empty() {
+            &["--until", "1"]
+        } else {
+            &until
+        };
+        let (code, text) = run(&home, &[&table[..], until, more].concat());
+        assert_ne!(code, Some(0), "{more:?}");
+        assert!(!text.contains("resuming"), "{more:?}: {text}");
+        assert!(read() == before, "{more:?}");
+    }
+    let (code, text) = run(&home, &[&table[..], &until].concat());
+    assert!(
+        code == Some(0) && text.contains("resuming at t = "),
+        "{text}"
+    );
+}

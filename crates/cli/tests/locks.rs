@@ -1,0 +1,159 @@
+//! Two programs do not write one file, and a program that was killed blocks none.
+#![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
+#![cfg(unix)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A directory of one test alone, empty.
+fn directory(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("locks-{name}"));
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+fn equip(home: &Path, arguments: &str) -> Command {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_equip"));
+    program.current_dir(home).args(arguments.split(' '));
+    program
+}
+
+fn output(home: &Path, arguments: &str) -> (Option<i32>, String) {
+    let Output { status, stderr, .. } = equip(home, arguments).output().unwrap();
+    (status.code(), String::from_utf8(stderr).unwrap())
+}
+
+/// A program that goes on until it is killed, from when these files are there.
+struct Running(Child);
+
+impl Running {
+    fn start(home: &Path, arguments: &str, files: &[&str]) -> Self {
+        let child = equip(home, arguments)
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let begun = Instant::now();
+        let is_there = |name: &&str| std::fs::metadata(home.join(name)).is_ok_and(|f| f.len() > 0);
+        while !files.iter().all(is_there) {
+            assert!(begun.elapsed() < Duration::from_secs(60), "{arguments}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        Running(child)
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.0.kill().unwrap();
+        self.0.wait().unwrap();
+    }
+}
+
+const LONG: &str = "run kepler --step 1/50 --until 1e9 --every 5000 --quiet";
+
+#[test]
+fn a_table_that_is_being_written_is_refused() {
+    let home = directory("table");
+    let running = Running::start(&home, &format!("{LONG} --out t.csv"), &["t.csv"]);
+    std::fs::write(home.join("p.svg"), "precious").unwrap();
+    let before = std::fs::metadata(home.join("t.csv")).unwrap().len();
+    let (code, error) = output(&home, "run kepler --until 1 --out t.csv --plot p.svg");
+    assert_eq!(code, Some(2), "{error}");
+    assert!(
+        error.contains("t.csv is being written by another program"),
+        "{error}"
+    );
+    assert!(std::fs::metadata(home.join("t.csv")).unwrap().len() >= before);
+    assert_eq!(std::fs::read(home.join("p.svg")).unwrap(), b"precious");
+    drop(running);
+    let (code, error) = output(&home, "run kepler --until 1 --out t.csv --plot p.svg");
+    assert_eq!(code, Some(0), "{error}");
+}
+
+#[test]
+fn a_checkpoint_that_is_being_written_is_refused() {
+    let home = directory("checkpoint");
+    let long = format!("{LONG} --checkpoint c --checkpoint-every 0.02");
+    let running = Running::start(&home, &long, &["c"]);
+    for arguments in [
+        "run kepler --until 1 --checkpoint c",
+        "run kepler --until 1 --checkpoint ./c --out t.csv",
+        "run pendulum --checkpoint c",
+    ] {
+        let (code, error) = output(&home, arguments);
+        assert_eq!(code, Some(2), "{error}");
+        assert!(
+            error.contains("c is being written by another program"),
+            "{error}"
+        );
+        assert!(!home.join("t.csv").exists());
+    }
+    drop(running);
+    // What the killed program leaves behind is no lock.
+    assert!(home.join("c.lock").exists());
+    drop(Running::start(&home, &long, &["c"]));
+    let (code, error) = output(&home, "run kepler --until 1 --checkpoint d");
+    assert_eq!((code, error.as_str()), (Some(0), ""));
+    assert!(!home.join("d.lock").exists());
+    let (code, error) = output(&home, "run kepler --until 1 --checkpoint e --out e.lock");
+    assert_eq!(code, Some(2), "{error}");
+    assert!(error.contains("name two files"), "{error}");
+}
+
+#[test]
+fn an_ensemble_that_is_being_made_is_refused() {
+    let home = directory("ensemble");
+    let long = "ensemble kepler --n 1000000 --until 100 --threads 1 --quiet --out e.csv";
+    let running = Running::start(&home, long, &["e.csv"]);
+    let (code, error) = output(&home, long);
+    assert_eq!(code, Some(2), "{error}");
+    assert!(
+        error.contains("e.csv is being written by another program"),
+        "{error}"
+    );
+    let (code, error) = output(&home, "ensemble kepler --n 2 --until 1 --quiet --out s.csv");
+    assert_eq!(code, Some(0), "{error}");
+    let (code, error) = output(&home, "merge s.csv --out e.csv");
+    assert_eq!(code, Some(2), "{error}");
+    assert!(
+        error.contains("e.csv is being written by another program"),
+        "{error}"
+    );
+    drop(running);
+    let (code, error) = output(&home, "merge s.csv --out e.csv --quiet");
+    assert_eq!((code, error.as_str()), (Some(0), ""));
+}
+
+/// An ensemble that was killed before its first line has an empty file.
+#[test]
+fn an_empty_file_is_an_ensemble_that_has_not_begun() {
+    let home = directory("empty");
+    std::fs::write(home.join("e.csv"), "").unwrap();
+    let made = "ensemble kepler --n 2 --until 1 --quiet --out";
+    assert_eq!(
+        output(&home, &format!("{made} e.csv")),
+        (Some(0), String::new())
+    );
+    assert_eq!(
+        output(&home, &format!("{made} f.csv")),
+        (Some(0), String::new())
+    );
+    let read = |name: &str| std::fs::read(home.join(name)).unwrap();
+    assert_eq!(read("e.csv"), read("f.csv"));
+}
+
+/// The file of an ensemble is replaced by another in the end: never a device.
+#[test]
+fn ensembles_go_into_ordinary_files() {
+    let home = directory("devices");
+    for path in ["/dev/null", "/dev/full", "."] {
+        let (code, error) = output(
+            &home,
+            &format!("ensemble kepler --n 2 --until 1 --out {path}"),
+        );
+        assert_eq!(code, Some(2), "{error}");
+        assert!(error.contains("an ordinary file"), "{error}");
+    }
+}
