@@ -104,7 +104,7 @@ fn no_drift_of_quadratic_invariants() {
 }
 
 #[test]
-#[ignore = "long, minutes: run with cargo test -p equip-tests --release --test all long::no_drift -- --ignored"]
+#[ignore = "known deficit, minutes: outer solar system 3.2 of a random walk, 2 allowed"]
 fn no_drift_in_a_million_steps() {
     no_drift([
         ("kepler", &[("e", "0.6")], 0.1, 1_000_000),
