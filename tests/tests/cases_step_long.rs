@@ -67,8 +67,8 @@ fn defects(trial: Trial<'_, f64>, invariant: &Hamiltonian, h: f64, steps: u64) -
     found
 }
 
-/// Quadratic invariants: rounding as a random walk, nothing linear. A scene each, its parameters, the step and
-/// the number of steps.
+/// Quadratic invariants: rounding as a random walk, nothing linear. A scene each, its parameters, the step
+/// and the number of steps.
 fn no_drift(cases: [(&str, Parameters<'_>, f64, u64); 5]) {
     let mut misses = Misses::default();
     for (name, parameters, h, steps) in cases {
