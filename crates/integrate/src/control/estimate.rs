@@ -192,14 +192,14 @@ impl<T: Float> Decay<T> {
         if inverse == T::int(0) {
             return [f64::NEG_INFINITY, 0.0];
         }
-        // ln θ, θ = |γ|/a_0.
+        // θ = |γ|/a_0; roots and ratios of them are taken by their logarithms.
         let theta = |x: T| (x * inverse).to_f64().abs();
         let beyond = self.beyond(row, ends, is_inset).map(theta);
         let tail = beyond[0].max(beyond[1]);
-        let [last, first_beyond] = [theta(row[s - 1]), beyond[0]].map(f64::ln);
+        let logs = [theta(row[s - 1]), beyond[0]].map(f64::ln);
         let from = |degree: usize, unit: f64| {
-            let decays = [(s - 1, last), (s, first_beyond)].map(|(k, theta)| match k {
-                k if k > degree => (theta - unit) / (k - degree) as f64,
+            let decays = [s - 1, s].map(|k| match k {
+                k if k > degree => (logs[k + 1 - s] - unit) / (k - degree) as f64,
                 _ => f64::NEG_INFINITY,
             });
             decays[0].max(decays[1])
