@@ -11,17 +11,16 @@
 //! Cost: s² products for each component that K is applied to.
 
 use crate::layout::row::{
-    HALF, difference, has_pairs, largest, literal, placed, rows, rows_mut, stride_for,
+    HALF, difference, fills_two, largest, literal, placed, rows, rows_mut, stride_for,
 };
-use crate::matrix::product::{Columns, Mixes, Packed, Square, product_any};
+use crate::matrix::product::{Columns, Mixes, Packed, Sixteen, Square, product_any};
 use equip_scalar::{Float, Pack};
 use std::ops::Range;
 
 /// What all forms need: the method, the start of the step, and where things go. Component c of stage i stands
 /// at `c·stride + i`.
 pub(crate) struct Step<'a, T> {
-    /// K(α), column by column; or P and Q, by pairs of stages. Of an incremental sweep K B
-    /// K, column by column.
+    /// K(α) column by column, or K B K of an incremental sweep.
     pub(crate) k: &'a [T],
     /// h b_i.
     pub(crate) hb: &'a [T],
@@ -32,8 +31,8 @@ pub(crate) struct Step<'a, T> {
     pub(crate) inverse_scale: &'a [T],
     pub(crate) gradients: &'a mut [T],
     pub(crate) l: &'a mut [T],
-    /// What the products read, if it is not L: room for as much. Of blocks, one block.
-    pub(crate) folded: &'a mut [T],
+    /// Room for ΔL of an incremental sweep.
+    pub(crate) delta: &'a mut [T],
     pub(crate) z: &'a mut [T],
     pub(crate) points: &'a mut [T],
     pub(crate) s: usize,
@@ -41,12 +40,6 @@ pub(crate) struct Step<'a, T> {
 
 /// A form of the sweep, for any lengths.
 pub(crate) trait Mix<'a, T: Float> {
-    /// Its matrix for sixteen stages of doubles.
-    type Sixteen: Mixes<T, 2, HALF>;
-    /// The same where it stands.
-    type There: Mixes<T, 2, HALF>;
-    fn sixteen(k: &'a [T]) -> Self::Sixteen;
-    fn there(k: &'a [T]) -> Self::There;
     fn step(&mut self) -> &mut Step<'a, T>;
     /// Components whose Z is made.
     fn unknowns(&self) -> usize;
@@ -67,7 +60,7 @@ pub(crate) trait Mix<'a, T: Float> {
         let (k, s) = (self.step().k, self.step().s);
         if T::IS_DOUBLE {
             match stride_for::<T>(s) {
-                _ if has_pairs::<T>(s) => self.by_rows(&Self::sixteen(k)),
+                _ if fills_two::<T>(s) => self.by_rows(&Sixteen::<T, HALF>::of(k)),
                 4 => self.square::<4>(k),
                 8 => self.square::<8>(k),
                 16 => self.by_rows(&Columns::<T, 2, 8>(&rows(k)[..s])),
@@ -128,7 +121,7 @@ impl<'a, T: Float> Step<'a, T> {
             inverse_scale: T::as_doubles(self.inverse_scale)?,
             gradients: T::as_doubles_mut(self.gradients)?,
             l: T::as_doubles_mut(self.l)?,
-            folded: T::as_doubles_mut(self.folded)?,
+            delta: T::as_doubles_mut(self.delta)?,
             z: T::as_doubles_mut(self.z)?,
             points: T::as_doubles_mut(self.points)?,
             s: self.s,
@@ -144,13 +137,12 @@ impl<'a, T: Float> Step<'a, T> {
         change: &mut Moved<N>,
     ) {
         let l = &rows::<T, G, N>(self.l)[block.clone()];
-        let folded = &rows::<T, G, N>(self.folded)[..block.len()];
         let z = &mut rows_mut::<T, G, N>(self.z)[block.clone()];
         let points = &mut rows_mut::<T, G, N>(self.points)[block.clone()];
         let (hi, lo) = (&self.hi[block.clone()], &self.lo[block.clone()]);
         let inverse_scale = &self.inverse_scale[block.clone()];
         for c in 0..block.len() {
-            let moved = k.product(k.reads(&folded[c], &l[c]));
+            let moved = k.product(&l[c]);
             for g in 0..G {
                 change.see(&difference(&moved[g], &z[c][g]), inverse_scale[c]);
                 points[c][g] = placed(hi[c], lo[c], &moved[g]);
@@ -169,7 +161,7 @@ impl<'a, T: Float> Step<'a, T> {
             inverse_scale: self.inverse_scale,
             gradients: self.gradients.as_chunks().0,
             l: self.l.as_chunks_mut().0,
-            folded: self.folded.as_chunks_mut().0,
+            delta: self.delta.as_chunks_mut().0,
             z: self.z.as_chunks_mut().0,
             points: self.points.as_chunks_mut().0,
             s: self.s,
@@ -186,7 +178,7 @@ pub(crate) struct Views<'a, T, const N: usize> {
     pub(crate) inverse_scale: &'a [T],
     pub(crate) gradients: &'a [[T; N]],
     pub(crate) l: &'a mut [[T; N]],
-    pub(crate) folded: &'a mut [[T; N]],
+    pub(crate) delta: &'a mut [[T; N]],
     pub(crate) z: &'a mut [[T; N]],
     pub(crate) points: &'a mut [[T; N]],
     pub(crate) s: usize,
@@ -292,7 +284,7 @@ mod tests {
         k.resize(stride * stride, 0.0);
         let hb = padded(&numbers(s, 2));
         let [hi, lo, inverse_scale, w, b] = [3, 4, 5, 6, 7].map(|seed| numbers(2 * m, seed));
-        let [mut gradients, mut l, mut folded, mut z, mut points] =
+        let [mut gradients, mut l, mut delta, mut z, mut points] =
             [8, 9, 10, 11, 12].map(|seed| padded(&numbers(2 * m * s, seed)));
         let step = Step {
             k: &k,
@@ -302,7 +294,7 @@ mod tests {
             inverse_scale: &inverse_scale,
             gradients: &mut gradients,
             l: &mut l,
-            folded: &mut folded,
+            delta: &mut delta,
             z: &mut z,
             points: &mut points,
             s,

@@ -5,7 +5,6 @@ use crate::forms::form::{Mix, Moved, Step};
 use crate::forms::fused::{Small, rows_of, settle};
 use crate::layout::conjugate::conjugate;
 use crate::layout::row::{Row, literal, rows, rows_mut, times};
-use crate::matrix::parity::{Blocks, Parts};
 use crate::matrix::product::Mixes;
 use equip_autodiff::Slopes;
 use equip_scalar::{Float, Kernel, Lanes};
@@ -38,19 +37,6 @@ impl<'a, T: Float> Whole<'a, T> {
 }
 
 impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
-    type Sixteen = Blocks<Parts<T>>;
-    type There = Blocks<&'a Parts<T>>;
-
-    #[inline(always)]
-    fn sixteen(k: &'a [T]) -> Self::Sixteen {
-        Blocks::of(k)
-    }
-
-    #[inline(always)]
-    fn there(k: &'a [T]) -> Self::There {
-        Blocks::at(k)
-    }
-
     #[inline(always)]
     fn step(&mut self) -> &mut Step<'a, T> {
         &mut self.0
@@ -72,12 +58,9 @@ impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
         let hb: Row<T, G, N> = *literal(rows(step.hb).first());
         let gradients = rows::<T, G, N>(step.gradients);
         let l = rows_mut::<T, G, N>(step.l);
-        let folded = &mut rows_mut::<T, G, N>(step.folded)[..block.len()];
         for c in block.clone() {
             let (from, negative) = conjugate(c, step.hi.len());
-            let row: Row<T, G, N> = from_fn(|g| slope(&hb[g], &gradients[from][g], negative));
-            k.put(&row, &mut folded[c - block.start]);
-            l[c] = row;
+            l[c] = from_fn(|g| slope(&hb[g], &gradients[from][g], negative));
         }
         step.advance(k, block, change);
     }
@@ -108,13 +91,10 @@ impl<'a> Small<'a> for Whole<'a, f64> {
         let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
         let l = rows_of::<C, G, N>(step.l);
         let kept = rows_of::<C, G, N>(step.gradients);
-        let folded = rows_of::<C, G, N>(step.folded);
 
         for c in 0..C {
             let (from, negative) = conjugate(c, C);
-            let row: Row<f64, G, N> = from_fn(|g| slope(&hb[g], &slopes[g][from].0, negative));
-            folded[c] = k.folded(&row);
-            l[c] = row;
+            l[c] = from_fn(|g| slope(&hb[g], &slopes[g][from].0, negative));
             kept[c] = from_fn(|g| slopes[g][c].0);
         }
         settle::<C, G, N>(k, step)

@@ -8,7 +8,7 @@
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Step};
 use crate::layout::row::{HALF, OnLines, Row, difference, in_memory, literal, placed};
-use crate::matrix::product::{Anew, Mixes, Square};
+use crate::matrix::product::{Anew, Mixes, Sixteen, Square};
 use equip_autodiff::{Fused, Slopes};
 use std::array::from_fn;
 
@@ -53,13 +53,13 @@ impl<'a, S: Small<'a>, A: Again<f64>> Fused<HALF> for TwoGroups<S, A> {
 
     #[inline(always)]
     fn run<const C: usize>(&mut self, gradients: &impl Slopes<C, HALF>) -> f64 {
-        let k = S::sixteen(self.0.step().k);
+        let k = Sixteen::of(self.0.step().k);
         self.0.kernel(gradients, &k, &mut self.1)
     }
 
     #[inline(always)]
     fn run_narrow<const C: usize>(&mut self, gradients: &impl Slopes<C, HALF>) -> f64 {
-        let k = Anew(S::there(self.0.step().k));
+        let k = Anew(Sixteen::of(self.0.step().k));
         self.0.kernel(gradients, &k, &mut self.1)
     }
 }
@@ -92,18 +92,18 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
     f64::from_bits(most[0].cast_unsigned())
 }
 
-/// Z ← K L and the stages, from what the products read; the largest change of Z.
+/// Z ← K L and the stages; the largest change of Z.
 #[inline(always)]
 pub(crate) fn settle<const C: usize, const G: usize, const N: usize>(
     k: &impl Mixes<f64, G, N>,
     step: &mut Step<'_, f64>,
 ) -> f64 {
     let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
-    let (folded, z) = (rows_of::<C, G, N>(step.folded), rows_of::<C, G, N>(step.z));
+    let (l, z) = (rows_of::<C, G, N>(step.l), rows_of::<C, G, N>(step.z));
     let points = rows_of::<C, G, N>(step.points);
     let mut by = [[[0.0; N]; G]; C];
     for c in 0..C {
-        let moved = k.product(&folded[c]);
+        let moved = k.product(&l[c]);
         points[c] = from_fn(|g| placed(hi[c], lo[c], &moved[g]));
         for g in 0..G {
             by[c][g] = difference(&moved[g], &z[c][g]);

@@ -19,9 +19,9 @@ use crate::forms::form::{Mix, Moved, Step};
 use crate::forms::fused::{Small, change, numbers, rows_of};
 use crate::forms::separable::{Half, force};
 use crate::layout::row::{
-    HALF, OnLines, Row, add, difference, in_memory, literal, placed, rows, rows_mut, scaled,
+    OnLines, Row, add, difference, in_memory, literal, placed, rows, rows_mut, scaled,
 };
-use crate::matrix::product::{Mixes, Sixteen, product_any};
+use crate::matrix::product::{Mixes, product_any};
 use equip_autodiff::Slopes;
 use equip_scalar::{Float, Kernel, Pack};
 use std::array::from_fn;
@@ -62,19 +62,6 @@ impl<'a, T: Float> Draft<'a, T> {
 }
 
 impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
-    type Sixteen = Sixteen<'a, T, HALF>;
-    type There = Self::Sixteen;
-
-    #[inline(always)]
-    fn sixteen(k: &'a [T]) -> Self::Sixteen {
-        Sixteen(literal(rows(k).as_chunks().0.first_chunk()))
-    }
-
-    #[inline(always)]
-    fn there(k: &'a [T]) -> Self::There {
-        Self::sixteen(k)
-    }
-
     #[inline(always)]
     fn step(&mut self) -> &mut Step<'a, T> {
         &mut self.half.step
@@ -127,10 +114,10 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
         let groups = step.hb.len();
         let (q, p) = (c * groups, (c + m) * groups);
         for g in 0..groups {
-            step.folded[g] = moved(&step.hb[g], &step.gradients[q + g], &mut step.l[p + g]);
+            step.delta[g] = moved(&step.hb[g], &step.gradients[q + g], &mut step.l[p + g]);
         }
         for g in 0..groups {
-            let mixed = product_any(step.k, &step.folded[..groups], g, step.s);
+            let mixed = product_any(step.k, &step.delta[..groups], g, step.s);
             let by = scaled(&mixed, h * w);
             change.see(&by, step.inverse_scale[c]);
             add(&mut step.z[q + g], &by);
@@ -195,17 +182,17 @@ impl<'a> Small<'a> for Draft<'a, f64> {
         let to_z = rows_of::<C, G, N>(step.z);
         let to_q = rows_of::<C, G, N>(step.points);
         let (mut l, mut z, mut q) = (*to_l, *to_z, *to_q);
-        let folded = rows_of::<C, G, N>(step.folded);
+        let delta = rows_of::<C, G, N>(step.delta);
         loop {
             let slopes = gradients.at(&q);
             for c in 0..C {
                 for g in 0..G {
-                    folded[c][g] = moved(&hb[g], &slopes[g][c].0, &mut l[c][g]);
+                    delta[c][g] = moved(&hb[g], &slopes[g][c].0, &mut l[c][g]);
                 }
             }
             let mut by = [[[0.0; N]; G]; C];
             for c in 0..C {
-                let mixed = k.product(&folded[c]);
+                let mixed = k.product(&delta[c]);
                 for g in 0..G {
                     by[c][g] = scaled(&mixed[g], hw[c]);
                     add(&mut z[c][g], &by[c][g]);

@@ -7,7 +7,6 @@ use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};
 use crate::forms::fused::{Small, numbers, rows_of, settle};
 use crate::layout::row::{Row, in_memory, linear, literal, placed, rows, rows_mut, times};
-use crate::matrix::parity::{Blocks, Parts};
 use crate::matrix::product::Mixes;
 use equip_autodiff::Slopes;
 use equip_scalar::{Float, Kernel, Lanes, Pack};
@@ -50,19 +49,6 @@ impl<'a, T: Float> Half<'a, T> {
 }
 
 impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
-    type Sixteen = Blocks<Parts<T>>;
-    type There = Blocks<&'a Parts<T>>;
-
-    #[inline(always)]
-    fn sixteen(k: &'a [T]) -> Self::Sixteen {
-        Blocks::of(k)
-    }
-
-    #[inline(always)]
-    fn there(k: &'a [T]) -> Self::There {
-        Blocks::at(k)
-    }
-
     #[inline(always)]
     fn step(&mut self) -> &mut Step<'a, T> {
         &mut self.step
@@ -91,7 +77,6 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
         let (l_q, l_p) = rows_mut::<T, G, N>(step.l).split_at_mut(m);
         let (l_q, l_p) = (&mut l_q[block.clone()], &mut l_p[block.clone()]);
         let p = &mut rows_mut::<T, G, N>(step.points)[momenta.clone()];
-        let folded = &mut rows_mut::<T, G, N>(step.folded)[..len];
         let (hi, lo) = (&step.hi[momenta.clone()], &step.lo[momenta]);
         let w = &self.inverse_masses[block.clone()];
         let b = &self.offset[block.clone()];
@@ -107,7 +92,6 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
                     p[c][g] = momenta;
                 }
             }
-            k.put(&l_q[c], &mut folded[c]);
         }
         step.advance(k, block, change);
     }
@@ -195,20 +179,15 @@ impl<'a> Small<'a> for Half<'a, f64> {
         let (l_q, l_p) = (rows_of::<C, G, N>(l_q), rows_of::<C, G, N>(l_p));
         let p = rows_of::<C, G, N>(&mut step.points[C * G * N..]);
         let kept = rows_of::<C, G, N>(step.gradients);
-        let folded = rows_of::<C, G, N>(step.folded);
 
         for c in 0..C {
-            let l: Row<f64, G, N> = from_fn(|g| force(&hb[g], &slopes[g][c].0));
-            folded[c] = k.folded(&l);
-            l_p[c] = l;
+            l_p[c] = from_fn(|g| force(&hb[g], &slopes[g][c].0));
             kept[c] = from_fn(|g| slopes[g][c].0);
         }
         for c in 0..C {
-            let moved = k.product(&folded[c]);
+            let moved = k.product(&l_p[c]);
             let momenta: Row<f64, G, N> = from_fn(|g| placed(hi_p[c], lo_p[c], &moved[g]));
-            let l: Row<f64, G, N> = from_fn(|g| times(&hb[g], &linear(w[c], &momenta[g], b[c])));
-            folded[c] = k.folded(&l);
-            l_q[c] = l;
+            l_q[c] = from_fn(|g| times(&hb[g], &linear(w[c], &momenta[g], b[c])));
             if self.keeps_momenta {
                 p[c] = momenta;
             }

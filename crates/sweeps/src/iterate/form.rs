@@ -35,7 +35,7 @@ impl<T: Float> Iterate<T> {
             inverse_scale: &self.inverse_scale,
             gradients: &mut self.gradients,
             l: &mut self.l,
-            folded: &mut self.folded,
+            delta: &mut self.delta,
             z: &mut self.z,
             points: &mut self.points,
             s: self.s,

@@ -11,7 +11,7 @@
 use crate::layout::aligned::{Aligned, Places};
 use crate::layout::row::{by_lanes, groups_of, lanes_of, placed, stride_for};
 use crate::layout::state::State;
-use crate::matrix::coefficients::{Columns, length_of};
+use crate::matrix::coefficients::Columns;
 use crate::matrix::twofold::Twice;
 use crate::policy::MANY;
 use equip_autodiff::Kinetic;
@@ -41,7 +41,7 @@ pub struct Iterate<T: Float> {
     pub(crate) l: Aligned<T>,
     pub(crate) l_before: Aligned<T>,
     /// Room for what products read, if it is not L.
-    pub(crate) folded: Aligned<T>,
+    pub(crate) delta: Aligned<T>,
     /// Z of the unknown components, and room for another.
     pub(crate) z: Aligned<T>,
     pub(crate) z_before: Aligned<T>,
@@ -70,16 +70,16 @@ impl<T: Float> Iterate<T> {
         let stride = stride_for::<T>(s);
         let set = InstructionSet::best();
         // One column for each place of L, also the padding: all zero there.
-        let mut k = places.zeros(length_of::<T>(s));
-        let mut k_start = places.zeros(length_of::<T>(s));
-        let columns = Columns::new(gauss, true);
+        let mut k = places.zeros(stride * stride);
+        let mut k_start = places.zeros(stride * stride);
+        let columns = Columns::new(gauss);
         columns.fill(set, alphas, &mut k_start);
         k.copy_from_slice(&k_start);
         let kinetic = kinetic.filter(|kinetic| kinetic.diagonal().is_some());
         let hb = places.zeros(stride);
         let is_unperturbed = alphas.iter().all(|&alpha| alpha == T::int(0));
         let mut rows = || places.zeros(n * stride);
-        let [l, l_before, folded, z, z_before, points, gradients] = [(); 7].map(|()| rows());
+        let [l, l_before, delta, z, z_before, points, gradients] = [(); 7].map(|()| rows());
         let twofold = (kinetic.is_some() && is_unperturbed)
             .then(|| Twice::new(set, gauss, &k_start, (n >= MANY, &mut places)));
         Iterate {
@@ -96,7 +96,7 @@ impl<T: Float> Iterate<T> {
             h: T::int(0),
             l,
             l_before,
-            folded,
+            delta,
             z,
             z_before,
             points,

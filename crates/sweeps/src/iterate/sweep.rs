@@ -8,7 +8,7 @@ use crate::iterate::compiled::ready;
 use crate::iterate::form::Form;
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
-use crate::layout::row::{HALF, has_pairs};
+use crate::layout::row::{HALF, fills_two};
 use crate::layout::state::State;
 use equip_autodiff::{Evaluate, Kinetic};
 use equip_scalar::Float;
@@ -159,7 +159,7 @@ impl<T: Float> Iterate<T> {
             match self.stride {
                 4 => self.fuse::<4, E>(energy, y, again),
                 8 => self.fuse::<8, E>(energy, y, again),
-                16 if has_pairs::<T>(self.s) => self.fuse::<HALF, E>(energy, y, again),
+                16 if fills_two::<T>(self.s) => self.fuse::<HALF, E>(energy, y, again),
                 _ => None,
             }
         } else {
@@ -184,7 +184,7 @@ impl<T: Float> Iterate<T> {
         y: &State<T>,
         again: &mut impl Again<T>,
     ) -> Option<T> {
-        let two_groups = has_pairs::<T>(self.s);
+        let two_groups = fills_two::<T>(self.s);
         macro_rules! fused {
             ($method:ident, $task:expr, $again:expr) => {{
                 let task = $task.in_doubles()?;

@@ -27,9 +27,9 @@ pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
 /// Lanes of half of sixteen stages.
 pub(crate) const HALF: usize = 8;
 
-/// Whether `s` stages of this float are multiplied by pairs, with half the products.
+/// Whether `s` stages of this float fill two groups.
 #[inline(always)]
-pub(crate) fn has_pairs<T: Float>(s: usize) -> bool {
+pub(crate) fn fills_two<T: Float>(s: usize) -> bool {
     T::IS_DOUBLE && s == 2 * HALF
 }
 
@@ -154,21 +154,6 @@ pub(crate) fn linear<T: Float, const N: usize>(w: T, x: &[T; N], b: T) -> [T; N]
 #[inline(always)]
 pub(crate) fn add<T: Float, const N: usize>(a: &mut [T; N], b: &[T; N]) {
     *a = each_lane!(|i| a[i] + b[i], T::Pack::of(a) + T::Pack::of(b));
-}
-
-/// The sum of N terms, a power of 2. The first and the last are added first, and so on inwards: the chain of
-/// additions is short.
-#[inline(always)]
-pub(crate) fn sum_of<T: Float, const N: usize>(mut terms: [[T; N]; N]) -> [T; N] {
-    let mut count = N;
-    while count > 1 {
-        count /= 2;
-        for j in 0..count {
-            let other = terms[2 * count - 1 - j];
-            add(&mut terms[j], &other);
-        }
-    }
-    terms[0]
 }
 
 /// a x + b, of doubles rounded once. A loop: what is done in a closure is not always inlined, and calls for

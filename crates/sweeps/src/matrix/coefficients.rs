@@ -7,42 +7,34 @@
 
 use crate::MAX_STAGES;
 use crate::layout::aligned::{Aligned, Places};
-use crate::layout::row::{HALF, add, has_pairs, scaled, stride_for};
-use crate::matrix::parity::fill;
+use crate::layout::row::{add, scaled, stride_for};
 use equip_scalar::{Float, InstructionSet, Kernel, Pack, Piecewise, Scalar};
 use equip_tableau::Gauss;
 
-/// U(0) and the T_k, laid out as K is: column by column, or as P and Q of [`crate::matrix::parity`].
+/// U(0) and the T_k, laid out as K is: column by column.
 #[derive(Debug)]
 pub(crate) struct Columns<T> {
     unperturbed: Aligned<T>,
-    /// T_1 … T_{s−1}, one behind the other; none for α = 0 alone.
+    /// T_1 … T_{s−1}, one behind the other.
     basis: Aligned<T>,
-    /// ½ and 1 where K has an entry, 0 in the padding; none for P and Q, which are made of U alone.
-    half_and_one: Option<[Aligned<T>; 2]>,
+    /// ½ and 1 where K has an entry, 0 in the padding.
+    half_and_one: [Aligned<T>; 2],
     /// Numbers before the columns that are all padding.
     used: usize,
 }
 
 impl<T: Float> Columns<T> {
-    /// For any α's, or for α = 0 alone.
-    pub(crate) fn new(gauss: &Gauss<T>, any_alphas: bool) -> Self {
+    pub(crate) fn new(gauss: &Gauss<T>) -> Self {
         let (s, mut places) = (gauss.stages(), Places::default());
         let stride = stride_for::<T>(s);
-        let by_pairs = has_pairs::<T>(s);
         let lay_out = |entries: &[T], x: &mut [T]| {
-            let entry = |i: usize, j: usize| entries[i * s + j];
-            if by_pairs {
-                fill(entry, x);
-                return;
-            }
             for j in 0..s {
                 for i in 0..s {
-                    x[j * stride + i] = entry(i, j);
+                    x[j * stride + i] = entries[i * s + j];
                 }
             }
         };
-        let len = length_of::<T>(s);
+        let len = stride * stride;
         let mut laid_out = |entries: &[T]| {
             let mut x = places.zeros(len);
             lay_out(entries, &mut x);
@@ -51,9 +43,8 @@ impl<T: Float> Columns<T> {
         let mut u = vec![T::int(0); s * s];
         gauss.antisymmetric_into(&vec![T::int(0); s - 1], &mut u);
         let unperturbed = laid_out(&u);
-        let half_and_one =
-            (!by_pairs).then(|| [T::ratio(1, 2), T::int(1)].map(|x| laid_out(&vec![x; s * s])));
-        let mut basis = places.zeros(if any_alphas { (s - 1) * len } else { 0 });
+        let half_and_one = [T::ratio(1, 2), T::int(1)].map(|x| laid_out(&vec![x; s * s]));
+        let mut basis = places.zeros((s - 1) * len);
         for (k, x) in basis.chunks_exact_mut(len).enumerate() {
             lay_out(gauss.skew_basis(k + 1), x);
         }
@@ -61,7 +52,7 @@ impl<T: Float> Columns<T> {
             unperturbed,
             basis,
             half_and_one,
-            used: if by_pairs { len } else { s * stride },
+            used: s * stride,
         }
     }
 
@@ -88,15 +79,6 @@ pub(crate) fn both_ways<T: Float>(gauss: &Gauss<T>) -> [Vec<T>; 2] {
         }
     }
     [k, back]
-}
-
-/// Numbers that K, or P and Q, take.
-pub(crate) fn length_of<T: Float>(s: usize) -> usize {
-    if has_pairs::<T>(s) {
-        return 2 * HALF * HALF;
-    }
-    let stride = stride_for::<T>(s);
-    stride * stride
 }
 
 struct Fill<'a, T> {
@@ -152,15 +134,14 @@ impl<T: Float> Fill<'_, T> {
             }
         }
         let k = k.as_chunks_mut::<N>().0;
-        if let Some([half, one]) = &columns.half_and_one {
-            let constants = half.as_chunks().0.iter().zip(one.as_chunks().0);
-            for (k, (half, one)) in k.iter_mut().zip(constants) {
-                let u = T::Pack::of(k);
-                let large = T::Pack::of(half) + T::Pack::abs(u);
-                let small = T::Pack::of(one) - large;
-                let takes_large = T::Pack::at_most(T::Pack::splat(T::int(0)), u);
-                *k = T::Pack::choose(takes_large, large, small).numbers();
-            }
+        let [half, one] = &columns.half_and_one;
+        let constants = half.as_chunks().0.iter().zip(one.as_chunks().0);
+        for (k, (half, one)) in k.iter_mut().zip(constants) {
+            let u = T::Pack::of(k);
+            let large = T::Pack::of(half) + T::Pack::abs(u);
+            let small = T::Pack::of(one) - large;
+            let takes_large = T::Pack::at_most(T::Pack::splat(T::int(0)), u);
+            *k = T::Pack::choose(takes_large, large, small).numbers();
         }
     }
 }
@@ -189,19 +170,12 @@ mod tests {
     fn entries_are_those_of_the_tableau<T: Float>() {
         for s in 1..=20 {
             let gauss = Gauss::<T>::new(s).unwrap_or_else(|e| panic!("{e}"));
-            let (columns, stride) = (Columns::new(&gauss, true), stride_for::<T>(s));
+            let (columns, stride) = (Columns::new(&gauss), stride_for::<T>(s));
             let alphas: Vec<T> = (1..s as i64).map(|k| T::ratio(k * k - 3 * k, 7)).collect();
             for set in InstructionSet::available() {
-                let mut k = vec![T::int(0); length_of::<T>(s)];
+                let mut k = vec![T::int(0); stride * stride];
                 k[..columns.used].fill(T::NAN);
                 columns.fill(set, &alphas, &mut k);
-                if has_pairs::<T>(s) {
-                    let (p, q) = k.split_at(HALF * HALF);
-                    for (i, j) in (0..HALF).flat_map(|i| (0..HALF).map(move |j| (i, j))) {
-                        assert!(p[j * HALF + i] == -q[i * HALF + j], "s = {s}, {set:?}");
-                    }
-                    continue;
-                }
                 let mut expected = vec![T::int(0); stride * stride];
                 gauss.skew_columns_into(&alphas, stride, &mut expected);
                 assert!(k == expected, "s = {s}, {set:?}");

@@ -1,55 +1,28 @@
 //! K L for one component, K standing column by column. Products are fused and sums have one order
 //! ([`crate::layout::row::dot`]), so the bits are the same on every instruction set.
 //!
-//! Cost: s² products; by pairs of stages half of them.
+//! Cost: s² products.
 
 use crate::MAX_STAGES;
-use crate::layout::row::{HALF, OnLines, Row, add, dot, has_pairs, in_memory, literal, rows};
+use crate::layout::row::{HALF, Row, add, dot, fills_two, in_memory, literal, rows};
 use equip_scalar::{Float, Pack};
 use std::hint::black_box;
 
-/// K in one of the forms it is kept in. The product has two parts: what is read number by number is best read
-/// from memory, where the first part puts it.
+/// K in one of the forms it is kept in. What is read number by number is best read from memory.
 pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
-    /// Whether what the product reads is not L itself.
-    const FOLDS: bool = false;
-
-    /// What the product reads.
-    #[inline(always)]
-    fn folded(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
-        *l
-    }
-
-    fn product(&self, folded: &Row<T, G, N>) -> Row<T, G, N>;
+    /// K L of what stands in memory.
+    fn product(&self, l: &Row<T, G, N>) -> Row<T, G, N>;
 
     /// The same in packs, for what goes on with them.
     #[inline(always)]
-    fn packs(&self, folded: &Row<T, G, N>) -> [T::Pack<N>; G] {
-        self.product(folded).map(|row| T::Pack::of(&row))
+    fn packs(&self, l: &Row<T, G, N>) -> [T::Pack<N>; G] {
+        self.product(l).map(|row| T::Pack::of(&row))
     }
 
     /// K L of what has just been made.
     #[inline(always)]
     fn mixed(&self, l: &mut Row<T, G, N>) -> Row<T, G, N> {
-        if Self::FOLDS {
-            self.product(&in_memory(&mut OnLines(self.folded(l))).0)
-        } else {
-            self.product(in_memory(l))
-        }
-    }
-
-    /// Puts what the product reads where there is room for it, if it is not L itself.
-    #[inline(always)]
-    fn put(&self, l: &Row<T, G, N>, folded: &mut Row<T, G, N>) {
-        if Self::FOLDS {
-            *folded = self.folded(l);
-        }
-    }
-
-    /// What the product reads: what was put there, or L.
-    #[inline(always)]
-    fn reads<'a>(&self, folded: &'a Row<T, G, N>, l: &'a Row<T, G, N>) -> &'a Row<T, G, N> {
-        if Self::FOLDS { folded } else { l }
+        self.product(in_memory(l))
     }
 }
 
@@ -58,16 +31,9 @@ pub(crate) trait Mixes<T: Float, const G: usize, const N: usize> {
 pub(crate) struct Anew<M>(pub(crate) M);
 
 impl<T: Float, M: Mixes<T, G, N>, const G: usize, const N: usize> Mixes<T, G, N> for Anew<M> {
-    const FOLDS: bool = M::FOLDS;
-
     #[inline(always)]
-    fn folded(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
-        self.0.folded(l)
-    }
-
-    #[inline(always)]
-    fn product(&self, folded: &Row<T, G, N>) -> Row<T, G, N> {
-        black_box(&self.0).product(folded)
+    fn product(&self, l: &Row<T, G, N>) -> Row<T, G, N> {
+        black_box(&self.0).product(l)
     }
 }
 
@@ -88,8 +54,16 @@ impl<T: Float, const N: usize> Mixes<T, 1, N> for Square<'_, T, N> {
     }
 }
 
-/// As many columns as places in two groups: chains of additions as short as by pairs.
-pub(crate) struct Sixteen<'a, T, const N: usize>(pub(crate) &'a [[Row<T, 2, N>; N]; 2]);
+/// As many columns as places in two groups: what the first and the last give is added at the end, so that
+/// fewer operations wait for each other.
+pub(crate) struct Sixteen<'a, T, const N: usize>(&'a [[Row<T, 2, N>; N]; 2]);
+
+impl<'a, T: Float, const N: usize> Sixteen<'a, T, N> {
+    #[inline(always)]
+    pub(crate) fn of(k: &'a [T]) -> Self {
+        Sixteen(literal(rows(k).as_chunks().0.first_chunk()))
+    }
+}
 
 impl<T: Float, const N: usize> Mixes<T, 2, N> for Sixteen<'_, T, N> {
     #[inline(always)]
@@ -171,11 +145,10 @@ pub(crate) fn applied<T: Float, const G: usize, const N: usize>(
     x: &Row<T, G, N>,
     s: usize,
 ) -> Row<T, G, N> {
-    if has_pairs::<T>(s)
+    if fills_two::<T>(s)
         && let Some(x) = rows::<T, 2, HALF>(x.as_flattened()).first()
     {
-        let columns = Sixteen(literal(rows(matrix).as_chunks().0.first_chunk()));
-        let product = columns.product(x);
+        let product = Sixteen::of(matrix).product(x);
         return *literal(rows(product.as_flattened()).first());
     }
     let mut product = [[T::int(0); N]; G];

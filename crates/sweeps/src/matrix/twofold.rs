@@ -2,9 +2,8 @@
 //!
 //! An incremental sweep moves Z by it where other sweeps have K twice, and is to differ from them by
 //! no more than rounding the result: Z of all drafts of a step together is that of these sweeps then, though
-//! it was far off in the first of them. So K is taken as it is read, which is not the same in all layouts:
-//! ½ + U rounded, or ½ and U apart ([`crate::matrix::parity`]), and K B K is summed in double-double. With K
-//! of the other layout, 5e-17 off, angular momentum of Kepler's problem grows by 2e-17 a step.
+//! it was far off in the first of them. So K B K is summed in double-double: with a K that is 5e-17 off
+//! angular momentum of Kepler's problem grows by 2e-17 a step.
 //!
 //! Of α's that have moved it is made in the float type itself, h included: what is left to the sweeps then is
 //! small.
@@ -13,8 +12,7 @@
 
 use crate::MAX_STAGES;
 use crate::layout::aligned::{Aligned, Places};
-use crate::layout::row::{has_pairs, rows, stride_for};
-use crate::matrix::parity::parts;
+use crate::layout::row::{rows, stride_for};
 use crate::matrix::product::{Mixes, Packed, product_any};
 use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
@@ -24,11 +22,12 @@ use equip_tableau::Gauss;
 pub(crate) struct Twice<T> {
     /// K B K.
     start: Aligned<T>,
-    moved: Option<Moved<T>>,
+    /// h K(α) B K(α) column by column.
+    moved: Option<Aligned<T>>,
 }
 
 impl<T: Float> Twice<T> {
-    /// `k` is K as sweeps read it; with or without room for that of α's that move.
+    /// `k` is K(0) column by column; with or without room for that of α's that move.
     pub(crate) fn new(
         set: InstructionSet,
         gauss: &Gauss<T>,
@@ -36,68 +35,38 @@ impl<T: Float> Twice<T> {
         (moves, places): (bool, &mut Places),
     ) -> Self {
         Twice {
-            start: as_read(set, gauss, k, places),
-            moved: moves.then(|| Moved::new(gauss.stages(), places)),
+            start: of(set, gauss, k, places),
+            moved: moves.then(|| places.zeros(k.len())),
         }
     }
 
     /// The α's have moved: `k` is another, h b as it was.
     pub(crate) fn follow(&mut self, set: InstructionSet, k: &[T], (hb, s): (&[T], usize)) {
-        if let Some(moved) = &mut self.moved {
-            moved.make(set, k, (hb, s));
+        if let Some(twice) = &mut self.moved {
+            let stride = stride_for::<T>(s);
+            let (k, b) = (&k[..s * stride], &hb[..s]);
+            twice.fill(T::int(0));
+            set.run(&mut Product {
+                k,
+                b,
+                stride,
+                twice,
+            });
         }
     }
 
     /// h K B K in two factors, if it is known.
     pub(crate) fn get(&self, has_moved: bool, h: T) -> Option<(&[T], T)> {
         if has_moved {
-            self.moved.as_ref().map(|m| (&*m.twice, T::int(1)))
+            self.moved.as_ref().map(|twice| (&**twice, T::int(1)))
         } else {
             Some((&self.start, h))
         }
     }
 }
 
-/// h K(α) B K(α) column by column, and K(α) for it.
-#[derive(Debug)]
-struct Moved<T> {
-    columns: Aligned<T>,
-    twice: Aligned<T>,
-}
-
-impl<T: Float> Moved<T> {
-    fn new(s: usize, places: &mut Places) -> Self {
-        let stride = stride_for::<T>(s);
-        Moved {
-            columns: places.zeros(s * stride),
-            twice: places.zeros(stride * stride),
-        }
-    }
-
-    fn make(&mut self, set: InstructionSet, k: &[T], (hb, s): (&[T], usize)) {
-        let stride = stride_for::<T>(s);
-        for (j, column) in self.columns.chunks_exact_mut(stride).enumerate() {
-            for (i, x) in column.iter_mut().enumerate().take(s) {
-                *x = if has_pairs::<T>(s) {
-                    let [p, q] = parts(k, i, j);
-                    T::ratio(1, 2) + (p + q)
-                } else {
-                    k[j * stride + i]
-                };
-            }
-        }
-        self.twice.fill(T::int(0));
-        set.run(&mut Product {
-            k: &self.columns,
-            b: &hb[..s],
-            stride,
-            twice: &mut self.twice,
-        });
-    }
-}
-
-/// K B K column by column; `k` is K as sweeps read it.
-fn as_read<T: Float>(
+/// K B K column by column, of K column by column; of doubles to half a unit in the last place.
+pub(crate) fn of<T: Float>(
     set: InstructionSet,
     gauss: &Gauss<T>,
     k: &[T],
@@ -105,24 +74,18 @@ fn as_read<T: Float>(
 ) -> Aligned<T> {
     let s = gauss.stages();
     let stride = stride_for::<T>(s);
+    let k = &k[..s * stride];
     let mut twice = places.zeros(stride * stride);
     let doubles = (T::as_doubles(gauss.weights()), T::as_doubles(k));
     let (Some(b), Some(k), Some(to)) = (doubles.0, doubles.1, T::as_doubles_mut(&mut twice)) else {
-        return of(set, gauss, places);
-    };
-    let exact = |x: f64| DoubleDouble::exact(x);
-    let entry = |i: usize, j: usize| {
-        if !has_pairs::<f64>(s) {
-            return exact(k[j * stride + i]);
-        }
-        let [p, q] = parts(k, i, j).map(exact);
-        exact(0.5) + p + q
+        add_product(set, k, gauss, &mut twice);
+        return twice;
     };
     let width = s.next_multiple_of(8);
-    let mut columns = vec![exact(0.0); s * width];
-    for (j, column) in columns.chunks_exact_mut(width).enumerate() {
-        for (i, x) in column.iter_mut().enumerate().take(s) {
-            *x = entry(i, j);
+    let mut columns = vec![DoubleDouble::exact(0.0); s * width];
+    for (to, from) in columns.chunks_exact_mut(width).zip(k.chunks_exact(stride)) {
+        for (x, &k) in to.iter_mut().zip(&from[..s]) {
+            *x = DoubleDouble::exact(k);
         }
     }
     set.run(&mut Exactly {
@@ -132,21 +95,6 @@ fn as_read<T: Float>(
         stride,
         twice: to,
     });
-    twice
-}
-
-/// K B K column by column, of K by columns, in the same float type.
-pub(crate) fn of<T: Float>(
-    set: InstructionSet,
-    gauss: &Gauss<T>,
-    places: &mut Places,
-) -> Aligned<T> {
-    let s = gauss.stages();
-    let stride = stride_for::<T>(s);
-    let mut k = vec![T::int(0); s * stride];
-    gauss.skew_columns_into(&vec![T::int(0); s - 1], stride, &mut k);
-    let mut twice = places.zeros(stride * stride);
-    add_product(set, &k, gauss, &mut twice);
     twice
 }
 
@@ -257,21 +205,11 @@ fn round(from: &[DoubleDouble], to: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::row::HALF;
-    use crate::matrix::coefficients::{Columns, length_of};
-    use crate::matrix::parity::Blocks;
-    use crate::matrix::product::Mixes;
+    use crate::matrix::coefficients::Columns;
 
-    /// K L in double-double, K as sweeps read it.
+    /// K L in double-double, K column by column.
     fn mixed(k: &[f64], s: usize, l: &[DoubleDouble]) -> Vec<DoubleDouble> {
-        let zero = DoubleDouble::exact(0.0);
-        if has_pairs::<f64>(s) {
-            let k: Vec<_> = k.iter().map(|&x| DoubleDouble::exact(x)).collect();
-            let mut row = [[zero; HALF]; 2];
-            row.as_flattened_mut().copy_from_slice(l);
-            return Blocks::of(&k).mixed(&mut row).as_flattened().to_vec();
-        }
-        let stride = stride_for::<f64>(s);
+        let (zero, stride) = (DoubleDouble::exact(0.0), stride_for::<f64>(s));
         let entry = |i: usize, j: usize| DoubleDouble::exact(k[j * stride + i]);
         (0..s)
             .map(|i| (0..s).fold(zero, |sum, j| sum + entry(i, j) * l[j]))
@@ -285,9 +223,9 @@ mod tests {
             let gauss = Gauss::<f64>::new(s).unwrap();
             let stride = stride_for::<f64>(s);
             for set in InstructionSet::available() {
-                let mut k = vec![0.0; length_of::<f64>(s)];
-                Columns::new(&gauss, true).fill(set, &vec![0.0; s - 1], &mut k);
-                let found = as_read(set, &gauss, &k, &mut Places::default());
+                let mut k = vec![0.0; stride * stride];
+                Columns::new(&gauss).fill(set, &vec![0.0; s - 1], &mut k);
+                let found = of(set, &gauss, &k, &mut Places::default());
                 for j in 0..s {
                     let mut l = vec![DoubleDouble::exact(0.0); s];
                     l[j] = DoubleDouble::exact(1.0);
@@ -306,7 +244,7 @@ mod tests {
         }
     }
 
-    /// As two products with K(α), h B between them, in all layouts of K.
+    /// As two products with K(α), h B between them.
     #[test]
     fn moved_alphas_have_theirs() {
         for s in [3, 4, 8, 9, 16, 20, 32] {
@@ -321,11 +259,12 @@ mod tests {
             gauss.skew_columns_into(&alphas, stride, &mut columns);
             let entry = |i: usize, j: usize| columns[j * stride + i];
             for set in InstructionSet::available() {
-                let mut k = vec![0.0; length_of::<f64>(s)];
-                Columns::new(&gauss, true).fill(set, &alphas, &mut k);
-                let mut moved = Moved::new(s, &mut Places::default());
-                moved.make(set, &k, (&hb, s));
-                for (place, &found) in moved.twice.iter().enumerate() {
+                let mut k = vec![0.0; stride * stride];
+                Columns::new(&gauss).fill(set, &alphas, &mut k);
+                let mut twice = Twice::new(set, &gauss, &k, (true, &mut Places::default()));
+                twice.follow(set, &k, (&hb, s));
+                let (moved, _) = twice.get(true, 0.3).unwrap();
+                for (place, &found) in moved.iter().enumerate() {
                     let (i, j) = (place % stride, place / stride);
                     let twice = if i < s && j < s {
                         (0..s).map(|l| entry(i, l) * hb[l] * entry(l, j)).sum()
