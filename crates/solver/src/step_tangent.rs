@@ -81,10 +81,7 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         (self.iterate).set_stages(&self.gauss, (&part.start, part.h), of);
         self.linear
             .set_k(&self.k, (self.gauss.stages(), self.iterate.stride()));
-        let taken = self
-            .linear
-            .linearise_exactly(&self.iterate, &mut self.energy);
-        self.is_finite = taken.is_some();
+        self.is_finite = self.linear.linearise(&self.iterate, &mut self.energy);
         self.is_preconditioned = false;
     }
 

@@ -26,7 +26,6 @@ pub use layout::row::stride_for;
 pub use layout::state::State;
 pub use linear::linear_sweeps::LinearSweeps;
 pub use linear::power_iteration::PowerIteration;
-pub use linear::stage_hessians::Work;
 
 pub use policy::MOST_ITERATIONS;
 

@@ -31,9 +31,6 @@ pub(crate) const LIKELY: i64 = 8;
 /// From so many components on K B K is made of moved α's too, and rows are compared side by side. //
 /// components
 pub(crate) const MANY: usize = 64;
-/// ∇²H is taken by simple differences where displacements are wanted to so many √ε, by central ones to so
-/// many ε^(2/3), and itself beyond. // ratio; in doubles 9e-8 and 2e-10, the rounding of either and some room
-pub(crate) const QUOTIENTS: i64 = 6;
 /// Products with (J∇²H)² for its largest eigenvalue. // iterations; ω to 3 % for chains, springs, 2 to 8
 /// bodies and dense ∇²H, 200 random ones of each.
 pub(crate) const ITERATIONS: u32 = 32;

@@ -17,21 +17,6 @@ pub(crate) struct Colouring {
     pub(crate) of_column: Vec<Option<usize>>,
 }
 
-impl Pattern {
-    /// Groups of columns no two of which have a row in common, with every column that has entries in one of
-    /// them: all columns of a group can be computed from one direction (Curtis, Powell, Reid 1974).
-    pub fn column_groups(&self) -> Vec<Vec<usize>> {
-        let Colouring { colours, of_column } = Colouring::new(self);
-        let mut groups = vec![Vec::new(); colours];
-        for (column, colour) in of_column.into_iter().enumerate() {
-            if let Some(colour) = colour {
-                groups[colour].push(column);
-            }
-        }
-        groups
-    }
-}
-
 impl Colouring {
     pub(crate) fn new(pattern: &Pattern) -> Self {
         let n = pattern.dimension();

@@ -18,7 +18,7 @@ use crate::policy::LEADING;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_linear::DenseLu;
 use equip_scalar::{Float, mix_stages};
-use equip_sweeps::{Held, Iterate, LinearSweeps, Preconditioner, State, Work};
+use equip_sweeps::{Held, Iterate, LinearSweeps, Preconditioner, State};
 use equip_tableau::Gauss;
 use nalgebra::{DMatrix, DVector};
 
@@ -166,15 +166,13 @@ impl<T: Float> Direction<T> {
         })
     }
 
-    /// Linearises at the solution in `iterate`, with all its stages, for directions to a relative `tolerance`
-    /// of their displacements. `None` if that is not finite.
+    /// Linearises at the solution in `iterate`, with all its stages. Returns whether that is finite.
     pub(crate) fn linearise<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
         energy: &mut E,
-        tolerance: T,
-    ) -> Option<Work> {
-        self.linear.linearise(iterate, energy, tolerance)
+    ) -> bool {
+        self.linear.linearise(iterate, energy)
     }
 
     /// Whether the step resolves its fastest oscillation, hω ≤ s, at the solution that was linearised: there

@@ -86,7 +86,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                     digits(turns, farthest.max(T::int(4) * reach.needed))
                 };
                 if moves > 0 {
-                    self.linearise(digits)?;
+                    self.linearise()?;
                 }
                 self.take_direction((y, next), digits)?;
                 since = digits / T::int(TURNS);
@@ -161,7 +161,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if !is_rounding && !reach.is_small(needed) {
             return Err(Outcome::TooFar);
         }
-        self.linearise(reach.digits)?;
+        self.linearise()?;
         if !is_free && !self.direction.as_mut().is_some_and(Direction::is_resolved) {
             return Err(Outcome::Unresolved);
         }
@@ -189,13 +189,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         reach.holds(far)
     }
 
-    fn linearise(&mut self, tolerance: T) -> Result<(), Outcome> {
+    fn linearise(&mut self) -> Result<(), Outcome> {
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
-        let work = direction.linearise(&self.stages.iterate, &mut self.energy, tolerance);
-        let work = work.ok_or(Outcome::NoSlope)?;
-        self.counts.gradients += work.gradients;
-        self.counts.hessians += work.hessians;
-        Ok(())
+        self.counts.hessians += self.stages.iterate.stages() as u64;
+        if direction.linearise(&self.stages.iterate, &mut self.energy) {
+            Ok(())
+        } else {
+            Err(Outcome::NoSlope)
+        }
     }
 
     fn take_direction(

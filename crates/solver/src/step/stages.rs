@@ -36,7 +36,7 @@ impl<T: Float> Stages<T> {
         Stages {
             contraction: Contraction::new(iterate.is_twofold()),
             choice: Choice::new(preconditioner, (&gauss, &iterate), structure),
-            polynomial: Polynomial::new(&gauss, iterate.unknowns()),
+            polynomial: Polynomial::new(&gauss),
             last: None,
             iterate,
             gauss,

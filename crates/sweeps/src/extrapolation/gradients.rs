@@ -22,12 +22,11 @@
 //! Cost: s² products for each unknown component.
 
 use crate::MAX_STAGES;
-use crate::extrapolation::polynomial::{View, foretold};
+use crate::extrapolation::polynomial::View;
 use crate::layout::conjugate::conjugate;
 use crate::layout::row::{
     Row, by_lanes, groups_of, lanes_of, larger, largest, literal, rows, rows_mut, times,
 };
-use crate::matrix::product::{Mixes, Square};
 use crate::policy::{LIKELY, MANY};
 use equip_scalar::{Float, Kernel};
 use std::array::from_fn;
@@ -67,29 +66,17 @@ impl<T: Float> Foretell<'_, T> {
         let gradients = self.gradients.as_chunks_mut::<N>().0;
         let groups = groups_of::<T, N>(s);
         let hb = self.hb.as_chunks::<N>().0;
-        if T::IS_DOUBLE
-            && groups == 1
-            && let Some((e, rho)) = self.prolongation.copied()
-        {
-            for c in 0..self.wanted {
-                let (from, by_momentum) = conjugate(c, 2 * m);
-                let at_start = self.known.map_or(T::int(0), |known| known[c]);
-                let sign = T::int(if by_momentum { -1 } else { 1 });
-                let gradient = foretold(&Square(&e).product(&[l[from]])[0], &rho, sign, at_start);
-                let most = most_likely(&l[from..=from], self.ratio);
-                gradients[c] = likely(&gradient, &hb[0], most);
-            }
-            return;
-        }
-        if groups == 2 {
-            return self.rows::<2, N>();
+        match groups {
+            1 => return self.rows::<1, N>(),
+            2 => return self.rows::<2, N>(),
+            _ => {}
         }
         let mut room = [[T::int(0); N]; MAX_STAGES];
         for c in 0..self.wanted {
             let (from, by_momentum) = conjugate(c, 2 * m);
             let row = &l[from * groups..(from + 1) * groups];
             let most = most_likely(row, self.ratio);
-            let row = self.prolongation.prepared(row, &mut room[..groups], s);
+            let row = self.prolongation.coefficients(row, &mut room[..groups], s);
             let at_start = self.known.map_or(T::int(0), |known| known[c]);
             let sign = T::int(if by_momentum { -1 } else { 1 });
             for g in 0..groups {

@@ -3,30 +3,25 @@
 //!
 //! $$ E_{ij} = -\frac1h \sum_{k<s} \bigl(P_k(\tau_i) - \rho_i P_k(a)\bigr) P_k(c_j), \qquad \rho_i = P_s(\tau_i)/P_s(a), \quad \tau_i = a + r c_i . $$
 //!
-//! Made anew whenever the ratio r of the steps changes, with variable steps at every step: the nodes stand
-//! side by side in vectors. E is the product of two matrices then, and for fewer components than stages it is
-//! cheaper to apply one after the other.
+//! E is applied as it stands: Legendre coefficients of L first, then their polynomial at the nodes. Made anew
+//! whenever the ratio r of the steps changes, with variable steps at every step: the nodes stand side by side
+//! in vectors.
 //!
-//! Cost: s³ multiplications for E, s² without.
+//! Cost: s² multiplications, and 2 s² for each component that it is applied to.
 
-use crate::layout::row::{Row, fused, groups_of, in_memory, lanes_of, literal, rows, stride_for};
+use crate::layout::row::{Row, groups_of, in_memory, lanes_of, literal, rows, stride_for};
 use crate::matrix::product::{applied, product_any};
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
 
-/// E and ρ, column by column.
+/// E in two factors, and ρ.
 #[derive(Debug)]
 pub struct Polynomial<T> {
-    /// E, or its first factor.
-    e: Vec<T>,
+    /// −(L_k(τ_i) − ρ_i L_k(a))/h at k·stride + i, with P_k = √(2k+1) L_k.
+    at_nodes: Vec<T>,
     rho: Vec<T>,
-    /// √(2k+1) P_k(c_j) at k·stride + j.
-    legendre: Vec<T>,
-    /// The same at j·stride + k: the second factor.
+    /// √(2k+1) P_k(c_j) at j·stride + k.
     coefficients: Vec<T>,
-    /// Components that it is applied to, and whether as two factors.
-    components: usize,
-    is_factored: bool,
     /// c_i.
     nodes: Vec<T>,
     /// (2k+1)/(k+1) and k/(k+1), of the recurrence of Legendre polynomials, k = 0 … s − 1.
@@ -40,29 +35,24 @@ pub struct Polynomial<T> {
 }
 
 impl<T: Float> Polynomial<T> {
-    /// For so many components.
-    pub fn new(gauss: &Gauss<T>, components: usize) -> Self {
+    /// For steps of this method.
+    pub fn new(gauss: &Gauss<T>) -> Self {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
         let mut nodes = vec![T::int(0); stride];
         nodes[..s].copy_from_slice(gauss.nodes());
-        let mut legendre = vec![T::int(0); s * stride];
         let mut coefficients = vec![T::int(0); stride * stride];
         for k in 0..s {
             let norm = T::int(2 * k as i64 + 1).sqrt();
             for (j, &p) in gauss.legendre(k).iter().enumerate() {
-                legendre[k * stride + j] = norm * p;
                 coefficients[j * stride + k] = norm * p;
             }
         }
         let recurrence = |k: i64| [T::ratio(2 * k + 1, k + 1), T::ratio(k, k + 1)];
         Polynomial {
-            e: vec![T::int(0); stride * stride],
+            at_nodes: vec![T::int(0); stride * stride],
             rho: vec![T::int(0); stride],
-            legendre,
             coefficients,
-            components,
-            is_factored: false,
             nodes,
             recurrence: (0..s as i64).map(recurrence).collect(),
             at_start: vec![T::int(0); s + 1],
@@ -74,8 +64,8 @@ impl<T: Float> Polynomial<T> {
     /// As it is applied to L.
     pub(crate) fn view(&self) -> View<'_, T> {
         View {
-            e: &self.e,
-            coefficients: self.is_factored.then_some(&self.coefficients),
+            at_nodes: &self.at_nodes,
+            coefficients: &self.coefficients,
             rho: &self.rho,
         }
     }
@@ -85,8 +75,6 @@ impl<T: Float> Polynomial<T> {
         let made_for = Some(([start, ratio, h], known));
         if self.made_for != made_for {
             self.made_for = made_for;
-            let s = self.recurrence.len();
-            self.is_factored = ratio != T::int(1) && self.components < s;
             set.run(&mut Make {
                 to: self,
                 start,
@@ -98,15 +86,15 @@ impl<T: Float> Polynomial<T> {
     }
 }
 
-/// E, or its factors, and ρ.
+/// The factors of E, and ρ.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a, T> {
-    e: &'a [T],
-    coefficients: Option<&'a [T]>,
+    at_nodes: &'a [T],
+    coefficients: &'a [T],
     rho: &'a [T],
 }
 
-impl<'a, T: Float> View<'a, T> {
+impl<T: Float> View<'_, T> {
     /// E L + ρ ∇H(y0), from the L of a component.
     #[inline(always)]
     pub(crate) fn foretell<const G: usize, const N: usize>(
@@ -116,55 +104,40 @@ impl<'a, T: Float> View<'a, T> {
         sign: T,
         at_start: T,
     ) -> Row<T, G, N> {
-        let guess = match self.coefficients {
-            Some(coefficients) => applied(self.e, in_memory(&mut applied(coefficients, l, s)), s),
-            None => applied(self.e, l, s),
-        };
+        let mut coefficients = applied(self.coefficients, l, s);
+        let mut gradients = applied(self.at_nodes, in_memory(&mut coefficients), s);
         let rho: &Row<T, G, N> = literal(rows(self.rho).first());
-        let mut gradients = guess;
-        for g in 0..G {
-            gradients[g] = foretold(&guess[g], &rho[g], sign, at_start);
+        for (gradients, rho) in gradients.iter_mut().zip(rho) {
+            *gradients = foretold(gradients, rho, sign, at_start);
         }
         gradients
     }
 
-    /// The same of the group g of stages, L standing in any number of groups.
+    /// The Legendre coefficients of L, which stands in any number of groups.
+    #[inline(always)]
+    pub(crate) fn coefficients<'b, const N: usize>(
+        &self,
+        l: &[[T; N]],
+        room: &'b mut [[T; N]],
+        s: usize,
+    ) -> &'b [[T; N]] {
+        for (g, to) in room.iter_mut().enumerate() {
+            *to = product_any(self.coefficients.as_chunks::<N>().0, l, g, s);
+        }
+        room
+    }
+
+    /// What follows from these for the group g of stages.
     #[inline(always)]
     pub(crate) fn foretell_group<const N: usize>(
         &self,
-        l: &[[T; N]],
+        coefficients: &[[T; N]],
         (g, s): (usize, usize),
         sign: T,
         at_start: T,
     ) -> [T; N] {
-        let guess = product_any(self.e.as_chunks::<N>().0, l, g, s);
+        let guess = product_any(self.at_nodes.as_chunks::<N>().0, coefficients, g, s);
         foretold(&guess, &self.rho.as_chunks::<N>().0[g], sign, at_start)
-    }
-
-    /// E, where it is not factored, and ρ of a single group of stages: what is written elsewhere cannot
-    /// change copies.
-    #[inline(always)]
-    pub(crate) fn copied<const N: usize>(&self) -> Option<([[T; N]; N], [T; N])> {
-        let e = self.e.as_chunks().0.first_chunk()?;
-        let rho = self.rho.first_chunk()?;
-        self.coefficients.is_none().then_some((*e, *rho))
-    }
-
-    /// What E, or its first factor, is applied to: L, or its Legendre coefficients in `room`.
-    #[inline(always)]
-    pub(crate) fn prepared<'b, const N: usize>(
-        &self,
-        l: &'b [[T; N]],
-        room: &'b mut [[T; N]],
-        s: usize,
-    ) -> &'b [[T; N]] {
-        let Some(coefficients) = self.coefficients else {
-            return l;
-        };
-        for (g, to) in room.iter_mut().enumerate() {
-            *to = product_any(coefficients.as_chunks::<N>().0, l, g, s);
-        }
-        room
     }
 }
 
@@ -194,20 +167,20 @@ impl<T: Float> Kernel for Make<'_, T> {
     fn run(&mut self) {
         if T::IS_DOUBLE {
             match lanes_of::<T>(self.to.recurrence.len()) {
-                4 => self.lanes::<4, 4>(),
-                _ => self.lanes::<8, 4>(),
+                4 => self.lanes::<4>(),
+                _ => self.lanes::<8>(),
             }
         } else if const { T::WIDTH == 1 } {
-            self.lanes::<1, 1>();
+            self.lanes::<1>();
         } else {
-            self.lanes::<8, 4>();
+            self.lanes::<8>();
         }
     }
 }
 
 impl<T: Float> Make<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize, const B: usize>(&mut self) {
+    fn lanes<const N: usize>(&mut self) {
         let to = &mut *self.to;
         let s = to.recurrence.len();
         let at_start = to.at_start.as_chunks_mut::<1>().0;
@@ -215,7 +188,7 @@ impl<T: Float> Make<'_, T> {
         let at_node = &mut to.at_node.as_chunks_mut::<N>().0[..=s];
         let scale = T::int(-1) / self.h;
         let groups = groups_of::<T, N>(s);
-        let e = to.e.as_chunks_mut::<N>().0;
+        let at_nodes = to.at_nodes.as_chunks_mut::<N>().0;
         let rho = to.rho.as_chunks_mut::<N>().0;
         for (g, nodes) in to.nodes.as_chunks::<N>().0.iter().enumerate() {
             let tau = std::array::from_fn(|i| self.start + self.ratio * nodes[i]);
@@ -225,31 +198,9 @@ impl<T: Float> Make<'_, T> {
             } else {
                 rho[g] = [T::int(0); N];
             }
-            for (p, a) in at_node.iter_mut().zip(&*at_start).take(s) {
-                for i in 0..N {
-                    p[i] = scale * (p[i] - rho[g][i] * a[0]);
-                }
-            }
-            if to.is_factored {
-                for (k, p) in at_node.iter().enumerate().take(s) {
-                    e[k * groups + g] = *p;
-                }
-                continue;
-            }
-            let rows = to.legendre.chunks_exact(groups * N);
-            for block in (0..groups * N).step_by(B) {
-                let mut sums = [[T::int(0); N]; B];
-                for (p, row) in at_node.iter().zip(rows.clone()) {
-                    let Some(row) = row[block..].first_chunk::<B>() else {
-                        continue;
-                    };
-                    for b in 0..B {
-                        sums[b] = fused(p, row[b], &sums[b]);
-                    }
-                }
-                for (b, sum) in sums.into_iter().enumerate() {
-                    e[(block + b) * groups + g] = sum;
-                }
+            for (k, (p, a)) in at_node.iter().zip(&*at_start).take(s).enumerate() {
+                at_nodes[k * groups + g] =
+                    std::array::from_fn(|i| scale * (p[i] - rho[g][i] * a[0]));
             }
         }
     }
@@ -282,26 +233,24 @@ mod tests {
         for s in 2..=16 {
             let gauss = Gauss::<T>::new(s).unwrap_or_else(|e| panic!("{e}"));
             for set in InstructionSet::available() {
-                for components in [1, s] {
-                    let mut made = Polynomial::new(&gauss, components);
-                    let (start, ratio, h) = (T::int(1), T::ratio(3, 4), T::ratio(1, 8));
-                    made.make(set, [start, ratio, h], true);
-                    let power =
-                        |x: T| (0..s).fold(T::int(1), |product, _| product * (x - T::ratio(3, 4)));
-                    let stride = stride_for::<T>(s);
-                    let mut l = vec![[T::int(0); 1]; stride];
-                    for ((l, &c), &b) in l.iter_mut().zip(gauss.nodes()).zip(gauss.weights()) {
-                        *l = [-(h * b * power(c))];
-                    }
-                    let found = match crate::layout::row::lanes_of::<T>(s) {
-                        4 => foretold::<T, 4>(&made, l.as_flattened(), s, power(start)),
-                        8 => foretold::<T, 8>(&made, l.as_flattened(), s, power(start)),
-                        _ => foretold::<T, 1>(&made, l.as_flattened(), s, power(start)),
-                    };
-                    for (&found, &c) in found.iter().zip(gauss.nodes()) {
-                        let error = (found - power(start + ratio * c)).abs().to_f64();
-                        assert!(error <= most * 6f64.powi(s as i32), "s = {s}: {error}");
-                    }
+                let mut made = Polynomial::new(&gauss);
+                let (start, ratio, h) = (T::int(1), T::ratio(3, 4), T::ratio(1, 8));
+                made.make(set, [start, ratio, h], true);
+                let power =
+                    |x: T| (0..s).fold(T::int(1), |product, _| product * (x - T::ratio(3, 4)));
+                let stride = stride_for::<T>(s);
+                let mut l = vec![[T::int(0); 1]; stride];
+                for ((l, &c), &b) in l.iter_mut().zip(gauss.nodes()).zip(gauss.weights()) {
+                    *l = [-(h * b * power(c))];
+                }
+                let found = match crate::layout::row::lanes_of::<T>(s) {
+                    4 => foretold::<T, 4>(&made, l.as_flattened(), s, power(start)),
+                    8 => foretold::<T, 8>(&made, l.as_flattened(), s, power(start)),
+                    _ => foretold::<T, 1>(&made, l.as_flattened(), s, power(start)),
+                };
+                for (&found, &c) in found.iter().zip(gauss.nodes()) {
+                    let error = (found - power(start + ratio * c)).abs().to_f64();
+                    assert!(error <= most * 6f64.powi(s as i32), "s = {s}: {error}");
                 }
             }
         }
@@ -315,9 +264,9 @@ mod tests {
     ) -> Vec<T> {
         let (view, l) = (made.view(), l.as_chunks::<N>().0);
         let mut room = vec![[T::int(0); N]; l.len()];
-        let prepared = view.prepared(l, &mut room, s);
+        let coefficients = view.coefficients(l, &mut room, s);
         (0..l.len())
-            .flat_map(|g| view.foretell_group(prepared, (g, s), T::int(1), at_start))
+            .flat_map(|g| view.foretell_group(coefficients, (g, s), T::int(1), at_start))
             .collect()
     }
 

@@ -18,7 +18,7 @@
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
 use crate::linear::positions::{Positions, Sides};
-use crate::linear::stage_hessians::{StageHessians, Work};
+use crate::linear::stage_hessians::StageHessians;
 use crate::matrix::coefficients::both_ways;
 use crate::policy::{MOST_ITERATIONS, STILL};
 use equip_autodiff::{Evaluate, Pattern};
@@ -65,24 +65,10 @@ impl<T: Float> LinearSweeps<T> {
         }
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged, all of which are there, for displacements to
-    /// a relative `tolerance`. `None` if it is not finite.
-    pub fn linearise<E: Evaluate<T>>(
-        &mut self,
-        iterate: &Iterate<T>,
-        energy: &mut E,
-        tolerance: T,
-    ) -> Option<Work> {
-        self.hessians.take(iterate, energy, tolerance)
-    }
-
-    /// The same to rounding, whatever the float type.
-    pub fn linearise_exactly<E: Evaluate<T>>(
-        &mut self,
-        iterate: &Iterate<T>,
-        energy: &mut E,
-    ) -> Option<Work> {
-        self.hessians.take_exactly(iterate, energy)
+    /// Takes ∇²H at the stages of an iterate that has converged, all of which are there: s Hessians. Returns
+    /// whether it is finite.
+    pub fn linearise<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> bool {
+        self.hessians.take(iterate, energy)
     }
 
     /// Whether the fastest motion of what was linearised turns by an angle hω of at most `most`.
