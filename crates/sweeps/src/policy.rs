@@ -28,9 +28,6 @@ pub const MOST_ITERATIONS: u32 = 100;
 /// L of a step is at most so many times that of the last. // ratio; Kepler's problem with 2.24 steps a
 /// period, s = 16, begins an orbit off in place of 100.
 pub(crate) const LIKELY: i64 = 8;
-/// From so many components on K B K is made of moved α's too, and rows are compared side by side. //
-/// components
-pub(crate) const MANY: usize = 64;
 /// Products with (J∇²H)² for its largest eigenvalue. // iterations; ω to 3 % for chains, springs, 2 to 8
 /// bodies and dense ∇²H, 200 random ones of each.
 pub(crate) const ITERATIONS: u32 = 32;

@@ -27,7 +27,7 @@ use crate::layout::conjugate::conjugate;
 use crate::layout::row::{
     Row, by_lanes, groups_of, lanes_of, larger, largest, literal, rows, rows_mut, times,
 };
-use crate::policy::{LIKELY, MANY};
+use crate::policy::LIKELY;
 use equip_scalar::{Float, Kernel};
 use std::array::from_fn;
 use std::ops::Range;
@@ -213,12 +213,9 @@ pub(crate) fn resolve<T: Float>(scale: &mut [T], inverse: &mut [T], components: 
 /// The largest of numbers that are none of them negative.
 #[inline(always)]
 fn largest_in<T: Float>(x: &[T]) -> T {
-    let (mut most, mut rest) = (T::int(0), x);
-    if x.len() >= MANY {
-        let rows = x.as_chunks::<8>();
-        let mut lanes = [most; 8];
-        rows.0.iter().for_each(|row| larger(&mut lanes, row));
-        (most, rest) = (largest(lanes), rows.1);
-    }
-    rest.iter().fold(most, |a, &x| if x > a { x } else { a })
+    let (rows, rest) = x.as_chunks::<8>();
+    let mut lanes = [T::int(0); 8];
+    rows.iter().for_each(|row| larger(&mut lanes, row));
+    rest.iter()
+        .fold(largest(lanes), |a, &x| if x > a { x } else { a })
 }

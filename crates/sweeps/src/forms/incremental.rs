@@ -11,8 +11,7 @@
 //! What a sweep of a small system waits for is one product after the other, and of a long chain they are most
 //! of the work.
 //!
-//! For α = 0, with which most sweeps of a step are made: K B K costs s³ products. Where many components are
-//! worth them, for α's that have moved too.
+//! For the α's a step starts from, with which most sweeps of it are made: K B K costs s³ products.
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};

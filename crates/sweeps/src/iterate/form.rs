@@ -25,10 +25,9 @@ impl<T: Float> Iterate<T> {
     /// What the next sweep does.
     #[inline(always)]
     pub(crate) fn form<'a>(&'a mut self, y: &'a State<T>) -> Form<'a, T> {
-        let twofold = self.twofold.as_ref().filter(|_| self.is_incremental);
-        let twofold = twofold.and_then(|twofold| twofold.get(self.k_has_moved, self.h));
+        let twofold = self.twofold.as_deref().filter(|_| self.is_incremental);
         let step = Step {
-            k: twofold.map_or(&*self.k, |(twofold, _)| twofold),
+            k: twofold.unwrap_or(&self.k),
             hb: &self.hb,
             hi: &y.hi,
             lo: &y.lo,
@@ -51,7 +50,7 @@ impl<T: Float> Iterate<T> {
         };
         match twofold {
             None => Form::Separable(half),
-            Some((_, h)) => Form::Incremental(Draft { half, h }),
+            Some(_) => Form::Incremental(Draft { half, h: self.h }),
         }
     }
 

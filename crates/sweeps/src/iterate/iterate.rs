@@ -12,8 +12,7 @@ use crate::layout::aligned::{Aligned, Places};
 use crate::layout::row::{by_lanes, groups_of, lanes_of, placed, stride_for};
 use crate::layout::state::State;
 use crate::matrix::coefficients::Columns;
-use crate::matrix::twofold::Twice;
-use crate::policy::MANY;
+use crate::matrix::twofold;
 use equip_autodiff::Kinetic;
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
@@ -40,7 +39,7 @@ pub struct Iterate<T: Float> {
     /// L of the last sweep, and of the step before.
     pub(crate) l: Aligned<T>,
     pub(crate) l_before: Aligned<T>,
-    /// Room for what products read, if it is not L.
+    /// Room for ΔL of incremental sweeps.
     pub(crate) delta: Aligned<T>,
     /// Z of the unknown components, and room for another.
     pub(crate) z: Aligned<T>,
@@ -52,8 +51,8 @@ pub struct Iterate<T: Float> {
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
     pub(crate) inverse_scale: Vec<T>,
-    /// K B K, where sweeps may be incremental.
-    pub(crate) twofold: Option<Twice<T>>,
+    /// K B K with the α's a step starts from, where sweeps may be incremental.
+    pub(crate) twofold: Option<Aligned<T>>,
     /// Z is K(α) L: incremental sweeps take it to be.
     pub(crate) is_of_l: bool,
     /// The last sweep was incremental: L is not there.
@@ -81,7 +80,7 @@ impl<T: Float> Iterate<T> {
         let mut rows = || places.zeros(n * stride);
         let [l, l_before, delta, z, z_before, points, gradients] = [(); 7].map(|()| rows());
         let twofold = (kinetic.is_some() && is_unperturbed)
-            .then(|| Twice::new(set, gauss, &k_start, (n >= MANY, &mut places)));
+            .then(|| twofold::of(set, gauss, &k_start, &mut places));
         Iterate {
             s,
             stride,
@@ -195,9 +194,6 @@ impl<T: Float> Iterate<T> {
     pub(crate) fn fill_k(&mut self, alphas: &[T]) {
         self.columns.fill(self.set, alphas, &mut self.k);
         self.k_has_moved = true;
-        if let Some(twofold) = &mut self.twofold {
-            twofold.follow(self.set, &self.k, (&self.hb, self.s));
-        }
     }
 }
 

@@ -67,10 +67,7 @@ impl<T: Float> Iterate<T> {
         let measures =
             !self.is_measured || contraction.is_far() && contraction.next_change().is_finite();
         let mut row = Row::new(contraction);
-        let can_be = self
-            .twofold
-            .as_ref()
-            .is_some_and(|t| t.get(self.k_has_moved, self.h).is_some());
+        let can_be = self.twofold.is_some() && !self.k_has_moved;
         self.is_incremental = can_be && self.is_of_l && !measures && row.is_next();
         self.has_momenta = measures;
         let change = if self.is_incremental {

@@ -5,10 +5,7 @@
 //! it was far off in the first of them. So K B K is summed in double-double: with a K that is 5e-17 off
 //! angular momentum of Kepler's problem grows by 2e-17 a step.
 //!
-//! Of α's that have moved it is made in the float type itself, h included: what is left to the sweeps then is
-//! small.
-//!
-//! Cost: s³ products, of doubles in double-double where α = 0.
+//! Cost: s³ products, of doubles in double-double.
 
 use crate::MAX_STAGES;
 use crate::layout::aligned::{Aligned, Places};
@@ -16,54 +13,6 @@ use crate::layout::row::{rows, stride_for};
 use crate::matrix::product::{Mixes, Packed, product_any};
 use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
 use equip_tableau::Gauss;
-
-/// What drafts are made with.
-#[derive(Debug)]
-pub(crate) struct Twice<T> {
-    /// K B K.
-    start: Aligned<T>,
-    /// h K(α) B K(α) column by column.
-    moved: Option<Aligned<T>>,
-}
-
-impl<T: Float> Twice<T> {
-    /// `k` is K(0) column by column; with or without room for that of α's that move.
-    pub(crate) fn new(
-        set: InstructionSet,
-        gauss: &Gauss<T>,
-        k: &[T],
-        (moves, places): (bool, &mut Places),
-    ) -> Self {
-        Twice {
-            start: of(set, gauss, k, places),
-            moved: moves.then(|| places.zeros(k.len())),
-        }
-    }
-
-    /// The α's have moved: `k` is another, h b as it was.
-    pub(crate) fn follow(&mut self, set: InstructionSet, k: &[T], (hb, s): (&[T], usize)) {
-        if let Some(twice) = &mut self.moved {
-            let stride = stride_for::<T>(s);
-            let (k, b) = (&k[..s * stride], &hb[..s]);
-            twice.fill(T::int(0));
-            set.run(&mut Product {
-                k,
-                b,
-                stride,
-                twice,
-            });
-        }
-    }
-
-    /// h K B K in two factors, if it is known.
-    pub(crate) fn get(&self, has_moved: bool, h: T) -> Option<(&[T], T)> {
-        if has_moved {
-            self.moved.as_ref().map(|twice| (&**twice, T::int(1)))
-        } else {
-            Some((&self.start, h))
-        }
-    }
-}
 
 /// K B K column by column, of K column by column; of doubles to half a unit in the last place.
 pub(crate) fn of<T: Float>(
@@ -239,40 +188,6 @@ mod tests {
                         let half = 0.5 * (found.abs().next_up() - found.abs());
                         assert!(off <= half + 1e-30, "s = {s}, {set:?}: {off:e}");
                     }
-                }
-            }
-        }
-    }
-
-    /// As two products with K(α), h B between them.
-    #[test]
-    fn moved_alphas_have_theirs() {
-        for s in [3, 4, 8, 9, 16, 20, 32] {
-            let gauss = Gauss::<f64>::new(s).unwrap();
-            let stride = stride_for::<f64>(s);
-            let alphas: Vec<f64> = (1..s).map(|k| 0.02 / k as f64).collect();
-            let mut hb = vec![0.0; stride];
-            for (hb, &b) in hb.iter_mut().zip(gauss.weights()) {
-                *hb = 0.3 * b;
-            }
-            let mut columns = vec![0.0; s * stride];
-            gauss.skew_columns_into(&alphas, stride, &mut columns);
-            let entry = |i: usize, j: usize| columns[j * stride + i];
-            for set in InstructionSet::available() {
-                let mut k = vec![0.0; stride * stride];
-                Columns::new(&gauss).fill(set, &alphas, &mut k);
-                let mut twice = Twice::new(set, &gauss, &k, (true, &mut Places::default()));
-                twice.follow(set, &k, (&hb, s));
-                let (moved, _) = twice.get(true, 0.3).unwrap();
-                for (place, &found) in moved.iter().enumerate() {
-                    let (i, j) = (place % stride, place / stride);
-                    let twice = if i < s && j < s {
-                        (0..s).map(|l| entry(i, l) * hb[l] * entry(l, j)).sum()
-                    } else {
-                        0.0
-                    };
-                    let off: f64 = found - twice;
-                    assert!(off.abs() < 2e-16, "s = {s}, {set:?}, ({i}, {j}): {off:e}");
                 }
             }
         }
