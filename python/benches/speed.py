@@ -110,13 +110,13 @@ def table(problem: Problem, rounds: int) -> None:
     measured(entries, rounds)
     scale, unit = (1e6, "µs a run") if problem.members > 1 else (1e3, "ms")
     print(f"\n**{problem.title}: CPU {unit} (error, setting)**\n")
-    titles = [f"to {target:.0e}" for target in problem.targets]
-    print(f"| | {' | '.join(titles)} | ready, ms |\n|---|{'---|' * len(titles)}---|")
+    titles = [f"to {power(target)}" for target in problem.targets]
+    print(f"| | {' | '.join(titles)} | ready |\n|---|{'---|' * len(titles)}---|")
     for contestant, of_one, smallest in found:
         cells = [cell(problem, of_one, target, scale) for target in problem.targets]
         ready = max((e.ready for e in of_one), default=0.0)
         if not of_one or of_one[-1].target != problem.targets[-1]:
-            cells[-1] = f"{smallest:.1e} at best"
+            cells[-1] = f"{power(smallest)} at best"
         print(f"| {contestant.name} | {' | '.join(cells)} | {ready * 1e3:.2g} |")
     ratios = [statistics.median(e.wall) / statistics.median(e.cpu) for e in entries]
     print(f"\nWall time over CPU time: {min(ratios):.2f} to {max(ratios):.2f}.")
@@ -128,9 +128,14 @@ def cell(problem: Problem, entries: list[Entry], target: float, scale: float) ->
     if e is None:
         return "–"
     runs = e.contestant.members or problem.members
-    setting = f"{e.setting:.0e}" if e.setting < 1 else f"{e.setting:.0f}"
+    setting = power(e.setting) if e.setting < 1 else f"{e.setting:.0f}"
     cpu = statistics.median(e.cpu) * scale / runs
-    return f"{cpu:.{0 if cpu >= 100 else 1 if cpu >= 10 else 2}f} ({e.error:.0e}, {setting})"
+    return f"{cpu:.{0 if cpu >= 100 else 1 if cpu >= 10 else 2}f} ({power(e.error)}, {setting})"
+
+
+def power(number: float) -> str:
+    """1e-6, as the README has it."""
+    return f"{number:.0e}".replace("e-0", "e-")
 
 
 def growth(members: int, rounds: int) -> None:

@@ -71,6 +71,7 @@ fn defects(trial: Trial<'_, f64>, invariant: &Hamiltonian, h: f64, steps: u64) -
 /// and the number of steps.
 fn no_drift(cases: [(&str, Parameters<'_>, f64, u64); 5]) {
     let mut misses = Misses::default();
+    let mut table = String::from("| | trend over a random walk's |\n|---|---|\n");
     for (name, parameters, h, steps) in cases {
         let scene = find(name).unwrap().instance(parameters).unwrap();
         let (q, p) = scene.initial::<f64>();
@@ -87,8 +88,10 @@ fn no_drift(cases: [(&str, Parameters<'_>, f64, u64); 5]) {
         let last = found[found.len() - 1];
         println!("{name}: {last:.2e} at the end of {steps} steps, {trend:?}");
         let slope = trend.slope.abs() / trend.random_walk.max(f64::MIN_POSITIVE);
+        table += &format!("| {name} | {slope:.1} |\n");
         misses.most(&format!("{name}, trend over a random walk's"), slope, 2.0);
     }
+    println!("\n{table}");
     misses.end();
 }
 

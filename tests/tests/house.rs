@@ -12,7 +12,7 @@ mod texts;
 
 use graph::Graph;
 use sources::Crate;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use texts::{rust_files, wide_comments};
 
@@ -202,14 +202,14 @@ fn recipes_are_examples() {
     }
 }
 
-/// The page that leads through the sources leads to files that are there; a path that does not begin at the
-/// root stands in a folder of the one before it.
+/// The page that leads through the sources leads to files that are there, and to names that are in them; a
+/// path that does not begin at the root stands in a folder of the one before it.
 #[test]
 fn every_pointer_of_the_architecture_page_is_true() {
     let page = std::fs::read_to_string(root().join("docs/architecture.md")).unwrap();
     let (mut found, mut wrong) = (0, Vec::new());
     for row in page.lines() {
-        let mut before = PathBuf::new();
+        let (mut before, mut sources) = (PathBuf::new(), String::new());
         let words = row.split(|c: char| !(c.is_ascii_alphanumeric() || "/._".contains(c)));
         for word in words.filter(|word| word.ends_with(".rs") || word.ends_with(".py")) {
             let place = before
@@ -220,8 +220,21 @@ fn every_pointer_of_the_architecture_page_is_true() {
                 .find(|path| root().join(path).is_file());
             found += 1;
             match place {
-                Some(path) => before = path,
+                Some(path) => {
+                    sources += &std::fs::read_to_string(root().join(&path)).unwrap();
+                    before = path;
+                }
                 None => wrong.push(format!("{word}, in: {row}")),
+            }
+        }
+        let is_of_names = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let all: BTreeSet<&str> = sources.split(|c| !is_of_names(c)).collect();
+        let last = row.rsplit('|').nth(1).unwrap_or_default();
+        let in_code = last.split('`').skip(1).step_by(2);
+        let names = in_code.flat_map(|code| code.split(|c| !is_of_names(c)));
+        for name in names.filter(|name| !name.is_empty() && !sources.is_empty()) {
+            if !all.contains(name) {
+                wrong.push(format!("`{name}`, in: {row}"));
             }
         }
     }

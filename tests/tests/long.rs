@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Evaluate, Hamiltonian, System};
-use equip_integrate::{Counts, Equip, Gauss, Method};
+use equip_integrate::{Counts, Equip, Gauss, Method, Outcome};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
 use equip_tests::{Start, Trend, kepler, trend};
@@ -110,6 +110,26 @@ impl Long {
         println!("  2 sqrt(n) eps |L| = {:.2e}", self.moment_law());
     }
 
+    /// A row of the tables of `docs/long-runs.md`.
+    fn row(&self, method: Method) -> String {
+        let n = self.n as f64;
+        let largest = self.moments.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
+        let is_gauss = method == Gauss::stages(method.stage_count());
+        let in_floors = match is_gauss {
+            true => String::new(),
+            false => format!("{:.1}", self.in_floors),
+        };
+        format!(
+            "| {}, {} stages | {:.1e} | {in_floors} | {largest:.1e} | {:.1e} | {:.2} | {:.1} |\n",
+            if is_gauss { "Gauss" } else { "EQUIP" },
+            method.stage_count(),
+            self.energy,
+            self.moment_law(),
+            self.counts.sweeps as f64 / n,
+            100.0 * self.counts.outcome(Outcome::Solved) as f64 / n,
+        )
+    }
+
     /// 2 √n ε |L|.
     fn moment_law(&self) -> f64 {
         2.0 * (self.n as f64).sqrt() * f64::EPSILON * self.moment.abs()
@@ -159,13 +179,23 @@ fn kepler_run(method: Method, steps_per_period: i32, n: u64) -> Long {
     })
 }
 
-fn kepler_keeps_both(s: usize, steps_per_period: i32, n: u64) {
+/// Prints a table of `docs/long-runs.md`.
+fn print(rows: &[String]) {
+    println!(
+        "\n| | energy, max | in floors | angular momentum, max | 2√n ε\\|L\\| | sweeps a step | solved for α's, % |\n\
+         |---|---|---|---|---|---|---|\n{}",
+        rows.concat()
+    );
+}
+
+fn kepler_keeps_both(s: usize, steps_per_period: i32, n: u64) -> String {
     let gauss = kepler_run(Gauss::stages(s), steps_per_period, n);
     gauss.walks_at_random();
     let equip = kepler_run(Equip::stages(s), steps_per_period, n);
     equip.keeps_both();
     assert_eq!(equip.counts.carried(), 0);
     assert!(gauss.energy > 1e3 * equip.energy);
+    gauss.row(Gauss::stages(s)) + &equip.row(Equip::stages(s))
 }
 
 #[test]
@@ -175,15 +205,9 @@ fn kepler_a_hundred_thousand_steps() {
 }
 
 #[test]
-#[ignore = "long: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
-fn kepler_ten_million_steps_with_3_stages() {
-    kepler_keeps_both(3, 160, 10_000_000);
-}
-
-#[test]
-#[ignore = "long: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
-fn kepler_ten_million_steps_with_4_stages() {
-    kepler_keeps_both(4, 100, 10_000_000);
+#[ignore = "long: .ci/figures runs it"]
+fn kepler_ten_million_steps() {
+    print(&[(3, 160), (4, 100)].map(|(s, steps)| kepler_keeps_both(s, steps, 10_000_000)));
 }
 
 /// What the angular momentum of Kepler's problem grows by in a step: slopes of the least-squares lines
@@ -281,22 +305,22 @@ fn outer_solar_system(method: Method, h: f64, days: f64) -> Long {
     )
 }
 
-fn outer_solar_system_keeps_both(days: f64) {
-    for (s, h) in [(4, 100.0), (5, 100.0), (6, 100.0)] {
-        outer_solar_system(Gauss::stages(s), h, days).walks_at_random();
-        outer_solar_system(Equip::stages(s), h, days).keeps_both();
-    }
+fn outer_solar_system_keeps_both(s: usize, h: f64, days: f64) -> String {
+    let gauss = outer_solar_system(Gauss::stages(s), h, days);
+    gauss.walks_at_random();
+    let equip = outer_solar_system(Equip::stages(s), h, days);
+    equip.keeps_both();
+    gauss.row(Gauss::stages(s)) + &equip.row(Equip::stages(s))
 }
 
 #[test]
-#[ignore = "long: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
+#[ignore = "long: .ci/figures runs it"]
 fn outer_solar_system_a_million_days() {
-    outer_solar_system_keeps_both(1e6);
+    print(&[4, 5, 6].map(|s| outer_solar_system_keeps_both(s, 100.0, 1e6)));
 }
 
 #[test]
-#[ignore = "long, minutes: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
+#[ignore = "long: .ci/figures runs it"]
 fn outer_solar_system_a_hundred_million_days() {
-    outer_solar_system(Gauss::stages(8), 200.0, 1e8).walks_at_random();
-    outer_solar_system(Equip::stages(8), 200.0, 1e8).keeps_both();
+    print(&[outer_solar_system_keeps_both(8, 200.0, 1e8)]);
 }

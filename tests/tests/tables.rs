@@ -3,7 +3,7 @@
 
 use cpu_time::ThreadTime;
 use equip_autodiff::{Hamiltonian, System};
-use equip_integrate::{Equip, Run};
+use equip_integrate::{Equip, Gauss, Run};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tables::{Custom, Table, Table2};
 
@@ -44,13 +44,53 @@ fn a_pendulum_of_64_intervals() {
     }
 }
 
-/// From knot to knot by Taylor's method with 45 digits (mpmath): 0.88436279501953. Measured: 6e-10.
+/// q(100) = 2 arcsin(k sn(100, k)) of the pendulum of the cosine, k = 3/4 (mpmath).
+const PENDULUM_AT_100: f64 = 0.884_381_678_716_037_7;
+
+/// The table of docs/potentials-from-data.md: energy defects, and q(100) beside the pendulum of the cosine.
 #[test]
-fn a_pendulum_of_64_intervals_by_tolerance() {
-    let by_tolerance = Equip::stages(8).tolerance(1e-9);
-    let run = by_tolerance.integrate(&cosine(64), &[0.0], &[1.5], 0.0..=100.0);
-    let q = end(&run.unwrap());
-    assert!((q - 0.88436279501953).abs() < 1e-8, "tolerance 1e-9: {q}");
+fn fixed_steps_over_knots() {
+    let mut table = String::from(
+        "| intervals | s | \\|ΔH\\| of EQUIP | of Gauss | q(100) off the cosine's |\n|---|---|---|---|---|\n",
+    );
+    for (intervals, stages) in [(64, 4), (512, 4), (4096, 4), (65536, 4), (64, 8)] {
+        let h = cosine(intervals);
+        let runs = [Equip::stages(stages), Gauss::stages(stages)].map(|method| {
+            let run = method.step(0.1).integrate(&h, &[0.0], &[1.5], 0.0..=100.0);
+            run.unwrap()
+        });
+        let [equip, gauss] = runs.each_ref().map(|run| {
+            let sizes = run.energy_defects().iter().map(|defect| defect.abs());
+            sizes.fold(0.0, f64::max)
+        });
+        let off = (end(&runs[0]) - PENDULUM_AT_100).abs();
+        table += &format!("| {intervals} | {stages} | {equip:.1e} | {gauss:.1e} | {off:.0e} |\n");
+        assert!(equip <= 1.1 * gauss && off < 1e-4);
+    }
+    println!("\n{table}");
+}
+
+/// With 64 intervals from knot to knot by Taylor's method with 45 digits (mpmath): 0.88436279501953. The
+/// other table of docs/potentials-from-data.md.
+#[test]
+fn by_tolerance_over_knots() {
+    let mut table = String::from(
+        "| intervals, s | q(100) off | steps | that end at knots |\n|---|---|---|---|\n",
+    );
+    for (intervals, exact) in [(64, 0.884_362_795_019_53), (4096, PENDULUM_AT_100)] {
+        for stages in [4, 8] {
+            let by_tolerance = Equip::stages(stages).tolerance(1e-9);
+            let run = by_tolerance.integrate(&cosine(intervals), &[0.0], &[1.5], 0.0..=100.0);
+            let run = run.unwrap();
+            let off = (end(&run) - exact).abs();
+            let certificate = run.certificate();
+            let crossed = certificate.variable_steps.unwrap().switches_crossed;
+            let steps = certificate.counts.steps;
+            table += &format!("| {intervals}, {stages} | {off:.0e} | {steps} | {crossed} |\n");
+            assert!(off < 1e-8, "{intervals} intervals, s = {stages}: {off:e}");
+        }
+    }
+    println!("\n{table}");
 }
 
 /// As long steps as the tolerance allows: those over many knots pass them over. Measured: 64 and 43 steps for

@@ -19,6 +19,7 @@ pub(crate) fn text(cells: &[Cell]) -> String {
         by_regime(&mut text, &random);
     }
     let all: Vec<&Cell> = cells.iter().collect();
+    short(&mut text, &own, &random);
     targets(&mut text, &all);
     let _ = writeln!(text, "\nWorst by time{WORST_HEAD}");
     worst(&mut text, &all, Cell::time_ratio);
@@ -88,6 +89,38 @@ fn by_regime(text: &mut String, cells: &[&Cell]) {
     }
 }
 
+/// The table of docs/extremes.md.
+fn short(text: &mut String, own: &[&Cell], random: &[&Cell]) {
+    let _ = writeln!(
+        text,
+        "\n| regime | time: median, 99 % | error: mean, 98 %, largest | steps at the floor |\n|---|---|---|---|"
+    );
+    let mut row = |name: &str, cells: &[&Cell], regime: Regime| {
+        let of = cells.iter().copied().filter(|cell| cell.regime == regime);
+        let of: Vec<&Cell> = of.collect();
+        if of.is_empty() {
+            return;
+        }
+        let time = Sorted::of(&of, Cell::time_ratio);
+        let error = Sorted::of(&of, Cell::error_ratio);
+        let _ = writeln!(
+            text,
+            "| {name} | {}, {} | {}, {}, {} | {:.1} % |",
+            ratio(time.quantile(0.5)),
+            ratio(time.quantile(0.99)),
+            ratio(error.mean()),
+            ratio(error.quantile(0.98)),
+            ratio(error.quantile(1.0)),
+            100.0 * kept(&of),
+        );
+    };
+    let solved = Regime::ALL.into_iter().filter(|&x| x != Regime::Unsolved);
+    for regime in solved {
+        row(regime.label(), own, regime);
+    }
+    row("random starts, resolved", random, Regime::Resolved);
+}
+
 /// Share of EQUIP's steps whose energy is at its floor.
 fn kept(cells: &[&Cell]) -> f64 {
     let sum = |count: fn(&Cell) -> u64| cells.iter().map(|cell| count(cell)).sum::<u64>() as f64;
@@ -108,10 +141,10 @@ fn targets(text: &mut String, cells: &[&Cell]) {
     let error = Sorted::of(&several(3), Cell::error_ratio);
     let energy = Sorted::of(cells, Cell::energy_ratio);
     let exits = cells.iter().filter(|cell| cell.fails_alone()).count();
-    let _ = writeln!(text, "\nTargets, all starts");
+    let _ = writeln!(text, "\n| all starts | measured | |\n|---|---|---|");
     let mut line = |what: &str, value: f64, holds: bool| {
         let verdict = if holds { "holds" } else { "MISSED" };
-        let _ = writeln!(text, "{verdict:<8}{what:<62}{}", ratio(value));
+        let _ = writeln!(text, "| {what} | {} | {verdict} |", ratio(value));
     };
     let mut most = |what: &str, value: f64, limit: f64| line(what, value, value <= limit);
     most("time in the median, at most 1.3", time.quantile(0.5), 1.3);

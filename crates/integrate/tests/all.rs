@@ -7,6 +7,7 @@ mod checkpoint;
 #[cfg(feature = "serde")]
 mod checkpoint_file;
 mod dense;
+mod encounters;
 #[cfg(feature = "rayon")]
 mod ensemble;
 mod events;

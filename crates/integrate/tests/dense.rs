@@ -74,19 +74,20 @@ fn errors(s: usize, h: f64, reference: &[(Vec<DoubleDouble>, Vec<DoubleDouble>)]
 #[test]
 fn order_and_error_beside_the_steps() {
     let reference = reference(&times());
+    let mut table = String::from("| s | order | error over that of the steps |\n|---|---|---|\n");
     for s in [2, 3, 4] {
         let (coarse_steps, coarse) = errors(s, 0.25, &reference);
         let (fine_steps, fine) = errors(s, 0.125, &reference);
         let order = (coarse / fine).log2();
-        println!(
-            "s = {s}: {coarse_steps:.1e} {coarse:.1e}, {fine_steps:.1e} {fine:.1e}, order {order:.2}"
-        );
+        let most = (coarse / coarse_steps).max(fine / fine_steps);
+        table += &format!("| {s} | {order:.2} | {most:.2} |\n");
         // Measured 3.97, 5.87, 8.55: order 2s (α's that aim at the exact flow take the more off the error the
         // smaller the step), and at most 1.02 times the error of the steps.
         let above = order - 2.0 * s as f64;
         assert!(above > -0.5 && above < 1.0, "order {order}");
-        assert!(coarse < 2.0 * coarse_steps && fine < 2.0 * fine_steps);
+        assert!(most < 2.0);
     }
+    println!("\n{table}");
 }
 
 #[test]

@@ -43,17 +43,24 @@ fn there_and_back<T: Float>(options: &Reversible<T>, steps: usize) -> f64 {
 fn there_and_back_is_the_start() {
     // Measured: explicit 5.6e-15 to 3.2e-10, where rounding adds up in the sizes, integral 3.2e-14 to
     // 8.0e-13; headroom 2 to 4.
-    for method in [Gauss::stages(4), Equip::stages(4)] {
-        let given = method.reversible(0.3, sigma());
-        let automatic = method.reversible_automatic(0.5);
-        for (name, options) in [("given", given), ("automatic", automatic)] {
-            for (rule, bound) in [(StepRule::Explicit, 6e-10), (StepRule::Integral, 3e-12)] {
-                let distance = there_and_back(&options.clone().rule(rule), 1000);
-                println!("{method}, {rule:?}, {name}: {distance:.1e}");
-                assert!(distance < bound);
+    let mut table = String::from("| there and back | least | most |\n|---|---|---|\n");
+    for (rule, bound) in [(StepRule::Explicit, 6e-10), (StepRule::Integral, 3e-12)] {
+        let mut distances = Vec::new();
+        for method in [Gauss::stages(4), Equip::stages(4)] {
+            let given = method.reversible(0.3, sigma());
+            let automatic = method.reversible_automatic(0.5);
+            for options in [given, automatic] {
+                distances.push(there_and_back(&options.rule(rule), 1000));
             }
         }
+        distances.sort_by(f64::total_cmp);
+        table += &format!(
+            "| {rule:?} | {:.1e} | {:.1e} |\n",
+            distances[0], distances[3]
+        );
+        assert!(distances[3] < bound, "{rule:?}: {distances:?}");
     }
+    println!("\n{table}");
     let epsilon = DoubleDouble::decimal("0.3").unwrap();
     for rule in [StepRule::Explicit, StepRule::Integral] {
         let options = Gauss::stages(4).reversible(epsilon, sigma()).rule(rule);
@@ -216,58 +223,77 @@ fn the_automatic_density_is_the_pace_of_the_motion() {
     assert!(options.start(&free, &[0.0], &[1.0], 0.0).is_err());
 }
 
-#[test]
-#[ignore = "long: cargo test --release -p equip-integrate --test all -- --ignored --nocapture reversible::long"]
-fn long_runs_beside_the_tolerance() {
-    // The direction of the pericentre and the position, after 10⁴ and 10⁵ revolutions of e = 0.6: the table
-    // of docs/which-steps.md.
+/// A table of docs/which-steps.md: Kepler's problem, e = 0.6, after so many revolutions with reversible
+/// steps, and by tolerance. The position, the direction of the pericentre and the eccentricity are those of
+/// the end.
+fn beside_the_tolerance(revolutions: f64, choices: usize) {
     let scene = kepler("0.6");
     let (q, p) = scene.initial::<f64>();
     let h = scene.hamiltonian();
-    let only = std::env::var("REVOLUTIONS").map(|text| text.parse().unwrap());
-    for periods in only.map_or(vec![1e4, 1e5], |periods| vec![periods]) {
-        let end = (periods + 0.3) * std::f64::consts::TAU;
-        for method in [Equip::stages(6), Gauss::stages(6)] {
-            let given = method.reversible(0.5, sigma()).record(Record::Ends);
-            let automatic = method.reversible_automatic(0.89).record(Record::Ends);
-            let integral = |x: &Reversible<f64>| x.clone().rule(StepRule::Integral);
-            let tolerance = method.tolerance(1e-8).record(Record::Ends);
-            let choices = [
-                ("explicit, σ given", given.clone()),
-                ("integral, σ given", integral(&given)),
-                ("explicit, σ automatic", automatic.clone()),
-                ("integral, σ automatic", integral(&automatic)),
-            ];
-            // The others take many minutes from here on.
-            let few = periods > 2e4;
-            let reversible = choices.iter().take(if few { 1 } else { 4 });
-            let runs =
-                reversible.map(|(name, options)| (*name, options.integrate(h, &q, &p, 0.0..=end)));
-            let runs: Vec<_> = runs
-                .chain([("tolerance", tolerance.integrate(h, &q, &p, 0.0..=end))])
-                .collect();
-            for (name, run) in runs {
-                let run = run.unwrap();
-                let (t, q1, p1) = run.last();
-                let (q2, _) = scene.exact(t).unwrap();
-                let error = (q1[0] - q2[0]).hypot(q1[1] - q2[1]);
-                let l = q1[0] * p1[1] - q1[1] * p1[0];
-                let r = q1[0].hypot(q1[1]);
-                // The eccentricity vector starts along the first axis.
-                let vector = (p1[1] * l - q1[0] / r, -p1[0] * l - q1[1] / r);
-                let c = run.certificate();
-                println!(
-                    "{method}, {name}, {periods:.0e}: position {error:.1e}, pericentre turned {:.1e}, eccentricity {:.1e}, energy {:.1e}, {:.1} steps per revolution, per step {:.1} refused, {:.0} gradients, {:.1} Hessians; {:.1} µs",
-                    vector.1.atan2(vector.0),
-                    vector.0.hypot(vector.1) - 0.6,
-                    c.energy.as_ref().unwrap().end,
-                    c.counts.steps as f64 / (periods + 0.3),
-                    c.variable_steps.unwrap().rejected as f64 / c.counts.steps as f64,
-                    c.counts.gradients as f64 / c.counts.steps as f64,
-                    c.counts.hessians as f64 / c.counts.steps as f64,
-                    1e6 * c.seconds / c.counts.steps as f64
-                );
-            }
+    let end = (revolutions + 0.3) * std::f64::consts::TAU;
+    let mut table = String::from(
+        "| | steps per revolution | ∇H, ∇²H per step | position | pericentre turned | eccentricity |\n\
+         |---|---|---|---|---|---|\n",
+    );
+    let mut ended = Vec::new();
+    for (is_gauss, method) in [(false, Equip::stages(6)), (true, Gauss::stages(6))] {
+        let given = method.reversible(0.5, sigma()).record(Record::Ends);
+        let automatic = method.reversible_automatic(0.89).record(Record::Ends);
+        let integral = |x: &Reversible<f64>| x.clone().rule(StepRule::Integral);
+        let tolerance = method.tolerance(1e-8).record(Record::Ends);
+        let all = [
+            ("explicit, σ given", given.clone()),
+            ("integral, σ given", integral(&given)),
+            ("explicit, σ automatic", automatic.clone()),
+            ("integral, σ automatic", integral(&automatic)),
+        ];
+        let reversible = all.iter().take(choices);
+        let runs =
+            reversible.map(|(name, options)| (*name, options.integrate(h, &q, &p, 0.0..=end)));
+        let runs = runs.chain([("tolerance 1e-8", tolerance.integrate(h, &q, &p, 0.0..=end))]);
+        for (name, run) in runs {
+            let name = format!("{}, {name}", ["EQUIP", "Gauss"][usize::from(is_gauss)]);
+            let run = match run {
+                Ok(run) => run,
+                Err(failure) => {
+                    let end = failure.partial.map_or(0.0, |run| run.last().0);
+                    let after = end / std::f64::consts::TAU;
+                    table += &format!("| {name} | ends after {after:.0} revolutions | | | | |\n");
+                    ended.push(format!("{name}: {}", failure.error));
+                    continue;
+                }
+            };
+            let (t, q1, p1) = run.last();
+            let (q2, _) = scene.exact(t).unwrap();
+            let error = (q1[0] - q2[0]).hypot(q1[1] - q2[1]);
+            let l = q1[0] * p1[1] - q1[1] * p1[0];
+            let r = q1[0].hypot(q1[1]);
+            // The eccentricity vector starts along the first axis.
+            let vector = (p1[1] * l - q1[0] / r, -p1[0] * l - q1[1] / r);
+            let counts = &run.certificate().counts;
+            let steps = counts.steps as f64;
+            table += &format!(
+                "| {name} | {:.1} | {:.0}, {:.0} | {error:.1e} | {:.1e} | {:.1e} |\n",
+                steps / (revolutions + 0.3),
+                counts.gradients as f64 / steps,
+                counts.hessians as f64 / steps,
+                vector.1.atan2(vector.0).abs(),
+                (vector.0.hypot(vector.1) - 0.6).abs(),
+            );
         }
     }
+    println!("\n{table}");
+    assert!(ended.is_empty(), "{ended:?}");
+}
+
+#[test]
+#[ignore = "known deficit: EQUIP by the integral rule ends with StepRuleNotMet within 10⁴ revolutions; .ci/figures runs it"]
+fn ten_thousand_revolutions() {
+    beside_the_tolerance(1e4, 4);
+}
+
+#[test]
+#[ignore = "long: .ci/figures runs it"]
+fn a_hundred_thousand_revolutions() {
+    beside_the_tolerance(1e5, 1);
 }

@@ -23,8 +23,18 @@ fn scenes() -> [(Instance, f64); 6] {
     ]
 }
 
+/// Prints the least and the most of errors over their targets.
+fn print(what: &str, ratios: &[f64]) {
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = ratios.iter().copied().fold(0.0, f64::max);
+    println!(
+        "\n| over the target | least | most |\n|---|---|---|\n| {what} | {least:.2} | {most:.2} |\n"
+    );
+}
+
 #[test]
 fn trajectories_reach_their_target() {
+    let mut ratios = Vec::new();
     for (scene, end) in scenes() {
         let (q, p) = scene.initial::<f64>();
         let (dd_q, dd_p) = scene.initial::<DoubleDouble>();
@@ -44,21 +54,23 @@ fn trajectories_reach_their_target() {
             let (_, q1, p1) = run.last();
             let pairs = q1.iter().chain(p1).zip(exact_q.iter().chain(exact_p));
             let error = pairs.fold(0.0f64, |most, (x, y)| most.max((x - y.to_f64()).abs()));
-            println!(
-                "{}, {method}: h = {step:.4}, {:.3} of the target at the end",
-                scene.scene().name,
-                error / target
-            );
-            // Measured 0.06 to 0.98 of it: the step was tried and met the target, and is no more than 8 times
+            ratios.push(error / target);
+            // Measured 0.14 to 0.98 of it: the step was tried and met the target, and is no more than 8 times
             // better except where one step more or less decides. Errors that are largest before the end make
             // the rest.
-            assert!(error < 1.5 * target && error > target / 100.0);
+            let name = scene.scene().name;
+            assert!(
+                error < 1.5 * target && error > target / 100.0,
+                "{name}, {method}: h = {step:.4}, {error:e}"
+            );
         }
     }
+    print("trajectory", &ratios);
 }
 
 #[test]
 fn energies_reach_their_target() {
+    let mut ratios = Vec::new();
     for (scene, end) in scenes() {
         let (q, p) = scene.initial::<f64>();
         let h = scene.hamiltonian();
@@ -74,14 +86,15 @@ fn energies_reach_their_target() {
             .integrate(h, &q, &p, 0.0..=end)
             .unwrap();
         let defect = run.certificate().energy.as_ref().unwrap().max;
-        println!(
-            "{}: h = {step:.4}, {:.3} of the target",
-            scene.scene().name,
-            defect / target
+        ratios.push(defect / target);
+        // Measured 0.14 to 0.47.
+        let name = scene.scene().name;
+        assert!(
+            defect <= target && defect > target / 100.0,
+            "{name}: h = {step:.4}, {defect:e}"
         );
-        // Measured 0.14 to 0.90.
-        assert!(defect <= target && defect > target / 100.0);
     }
+    print("energy", &ratios);
 }
 
 #[test]
