@@ -68,8 +68,8 @@ pub trait Pack<T: Scalar, const N: usize>: Piecewise {
     /// additions is short.
     #[inline(always)]
     fn total(packs: &[[T; N]]) -> (T, T) {
-        let (mut sum, mut lost) = (zero::<T, Self, N>(), zero::<T, Self, N>());
-        for x in packs {
+        let (mut sum, mut lost) = (Self::of(&packs[0]), zero::<T, Self, N>());
+        for x in &packs[1..] {
             let (s, e) = Self::two_sum(sum, Self::of(x));
             (sum, lost) = (s, lost + e);
         }
