@@ -46,8 +46,6 @@ class VariableSteps:
     #: Steps refused because their error estimate was too large, and because they could not be solved.
     rejected: int
     failed: int
-    #: Crossings of kinks and jumps of H at which a step ended.
-    switches_crossed: int = 0
 
 
 @dataclass(frozen=True)
@@ -69,6 +67,8 @@ class Counts:
     local_errors: int
     halvings: int
     output_steps: int
+    #: Crossings of kinks and jumps of H at which a step, or a part of a fixed one, ended.
+    switches_crossed: int
 
 
 @dataclass(frozen=True)

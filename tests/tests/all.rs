@@ -14,6 +14,7 @@ mod instruction_sets;
 mod invariants;
 mod kept;
 mod kinks;
+mod kinks_fixed;
 mod kinks_random;
 mod long;
 mod manifests;

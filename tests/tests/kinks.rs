@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{BuildError, Hamiltonian};
-use equip_integrate::{Certificate, Equip, Gauss, Method, Run, VariableSteps};
+use equip_integrate::{Equip, Gauss, Method, Run};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tables::Table;
 use equip_tests::Misses;
@@ -20,21 +20,13 @@ pub(crate) fn apart(a: &[f64], b: &[f64]) -> f64 {
     pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
 }
 
-pub(crate) fn variable<T: Float>(run: &Run<T>) -> VariableSteps<T> {
-    variable_of(run.certificate())
-}
-
-fn variable_of<T: Float>(certificate: &Certificate<T>) -> VariableSteps<T> {
-    certificate.variable_steps.unwrap()
-}
-
 /// An energy that jumps or bends, a start, the time of the end, the state there.
-struct Kinked {
-    name: &'static str,
-    energy: Hamiltonian,
-    start: Vec<f64>,
-    time: f64,
-    right: Vec<f64>,
+pub(crate) struct Kinked {
+    pub(crate) name: &'static str,
+    pub(crate) energy: Hamiltonian,
+    pub(crate) start: Vec<f64>,
+    pub(crate) time: f64,
+    pub(crate) right: Vec<f64>,
 }
 
 impl Kinked {
@@ -99,7 +91,7 @@ fn between_springs(v: f64, time: f64) -> [f64; 2] {
 }
 
 /// Jumps of the force, of its first derivative, of its second one.
-fn kinked() -> Vec<Kinked> {
+pub(crate) fn kinked() -> Vec<Kinked> {
     let on_wedge = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + q[0].abs());
     let springs = Hamiltonian::new(1, |q, p| {
         let beyond = [q[0] - 1, -q[0] - 1].map(|x| x.max(0).powi(2));
@@ -238,7 +230,7 @@ fn kinks_are_passed_in_double_double() {
     let off = [0, 1].map(|i| ((found[i] - right[i]).abs() / tolerance).to_f64());
     println!("{off:?} tolerances");
     assert!(off.iter().all(|&off| off < 100.0), "{off:?}");
-    assert_eq!(variable(&run).switches_crossed, 20);
+    assert_eq!(run.certificate().switches_crossed, 20);
 }
 
 /// A swing that reaches a wedge by `depth` only: the oscillator goes round −1 there, so the right state is
@@ -261,7 +253,7 @@ fn grazing(depth: f64) -> (f64, u64, u64) {
     let counts = run.certificate().counts;
     (
         apart(&end(&run), &right),
-        variable(&run).switches_crossed,
+        run.certificate().switches_crossed,
         counts.steps,
     )
 }
@@ -301,7 +293,7 @@ fn switches_of_time_are_passed() {
     // p = −t − t²/2 up to 1; with x = t − 1 afterwards p = −3/2 + x²/2 − 2x.
     let q = -0.5 - 1.0 / 6.0 - 1.5 * 3.0 + 27.0 / 6.0 - 9.0;
     assert!(apart(&end(&run), &[q, -1.5 + 4.5 - 6.0]) < 1e-9);
-    assert_eq!(variable(&run).switches_crossed, 1);
+    assert_eq!(run.certificate().switches_crossed, 1);
 }
 
 /// Stopped on a switch and resumed, a run is the run that was not, bit for bit.
@@ -320,7 +312,7 @@ fn checkpoints_know_the_side() {
         });
         assert_eq!(here, there);
     }
-    assert!(variable_of(&run.certificate()).switches_crossed > 4);
+    assert!(run.certificate().switches_crossed > 4);
 }
 
 /// There and back over kinks.
@@ -350,6 +342,6 @@ fn a_run_may_begin_on_a_switch() {
     let (right, crossed) = wedge([1.0, 0.0, 0.7], 50.0);
     let moving = run(0.7);
     assert!(apart(&end(&moving), &right) < 1e-11);
-    assert_eq!(variable(&moving).switches_crossed, crossed);
+    assert_eq!(moving.certificate().switches_crossed, crossed);
     assert_eq!(end(&run(0.0)), [0.0, 0.0]);
 }

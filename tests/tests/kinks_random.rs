@@ -2,7 +2,7 @@
 //! where fixed steps go on. Random crossings: all are found.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use crate::kinks::{apart, end, variable, wedge};
+use crate::kinks::{apart, end, wedge};
 use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{Equip, Method};
 use equip_tables::Table;
@@ -84,7 +84,7 @@ fn random_energies(count: u64) {
                 let certificate = run.certificate();
                 steps += certificate.counts.steps;
                 most = most.max(certificate.counts.steps);
-                crossed += certificate.variable_steps.unwrap().switches_crossed;
+                crossed += certificate.switches_crossed;
             }
             Err(failure) => {
                 let fixed = method.step(0.01).integrate(&energy, q, p, 0.0..=10.0);
@@ -162,7 +162,7 @@ fn random_crossings(crossings: u64, m: usize) {
         let (found, right) = (end(&run), balls.iter().map(|&ball| wedge(ball, time)));
         let expected: u64 = right.clone().map(|(_, count)| count).sum();
         let what = format!("{expected} crossings");
-        assert_eq!(variable(&run).switches_crossed, expected, "{balls:?}");
+        assert_eq!(run.certificate().switches_crossed, expected, "{balls:?}");
         for (i, (state, _)) in right.enumerate() {
             let error = apart(&[found[i], found[m + i]], &state) / 1e-10;
             misses.most(&what, error, 1.0);

@@ -36,6 +36,7 @@ pub use report::certificate::Certificate;
 pub use report::chaos_indicators::ChaosIndicators;
 pub use report::defect::Defect;
 pub use report::energy_floor::EnergyFloor;
+pub use report::energy_jumps::EnergyJumps;
 pub use report::phase_per_step::PhasePerStep;
 pub use report::variable_steps::VariableSteps;
 #[cfg(feature = "rayon")]

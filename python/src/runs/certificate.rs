@@ -40,14 +40,7 @@ pub(crate) fn certificate<'py, T: Float>(
     let steps = certificate.variable_steps.map(|steps| {
         let sizes = (steps.tolerance, steps.smallest, steps.largest);
         let sizes = (sizes.0.to_f64(), sizes.1.to_f64(), sizes.2.to_f64());
-        (
-            sizes.0,
-            sizes.1,
-            sizes.2,
-            steps.rejected,
-            steps.failed,
-            steps.switches_crossed,
-        )
+        (sizes.0, sizes.1, sizes.2, steps.rejected, steps.failed)
     });
     dict.set_item("variable_steps", steps)?;
     let chaos = certificate.chaos;
@@ -73,6 +66,7 @@ pub(crate) fn certificate<'py, T: Float>(
         ("local_errors", counts.local_errors),
         ("halvings", counts.halvings),
         ("output_steps", certificate.output_steps),
+        ("switches_crossed", certificate.switches_crossed),
     ];
     for (name, count) in all {
         dict.set_item(name, count)?;

@@ -47,6 +47,7 @@ struct Work {
     local_errors: u64,
     halvings: u64,
     output_steps: u64,
+    switches_crossed: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -56,7 +57,6 @@ struct Sizes {
     largest: Number,
     rejected: u64,
     failed: u64,
-    switches_crossed: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -142,7 +142,6 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             largest: Number::new(steps.largest),
             rejected: steps.rejected,
             failed: steps.failed,
-            switches_crossed: steps.switches_crossed,
         }),
         start: Number::new(certificate.start),
         end: Number::new(certificate.end),
@@ -189,6 +188,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             local_errors: counts.local_errors,
             halvings: counts.halvings,
             output_steps: certificate.output_steps,
+            switches_crossed: certificate.switches_crossed,
         },
         end_state: AtEnd {
             q: Number::all(q),

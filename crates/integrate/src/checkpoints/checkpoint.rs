@@ -16,7 +16,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 7;
+pub(crate) const FORMAT: u32 = 8;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
@@ -71,6 +71,9 @@ pub struct Checkpoint {
     pub(crate) last_step: Exact,
     pub(crate) last_outcome: Outcome,
     pub(crate) counts: Counts,
+    pub(crate) switches_crossed: u64,
+    /// How often H has jumped, and the largest jump.
+    pub(crate) energy_jumps: Option<(u64, Exact)>,
     pub(crate) seconds: Exact,
     /// What the solver remembers of the steps so far.
     pub(crate) solver: Vec<(String, Vec<Exact>)>,
@@ -196,6 +199,9 @@ impl Checkpoint {
         }
         sum.count(self.index);
         sum.count(self.goes_back.into());
+        sum.count(self.switches_crossed);
+        sum.count(self.energy_jumps.as_ref().map_or(0, |jumps| jumps.0));
+        sum.numbers(self.energy_jumps.iter().map(|jumps| &jumps.1));
         sum.numbers([&self.grid_start]);
         sum.count(self.place.cast_unsigned());
         sum.numbers(self.defects.iter().flatten());
@@ -235,7 +241,6 @@ impl Checkpoint {
             sum.count(control.tries.into());
             sum.count(control.rejected);
             sum.count(control.failed);
-            sum.count(control.switches_crossed);
             sum.count(control.switches.is_among_knots.into());
             for side in &control.switches.sides {
                 sum.count(side.map_or(0, |side| (i64::from(side) + 2).cast_unsigned()));

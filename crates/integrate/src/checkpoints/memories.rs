@@ -16,7 +16,6 @@ pub(crate) struct ControlMemory {
     pub(crate) largest: Exact,
     pub(crate) rejected: u64,
     pub(crate) failed: u64,
-    pub(crate) switches_crossed: u64,
     pub(crate) switches: SwitchMemory,
 }
 
@@ -56,7 +55,6 @@ impl ControlMemory {
             largest: Exact::of(steps.largest),
             rejected: steps.rejected,
             failed: steps.failed,
-            switches_crossed: steps.switches_crossed,
             switches,
         }
     }
@@ -72,7 +70,6 @@ impl ControlMemory {
             largest: self.largest.read()?,
             rejected: self.rejected,
             failed: self.failed,
-            switches_crossed: self.switches_crossed,
         })
     }
 }

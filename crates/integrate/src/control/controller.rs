@@ -90,12 +90,13 @@ impl Control {
     }
 
     /// Judges a step of size `h` by its estimate, and if it is accepted proposes the next. `contraction` is
-    /// that of its sweeps, if there were any, as a power that goes like h.
+    /// that of its sweeps, if there were any, as a power that goes like h. Sweeps from the stages of a try
+    /// that was refused do not contract as others do: after one the next step is not shortened for them.
     pub(crate) fn judge(
         &mut self,
         h: f64,
         estimate: &Estimate,
-        contraction: Option<f64>,
+        (contraction, is_retried): (Option<f64>, bool),
     ) -> Judgement {
         let ratio = self.ratio(estimate);
         let refused = self.refused.take();
@@ -118,18 +119,33 @@ impl Control {
         let predicted = (1.0 - near) / (1.0 + growth * near).max(f64::MIN_POSITIVE);
         let predicted = predicted.clamp(1.0 / MOST_PREDICTED, MOST_PREDICTED);
         let mut share = SAFETY * growth * predicted;
-        let cheapest = contraction.map_or(f64::INFINITY, |contraction| CHEAPEST / contraction);
-        if ratio <= NEWTON * cheapest {
-            share = share.min(cheapest * predicted.min(1.0));
-        }
+        let cheapest = Self::cheapest(ratio, contraction);
+        let least = if is_retried { 1.0 } else { 0.0 };
+        share = share.min((cheapest * predicted.min(1.0)).max(least));
         self.memory.next = (h * share).min(self.most);
         Judgement::Accept
+    }
+
+    /// Whether a step that was accepted with an estimate of this `decay` gets the next size whatever it is.
+    pub(crate) fn has_room(&self, decay: f64, contraction: f64) -> bool {
+        let enough = (CHEAPEST / contraction / SAFETY).clamp(1.0, MOST_CHANGE);
+        self.wanted >= decay * enough
     }
 
     /// Whether a `rest` that is small has not fallen with the size as that of any motion does: it is rounding
     /// of the slopes, which shorter steps have too.
     fn is_rounding(&self, before: Refused, (h, rest): (f64, f64)) -> bool {
         rest <= self.rounding && rest >= before.rest * (h / before.size).sqrt()
+    }
+
+    /// The step that sweeps cost least for, in units of the one that was made; infinite for Newton's method.
+    fn cheapest(ratio: f64, contraction: Option<f64>) -> f64 {
+        let cheapest = contraction.map_or(f64::INFINITY, |contraction| CHEAPEST / contraction);
+        if ratio <= NEWTON * cheapest {
+            cheapest
+        } else {
+            f64::INFINITY
+        }
     }
 
     /// (tol / e)^{1/(2s)}.
@@ -144,8 +160,14 @@ impl Control {
 
     /// Whether the first step is so much smaller than it could be, up to `longest`, that it is worth another
     /// try; with which size.
-    pub(crate) fn first_is_timid(&self, h: f64, estimate: &Estimate, longest: f64) -> Option<f64> {
-        let longer = SAFETY * self.ratio(estimate);
+    pub(crate) fn first_is_timid(
+        &self,
+        h: f64,
+        estimate: &Estimate,
+        (contraction, longest): (Option<f64>, f64),
+    ) -> Option<f64> {
+        let ratio = self.ratio(estimate);
+        let longer = (SAFETY * ratio).min(Self::cheapest(ratio, contraction));
         let longer = (h * longer.min(1.0 / MOST_SHRINKAGE))
             .min(self.most)
             .min(longest);

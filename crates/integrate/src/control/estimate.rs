@@ -222,6 +222,26 @@ impl<T: Float> Decay<T> {
         [decay, tail]
     }
 
+    /// The directions in which the step estimated last leaves its polynomial, h γ_{s−2} + h γ_{s−1} of the
+    /// components that are judged, zero of others, into `out`: of two neighbours one may vanish.
+    pub(crate) fn defect(&self, out: &mut [T]) {
+        for (c, (out, &unit)) in out.iter_mut().zip(&self.inverse_units).enumerate() {
+            let row = &self.coefficients[c * self.stride..][..self.s];
+            let is_moving = unit > T::int(0);
+            *out = if is_moving {
+                row[self.s - 1] + row[self.s - 2]
+            } else {
+                T::int(0)
+            };
+        }
+    }
+
+    /// The largest component of `x` in units of the motion of the step estimated last.
+    pub(crate) fn in_units(&self, x: &[T]) -> f64 {
+        let sizes = x.iter().zip(&self.inverse_units);
+        sizes.fold(0.0, |most, (&x, &unit)| most.max((x * unit).abs().to_f64()))
+    }
+
     /// An error of component c of the step estimated last, in tolerances: 1 is allowed. None is of components
     /// that are not judged.
     pub(crate) fn in_tolerances(&self, c: usize, error: T) -> f64 {

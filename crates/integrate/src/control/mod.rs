@@ -4,6 +4,7 @@ pub(crate) mod controller;
 pub(crate) mod escape;
 pub(crate) mod estimate;
 pub(crate) mod first_step;
+pub(crate) mod flow;
 pub(crate) mod frequency;
 pub(crate) mod make;
 pub(crate) mod policy;

@@ -50,3 +50,6 @@ pub(crate) const GOOD_ENOUGH: i64 = 8;
 /// Parts of a step shorter than one over this may have event functions that are noise, and the first try is
 /// at least such a part of the time in which the motion turns. // ratio
 pub(crate) const SHORT: i64 = 64;
+/// H is compared on both sides of a switch at one over this of a step from it. // ratio; at tolerance 1e-4
+/// the end of a step is 1e-7 of it from the switch; jumps are told that are 1e-5 of what H bends by in one.
+pub(crate) const BESIDE: i64 = 1 << 16;

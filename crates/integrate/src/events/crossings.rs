@@ -12,7 +12,7 @@
 
 use crate::checkpoints::memories::SwitchMemory;
 use crate::control::estimate::Decay;
-use crate::control::policy::{MOST_TRIES, SOON};
+use crate::control::policy::{BESIDE, MOST_TRIES, ROUNDING, SOON};
 use crate::events::path::{Path, Place};
 use crate::events::roughness::Roughness;
 use equip_autodiff::{Evaluate, SwitchKind, Switches};
@@ -51,6 +51,12 @@ pub(crate) struct Crossings<T: Float> {
     /// Whether the step before met a switch that may have hidden others: knots of a table.
     is_among_knots: bool,
     has_knots: bool,
+    /// Switches that are passed over unseen.
+    is_passed: Vec<bool>,
+    /// Switches at which the value of H may jump.
+    may_jump: Vec<bool>,
+    /// Room for ∇H.
+    slope: Vec<T>,
     roughness: Roughness<T>,
     /// A place so close to the end of a step is the end.
     close: T,
@@ -79,9 +85,28 @@ impl<T: Float> Crossings<T> {
             halvings: 0,
             has_touched: false,
             is_among_knots: false,
+            is_passed: vec![false; count],
             has_knots: switches.kinds().contains(&SwitchKind::Knots),
+            may_jump: (switches.kinds().iter())
+                .map(|kind| matches!(kind, SwitchKind::Sign | SwitchKind::Selection))
+                .collect(),
+            slope: vec![T::int(0); n],
             close: (tolerance / T::int(1000)).max(T::int(8) * T::EPSILON),
         })
+    }
+
+    /// The same, passing over knots of tables; none if there is nothing else.
+    pub(crate) fn but_knots(
+        switches: &Switches,
+        gauss: &Gauss<T>,
+        n: usize,
+        tolerance: T,
+    ) -> Option<Self> {
+        let mut crossings = Self::new(switches, gauss, n, tolerance)?;
+        let kinds = switches.kinds().iter();
+        crossings.is_passed = kinds.map(|&kind| kind == SwitchKind::Knots).collect();
+        crossings.has_knots = false;
+        crossings.is_passed.contains(&false).then_some(crossings)
     }
 
     /// The run begins, or goes on, at a state that may be anywhere.
@@ -116,6 +141,11 @@ impl<T: Float> Crossings<T> {
     /// Whether the step was cut where it may touch a switch.
     pub(crate) fn has_touched(&self) -> bool {
         self.has_touched
+    }
+
+    /// Whether the step last looked at meets one of them more than twice, as one over close knots.
+    pub(crate) fn meets_one_often(&self) -> bool {
+        (0..self.path.len()).any(|j| !self.is_passed[j] && self.path.changes(j) > 2)
     }
 
     /// How many switches the step last looked at ends on, if it ends on one.
@@ -198,7 +228,7 @@ impl<T: Float> Crossings<T> {
             return None;
         }
         self.path.follow(core, y, end);
-        let may_meet = |j: usize| self.path.may_meet(j, self.begins(j));
+        let may_meet = |j: usize| !self.is_passed[j] && self.path.may_meet(j, self.begins(j));
         let meets_none = aim.is_none() && !(0..self.path.len()).any(may_meet);
         if meets_none && !self.is_among_knots {
             return None;
@@ -219,6 +249,38 @@ impl<T: Float> Crossings<T> {
         Some(Meeting::At(root, next))
     }
 
+    /// By how much H jumps where the step last looked at ends on a switch.
+    pub(crate) fn jump<E: Evaluate<T>>(&mut self, core: &mut Core<T, E>) -> Option<T> {
+        let may_jump = self.met.iter().any(|&(j, _)| self.may_jump[j]);
+        may_jump.then(|| self.across(core, T::int(1))).flatten()
+    }
+
+    /// The same at the first switch that it meets.
+    pub(crate) fn jump_at<E: Evaluate<T>>(&mut self, core: &mut Core<T, E>, root: T) -> Option<T> {
+        let may_jump = self.aim.is_some_and(|j| self.may_jump[j]);
+        may_jump.then(|| self.across(core, root)).flatten()
+    }
+
+    /// By how much H jumps at a root, if that is more than rounding: the difference of H a little beyond and
+    /// before is the same twice as far. One that bends differs twice as much there, or more.
+    fn across<E: Evaluate<T>>(&mut self, core: &mut Core<T, E>, root: T) -> Option<T> {
+        let mut rounding = T::int(0);
+        let mut across = |distance: T| {
+            let [before, beyond] = [-distance, distance].map(|distance| {
+                let y = self.path.state_at(root + distance);
+                let (energy, counts) = core.energy_and_counts();
+                counts.gradients += 1;
+                let (value, bound) = energy.gradient_with_bound(y, &mut self.slope);
+                rounding = rounding.max(T::int(ROUNDING) * T::EPSILON * bound);
+                value
+            });
+            beyond - before
+        };
+        let [near, far] = [1, 2].map(|times| across(T::ratio(times, BESIDE)));
+        let is_same = T::int(4) * (far - near).abs() <= near.abs();
+        (is_same && near.abs() > rounding).then_some(T::int(2) * near - far)
+    }
+
     /// The sign with which switch j begins.
     fn begins(&self, j: usize) -> i8 {
         self.sides[j].unwrap_or_else(|| self.path.side_at_start(j))
@@ -228,6 +290,9 @@ impl<T: Float> Crossings<T> {
     fn first(&mut self, aim: Option<usize>) -> Option<(usize, Place<T>)> {
         let mut first: Option<(usize, Place<T>)> = None;
         for j in 0..self.path.len() {
+            if self.is_passed[j] {
+                continue;
+            }
             let mut place = self.first_root(j);
             if place.is_none() && aim == Some(j) {
                 place = (self.path.root_beyond(j)).map(|root| Place::Root(root, None));
@@ -268,6 +333,9 @@ impl<T: Float> Crossings<T> {
     fn meet(&mut self, j: usize, root: T) {
         self.met.clear();
         for other in 0..self.path.len() {
+            if self.is_passed[other] {
+                continue;
+            }
             let is_met = other == j
                 || self.path.side_at_end(other) == 0
                 || self

@@ -139,6 +139,12 @@ impl<T: Float> Path<T> {
         side(self.value(j, self.places.len() - 1))
     }
 
+    /// How often the sign of switch j changes from place to place.
+    pub(crate) fn changes(&self, j: usize) -> usize {
+        let differs = |&i: &usize| side(self.value(j, i)) != side(self.value(j, i - 1));
+        (1..self.places.len()).filter(differs).count()
+    }
+
     /// Whether switch j may have a root on the way, if it has the sign `begins` after the start.
     pub(crate) fn may_meet(&self, j: usize, begins: i8) -> bool {
         let last = self.places.len() - 1;

@@ -4,6 +4,7 @@ use crate::options::method::Method;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::report::defect::Defect;
 use crate::report::energy_floor::EnergyFloor;
+use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
@@ -20,6 +21,12 @@ pub struct Certificate<T> {
     pub step: T,
     /// How the steps varied; `None` if they were fixed.
     pub variable_steps: Option<VariableSteps<T>>,
+    /// Crossings of switches of H ([`System::switches`](equip_autodiff::System::switches)) at which a step,
+    /// or a part of a step of the grid, ended. Those that bend less than the tolerance are passed over, and
+    /// not counted.
+    pub switches_crossed: u64,
+    /// Those of them at which the value of H jumps; `None` without any.
+    pub energy_jumps: Option<EnergyJumps<T>>,
     /// Time at the start.
     pub start: T,
     /// Time reached.
@@ -53,12 +60,12 @@ pub struct Certificate<T> {
 impl<T: Float> Certificate<T> {
     /// Whether every step kept the energy: solved, at the floor, quadratic, or halved and then solved, and
     /// the floor was at most 1e-6 of |H| or of the kinetic energy, so that the word means something. An
-    /// energy that was infinite or NaN anywhere was not kept.
+    /// energy that was infinite or NaN anywhere, or has jumped, was not kept.
     pub fn energy_kept_on_every_step(&self) -> bool {
         let is_finite = self.energy.as_ref().is_none_or(|e| e.max.is_finite());
         let is_small = self.energy_floor.is_none_or(|floor| floor.is_small());
         let asked = self.counts.carried() == 0 && self.counts.outcome(Outcome::NotAsked) == 0;
-        is_finite && is_small && asked
+        is_finite && is_small && asked && self.energy_jumps.is_none()
     }
 
     /// Whether the steps resolve the fastest motion: hω ≤ s wherever it was looked at.
@@ -107,10 +114,18 @@ impl<T: Float> Certificate<T> {
                     "steps refused",
                     format!("{rejected} for their error, {failed} unsolved"),
                 );
-                if steps.switches_crossed > 0 {
-                    line("switches crossed", steps.switches_crossed.to_string());
-                }
             }
+        }
+        if self.switches_crossed > 0 {
+            line("switches crossed", self.switches_crossed.to_string());
+        }
+        if let Some(EnergyJumps { count, largest }) = self.energy_jumps {
+            line(
+                "H jumps",
+                format!("at {count} of them, by up to {largest:.2e}: no force comes of it"),
+            );
+            let helps = "formulas that are equal where one gives way to another";
+            line("  what helps", helps.to_owned());
         }
         if let Some(energy) = &self.energy {
             let start = energy.start;

@@ -4,5 +4,6 @@ pub(crate) mod certificate;
 pub(crate) mod chaos_indicators;
 pub(crate) mod defect;
 pub(crate) mod energy_floor;
+pub(crate) mod energy_jumps;
 pub(crate) mod phase_per_step;
 pub(crate) mod variable_steps;

@@ -16,9 +16,6 @@ pub struct VariableSteps<T> {
     pub rejected: u64,
     /// Steps refused because their stages or α's were not found.
     pub failed: u64,
-    /// Crossings of switches of H ([`System::switches`](equip_autodiff::System::switches)) at which a step
-    /// ended. Those of jumps below the tolerance are passed over, and not counted.
-    pub switches_crossed: u64,
 }
 
 impl<T: Float> VariableSteps<T> {
@@ -30,7 +27,6 @@ impl<T: Float> VariableSteps<T> {
             largest: T::int(0),
             rejected: 0,
             failed: 0,
-            switches_crossed: 0,
         }
     }
 }

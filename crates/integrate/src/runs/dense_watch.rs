@@ -60,7 +60,7 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
         time_low: T,
         run: &mut Run<T>,
     ) -> Result<ControlFlow<(T, &[T])>, IntegrateError<T>> {
-        let parts = stepper.core.parts();
+        let parts = stepper.parts();
         for (i, part) in parts.iter().enumerate() {
             let next = parts.get(i + 1);
             let mut end = next.map_or(stepper.time(), |next| next.time);

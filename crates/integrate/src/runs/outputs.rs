@@ -1,6 +1,5 @@
 //! Output between the points of a grid.
 
-use crate::control::make::make_step;
 use crate::error::IntegrateError;
 use crate::runs::run::Run;
 use crate::steppers::stepper::Stepper;
@@ -38,8 +37,7 @@ impl<'a, T: Float, E: Evaluate<T>> Outputs<'a, T, E> {
             if main.direction.is_before(main.time(), time) {
                 self.stepper.core.forget();
                 let side = &mut self.stepper;
-                make_step(&mut side.core, (&main.y, main.time(), h), &mut side.y)?;
-                run.output(time, &side.y.hi);
+                run.output(time, side.aside((&main.y, main.time()), h)?);
                 run.certificate.output_steps += 1;
             } else {
                 run.output(time, &main.y.hi);

@@ -7,6 +7,7 @@ use crate::checkpoints::memories::{ControlMemory, SwitchMemory};
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
 use crate::report::energy_floor::EnergyFloor;
+use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::steppers::stepper::Stepper;
 use crate::time::direction::TimeDirection;
@@ -99,6 +100,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             last_step: Exact::of(self.last.0),
             last_outcome: self.last.1,
             counts: *self.core.counts(),
+            switches_crossed: self.switches_crossed,
+            energy_jumps: (self.energy_jumps).map(|jumps| (jumps.count, Exact::of(jumps.largest))),
             seconds: Exact::of(seconds),
             solver,
             control: None,
@@ -172,6 +175,14 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             from.last_outcome,
         );
         *self.core.counts_mut() = from.counts;
+        self.switches_crossed = from.switches_crossed;
+        self.energy_jumps = match &from.energy_jumps {
+            Some((count, largest)) => Some(EnergyJumps {
+                count: *count,
+                largest: largest.read()?,
+            }),
+            None => None,
+        };
         let mut parts = Vec::with_capacity(from.solver.len());
         for (name, stored) in &from.solver {
             let numbers = stored.iter().map(Exact::read);

@@ -4,6 +4,7 @@ pub(crate) mod adaptive;
 pub(crate) mod checkpoint;
 pub(crate) mod fixed_steps;
 pub(crate) mod grid;
+pub(crate) mod in_parts;
 pub(crate) mod reversible_stepper;
 pub(crate) mod reversible_steps;
 pub(crate) mod sizes;

@@ -8,7 +8,7 @@ use crate::steppers::stepper::Stepper;
 use crate::tangent::steps::sealed::Followed;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::Core;
+use equip_solver::{Core, Part};
 use std::fmt;
 
 /// How an [`Integrator`] sizes its steps: [`Fixed`](crate::Fixed), [`Tolerance`](crate::Tolerance) or
@@ -95,6 +95,13 @@ impl<T: Float, E: Evaluate<T>, S: Advance<T, E>> Followed<T, E> for S {
 
     fn core_mut(&mut self) -> &mut Core<T, E> {
         &mut self.inner_mut().core
+    }
+
+    fn parts_made<'a>(&'a self) -> &'a [Part<T>]
+    where
+        E: 'a,
+    {
+        self.inner().parts()
     }
 
     fn time_reached(&self) -> T {

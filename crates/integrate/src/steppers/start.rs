@@ -8,6 +8,7 @@ use crate::options::event::Event;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
 use crate::report::energy_floor::EnergyFloor;
+use crate::steppers::in_parts::Substeps;
 use crate::steppers::stepper::Stepper;
 use crate::time::direction::TimeDirection;
 use crate::time::visible::visible;
@@ -57,6 +58,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             stages - 1
         };
         let measured = has_target || options.measure_energy;
+        let in_parts = h.and_then(|_| Substeps::boxed(&system.switches(), &gauss, 2 * all));
         let mut evaluator = system.evaluator::<T>();
         let mut slope = vec![zero; 2 * all];
         let y = State::new(&slope[..all], &slope[all..]);
@@ -76,6 +78,9 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             grid_start: zero,
             place: 0,
             h_ref: zero,
+            in_parts,
+            switches_crossed: 0,
+            energy_jumps: None,
             index: 0,
             time: zero,
             next: y.clone(),
@@ -142,6 +147,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         self.move_to(q0, p0, t0)?;
         *self.core.counts_mut() = Counts::default();
         (self.t0, self.time, self.index) = (t0, t0, 0);
+        (self.switches_crossed, self.energy_jumps) = (0, None);
         (self.grid_start, self.place, self.grid) = (t0, 0, None);
         self.direction = direction;
         self.start[..self.m].copy_from_slice(q0);

@@ -8,6 +8,7 @@ use crate::options::method::Method;
 use crate::report::certificate::Certificate;
 use crate::report::defect::{Defect, Watched};
 use crate::report::energy_floor::{EnergyFloor, kinetic_energy};
+use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::grid::Grid;
@@ -16,8 +17,18 @@ use crate::time::direction::TimeDirection;
 use crate::time::visible::visible;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::{Core, Counts, Outcome, State};
+use equip_solver::{Core, Counts, Outcome, Part, State};
+use std::fmt;
 use std::time::Instant;
+
+/// Makes steps of the grid in parts where they are over switches of H.
+pub(super) trait InParts<T: Float, E>: fmt::Debug + Send + Sync {
+    /// Makes a step of size `h` that may still be refused.
+    fn attempt(&mut self, run: &mut Stepper<T, E>, h: T) -> Result<Outcome, IntegrateError<T>>;
+
+    /// The parts of the step made last, if it was made in several.
+    fn parts(&self) -> Option<&[Part<T>]>;
+}
 
 /// A run that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
 #[derive(Debug)]
@@ -39,6 +50,11 @@ pub struct Stepper<T: Float, E> {
     pub(super) place: i64,
     /// The grid up to the end of the run, if that is known.
     pub(super) grid: Option<Grid<T>>,
+    /// None if H is smooth as far as is known, or the steps vary.
+    pub(super) in_parts: Option<Box<dyn InParts<T, E>>>,
+    /// Crossings of switches at which a step, or a part of one, ended.
+    pub(crate) switches_crossed: u64,
+    pub(crate) energy_jumps: Option<EnergyJumps<T>>,
     /// Room for ∇H.
     pub(super) slope: Vec<T>,
     pub(crate) h_ref: T,
@@ -148,9 +164,45 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
                 time: self.time,
             });
         }
-        let outcome = self.attempt(h)?;
+        let outcome = self.attempt_in_parts(h)?;
         self.accept(time, h, outcome);
         Ok(())
+    }
+
+    /// Makes a step of the grid, of size `h`, in parts if it is over switches of H.
+    pub(super) fn attempt_in_parts(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
+        let Some(mut in_parts) = self.in_parts.take() else {
+            return self.attempt(h);
+        };
+        let made = in_parts.attempt(self, h);
+        self.in_parts = Some(in_parts);
+        made
+    }
+
+    /// The state after a step of size `h` from `y` at time `t`, which is no step of the run.
+    pub(crate) fn aside(
+        &mut self,
+        (y, t): (&State<T>, T),
+        h: T,
+    ) -> Result<&[T], IntegrateError<T>> {
+        self.y.copy_from(y);
+        self.time = t;
+        self.attempt_in_parts(h)?;
+        Ok(&self.next.hi)
+    }
+
+    /// A step, or a part of one, has ended on `count` switches, where H jumps by so much.
+    pub(crate) fn cross(&mut self, count: u64, jump: Option<T>) {
+        self.switches_crossed += count;
+        if let Some(jump) = jump {
+            self.energy_jumps = Some(EnergyJumps::after(self.energy_jumps, jump));
+        }
+    }
+
+    /// What dense output needs of the step made last; empty unless something asks for it.
+    pub(crate) fn parts(&self) -> &[Part<T>] {
+        let in_parts = self.in_parts.as_ref().and_then(|in_parts| in_parts.parts());
+        in_parts.unwrap_or(self.core.parts())
     }
 
     /// Makes a step of size `h` that may still be refused.
@@ -311,6 +363,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
                 None => self.mean_step(),
             },
             variable_steps: self.variable,
+            switches_crossed: self.switches_crossed,
+            energy_jumps: self.energy_jumps,
             start: self.t0,
             end: self.time,
             energy: self.energy.clone(),

@@ -10,7 +10,7 @@ impl<T: Float, E, S: sealed::Followed<T, E>> Steps<T, E> for S {}
 pub(crate) mod sealed {
     use crate::error::IntegrateError;
     use equip_scalar::Float;
-    use equip_solver::Core;
+    use equip_solver::{Core, Part};
 
     /// What a tangent map reads of a run.
     pub trait Followed<T: Float, E> {
@@ -18,6 +18,10 @@ pub(crate) mod sealed {
         fn core(&self) -> &Core<T, E>;
         /// The same, to ask it for the parts of its steps.
         fn core_mut(&mut self) -> &mut Core<T, E>;
+        /// What the step made last has passed through, part by part.
+        fn parts_made<'a>(&'a self) -> &'a [Part<T>]
+        where
+            E: 'a;
         /// The time it has reached.
         fn time_reached(&self) -> T;
         /// How many steps it has made.

@@ -88,7 +88,7 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
         assert_eq!(deviations.len() % n, 0, "a deviation has 2m components");
         self.check_followed(run, 1)?;
         self.carried = run.steps_made();
-        for part in run.core().parts() {
+        for part in run.parts_made() {
             self.step.linearise(part);
             for deviation in deviations.chunks_exact_mut(n) {
                 let carried = self.step.carry(deviation);

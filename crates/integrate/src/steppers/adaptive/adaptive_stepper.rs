@@ -9,6 +9,7 @@
 use crate::control::controller::{Control, Judgement};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
+use crate::control::flow::Flow;
 use crate::control::policy::{MOST_TRIES, PART};
 use crate::control::stuck::TooSmall;
 use crate::error::IntegrateError;
@@ -29,6 +30,7 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(crate) inner: Stepper<T, E>,
     pub(super) control: Control,
     pub(super) decay: Decay<T>,
+    pub(super) flow: Flow<T>,
     /// ∇H where the step begins, and where it ends.
     pub(super) slopes: [Vec<T>; 2],
     /// None if H is smooth as far as is known.
@@ -106,21 +108,19 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     self.stop_aiming();
                 }
                 Ok(Made::Step(outcome, estimate, end_is)) => {
+                    let contraction = self.inner.core.contraction();
+                    let limits = (contraction, self.longest_first);
                     if self.tries < MOST_TRIES
                         && !place.cut
                         && end_is == EndIs::Smooth
-                        && let Some(longer) =
-                            self.control
-                                .first_is_timid(h, &estimate, self.longest_first)
+                        && let Some(longer) = self.control.first_is_timid(h, &estimate, limits)
                     {
                         self.tries += 1;
                         self.inner.core.refuse();
                         (size, is_retried) = (longer, true);
                         continue;
                     }
-                    // Sweeps from the stages of a refused try do not contract as others do.
-                    let contraction = self.inner.core.contraction().filter(|_| !is_retried);
-                    match self.control.judge(h, &estimate, contraction) {
+                    match (self.control).judge(h, &estimate, (contraction, is_retried)) {
                         Judgement::Accept => {
                             self.accept(place, outcome);
                             self.accept_switches(end_is, (h, proposed));

@@ -5,6 +5,7 @@ use crate::checkpoints::exact::Exact;
 use crate::control::controller::{Control, Memory};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
+use crate::control::flow::Flow;
 use crate::control::policy::MOST_TRIES;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
@@ -43,6 +44,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
                 most,
             ),
             decay: Decay::new(inner.core.gauss(), (n, inner.m), sizes.tolerance, absolute),
+            flow: Flow::new(integrator.method.stages, n),
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
             first_step: sizes.first_step,

@@ -34,6 +34,6 @@ pub(super) enum EndIs {
 }
 
 /// The shortest step that time resolves.
-pub(super) fn shortest_at<T: Float>(time: T) -> T {
+pub(crate) fn shortest_at<T: Float>(time: T) -> T {
     T::int(ROUNDING) * T::EPSILON * time.abs()
 }

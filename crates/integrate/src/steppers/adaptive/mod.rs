@@ -2,5 +2,5 @@
 
 pub(crate) mod adaptive_stepper;
 pub(crate) mod adaptive_steps;
-mod made;
+pub(crate) mod made;
 mod over_switches;

@@ -38,7 +38,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let end_is = match meeting {
             Some(Meeting::End) => EndIs::OnSwitch,
             Some(Meeting::At(root, next)) => {
-                let is_rough = was_aimed || self.is_rough(h, [root, next.unwrap_or(root)]);
+                let is_rough = was_aimed
+                    || self.jumps_at(root)
+                    || self.is_rough(h, [root, next.unwrap_or(root)]);
                 let is_soon = T::int(SOON) * root < T::int(1);
                 if is_rough && is_soon && !was_aimed && self.may_halve() {
                     return Ok(Made::OverKnots);
@@ -76,6 +78,13 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         crossings.is_some_and(|crossings| crossings.is_rough(core, (h, roots), decay))
     }
 
+    /// Whether H jumps at the first switch that the step just made meets.
+    fn jumps_at(&mut self, root: T) -> bool {
+        let core = &mut self.inner.core;
+        let crossings = self.crossings.as_mut();
+        crossings.is_some_and(|crossings| crossings.jump_at(core, root).is_some())
+    }
+
     /// Whether a step over knots is to be halved, once more.
     fn may_halve(&mut self) -> bool {
         let crossings = self.crossings.as_mut();
@@ -109,8 +118,9 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 *next = proposed.max(h);
             }
         }
-        if is_on_switch && let Some(steps) = &mut self.inner.variable {
-            steps.switches_crossed += crossings.met();
+        if is_on_switch {
+            let jump = crossings.jump(&mut self.inner.core);
+            self.inner.cross(crossings.met(), jump);
         }
     }
 
@@ -139,6 +149,20 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let ends = [(start, begins_on_switch), (end, ends_on_switch)];
         let ends = ends.map(|(slope, is_inset)| End { slope, is_inset });
         let l = core.derivatives_by_component();
-        self.decay.estimate((y, h), l, ends)
+        let mut estimate = self.decay.estimate((y, h), l, ends);
+        let decay = estimate.decay;
+        let with = |flow: f64| (decay * flow.hypot(decay)).sqrt();
+        // Where the contraction bounds it well enough it is not needed.
+        let is_needed = core.contraction().is_none_or(|contraction| {
+            !self
+                .control
+                .has_room(with(self.flow.most(contraction)), contraction)
+        });
+        if is_needed {
+            let (energy, counts) = core.energy_and_counts();
+            counts.gradients += 2;
+            estimate.decay = with(self.flow.decay(energy, (&y.hi, h), &self.decay));
+        }
+        estimate
     }
 }

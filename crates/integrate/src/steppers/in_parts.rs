@@ -1,0 +1,199 @@
+//! What steps of one size do at switches of H ([`crate::events::crossings`]): a step of the grid that is over
+//! one is made in parts, up to the switch and from there on, each of full order. The grid stays as it is.
+//!
+//! Knots of tables are passed over: without a tolerance there is nothing that tells those that matter. A step
+//! that meets the same switch more than twice is made as if H were smooth, and so is what is left of a step
+//! after [`SOON`] switches.
+//!
+//! Cost: the switches at all stages of a step; for each crossing two to four steps without α's that find it,
+//! and one more step.
+
+use crate::control::policy::{MOST_TRIES, SOON};
+use crate::error::IntegrateError;
+use crate::events::crossings::{Crossings, Meeting};
+use crate::steppers::adaptive::made::shortest_at;
+use crate::steppers::stepper::{InParts, Stepper};
+use equip_autodiff::{Evaluate, Switches};
+use equip_scalar::Float;
+use equip_solver::{Outcome, Part, State};
+use equip_tableau::Gauss;
+
+/// The switches along the steps of a grid, and the parts of the step made last.
+#[derive(Debug)]
+pub(super) struct Substeps<T: Float> {
+    crossings: Crossings<T>,
+    /// The state that the step begins from.
+    start: State<T>,
+    /// What dense output needs of the parts of the step; empty if nothing asks for it.
+    parts: Vec<Part<T>>,
+    /// Crossings in the step.
+    crossed: u64,
+    /// Whether the step has more than one part.
+    is_split: bool,
+}
+
+impl<T: Float> Substeps<T> {
+    /// Of steps with these nodes of states with n components; none of an H without such switches.
+    pub(super) fn boxed<E: Evaluate<T>>(
+        switches: &Switches,
+        gauss: &Gauss<T>,
+        n: usize,
+    ) -> Option<Box<dyn InParts<T, E>>> {
+        // Crossings are found to rounding.
+        let crossings = Crossings::but_knots(switches, gauss, n, T::int(0))?;
+        Some(Box::new(Substeps {
+            crossings,
+            start: State::new(&vec![T::int(0); n], &[]),
+            parts: Vec::new(),
+            crossed: 0,
+            is_split: false,
+        }))
+    }
+}
+
+impl<T: Float, E: Evaluate<T>> InParts<T, E> for Substeps<T> {
+    fn attempt(&mut self, run: &mut Stepper<T, E>, h: T) -> Result<Outcome, IntegrateError<T>> {
+        let time = run.time;
+        self.start.copy_from(&run.y);
+        self.parts.clear();
+        (self.crossed, self.is_split) = (0, false);
+        let before = (run.switches_crossed, run.energy_jumps);
+        let made = run.over_switches(self, h);
+        if made.is_err() && self.is_split {
+            run.y.copy_from(&self.start);
+            (run.switches_crossed, run.energy_jumps) = before;
+            run.core.forget();
+        }
+        run.time = time;
+        made
+    }
+
+    fn parts(&self) -> Option<&[Part<T>]> {
+        self.is_split.then_some(&self.parts[..])
+    }
+}
+
+impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+    fn over_switches(
+        &mut self,
+        substeps: &mut Substeps<T>,
+        h: T,
+    ) -> Result<Outcome, IntegrateError<T>> {
+        let (time, mut left) = (self.time, h);
+        let mut worst: Option<Outcome> = None;
+        substeps.crossings.begin();
+        loop {
+            let (mut size, mut made, is_one) = self.attempt_in_one(left)?;
+            let may_meet = is_one && substeps.crossed < SOON.unsigned_abs();
+            let meeting = may_meet.then(|| self.first_meeting(substeps)).flatten();
+            let mut ends_on_one = meeting == Some(Meeting::End);
+            if let Some(Meeting::At(root, _)) = meeting
+                && root < T::int(1)
+            {
+                let part = self.up_to_switch(substeps, (size, root))?;
+                ends_on_one = part.is_some();
+                if let Some(part) = part {
+                    (size, made) = part;
+                } else {
+                    self.core.refuse();
+                    made = self.attempt(size)?;
+                }
+            }
+            if ends_on_one {
+                self.cross_in_step(substeps);
+            }
+            let outcome = worst.map_or(made, |worst| worst.max(made));
+            let is_last = size == left;
+            if substeps.is_split || !is_last {
+                substeps.parts.extend_from_slice(self.core.parts());
+            }
+            if is_last {
+                return Ok(outcome);
+            }
+            worst = Some(outcome);
+            std::mem::swap(&mut self.y, &mut self.next);
+            left -= size;
+            self.time = time + (h - left);
+            substeps.is_split = true;
+            substeps.crossings.accept((ends_on_one, ends_on_one));
+        }
+    }
+
+    /// Makes a step of size `left`, or of a half of it, or less, where a jump of the force within it keeps
+    /// the stages from being found. Returns its size, its outcome, and whether it is made in one.
+    fn attempt_in_one(&mut self, left: T) -> Result<(T, Outcome, bool), IntegrateError<T>> {
+        let mut size = left;
+        for _ in 0..SOON.ilog2() {
+            let (halvings, outcome) = (self.core.counts().halvings, self.attempt(size)?);
+            if self.core.counts().halvings == halvings {
+                return Ok((size, outcome, true));
+            }
+            self.core.refuse();
+            size /= T::int(2);
+        }
+        Ok((left, self.attempt(left)?, false))
+    }
+
+    /// The step, or a part of it, ends on a switch.
+    fn cross_in_step(&mut self, substeps: &mut Substeps<T>) {
+        let (met, jump) = (
+            substeps.crossings.met(),
+            substeps.crossings.jump(&mut self.core),
+        );
+        self.cross(met, jump);
+        substeps.crossed += met;
+    }
+
+    /// Where the step just made meets the first switch, if its stages resolve them.
+    fn first_meeting(&mut self, substeps: &mut Substeps<T>) -> Option<Meeting<T>> {
+        let Stepper { core, y, next, .. } = self;
+        let crossings = &mut substeps.crossings;
+        crossings.begin_step();
+        let meeting = match crossings.look(core, y, next) {
+            // Once a step.
+            Some(Meeting::Touch(_)) => crossings.look(core, y, next),
+            meeting => meeting,
+        };
+        meeting.filter(|_| !crossings.meets_one_often())
+    }
+
+    /// Makes the part of a step of size `left` up to the switch that it meets at `root`. None if there is no
+    /// such part.
+    fn up_to_switch(
+        &mut self,
+        substeps: &mut Substeps<T>,
+        (left, root): (T, T),
+    ) -> Result<Option<(T, Outcome)>, IntegrateError<T>> {
+        let constraints = self.core.replace_constraints(Vec::new());
+        let size = self.size_to_switch(substeps, (left, root));
+        self.core.replace_constraints(constraints);
+        let Some(size) = size? else {
+            return Ok(None);
+        };
+        self.core.refuse();
+        Ok(Some((size, self.attempt(size)?)))
+    }
+
+    /// The size of that part, by steps with α = 0.
+    fn size_to_switch(
+        &mut self,
+        substeps: &mut Substeps<T>,
+        (left, root): (T, T),
+    ) -> Result<Option<T>, IntegrateError<T>> {
+        let mut size = left * root;
+        for _ in 0..MOST_TRIES {
+            if size.abs() <= shortest_at(self.time) || size.abs() >= left.abs() {
+                return Ok(None);
+            }
+            self.core.refuse();
+            self.attempt(size)?;
+            let Stepper { core, y, next, .. } = self;
+            match substeps.crossings.look(core, y, next) {
+                Some(Meeting::End) => return Ok(Some(size)),
+                Some(Meeting::At(root, _)) => size *= root,
+                Some(Meeting::Touch(_)) | None => return Ok(None),
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,122 @@
+//! Fixed steps over kinks, and values of H that jump.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
+
+use crate::kinks::{apart, end, kinked, wedge};
+use equip_autodiff::Hamiltonian;
+use equip_integrate::{Equip, Gauss};
+use equip_tests::Misses;
+
+/// Steps of one size that are over a switch are made in two: the energy is that of a smooth H, the order is
+/// kept, and the grid is as it was.
+#[test]
+fn fixed_steps_meet_switches_too() {
+    let mut misses = Misses::default();
+    for case in kinked().into_iter().filter(|case| case.name != "spline") {
+        let (q, p) = case.start.split_at(case.start.len() / 2);
+        // Steps that resolve the motion, and how far off they may be.
+        let (steps, most) = match case.name {
+            "Lennard-Jones, cut off" => (3000, 1e-7),
+            _ => (1000, 1e-9),
+        };
+        let h = case.time / f64::from(steps);
+        let options = Equip::stages(6).step(h).dense();
+        let run = options.integrate(&case.energy, q, p, 0.0..=case.time);
+        let run = run.unwrap();
+        let certificate = run.certificate();
+        assert_eq!(run.len(), steps as usize + 1, "{}", case.name);
+        assert!(certificate.switches_crossed > 5, "{}", case.name);
+        let defect = certificate.energy.as_ref().unwrap().max;
+        let error = apart(&end(&run), &case.right);
+        println!("{}: {error:.1e}, energy {defect:.1e}", case.name);
+        misses.most(&format!("{}, error", case.name), error / most, 1.0);
+        misses.most(&format!("{}, energy", case.name), defect, 1e-13);
+        // Dense output knows the parts of a step.
+        let trajectory = run.trajectory().unwrap();
+        for i in [run.len() / 3, run.len() / 2] {
+            let (time, before) = (run.times()[i], run.times()[i - 1]);
+            let (q, p) = trajectory.at(time).unwrap();
+            let off = apart(&[q, p].concat(), &[run.q(i), run.p(i)].concat());
+            misses.most(&format!("{}, dense", case.name), off, 1e-13);
+            let (q, p) = trajectory.at(0.5 * (time + before)).unwrap();
+            let between = [q, p].concat();
+            let ends = [run.q(i), run.p(i)].concat();
+            misses.most(
+                &format!("{}, between", case.name),
+                apart(&between, &ends),
+                4.0 * h,
+            );
+        }
+    }
+    misses.end();
+}
+
+/// A ball on a wedge moves by parabolas, which two stages follow exactly: whatever the step is, the state is
+/// that of the closed form to rounding, forward and back.
+#[test]
+fn a_wedge_by_fixed_steps_is_exact() {
+    let energy = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + q[0].abs()).unwrap();
+    let (right, passed) = wedge([1.0, 1.0, 0.3], 50.0);
+    for (method, steps) in [
+        (Equip::stages(3), 100_u32),
+        (Gauss::stages(2), 50),
+        (Equip::stages(8), 23),
+    ] {
+        let options = method.step(50.0 / f64::from(steps));
+        let mut run = options.start(&energy, &[1.0], &[0.3], 0.0).unwrap();
+        let view = run.advance_to(50.0).unwrap();
+        let error = apart(&[view.q[0], view.p[0]], &right);
+        assert_eq!(run.certificate().switches_crossed, passed, "{method}");
+        assert_eq!(run.certificate().counts.steps, u64::from(steps));
+        let view = run.advance_to(0.0).unwrap();
+        let back = apart(&[view.q[0], view.p[0]], &[1.0, 0.3]);
+        println!("{method}: {error:.1e}, back {back:.1e}");
+        assert!(error < 1e-12 && back < 1e-12);
+    }
+}
+
+/// Where H itself jumps, or is said to where it only bends.
+#[test]
+fn values_that_jump_are_told() {
+    let selected = |low: f64, steep: f64| {
+        Hamiltonian::new(1, move |q, p| {
+            let beyond = low + 0.5 * q[0] * q[0] + steep * (q[0] - 0.3);
+            0.5 * p[0] * p[0] + (q[0] - 0.3).select(beyond, 0.5 * q[0] * q[0])
+        })
+        .unwrap()
+    };
+    for (low, steep) in [
+        (0.1, 0.0),
+        (-1e-3, 0.7),
+        (1e-8, 0.0),
+        (0.0, 0.7),
+        (0.0, 0.0),
+    ] {
+        for run in [
+            Equip::stages(6)
+                .tolerance(1e-10)
+                .integrate(&selected(low, steep), &[1.0], &[0.2], 0.0..=10.0)
+                .unwrap(),
+            Equip::stages(6)
+                .step(0.1)
+                .integrate(&selected(low, steep), &[1.0], &[0.2], 0.0..=10.0)
+                .unwrap(),
+        ] {
+            let certificate = run.certificate();
+            let text = certificate.to_string();
+            match certificate.energy_jumps {
+                Some(jumps) => {
+                    assert!(low.abs() > 0.0 && jumps.count == certificate.switches_crossed);
+                    assert!(
+                        (jumps.largest - low.abs()).abs() < 1e-3 * low.abs(),
+                        "{jumps:?}"
+                    );
+                    assert!(text.contains("no force comes of it"), "{text}");
+                    assert!(!certificate.energy_kept_on_every_step());
+                }
+                None => assert!(!(low.abs() > 0.0), "{low:e} {steep}: {text}"),
+            }
+            let bends = low.abs() > 0.0 || steep > 0.0;
+            assert!(certificate.switches_crossed > 2 || !bends);
+        }
+    }
+}
