@@ -206,7 +206,6 @@ fn a_shorter_step_does_not_shorten_those_after_it() {
 /// In the rotating frame slopes are differences of what is 200 times as large: a tolerance of 1e-14 is below
 /// their rounding, which no shorter step has less of. It took 7·10⁶ steps with 8 stages, and came to no end.
 #[test]
-#[ignore = "known deficit: more than 1000 steps with s = 8 at 3e-15: what the flow makes of rounding is estimated too"]
 fn a_tolerance_below_the_rounding_of_slopes_is_passed() {
     let h = sun_mars();
     let (q, p) = (

@@ -222,6 +222,11 @@ impl<T: Float> Decay<T> {
         [decay, tail]
     }
 
+    /// Whether what a step misses is rounding, or the tolerance is.
+    pub(crate) fn is_rounding(&self, estimate: &Estimate) -> bool {
+        estimate.rest.min(self.tolerance.to_f64()) <= NOISE * T::EPSILON.to_f64()
+    }
+
     /// The directions in which the step estimated last leaves its polynomial, h γ_{s−2} + h γ_{s−1} of the
     /// components that are judged, zero of others, into `out`: of two neighbours one may vanish.
     pub(crate) fn defect(&self, out: &mut [T]) {

@@ -16,6 +16,8 @@
 //! Sweeps contract by z over 1.33 s + 0.7, twice which bounds z: where steps are no longer than sweeps cost
 //! least for, Φ_s is below what the tolerance asks for, and nothing is evaluated.
 //!
+//! Nothing is made of rounding, nor for tolerances that are rounding.
+//!
 //! Cost: two products with ∇²H, of steps that sweeps do not solve, or slowly.
 
 use crate::control::estimate::Decay;

@@ -152,13 +152,14 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let mut estimate = self.decay.estimate((y, h), l, ends);
         let decay = estimate.decay;
         let with = |flow: f64| (decay * flow.hypot(decay)).sqrt();
-        // Where the contraction bounds it well enough it is not needed.
+        // Of rounding nothing follows, and where the contraction bounds it well enough it is not needed.
+        let is_rounding = self.decay.is_rounding(&estimate);
         let is_needed = core.contraction().is_none_or(|contraction| {
             !self
                 .control
                 .has_room(with(self.flow.most(contraction)), contraction)
         });
-        if is_needed {
+        if is_needed && !is_rounding {
             let (energy, counts) = core.energy_and_counts();
             counts.gradients += 2;
             estimate.decay = with(self.flow.decay(energy, (&y.hi, h), &self.decay));
