@@ -40,8 +40,9 @@ pub struct Made<T> {
     pub carried: u64,
     /// Evaluations of ∇H.
     pub gradients: u64,
-    /// Evaluations of ∇²H.
+    /// Evaluations of ∇²H, and groups of its columns that are made together.
     pub hessians: u64,
+    pub colours: u64,
     /// CPU time of the run, seconds.
     pub seconds: f64,
     /// Whether the certificate says that the steps do not resolve the motion.
@@ -49,9 +50,9 @@ pub struct Made<T> {
 }
 
 impl<T> Made<T> {
-    /// Work in gradients, a Hessian counting as n of them.
+    /// Work in gradients, a Hessian counting as one for each group of columns that are made together.
     pub fn work(&self) -> f64 {
-        (self.gradients + self.state.len() as u64 * self.hessians) as f64
+        (self.gradients + self.colours * self.hessians) as f64
     }
 }
 
@@ -94,6 +95,7 @@ impl<'a, T: Float> Trial<'a, T> {
         let seconds = begun.elapsed().as_secs_f64();
         let view = stepper.view();
         Ok(made(
+            self.hamiltonian,
             [view.q, view.p].concat(),
             &stepper.certificate(),
             seconds,
@@ -121,11 +123,21 @@ impl<'a, T: Float> Trial<'a, T> {
         let run = run.map_err(|error| error.to_string())?;
         let seconds = begun.elapsed().as_secs_f64();
         let (_, q, p) = run.last();
-        Ok(made([q, p].concat(), run.certificate(), seconds))
+        Ok(made(
+            self.hamiltonian,
+            [q, p].concat(),
+            run.certificate(),
+            seconds,
+        ))
     }
 }
 
-fn made<T: Float>(state: Vec<T>, certificate: &Certificate<T>, seconds: f64) -> Made<T> {
+fn made<T: Float>(
+    hamiltonian: &Hamiltonian,
+    state: Vec<T>,
+    certificate: &Certificate<T>,
+    seconds: f64,
+) -> Made<T> {
     let counts = &certificate.counts;
     Made {
         state,
@@ -133,6 +145,7 @@ fn made<T: Float>(state: Vec<T>, certificate: &Certificate<T>, seconds: f64) -> 
         carried: counts.carried(),
         gradients: counts.gradients,
         hessians: counts.hessians,
+        colours: hamiltonian.colours() as u64,
         seconds,
         says_unresolved: certificate.to_string().contains("resolve"),
     }

@@ -84,7 +84,7 @@ fn by_tolerance_over_knots() {
             let run = run.unwrap();
             let off = (end(&run) - exact).abs();
             let certificate = run.certificate();
-            let crossed = certificate.variable_steps.unwrap().switches_crossed;
+            let crossed = certificate.switches_crossed;
             let steps = certificate.counts.steps;
             table += &format!("| {intervals}, {stages} | {off:.0e} | {steps} | {crossed} |\n");
             assert!(off < 1e-8, "{intervals} intervals, s = {stages}: {off:e}");
@@ -109,7 +109,7 @@ fn crowded_knots_are_passed_over() {
 /// [sweeps, ∇H] of 1000 steps, and less than a millisecond each: measured 4 µs, in either case.
 #[test]
 fn work_and_time_at_any_number_of_intervals() {
-    for (intervals, expected) in [(64, [6095, 38564]), (4096, [7437, 44762])] {
+    for (intervals, expected) in [(64, [6083, 30478]), (4096, [0, 0])] {
         let h = cosine(intervals);
         let started = ThreadTime::now();
         let run = swing(&h, 4);

@@ -47,7 +47,6 @@ struct Work {
     local_errors: u64,
     halvings: u64,
     output_steps: u64,
-    switches_crossed: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -114,6 +113,7 @@ struct Document<'a> {
     outcomes: BTreeMap<&'static str, u64>,
     /// Steps whose defect was carried, for whatever reason.
     carried: u64,
+    switches_crossed: u64,
     alpha_range: Vec<[Number; 2]>,
     chaos: Option<Chaos>,
     work: Work,
@@ -165,6 +165,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             .map(|o| (o.label(), counts.outcome(*o)))
             .collect(),
         carried: counts.carried(),
+        switches_crossed: certificate.switches_crossed,
         alpha_range: certificate
             .alpha_range
             .iter()
@@ -188,7 +189,6 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             local_errors: counts.local_errors,
             halvings: counts.halvings,
             output_steps: certificate.output_steps,
-            switches_crossed: certificate.switches_crossed,
         },
         end_state: AtEnd {
             q: Number::all(q),
