@@ -40,8 +40,9 @@ pub struct Made<T> {
     pub carried: u64,
     /// Evaluations of ∇H.
     pub gradients: u64,
-    /// Evaluations of ∇²H, and groups of its columns that are made together.
+    /// Evaluations of ∇²H.
     pub hessians: u64,
+    /// Groups of columns of ∇²H that are made together.
     pub colours: u64,
     /// CPU time of the run, seconds.
     pub seconds: f64,
