@@ -246,25 +246,26 @@ impl<T: Float> Path<T> {
         (b.1.abs() <= vague).then_some(Place::Touch(b.0))
     }
 
-    /// The root of switch j a little beyond the end of the step, or before it by rounding.
+    /// The root of switch j a little beyond the end of the step, or before it by rounding: by secants, as long
+    /// as they come closer.
     pub(crate) fn root_beyond(&mut self, j: usize) -> Option<T> {
-        let one = T::int(1);
-        let mut before = one - T::ratio(1, 64);
-        let mut here = one;
+        let mut before = T::int(1) - T::ratio(1, 64);
+        let mut here = T::int(1);
         let mut at_before = self.value_at(j, before);
+        let mut least = T::ratio(1, 4);
+        let mut root = None;
         for _ in 0..MOST_TRIES {
             let at_here = self.value_at(j, here);
             let next = here - at_here * ((here - before) / (at_here - at_before));
-            // Not for NaN either.
-            if !((next - one).abs() < T::ratio(1, 4)) {
-                return None;
+            let moved = (next - here).abs();
+            // Not for NaN either, as where values differ by rounding alone.
+            if !(moved < least) {
+                break;
             }
-            if (next - here).abs() <= T::EPSILON {
-                return Some(next);
-            }
+            (least, root) = (moved, Some(next));
             (before, at_before, here) = (here, at_here, next);
         }
-        Some(here)
+        root
     }
 
     /// The sign that switch j takes on at `place`, the motion going on.
