@@ -250,8 +250,8 @@ fn pythagorean_to_ten() {
         c.counts.steps,
         c.energy_in_floors.unwrap()
     );
-    // Measured 1.3e-11: rounding, grown by then.
-    assert!(error < 3e-11);
+    // A unit in the last place of the start moves the end by 4e-12 to 2e-10 (12 starts, Gauss alike).
+    assert!(error < 2e-10);
     assert!(c.energy_in_floors.unwrap() <= 8.0);
 }
 

@@ -17,8 +17,9 @@ pub(crate) const ROUNDING: f64 = 256.0;
 /// // ε; 8 to 256 within 3 % of the time, Kepler and a chain of 1024.
 pub(crate) const NOISY: f64 = 16.0;
 /// A last change, and an error, of ε over this are of no account. // with 16 angular momentum of Kepler's
-/// problem, e = 0.3, s = 4, drifts by 1e-19 a step, with 64 it walks like rounding; 4 % more sweeps.
-pub(crate) const SETTLED: f64 = 64.0;
+/// problem, e = 0.3, s = 4, drifts by 1e-19 a step, with 64 that of the outer solar system, s = 4, 200 days,
+/// by 5 of a random walk in 10⁶ steps; 2 % more sweeps than with 64; docs/adr/0021.
+pub(crate) const SETTLED: f64 = 256.0;
 /// Changes that do not shrink so many times in a row do not shrink, and what a change is worth at the end
 /// point shows after so many linearised sweeps. // sweeps
 pub(crate) const STILL: u32 = 3;

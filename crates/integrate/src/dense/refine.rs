@@ -16,7 +16,7 @@ use crate::dense::polynomial::Polynomial;
 use crate::error::IntegrateError;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::{Core, Family, MAX_STAGES, Part, Preconditioner, State, StepOptions};
+use equip_solver::{Core, Family, MAX_STAGES, Part, State, StepOptions};
 use equip_tableau::{Gauss, legendre_at};
 
 /// Makes refined polynomials.
@@ -33,7 +33,6 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
     pub(crate) fn new<H: System<Evaluator<T> = E>>(
         system: &H,
         gauss: &Gauss<T>,
-        preconditioner: Preconditioner,
     ) -> Result<Self, IntegrateError<T>> {
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let fine = (2 * s).min(MAX_STAGES);
@@ -53,7 +52,6 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
         let options = StepOptions {
             alpha_bound: T::int(1),
             max_halvings: 0,
-            preconditioner,
             ..StepOptions::new(fine, Family::Gauss)
         };
         let zero = State::new(&vec![T::int(0); n], &[]);

@@ -246,8 +246,8 @@ impl<T: Float> Path<T> {
         (b.1.abs() <= vague).then_some(Place::Touch(b.0))
     }
 
-    /// The root of switch j a little beyond the end of the step, or before it by rounding: by secants, as long
-    /// as they come closer.
+    /// The root of switch j a little beyond the end of the step, or before it by rounding: by secants, as
+    /// long as they come closer.
     pub(crate) fn root_beyond(&mut self, j: usize) -> Option<T> {
         let mut before = T::int(1) - T::ratio(1, 64);
         let mut here = T::int(1);

@@ -38,9 +38,8 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
         }
         stepper.core.keep_parts();
         let m = stepper.m;
-        let preconditioner = options.preconditioner;
         Ok(Some(DenseWatch {
-            refiner: Refiner::new(system, stepper.core.gauss(), preconditioner)?,
+            refiner: Refiner::new(system, stepper.core.gauss())?,
             trajectory: options.dense.then(|| Trajectory::new(m, stepper.time())),
             events: (!options.events.is_empty()).then(|| {
                 let from = (stepper.time(), stepper.direction);

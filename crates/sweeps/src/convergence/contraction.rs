@@ -9,7 +9,7 @@
 //! end point has had the first half only. ρ is the worst seen in the step; preconditioned iterations do not
 //! begin as they end, so of these it is the worse of the last two.
 //!
-//! The iteration goes on until Δ_n and that error are ε/64, or the changes no longer shrink.
+//! The iteration goes on until Δ_n and that error are ε/256, or the changes no longer shrink.
 //! Σ_i Δ_n,i · C L_i is what a quadratic invariant yᵀCy is off by, and that is alike from step to step.
 
 use crate::policy::{ALLOWANCE, BEST, FAR, NOISY, ROUNDING, SETTLED, SLOW, STILL};
