@@ -9,7 +9,15 @@ if _find_spec(f"{__name__}._native") is None:
     )
 
 from . import scenes
-from ._certificate import Certificate, Counts, Defect, EnergyFloor, PhasePerStep, VariableSteps
+from ._certificate import (
+    Certificate,
+    Counts,
+    Defect,
+    EnergyFloor,
+    EnergyJumps,
+    PhasePerStep,
+    VariableSteps,
+)
 from ._functions import Table, erf, erfc, table, table2
 from ._hamiltonian import Hamiltonian
 from ._many import Ensemble, draw_starts, ensemble
@@ -26,6 +34,7 @@ __all__ = [
     "Defect",
     "DoubleDouble",
     "EnergyFloor",
+    "EnergyJumps",
     "Ensemble",
     "Equip",
     "FixedAlpha",

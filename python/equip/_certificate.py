@@ -29,6 +29,15 @@ class EnergyFloor:
 
 
 @dataclass(frozen=True)
+class EnergyJumps:
+    """Crossings at which H itself jumps: no force comes of it, and H differs by the jump."""
+
+    count: int
+    #: The largest, in the unit of H.
+    largest: float
+
+
+@dataclass(frozen=True)
 class PhasePerStep:
     """The angle in radians by which the fastest motion turns in a step of that size, where it was largest."""
 
@@ -93,9 +102,11 @@ class Certificate:
     energy_in_floors: Optional[float]
     #: None if the energy was not measured.
     energy_floor: Optional[EnergyFloor]
+    #: None if H jumps nowhere on the way.
+    energy_jumps: Optional[EnergyJumps]
     #: None where the iteration of the steps contracts without the Hessian, as it does for small angles only.
     phase_per_step: Optional[PhasePerStep]
-    #: Whether the steps resolve the fastest motion: an angle of at most 1.5 times the number of stages.
+    #: Whether the steps resolve the fastest motion: at most as many radians as there are stages.
     motion_is_resolved: bool
     invariants: tuple[Defect, ...]
     #: Smallest and largest α_1 ... α_{s-1} used; empty if none was solved for.
@@ -106,7 +117,8 @@ class Certificate:
     counts: Counts
     #: Steps by outcome.
     outcomes: dict[str, int]
-    #: Whether every step kept the energy to round-off, which is at most 1e-6 of abs(H) or the kinetic energy.
+    #: Whether every step kept the energy to round-off, which is at most 1e-6 of abs(H) or the kinetic energy,
+    #: and H has jumped nowhere.
     energy_kept_on_every_step: bool
     seconds: float
     text: str
@@ -138,6 +150,7 @@ class Certificate:
             counts=Counts(**{name: found[name] for name in names}),
             energy=Defect(*found["energy"]) if found["energy"] else None,
             energy_floor=EnergyFloor(*found["energy_floor"]) if found["energy_floor"] else None,
+            energy_jumps=EnergyJumps(*found["energy_jumps"]) if found["energy_jumps"] else None,
             phase_per_step=PhasePerStep(*found["phase_per_step"]) if found["phase_per_step"] else None,
             invariants=tuple(Defect(*defect) for defect in found["invariants"]),
             variable_steps=VariableSteps(*found["variable_steps"]) if found["variable_steps"] else None,
@@ -167,12 +180,14 @@ class Certificate:
         """What `to_dict` has written."""
         steps, energy = stored["variable_steps"], stored["energy"]
         floor, phase = stored["energy_floor"], stored["phase_per_step"]
+        jumps = stored["energy_jumps"]
         return cls(
             **{
                 **stored,
                 "counts": Counts(**stored["counts"]),
                 "energy": Defect(**energy) if energy else None,
                 "energy_floor": EnergyFloor(**floor) if floor else None,
+                "energy_jumps": EnergyJumps(**jumps) if jumps else None,
                 "phase_per_step": PhasePerStep(**phase) if phase else None,
                 "invariants": tuple(Defect(**defect) for defect in stored["invariants"]),
                 "variable_steps": VariableSteps(**steps) if steps else None,

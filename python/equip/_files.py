@@ -50,7 +50,7 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
 
 
 def read(path: Path, kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The words, and the arrays by name, that `write` wrote of this kind, such as "equip solution 2"."""
+    """The words, and the arrays by name, that `write` wrote of this kind, such as "equip solution 3"."""
     text, arrays = _read(path)
     words: dict[str, Any] = json.loads(text)
     found = str(words.get("format", ""))

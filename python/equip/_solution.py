@@ -14,7 +14,7 @@ from ._hamiltonian import Hamiltonian
 from ._numbers import Floats, Shape
 
 #: Of files.
-FORMAT = "equip solution 2"
+FORMAT = "equip solution 3"
 #: What `Solution.save` writes as it is.
 _ARRAYS = ("t", "y", "energy_defect", "outcome", "t_low", "y_low")
 

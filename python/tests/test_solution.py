@@ -149,3 +149,20 @@ def test_matplotlib_is_imported_on_call_only():
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
         == "[]\n"
     )
+
+
+def test_energies_that_jump(tmp_path):
+    """A jump of H exerts no force: p goes on, and the certificate has the jump."""
+
+    def energy(q, p):
+        return p[0] ** 2 / 2 + np.where(q[0] > 0.3, 1e-3 + q[0] / 2, q[0] / 2)
+
+    sol = equip.solve(energy, [0.0], [1.0], (0, 4), method=equip.Equip(6), step=0.1)
+    jumps = sol.certificate.energy_jumps
+    assert jumps.count == sol.certificate.counts.switches_crossed == 2
+    assert jumps.largest == pytest.approx(1e-3, rel=1e-6)
+    assert not sol.certificate.energy_kept_on_every_step
+    # q = t - t²/4.
+    assert np.allclose(sol.q[:, 0], sol.t - sol.t**2 / 4, rtol=0, atol=1e-13)
+    sol.save(tmp_path / "jumps.npz")
+    assert equip.load(tmp_path / "jumps.npz").certificate == sol.certificate

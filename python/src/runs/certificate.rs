@@ -26,6 +26,9 @@ pub(crate) fn certificate<'py, T: Float>(
     let floor = certificate.energy_floor;
     let floor = floor.map(|of| (of.floor.to_f64(), of.scale.to_f64()));
     dict.set_item("energy_floor", floor)?;
+    let jumps = certificate.energy_jumps;
+    let jumps = jumps.map(|of| (of.count, of.largest.to_f64()));
+    dict.set_item("energy_jumps", jumps)?;
     let phase = certificate.phase_per_step;
     let phase = phase.map(|of| (of.angle, of.step.to_f64()));
     dict.set_item("phase_per_step", phase)?;

@@ -66,6 +66,12 @@ struct Floor {
 }
 
 #[derive(Debug, Serialize)]
+struct Jumps {
+    count: u64,
+    largest: Number,
+}
+
+#[derive(Debug, Serialize)]
 struct Phase {
     angle: f64,
     step: Number,
@@ -114,6 +120,7 @@ struct Document<'a> {
     /// Steps whose defect was carried, for whatever reason.
     carried: u64,
     switches_crossed: u64,
+    energy_jumps: Option<Jumps>,
     alpha_range: Vec<[Number; 2]>,
     chaos: Option<Chaos>,
     work: Work,
@@ -166,6 +173,10 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             .collect(),
         carried: counts.carried(),
         switches_crossed: certificate.switches_crossed,
+        energy_jumps: certificate.energy_jumps.map(|jumps| Jumps {
+            count: jumps.count,
+            largest: Number::new(jumps.largest),
+        }),
         alpha_range: certificate
             .alpha_range
             .iter()
