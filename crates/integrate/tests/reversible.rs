@@ -286,8 +286,23 @@ fn beside_the_tolerance(revolutions: f64, choices: usize) {
     assert!(ended.is_empty(), "{ended:?}");
 }
 
+/// α's that are there with one size and not with the next leave no size that meets the rule to rounding: at
+/// the 1946th revolution it is missed by 7e-11.
 #[test]
-#[ignore = "known deficit: EQUIP by the integral rule ends with StepRuleNotMet within 10⁴ revolutions; .ci/figures runs it"]
+fn the_integral_rule_goes_on_where_no_size_meets_it() {
+    let scene = kepler("0.6");
+    let (q, p) = scene.initial::<f64>();
+    let options = Equip::stages(6).reversible(0.5, sigma());
+    let options = options.rule(StepRule::Integral).record(Record::Ends);
+    let end = 1950.0 * std::f64::consts::TAU;
+    let run = options.integrate(scene.hamiltonian(), &q, &p, 0.0..=end);
+    let certificate = run.unwrap().certificate().clone();
+    assert!(certificate.energy.unwrap().max < 1e-11);
+    assert!(certificate.energy_in_floors.unwrap() <= 8.0);
+}
+
+#[test]
+#[ignore = "long: .ci/figures runs it"]
 fn ten_thousand_revolutions() {
     beside_the_tolerance(1e4, 4);
 }

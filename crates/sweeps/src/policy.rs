@@ -32,7 +32,7 @@ pub(crate) const LIKELY: i64 = 8;
 /// Products with (J∇²H)² for its largest eigenvalue. // iterations; ω to 3 % for chains, springs, 2 to 8
 /// bodies and dense ∇²H, 200 random ones of each.
 pub(crate) const ITERATIONS: u32 = 32;
-/// Bounds of it that are tried before. // iterations; without them a step with α's takes 1.2 times as long for
-/// Kepler's problem, 1.7 times for a chain of 32. The fourth is within 4 % of ω for chains and springs, 23 %
-/// for bodies, and tells nothing of dense ∇²H without a sign, up to 9.5 ω.
+/// Bounds of it that are tried before. // iterations; without them a step with α's takes 1.2 times as long
+/// for Kepler's problem, 1.7 times for a chain of 32. The fourth is within 4 % of ω for chains and springs,
+/// 23 % for bodies, and tells nothing of dense ∇²H without a sign, up to 9.5 ω.
 pub(crate) const BOUNDS: u32 = 4;

@@ -117,18 +117,20 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     }
 
     /// Makes steps until one misses the rule by at most `close` of ε or as little as rounding lets it; its
-    /// outcome and miss.
+    /// outcome and miss. Where α's are there with one size and not with the next, no size may be as close:
+    /// the last one that is tried is taken then, if it is near.
     fn search(
         &mut self,
         secant: &mut Secant<T>,
         close: T,
     ) -> Result<(Outcome, T), IntegrateError<T>> {
         let (near, mut before) = (T::EPSILON.cbrt(), T::INFINITY);
-        for _ in 0..MOST_TRIES {
+        for tries in 1..=MOST_TRIES {
             let outcome = self.inner.attempt(self.inner.direction.signed(secant.h))?;
             let miss = secant.h * self.mean_density()? / self.epsilon - T::int(1);
             let stagnates = miss.abs() <= near * near && miss.abs() > before / T::int(4);
-            if miss.abs() <= close || stagnates {
+            let is_enough = tries == MOST_TRIES && miss.abs() <= near;
+            if miss.abs() <= close || stagnates || is_enough {
                 return Ok((outcome, miss));
             }
             before = miss.abs();
