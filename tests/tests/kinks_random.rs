@@ -182,3 +182,56 @@ fn a_thousand_random_crossings_are_all_found() {
 fn a_hundred_thousand_random_crossings_are_all_found() {
     random_crossings(100_000, 3);
 }
+
+/// Two oscillators whose force jumps or bends, or whose formula changes, on a random line, by fixed steps of
+/// random size: on which side of the line each step ends says how often it crosses, but for pairs.
+fn crossings_by_fixed_steps(runs: usize) {
+    let mut rng = Seeded::new(7);
+    let mut all = 0;
+    for kind in (0..4).cycle().take(runs) {
+        let [stiff, soft] = [rng.between(0.1, 2.0), rng.between(0.5, 1.5)];
+        let [slope, place] = [rng.between(-1.0, 1.0), rng.between(-0.3, 0.3)];
+        let energy = Hamiltonian::new(2, |q, p| {
+            let kinetic = 0.5 * (p[0] * p[0] + p[1] * p[1]);
+            let smooth = 0.5 * (soft * q[0] * q[0] + q[1] * q[1]);
+            let side = q[0] + slope * q[1] - place;
+            kinetic
+                + smooth
+                + stiff
+                    * match kind {
+                        0 => side.abs(),
+                        1 => side.max(0) * side,
+                        2 => side.max(0).powi(3),
+                        _ => side.select(side * (1.0 + 0.3 * q[1]), 0.2 * side * q[0]),
+                    }
+        })
+        .unwrap();
+        let [q, p] = [0, 1].map(|_| [rng.between(-1.0, 1.0), rng.between(-1.0, 1.0)]);
+        let method: Method = Equip::stages(3 + rng.below(6));
+        let step = rng.between(0.02, 0.3);
+        let is_beyond = |q: &[f64]| q[0] + slope * q[1] > place;
+        let mut run = method.step(step).start(&energy, &q, &p, 0.0).unwrap();
+        let (mut was_beyond, mut count) = (is_beyond(&q), 0);
+        while run.time() < 300.0 {
+            let now = is_beyond(run.advance().unwrap().q);
+            let crossed = run.certificate().switches_crossed;
+            let is_odd = (crossed - count) % 2 == 1;
+            assert_eq!(is_odd, now != was_beyond, "{kind}, {method}, {step}");
+            (was_beyond, count) = (now, crossed);
+        }
+        all += count;
+    }
+    println!("{all} crossings");
+    assert!(all > 140 * runs as u64);
+}
+
+#[test]
+fn three_thousand_crossings_by_fixed_steps() {
+    crossings_by_fixed_steps(20);
+}
+
+#[test]
+#[ignore = "long: run with cargo test -p equip-tests --release --test all kinks_random:: -- --ignored"]
+fn a_hundred_thousand_crossings_by_fixed_steps() {
+    crossings_by_fixed_steps(700);
+}
