@@ -273,8 +273,8 @@ fn what_a_pericentre_leaves_is_repaired() {
     // Measured 1.9e-12, 3e-13, none of 1929, 0.97. Without fewer α's a fifth of the steps is carried.
     assert!(carried <= c.counts.steps / 500);
     assert!(c.energy_in_floors.unwrap() <= 8.0);
-    // At the pericentre the terms of H are 10³ times its value, and round to 2e-13 of it: of the phase that is
-    // 3π times as much a revolution, 6e-11 in 30.
+    // At the pericentre the terms of H are 10³ times its value, and round to 2e-13 of it: of the phase that
+    // is 3π times as much a revolution, 6e-11 in 30.
     let error = error(&scene, &made);
     println!("{error:.1e}");
     assert!(error < 3e-10);
