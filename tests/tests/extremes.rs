@@ -247,7 +247,7 @@ fn one_to_twenty_stages() {
 /// A circular orbit has the least energy of all with its angular momentum: to remove a floor of a defect
 /// takes an eccentricity of √ε, or of ε/e where e is larger. Beside the closed form after a thousand periods.
 #[test]
-#[ignore = "known deficit: angular momentum of circular orbits drifts"]
+#[ignore = "known deficit: 1.5 times the gradients of Gauss with 8 steps a period, e = 1e-6, 1.2 allowed"]
 fn circular_orbits_stay_what_they_are() {
     let h = Hamiltonian::new(2, |q, p| {
         (p[0] * p[0] + p[1] * p[1]) / 2.0 - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
