@@ -23,8 +23,7 @@ pub(crate) const ROUNDING: i64 = 64;
 /// to rest by one over this a turn or better, or not at all. // ratio; 300 at a pericentre, s = 4; 1/50 a
 /// turn where slopes nearly vanish.
 pub(crate) const TURNS: i64 = 64;
-/// A defect of so many floors may be rounding: moves of the α's bring it down for what it is worth itself, or
-/// not at all. // floors; docs/adr/0023.
+/// A defect of so many floors that moves of the α's do not bring down is rounding. // floors
 pub(crate) const STALLED: i64 = 8;
 /// The ridge of the least-squares problem for the direction is the diagonal over this. // ratio; 1e2 to 1e4
 /// alike on the grid.

@@ -17,7 +17,7 @@
 //! with it; nothing else calls it.
 
 use crate::outcome::outcome::Outcome;
-use crate::policy::{FARTHEST, LEADING, RIDGE, SMALL, STALLED};
+use crate::policy::{FARTHEST, LEADING, RIDGE, SMALL};
 use equip_autodiff::{Evaluate, System};
 use equip_linear::DenseLu;
 use equip_scalar::Float;
@@ -91,13 +91,7 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         self.energy.gradient(y, &mut start_gradient);
         let units = motion(y, &unperturbed);
         let worth = |units: &[T]| dot_abs(&gradient, units) + dot_abs(&start_gradient, units);
-        // Of a defect that may be rounding the local error says nothing.
-        let may_be_rounding = g.abs() <= T::int(STALLED) * floor;
-        let error = if may_be_rounding {
-            Vec::new()
-        } else {
-            self.local_error(gauss, (y, h), &unperturbed)?
-        };
+        let error = self.local_error(gauss, (y, h), &unperturbed)?;
         let most = units.each_ref().map(|units| {
             let own = T::int(2) * (g - start_defect).abs() / worth(units);
             let error = error
@@ -154,8 +148,6 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
                 alphas,
                 outcome: Outcome::Solved,
             })
-        } else if may_be_rounding {
-            carried(Outcome::AtFloor)
         } else {
             carried(Outcome::TooFar)
         }

@@ -9,9 +9,7 @@
 //! *Admissible* (project note, section 8). The step resolves its fastest motion, hω ≤ s; |α_k| is within its
 //! bound; and the end point is within [`FARTHEST`] times the displacement that the step's own defect is worth
 //! at least, and 1/[`SMALL`] of the motion, each component in units of its motion, or moved by rounding.
-//! Otherwise the step with α = 0 stands, and its defect is carried. Within [`STALLED`] floors a defect may be
-//! rounding, of which the local error says nothing: there the end point moves within the former displacement
-//! or not at all.
+//! Otherwise the step with α = 0 stands, and its defect is carried.
 
 use crate::alpha::direction::Direction;
 use crate::equations::constraint::Constraint;
@@ -47,7 +45,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         next.copy_from(&self.unperturbed);
         self.evaluate_constraints(next, noise)?;
         // What no α's bring down near the floors is rounding.
-        if self.may_be_rounding() {
+        let worst = |most: T, c: &Constraint<T>| most.max(c.in_late_floors());
+        if self.constraints.iter().fold(T::int(0), worst) <= T::int(STALLED) {
             return Ok(Outcome::AtFloor);
         }
         // A defect beyond the energy itself is that of a solution which does not follow the motion.
@@ -60,12 +59,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             return Err(Failure::Astray { defect, scale });
         }
         Ok(reason)
-    }
-
-    /// Whether the constraints are within [`STALLED`] floors.
-    fn may_be_rounding(&self) -> bool {
-        let worst = |most: T, c: &Constraint<T>| most.max(c.in_late_floors());
-        self.constraints.iter().fold(T::int(0), worst) <= T::int(STALLED)
     }
 
     /// Moves the α's until the constraints are at their floors; an error is the reason why there are no such
@@ -134,7 +127,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// The farthest that the end point may be moved. An error if no α's that stay within it can keep the
     /// constraints.
     fn reach(&mut self, (y, h): (&State<T>, T), next: &State<T>) -> Result<Bounds<T>, Outcome> {
-        let may_be_rounding = self.may_be_rounding();
         let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
         direction.begin(&self.stages.iterate, y, next);
         let least = |units: &[T], of: fn(&Constraint<T>) -> T| {
@@ -162,7 +154,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             } else {
                 T::ratio(1, SMALL)
             },
-            has_error: is_free || may_be_rounding,
+            has_error: is_free,
         };
         let rounding = T::int(ROUNDING) * T::EPSILON * direction.largest_size(next);
         let is_rounding = needed[0] <= rounding;
@@ -301,7 +293,7 @@ struct Bounds<T> {
     most: [T; 2],
     /// What is a small share of the motion: what moves further is no correction of a step.
     small: T,
-    /// The local error has been asked for, or is not to be.
+    /// The local error has been asked for.
     has_error: bool,
 }
 
