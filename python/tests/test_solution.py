@@ -157,7 +157,8 @@ def test_energies_that_jump(tmp_path):
     def energy(q, p):
         return p[0] ** 2 / 2 + np.where(q[0] > 0.3, 1e-3 + q[0] / 2, q[0] / 2)
 
-    sol = equip.solve(energy, [0.0], [1.0], (0, 4), method=equip.Equip(6), step=0.1)
+    h = equip.Hamiltonian(energy, 1)
+    sol = equip.solve(h, [0.0], [1.0], (0, 4), method=equip.Equip(6), step=0.1)
     jumps = sol.certificate.energy_jumps
     assert jumps.count == sol.certificate.counts.switches_crossed == 2
     assert jumps.largest == pytest.approx(1e-3, rel=1e-6)
