@@ -47,14 +47,11 @@ fn random_hamiltonians_end_well() {
         return;
     }
     // The worst have hω = 28 to 83, where rounding of the stages is worth more than that of the state. Of
-    // 12 000 cases 1 % is above 29 or 30, and two at 10⁴ and 10⁵; of these 381 5 are above 32, the worst at
-    // 403, with sums in other orders at 57 and 105.
+    // 12 000 cases 1 % is above 29 or 30, and two at 10⁴ and 10⁵; of these 381 6 are above 32.
     let quadratic = &summary.quadratic;
-    for (floors, share) in [(32.0, 50), (256.0, 100)] {
-        let above = quadratic.iter().filter(|(x, _)| *x > floors).count();
-        let all = quadratic.len();
-        assert!(share * above <= all, "{above} of {all} above {floors}");
-    }
+    let above = quadratic.iter().filter(|(x, _)| *x > 32.0).count();
+    let all = quadratic.len();
+    assert!(50 * above <= all, "{above} of {all}");
     // Measured 6 of 757, the worst 5.1.
     let several = &summary.trajectories[&Freedom::Several];
     let above = several.iter().filter(|(ratio, _)| *ratio > 1.5).count();
@@ -65,6 +62,15 @@ fn random_hamiltonians_end_well() {
     // Measured 211: s = 2, each step moves 1000 times as far as g/|∇H|.
     let single = &summary.trajectories[&Freedom::Single];
     assert!(single.iter().all(|(ratio, _)| *ratio <= 422.0));
+}
+
+#[test]
+#[ignore = "known deficit: 1 of 381 is 403 floors off (seed 1284)"]
+fn no_quadratic_energy_is_far_off() {
+    let mut summary = Summary::default();
+    (0..CASES).for_each(|seed| summary.see(seed));
+    let quadratic = &summary.quadratic;
+    assert!(quadratic.iter().all(|(floors, _)| *floors <= 256.0));
 }
 
 /// Seed 2029 has run away to 1e96, where the floor, taken at the end of the step, was 1e192.
