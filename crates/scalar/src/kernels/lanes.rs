@@ -239,4 +239,25 @@ impl<const N: usize> Pack<f64, N> for Lanes<N> {
         let b_part = sum - a;
         (sum, (a - (sum - b_part)) + (b - b_part))
     }
+
+    #[inline(always)]
+    fn total(packs: &[[f64; N]]) -> (f64, f64) {
+        let (mut sum, mut lost) = (Lanes(packs[0]), Lanes([0.0; N]));
+        for &x in &packs[1..] {
+            let (s, e) = Self::two_sum(sum, Lanes(x));
+            (sum, lost) = (s, lost + e);
+        }
+        // By numbers: lanes that are shifted go through memory, where what is read across what was just
+        // written is waited for, a third of a step of long chains.
+        let (mut sum, mut lost) = (sum.0, lost.0);
+        let mut count = N / 2;
+        while count > 0 {
+            for i in 0..count {
+                let (s, e) = Lanes::two_sum(Lanes([sum[i]]), Lanes([sum[i + count]]));
+                (sum[i], lost[i]) = (s.0[0], (lost[i] + lost[i + count]) + e.0[0]);
+            }
+            count /= 2;
+        }
+        (sum[0], lost[0])
+    }
 }

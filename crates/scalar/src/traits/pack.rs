@@ -66,21 +66,7 @@ pub trait Pack<T: Scalar, const N: usize>: Piecewise {
     /// The sum of all numbers of these packs, and what rounding it to one number has lost, so that both
     /// together are about as exact as sums with twice the digits. Half is added to half, so that the chain of
     /// additions is short.
-    #[inline(always)]
-    fn total(packs: &[[T; N]]) -> (T, T) {
-        let (mut sum, mut lost) = (Self::of(&packs[0]), zero::<T, Self, N>());
-        for x in &packs[1..] {
-            let (s, e) = Self::two_sum(sum, Self::of(x));
-            (sum, lost) = (s, lost + e);
-        }
-        let mut count = N;
-        while count > 1 {
-            count /= 2;
-            let (s, e) = Self::two_sum(sum, behind(sum, count));
-            (sum, lost) = (s, (lost + behind(lost, count)) + e);
-        }
-        (sum.numbers()[0], lost.numbers()[0])
-    }
+    fn total(packs: &[[T; N]]) -> (T, T);
 
     /// Σ_j a_jg·b_j for one place g of several, in this order. Products and sums are rounded each for itself
     /// in floats that do so cheaply; in others the sum as a whole is as exact as that.
@@ -101,14 +87,4 @@ pub trait Pack<T: Scalar, const N: usize>: Piecewise {
 #[inline(always)]
 fn zero<T: Scalar, P: Pack<T, N>, const N: usize>() -> P {
     P::splat(T::constant(Constant::double(0.0)))
-}
-
-/// The numbers from `count` on, in front.
-#[inline(always)]
-fn behind<T: Scalar, P: Pack<T, N>, const N: usize>(pack: P, count: usize) -> P {
-    let mut numbers = pack.numbers();
-    for i in 0..count {
-        numbers[i] = numbers[i + count];
-    }
-    P::of(&numbers)
 }
