@@ -111,7 +111,7 @@ def test_a_killed_rank_loses_nothing_that_was_finished(tmp_path):
     script, path = tmp_path / "script.py", tmp_path / "ends.npz"
     script.write_text(KILLED)
     ended = mpiexec(script, str(path), "kill")
-    assert ended.returncode != 0 and not ended.stdout, ended.stdout + ended.stderr
+    assert ended.returncode != 0, ended.stdout + ended.stderr
     part = equip.Ensemble.load(path)
     assert 0 < len(part.lost) < 40
     again = mpiexec(script, str(path), "go on")
@@ -119,6 +119,8 @@ def test_a_killed_rank_loses_nothing_that_was_finished(tmp_path):
     alone = [sys.executable, str(script), str(tmp_path / "alone.npz"), "alone"]
     alone = subprocess.run(alone, capture_output=True, text=True, timeout=300)
     assert again.stdout == alone.stdout and alone.stdout
+    # Some launchers report the dead rank on the standard output.
+    assert alone.stdout.strip() not in ended.stdout
     made = equip.Ensemble.load(path)
     finished = [i for i in range(40) if i not in part.lost]
     assert made.success and (made.q[finished] == part.q[finished]).all()
