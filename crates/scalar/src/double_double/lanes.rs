@@ -271,16 +271,6 @@ impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
     }
 
     #[inline(always)]
-    fn two_sum(a: Self, b: Self) -> (Self, Self) {
-        let (sum, rest) = words::distilled(a.words(), b.words());
-        let (sum, rest) = (Self::joined(sum), Self::joined(rest));
-        if sum.is_special() || rest.is_special() {
-            return (a + b, Self::splat(DoubleDouble::ZERO));
-        }
-        (sum, rest)
-    }
-
-    #[inline(always)]
     fn total(packs: &[[DoubleDouble; N]]) -> (DoubleDouble, DoubleDouble) {
         let mut sum = Sum::of(Self::of(&packs[0]).words());
         for x in &packs[1..] {

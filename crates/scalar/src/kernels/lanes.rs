@@ -197,6 +197,18 @@ impl<const N: usize> Piecewise for Lanes<N> {
     }
 }
 
+impl<const N: usize> Lanes<N> {
+    /// As [`Float::two_sum`](crate::Float::two_sum).
+    #[inline(always)]
+    fn two_sum(a: Self, b: Self) -> (Self, Self) {
+        // Operation by operation: of lanes that are gone through one by one the compiler does not always make
+        // vectors.
+        let sum = a + b;
+        let b_part = sum - a;
+        (sum, (a - (sum - b_part)) + (b - b_part))
+    }
+}
+
 impl<const N: usize> Pack<f64, N> for Lanes<N> {
     #[inline(always)]
     fn splat(x: f64) -> Self {
@@ -229,15 +241,6 @@ impl<const N: usize> Pack<f64, N> for Lanes<N> {
             };
         }
         chosen
-    }
-
-    #[inline(always)]
-    fn two_sum(a: Self, b: Self) -> (Self, Self) {
-        // Operation by operation: of lanes that are gone through one by one the compiler does not always make
-        // vectors.
-        let sum = a + b;
-        let b_part = sum - a;
-        (sum, (a - (sum - b_part)) + (b - b_part))
     }
 
     #[inline(always)]

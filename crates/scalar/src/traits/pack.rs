@@ -30,8 +30,6 @@ pub trait Pack<T: Scalar, const N: usize>: Piecewise {
     fn heads(self) -> [f64; N];
     /// The numbers of the one where `test` is not zero, of the other where it is.
     fn choose(test: Self, one: Self, other: Self) -> Self;
-    /// As [`Float::two_sum`](crate::Float::two_sum).
-    fn two_sum(a: Self, b: Self) -> (Self, Self);
 
     /// The first N numbers of a slice. Of a shorter one, which must not be empty, the last number fills the
     /// rest.
