@@ -125,45 +125,47 @@ fn spring_constant<T: Float>(pattern: &Pattern, hessian: &[T], w: &[T], c: usize
     (kappa * w[c] > T::int(0) && kappa.abs() >= T::exact(OUTWEIGHS) * rest).then_some(kappa)
 }
 
+/// y += factor · matrix · x.
+fn add_product<T: Float>(y: &mut [T], (matrix, factor): (&DMatrix<f64>, f64), x: &[T]) {
+    let columns = matrix.as_slice().chunks_exact(matrix.nrows());
+    for (column, &x) in columns.zip(x) {
+        for (y, &m) in y.iter_mut().zip(column) {
+            *y += T::exact(factor * m) * x;
+        }
+    }
+}
+
 impl<T: Float> Preconditioner<T> for Diagonal {
     fn apply(&mut self, held: Held, rows: &mut [T], sides: usize) {
         let (s, stride) = (self.s, self.stride);
         let has_momenta = rows.len() / (sides * stride) > self.m;
-        let place = |i: usize| if held == Held::Start { i } else { s - 1 - i };
-        // The step made backwards has −h in place of h.
-        let sign = if held == Held::Start { 1.0 } else { -1.0 };
-        let product = |matrix: &DMatrix<f64>, x: &[T], factor: f64, i: usize| {
-            (0..s).fold(T::int(0), |sum, j| {
-                sum + T::exact(factor * matrix[(i, j)]) * x[place(j)]
-            })
-        };
+        // The step made backwards has its stages in reverse and −h in place of h.
+        let is_reversed = held == Held::End;
+        let sign = if is_reversed { -1.0 } else { 1.0 };
+        let (positions, momenta) = rows.split_at_mut(self.m * sides * stride);
         let mut x = [T::int(0); equip_sweeps::MAX_STAGES];
+        let x = &mut x[..s];
         for spring in &self.springs {
             for side in 0..sides {
                 let at = (spring.c * sides + side) * stride;
-                let at_p = ((spring.c + self.m) * sides + side) * stride;
-                if has_momenta {
-                    for (i, x) in x.iter_mut().enumerate().take(s) {
-                        let drift = product(&self.a, &rows[at_p..][..s], sign * spring.drift, i);
-                        *x = rows[at + place(i)] + drift;
-                    }
-                    for (i, &x) in x.iter().enumerate().take(s) {
-                        rows[at + place(i)] = x;
-                    }
+                let q = &mut positions[at..][..s];
+                let mut p = has_momenta.then(|| &mut momenta[at..][..s]);
+                if is_reversed {
+                    q.reverse();
+                    p.iter_mut().for_each(|p| p.reverse());
                 }
-                for (i, x) in x.iter_mut().enumerate().take(s) {
-                    *x = product(&spring.inverse, &rows[at..][..s], 1.0, i);
+                if let Some(p) = &p {
+                    add_product(q, (&self.a, sign * spring.drift), p);
                 }
-                for (i, &x) in x.iter().enumerate().take(s) {
-                    rows[at + place(i)] = x;
+                x.fill(T::int(0));
+                add_product(x, (&spring.inverse, 1.0), q);
+                q.copy_from_slice(x);
+                if let Some(p) = &mut p {
+                    add_product(p, (&self.a, -sign * spring.push), q);
                 }
-                if has_momenta {
-                    for (i, x) in x.iter_mut().enumerate().take(s) {
-                        *x = product(&self.a, &rows[at..][..s], sign * spring.push, i);
-                    }
-                    for (i, &x) in x.iter().enumerate().take(s) {
-                        rows[at_p + place(i)] -= x;
-                    }
+                if is_reversed {
+                    q.reverse();
+                    p.iter_mut().for_each(|p| p.reverse());
                 }
             }
         }

@@ -50,8 +50,11 @@ impl<T: Float> Stages<T> {
         self.contraction = Contraction::new(self.iterate.is_twofold());
     }
 
-    /// Z of a step of size `h` from `y`, from the polynomial of the last step, or from Z = 0; `known` is ∇H
-    /// at `y`.
+    /// Z of a step of size `h` from `y`, from the polynomial of the last step, or, of M ≠ 1, from Z = 0;
+    /// `known` is ∇H at `y`.
+    ///
+    /// From the polynomial M ≠ 1 takes as many iterations in the mean over the grid (1.01 of Gauss, 1.04 of
+    /// EQUIP), and up to 3 times as many where the step does not resolve the motion.
     pub(crate) fn solve<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
