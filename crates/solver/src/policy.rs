@@ -17,7 +17,9 @@ pub(crate) const FARTHEST: i64 = 16;
 /// It moves by 1 over this of its motion at most. // ratio; grid: the energy is 5.5 times as far off as with
 /// Gauss at most, with 4 in its place 40 times, with 64 8.5 times.
 pub(crate) const SMALL: i64 = 16;
-/// Displacements of the end point of so many ε of the state are rounding. // ε
+/// Displacements of the end point of so many ε of the state are rounding. // ε; s = 2 and steps whose own
+/// error is of that size: of 20 000 of Kepler's problem 45 % are carried without it or with 16, none with it;
+/// with s ≥ 4, and on the grid, it is alike from 0 to 64.
 pub(crate) const ROUNDING: i64 = 64;
 /// A direction turns by so many times the share that the stages move, as its leading terms cancel, and comes
 /// to rest by one over this a turn or better, or not at all. // ratio; 300 at a pericentre, s = 4; 1/50 a
