@@ -59,6 +59,11 @@ impl<T: Float> Constraint<T> {
         }
     }
 
+    /// Whether I is the energy.
+    pub(crate) fn is_energy(&self) -> bool {
+        self.evaluator.is_none()
+    }
+
     /// A run begins at `y`, where the energy is `h_ref`: nothing of earlier steps is left.
     pub(crate) fn begin(&mut self, h_ref: T, y: &[T]) {
         let zero = T::int(0);
@@ -124,8 +129,8 @@ impl<T: Float> Constraint<T> {
         self.defect.abs() <= self.floor.max(self.late)
     }
 
-    /// g that the step with α = 0 made itself, over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement
-    /// that is smaller, in units of σ, makes or removes it.
+    /// A change `of` I over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement that is smaller, in units of
+    /// σ, makes or removes it.
     pub(crate) fn least_displacement(&self, of: T, sizes: &[T]) -> T {
         let both = worth(&self.gradient, sizes) + worth(&self.start_gradient, sizes);
         let least = T::int(2) * of.abs() / both;

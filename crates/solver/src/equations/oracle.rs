@@ -1,5 +1,5 @@
-//! System (7) and the step of which every path of this crate finds the solution: plain loops, full Newton, no
-//! shortcut.
+//! System (7) and the step of which every path of this crate finds the solution, of the energy alone and all
+//! α's: plain loops, full Newton for Z, and for t around it.
 //!
 //! With the stage increments Z_i = Y_i − y0 and L_i = h b_i J∇H(Y_i) the unknowns are Z and α:
 //!

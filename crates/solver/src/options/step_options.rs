@@ -56,7 +56,7 @@ pub struct StepOptions<T> {
 }
 
 impl<T: Float> StepOptions<T> {
-    /// The member of `family` with so many stages: α's up to 1/20, 3 halvings.
+    /// The member of `family` with so many stages: α's up to 1/20, 10 halvings.
     pub fn new(stages: usize, family: Family) -> Self {
         StepOptions {
             stages,

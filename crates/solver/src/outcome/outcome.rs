@@ -18,7 +18,7 @@ pub enum Outcome {
     /// Carried: no α changes the energy. The step was made with α = 0 and its defect is left to a later one,
     /// as in those that follow.
     NoSlope,
-    /// Carried: the energy would take an α beyond its bound.
+    /// Carried: the energy would take an α beyond its bound, or one whose stages are not found.
     BeyondBound,
     /// Carried: the α's would move the end point further than the step's own error allows.
     TooFar,

@@ -1,9 +1,9 @@
-//! ∇²H at all stages (Newton): M = I − K(α)∘(B_1 … B_s), B_i = h b_i J∇²H(Y_i), or, where T is quadratic, of
+//! ∇²H at all stages (Newton): M = I − K(0)∘(B_1 … B_s), B_i = h b_i J∇²H(Y_i), or, where T is quadratic, of
 //! the positions alone
 //!
 //! $$ M = I + h\,M_p^{-1} \big[ (K B K)_{ij}\, h b_j \nabla^2 U(Y_j) \big] . $$
 //!
-//! The step made backwards has Kᵀ in place of K. Everything is in doubles: M decides how fast the solution is
+//! K is that of α = 0, which the small α's of a step are near. The step made backwards has Kᵀ in its place. Everything is in doubles: M decides how fast the solution is
 //! found, not which.
 //!
 //! Cost: 2/3 (s u)³ operations to factorise for u unknown components, 2 (s u)² for each right-hand side.

@@ -7,7 +7,7 @@
 //!
 //! where −λ² G_qp G_pq = h²λ² T''U''. The size d of a system is n, or m = n/2 for separable H.
 //!
-//! Sparse where d ≥ 64 and the entries are at most d²/8, dense otherwise. Cost for each eigenvalue: 8/3 d³
+//! Sparse where its terms are at most d²/8, dense otherwise. Cost for each eigenvalue: 8/3 d³
 //! real operations to factorise and 8 d² to solve if dense; for chains proportional to d if sparse. f64
 //! throughout: it is a preconditioner.
 

@@ -37,9 +37,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             Ok(()) => return Ok(Outcome::Solved),
             Err(reason) => reason,
         };
-        if self.options.reach == Reach::Refuse {
-            return Err(Failure::NoAlpha);
-        }
         self.alphas.copy_from_slice(&self.start_alphas);
         self.stages.iterate.put_back(&self.kept);
         next.copy_from(&self.unperturbed);
@@ -50,13 +47,15 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             return Ok(Outcome::AtFloor);
         }
         // A defect beyond the energy itself is that of a solution which does not follow the motion.
-        let energy = &self.constraints[0];
-        let (defect, scale) = (
-            energy.defect,
-            energy.start_scale(self.stages.iterate.scale()),
-        );
-        if defect.abs() > scale {
-            return Err(Failure::Astray { defect, scale });
+        if let Some(energy) = self.energy_constraint() {
+            let sizes = self.stages.iterate.scale();
+            let (defect, scale) = (energy.defect, energy.start_scale(sizes));
+            if defect.abs() > scale {
+                return Err(Failure::Astray { defect, scale });
+            }
+        }
+        if self.options.reach == Reach::Refuse {
+            return Err(Failure::NoAlpha);
         }
         Ok(reason)
     }

@@ -58,7 +58,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 
     /// Finds the α's of the step of size `h` from `y` at time `t` to `next` that was made last, with α's
-    /// [deferred](Self::defer_alphas): the two together are the step as it is without.
+    /// [deferred](Self::defer_alphas): the two together are the step as it is without, to rounding.
     ///
     /// # Errors
     /// [`Failure`] as of [`step`](Self::step).

@@ -18,7 +18,8 @@ pub struct Core<T: Float, E> {
     pub(crate) energy: E,
     pub(crate) options: StepOptions<T>,
     pub(crate) counts: Counts,
-    /// What the α's are solved for: the energy first, then further invariants; empty if there is nothing.
+    /// What the α's are solved for: the energy first, if it needs any, then further invariants; empty if there
+    /// is nothing.
     pub(crate) constraints: Vec<Constraint<T>>,
     /// The stages Z, and what finds them.
     pub(crate) stages: Stages<T>,
@@ -96,10 +97,20 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
     }
 
-    /// Forgets the last step, so that the next depends on the state alone.
-    pub fn forget(&mut self) {
+    /// The energy, if α's are solved for it.
+    pub(crate) fn energy_constraint(&self) -> Option<&Constraint<T>> {
+        self.constraints.first().filter(|c| c.is_energy())
+    }
+
+    /// Forgets how the last step was made, which the next is not to be guessed from.
+    pub(crate) fn forget_step(&mut self) {
         self.stages.forget();
         self.start.fill(T::NAN);
+    }
+
+    /// Forgets all steps, so that the next depends on the state alone.
+    pub fn forget(&mut self) {
+        self.forget_step();
         self.constraints.iter_mut().for_each(|c| c.late = T::int(0));
     }
 }

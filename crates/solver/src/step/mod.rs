@@ -5,3 +5,6 @@ pub(crate) mod compiled;
 pub(crate) mod core;
 pub(crate) mod stages;
 pub(crate) mod step;
+
+#[cfg(test)]
+mod tests;

@@ -24,7 +24,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let made = self.step_at_level(0, (y, t, h), next);
         match made {
             Ok(_) => self.stages.choice.end_step(self.stages.contraction.rate()),
-            Err(_) => self.forget(),
+            Err(_) => self.forget_step(),
         }
         made
     }
@@ -49,7 +49,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             }
             Err(_) => {
                 self.fail((y, t, h));
-                self.forget();
+                self.forget_step();
             }
         }
         kept
@@ -95,10 +95,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             self.start.copy_from_slice(&y.hi);
         }
         self.alphas.copy_from_slice(&self.start_alphas);
-        let known = self
-            .constraints
-            .first()
-            .map(|c| c.start_gradient.as_slice());
+        let energy = self.constraints.first().filter(|c| c.is_energy());
+        let known = energy.map(|c| c.start_gradient.as_slice());
         self.stages
             .solve(&mut self.energy, (y, h), known, &mut self.counts)?;
         self.stages.iterate.end_point(y, next);

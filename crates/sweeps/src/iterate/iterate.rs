@@ -153,11 +153,6 @@ impl<T: Float> Iterate<T> {
         &self.points
     }
 
-    /// h b_i.
-    pub fn weights(&self) -> &[T] {
-        &self.hb
-    }
-
     /// Size of each component over the step: max(|y_c|, max_i |Y_ic|).
     pub fn scale(&self) -> &[T] {
         &self.scale

@@ -37,25 +37,10 @@ impl<T: Float> State<T> {
     /// y1 = y0 + Σ_i x_i, the last sum of the step, compensated: what the rounding of `hi` loses goes to `lo`
     /// and enters the next step (Kahan 1965; the sum of increments first, then one two-sum per component).
     ///
-    /// `increments` holds the x_i one after the other. Cost: 6s + 7 additions per component.
-    pub fn advance(&self, increments: &[T], next: &mut Self) {
-        let n = self.hi.len();
-        for j in 0..n {
-            let (mut sum, mut lost) = (T::int(0), self.lo[j]);
-            for x in increments.chunks_exact(n) {
-                let (s, e) = T::two_sum(sum, x[j]);
-                sum = s;
-                lost += e;
-            }
-            let (y, e) = T::two_sum(self.hi[j], sum);
-            let (hi, lo) = T::two_sum(y, e + lost);
-            next.hi[j] = hi;
-            next.lo[j] = lo;
-        }
-    }
-
-    /// The same for increments stored component by component as for `form`, the places from `s` on being
-    /// zero: floats that have vectors add up half against half, so that the chain of additions is short.
+    /// `increments` holds the x_i component by component as for `form`, the places from `s` on being zero:
+    /// floats that have vectors add up half against half, so that the chain of additions is short.
+    ///
+    /// Cost: 6s + 7 additions per component.
     pub fn advance_by_component(
         &self,
         set: InstructionSet,

@@ -1,0 +1,101 @@
+//! What a step does beside solving its equations.
+
+use crate::equations::constraint::Constraint;
+use crate::options::family::{Alphas, Family};
+use crate::options::invariant::Invariant;
+use crate::options::step_options::{Reach, StepOptions};
+use crate::outcome::outcome::Outcome;
+use crate::step::core::Core;
+use equip_autodiff::{Evaluate, Hamiltonian, RecordedEvaluator, System};
+use equip_sweeps::State;
+use equip_tableau::Gauss;
+
+/// A body around a centre at (1000, 0).
+fn far_kepler() -> Hamiltonian {
+    Hamiltonian::new(2, |q, p| {
+        let x = q[0] - 1000.0;
+        0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (x * x + q[1] * q[1]).sqrt()
+    })
+    .unwrap()
+}
+
+fn core(
+    h: &Hamiltonian,
+    s: usize,
+    (reach, constraint): (Reach, Constraint<f64>),
+    y: &[f64],
+) -> Core<f64, RecordedEvaluator<f64>> {
+    let options = StepOptions {
+        reach,
+        ..StepOptions::new(s, Family::Equip(Alphas::All))
+    };
+    let mut evaluator = h.evaluator::<f64>();
+    let h_ref = evaluator.compensated_value(y);
+    let gauss = Gauss::new(s).unwrap();
+    let mut core = Core::new(h, evaluator, options, gauss, vec![constraint]);
+    core.begin(h_ref, y);
+    core
+}
+
+/// Defects of a few floors that no α's bring down are rounding, whether or not others are refused.
+#[test]
+fn rounding_is_not_refused() {
+    let h = far_kepler();
+    let start = [1000.7, 0.0, 0.0, (1.3_f64 / 0.7).sqrt()];
+    let mut outcomes = [Vec::new(), Vec::new()];
+    for (reach, outcomes) in [Reach::WithinError, Reach::Refuse]
+        .into_iter()
+        .zip(&mut outcomes)
+    {
+        let mut core = core(&h, 2, (reach, Constraint::energy(4)), &start);
+        let mut y = State::new(&start, &[]);
+        let mut next = y.clone();
+        for _ in 0..2000 {
+            outcomes.push(core.step(&y, 0.0, 0.003, &mut next));
+            std::mem::swap(&mut y, &mut next);
+        }
+        assert!(core.counts.alpha_moves > 100, "{:?}", core.counts);
+    }
+    assert!(outcomes[0].iter().all(|x| *x == Ok(Outcome::AtFloor)));
+    assert_eq!(outcomes[0], outcomes[1]);
+}
+
+/// A step that fails leaves the floors of late as they were.
+#[test]
+fn a_step_that_fails_forgets_no_floor() {
+    let h = far_kepler();
+    let start = [1000.7, 0.0, 0.0, (1.3_f64 / 0.7).sqrt()];
+    let mut core = core(&h, 4, (Reach::WithinError, Constraint::energy(4)), &start);
+    let y = State::new(&start, &[]);
+    let mut next = y.clone();
+    core.step(&y, 0.0, 0.01, &mut next).unwrap();
+    let late = core.constraints[0].late;
+    assert!(late > 0.0);
+    core.step(&y, 0.0, f64::MAX, &mut next).unwrap_err();
+    assert_eq!(core.constraints[0].late, late);
+}
+
+/// The slope at the start of a step that its stages are guessed from is that of the energy, whatever is kept.
+#[test]
+fn the_gradient_of_an_invariant_is_none_of_the_energy() {
+    let h = Hamiltonian::new(2, |q, p| {
+        0.5 * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1])
+    });
+    let h = h.unwrap();
+    let momentum = Hamiltonian::new(2, |q, p| (q[0] * p[1] - q[1] * p[0]).sin());
+    let momentum = Invariant::new("sin L", momentum.unwrap());
+    let start = [0.3, 0.1, -0.2, 0.9];
+    let mut sweeps = [0; 2];
+    let kept = [Constraint::energy(4), Constraint::invariant(&momentum, 4)];
+    for (constraint, sweeps) in kept.into_iter().zip(&mut sweeps) {
+        let mut core = core(&h, 6, (Reach::WithinError, constraint), &start);
+        let mut y = State::new(&start, &[]);
+        let mut next = y.clone();
+        for _ in 0..50 {
+            assert_eq!(core.step(&y, 0.0, 0.1, &mut next), Ok(Outcome::AtFloor));
+            std::mem::swap(&mut y, &mut next);
+        }
+        *sweeps = core.counts.sweeps;
+    }
+    assert!(sweeps[1] <= sweeps[0] + 50, "{sweeps:?}");
+}
