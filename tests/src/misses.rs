@@ -40,7 +40,7 @@ impl Misses {
         }
     }
 
-    /// Wants EQUIP to end well where Gauss does, as near to the reference's last state and with as much
+    /// Wants EQUIP and Gauss to end well, and EQUIP as near to the reference's last state and with as much
     /// work as the limits allow. Returns the error over Gauss's.
     pub fn beside_gauss(
         &mut self,
@@ -64,12 +64,16 @@ impl Misses {
     ) -> f64 {
         let (equip, gauss) = match pair {
             [Ok(equip), Ok(gauss)] => (equip, gauss),
-            [Err(error), Ok(_)] => {
-                println!("{what}: {error}");
-                self.0.push(format!("{what}: {error}"));
+            [equip, gauss] => {
+                let failed = [("EQUIP", equip), ("Gauss", gauss)];
+                for (who, error) in failed.map(|(who, run)| (who, run.as_ref().err())) {
+                    if let Some(error) = error {
+                        println!("{what}, {who}: {error}");
+                        self.0.push(format!("{what}, {who}: {error}"));
+                    }
+                }
                 return f64::NAN;
             }
-            _ => return f64::NAN,
         };
         let last = reference.states.len() - 1;
         let truth = &reference.states[last];

@@ -148,6 +148,6 @@ fn made<T: Float>(
         hessians: counts.hessians,
         colours: hamiltonian.colours() as u64,
         seconds,
-        says_unresolved: certificate.to_string().contains("resolve"),
+        says_unresolved: certificate.to_string().contains("its phase drifts"),
     }
 }

@@ -170,6 +170,10 @@ fn a_ring_of_exponentials() {
             let pair = Trial::new(&ring, &start, s).both(h, steps);
             let what = format!("ring, amplitude {amplitude}, s = {s}");
             misses.beside_gauss(&what, &pair, (&y, &at_end), Limits::ORDINARY);
+            let carried = pair[0]
+                .as_ref()
+                .map_or(f64::NAN, |made| made.carried as f64);
+            misses.most(&format!("{what}, carried"), carried, 0.0);
         }
     }
     misses.end();

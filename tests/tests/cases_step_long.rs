@@ -11,7 +11,7 @@ type Parameters<'a> = &'a [(&'a str, &'a str)];
 
 /// Stiff springs at every h ω: three times Gauss's time and error, of the slow components, and no error exit.
 #[test]
-#[ignore = "known deficit: 5.1 times the time of Gauss (omega = 500, s = 32), 3 allowed"]
+#[ignore = "known deficit: error 33 times that of Gauss (omega = 50, s = 16), 5 times its time (omega = 500), 3 allowed"]
 fn a_stiff_linear_part() {
     let mut misses = Misses::default();
     for (omega, s, h, steps) in [
@@ -122,6 +122,12 @@ fn no_drift_of_orbits() {
 }
 
 #[test]
+fn no_drift_of_an_orbit_in_a_million_steps() {
+    // Measured 2.5, and 8.7e-15 of 0.95 at the end.
+    no_drift(&[("kepler", &[("e", "0.3")], 0.1, 1_000_000)], 4.0);
+}
+
+#[test]
 #[ignore = "long: .ci/figures long runs it"]
 fn no_drift_in_a_million_steps() {
     let cases: [(&str, Parameters<'_>, f64, u64); 5] = [
@@ -165,7 +171,7 @@ fn a_chain_of_1024_by_tolerance() {
 /// A gyration of h ω = 0.5 is resolved; at h ω = 8 the certificate says that it is not, for little more than
 /// Gauss's time.
 #[test]
-#[ignore = "known deficit: 4.5 times the work of Gauss at h omega = 0.5, 4 allowed; 5.0 times the time at 8, 3 allowed"]
+#[ignore = "known deficit: 4.3 times the work of Gauss at h omega = 0.5, 4 allowed"]
 fn steps_over_a_gyration() {
     let mut misses = Misses::default();
     let scale = 2.0 * 0.01 * 0.01;

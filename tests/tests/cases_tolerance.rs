@@ -91,6 +91,11 @@ fn a_body_of_no_mass_is_refused() {
         matches!(failure.error, IntegrateError::EnergyNotFinite { .. }),
         "{failure:?}"
     );
+    let text = failure.to_string();
+    assert!(
+        text.contains("given a small mass in place of none, 1e-12"),
+        "{text}"
+    );
 }
 
 /// An orbit beside an oscillator whose unit of length is `unit`.

@@ -208,6 +208,30 @@ fn kinks_are_passed_as_if_there_were_none() {
     misses.end();
 }
 
+/// How many steps are carried where a potential is cut off, and what all of them cost. Measured: 57 of 185
+/// steps and 12 630 ∇H with four stages, none of 69 and 5954 with eight.
+#[test]
+fn a_cut_off_carries_and_costs_no_more() {
+    let mut misses = Misses::default();
+    let mut cases = kinked().into_iter();
+    let case = cases.find(|case| case.name == "Lennard-Jones, cut off");
+    let case = case.unwrap();
+    for (s, carried, gradients) in [(4, 57, 12_630), (8, 0, 5954)] {
+        let run = case.run(Equip::stages(s), 1e-9);
+        let counts = &run.certificate().counts;
+        println!("{} steps", counts.steps);
+        let what = |of: &str| format!("s = {s}, {of}");
+        misses.most(
+            &what("carried"),
+            counts.carried() as f64,
+            1.3 * f64::from(carried),
+        );
+        let most = 1.3 * f64::from(gradients);
+        misses.most(&what("gradients"), counts.gradients as f64, most);
+    }
+    misses.end();
+}
+
 /// The same in 31 digits.
 #[test]
 fn kinks_are_passed_in_double_double() {
@@ -236,16 +260,18 @@ fn kinks_are_passed_in_double_double() {
 /// A swing that reaches a wedge by `depth` only: the oscillator goes round −1 there, so the right state is
 /// known. Returns the error, the crossings, the steps.
 fn grazing(depth: f64) -> (f64, u64, u64) {
+    let d = 1.0 - depth;
+    // As it is in doubles.
+    let depth = 1.0 - d;
     let energy = Hamiltonian::new(1, |q, p| {
-        0.5 * (p[0] * p[0] + q[0] * q[0]) + (q[0] - (1.0 - depth)).max(0)
+        0.5 * (p[0] * p[0] + q[0] * q[0]) + (q[0] - d).max(0)
     })
     .unwrap();
     let options = Equip::stages(6).tolerance(1e-10);
     let run = options
         .integrate(&energy, &[-1.0], &[0.0], 0.0..=5.0)
         .unwrap();
-    // From −1 to d = 1 − depth, round −1 with the radius r, and back from d.
-    let d = 1.0 - depth;
+    // From −1 to d, round −1 with the radius r, and back from d.
     let speed = (depth * (2.0 - depth)).sqrt();
     let (arrival, within) = (PI - speed.atan2(d), 2.0 * speed.atan2(1.0 + d));
     let phase = speed.atan2(d) + (5.0 - arrival - within);
@@ -258,8 +284,8 @@ fn grazing(depth: f64) -> (f64, u64, u64) {
     )
 }
 
-/// Grazing costs five steps more at most, and is not missed if it is deeper than 1e-12 of the amplitude,
-/// where a step is off by as much: what is missed then is a push of 1e-6.
+/// Grazing costs four steps more at most, measured two, and is not missed. What q is rounded by changes the
+/// push, of √(2 depth), by ε over it.
 #[test]
 fn grazing_is_found_and_cheap() {
     let (_, none, plain) = grazing(-1.0);
@@ -269,13 +295,11 @@ fn grazing_is_found_and_cheap() {
         let depth = 10.0_f64.powi(-exponent);
         let (error, crossed, steps) = grazing(depth);
         let what = format!("depth {depth:e}, {crossed} crossings, {steps} steps and {plain}");
-        misses.most("steps more", steps as f64 - plain as f64, 5.0);
-        if exponent <= 12 {
-            misses.most(&what, error / 1e-10, 10.0);
-            assert_eq!(crossed, 2, "{depth:e}");
-        } else {
-            misses.most(&what, error, 2.0 * (2.0 * depth).sqrt());
-        }
+        misses.most("steps more", steps as f64 - plain as f64, 4.0);
+        let rounding = f64::EPSILON / (2.0 * depth).sqrt();
+        misses.most(&what, error, 1e-10 + rounding);
+        // Missing it would be off by 2√(2 depth).
+        misses.most("crossings off", crossed.abs_diff(2) as f64, 0.0);
     }
     misses.end();
 }

@@ -53,7 +53,13 @@ fn fixed_steps_over_knots() {
     let mut table = String::from(
         "| intervals | s | \\|ΔH\\| of EQUIP | of Gauss | q(100) off the cosine's |\n|---|---|---|---|---|\n",
     );
-    for (intervals, stages) in [(64, 4), (512, 4), (4096, 4), (65536, 4), (64, 8)] {
+    for (intervals, stages, most) in [
+        (64, 4, 6e-5),
+        (512, 4, 1.5e-6),
+        (4096, 4, 2e-9),
+        (65536, 4, 3e-12),
+        (64, 8, 6e-5),
+    ] {
         let h = cosine(intervals);
         let runs = [Equip::stages(stages), Gauss::stages(stages)].map(|method| {
             let run = method.step(0.1).integrate(&h, &[0.0], &[1.5], 0.0..=100.0);
@@ -65,7 +71,7 @@ fn fixed_steps_over_knots() {
         });
         let off = (end(&runs[0]) - PENDULUM_AT_100).abs();
         table += &format!("| {intervals} | {stages} | {equip:.1e} | {gauss:.1e} | {off:.0e} |\n");
-        assert!(equip <= 1.1 * gauss && off < 1e-4);
+        assert!(equip <= 1.1 * gauss && off < most, "{intervals}: {off:e}");
     }
     println!("\n{table}");
 }
@@ -106,7 +112,7 @@ fn crowded_knots_are_passed_over() {
     }
 }
 
-/// [sweeps, ∇H] of 1000 steps, and less than a millisecond each: measured 4 µs, in either case.
+/// [sweeps, ∇H] of 1000 steps, and less than a millisecond each: measured 5 µs, in either case.
 #[test]
 fn work_and_time_at_any_number_of_intervals() {
     for (intervals, expected) in [(64, [6442, 32310]), (4096, [7779, 38541])] {

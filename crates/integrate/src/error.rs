@@ -120,7 +120,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// H or its gradient is infinite or NaN where the run starts.
     #[error(
-        "at the initial state H or its gradient is not finite (H = {energy}); start elsewhere or check H for a division by zero, a root or a logarithm of a negative number; a test particle is given a small mass in place of none, 1e-12 of the others' say, and is as accurate"
+        "at the initial state H or its gradient is not finite (H = {energy}); start elsewhere or check H for a division by zero, a root or a logarithm of a negative number; a test particle is given a small mass in place of none, 1e-12 of the others' say, whose pull on them is as small"
     )]
     EnergyNotFinite {
         /// H at the start.

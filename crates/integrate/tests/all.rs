@@ -17,6 +17,7 @@ mod memory;
 mod preconditioners;
 mod restart;
 mod reversible;
+mod silent_switches;
 mod suggest;
 mod tangent;
 mod there_and_back;

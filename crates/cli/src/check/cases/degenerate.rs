@@ -55,8 +55,8 @@ fn nothing_to_solve(all: &mut Vec<Case>) {
     all.push(particle("free flight", |_| Var::from(0.0), 1.0, 1.0));
 }
 
-/// Energies that are not smooth where the motion goes, or where it starts. Between two kinks these are
-/// quadratic: no α removes the defect that the step across the kink left.
+/// Energies that are not smooth where the motion goes, or where it starts. Steps over a kink of |q| are made
+/// in two parts; between two kinks it is quadratic, and every α keeps it.
 fn kinks(all: &mut Vec<Case>) {
     let fine = || Reference::Fine {
         stages: 6,
