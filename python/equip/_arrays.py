@@ -23,9 +23,39 @@ STORED = (
 )
 
 COMPLEX = "H is real: use no complex numbers in it"
+SELECTED = (
+    "q and p cannot be selected by a comparison of variables of H: write np.where(condition, q, 0), or "
+    "select by an array of booleans"
+)
+SPARSE = "a sparse matrix cannot be multiplied with variables of H: write A.toarray() @ q"
+MASKED = "a masked array cannot be used in H: write array.filled(value)"
+CONDITION = "a comparison of variables of H is no number: choose by np.where(condition, a, b)"
+WHERE = "where= cannot be a comparison of variables of H: write np.where(condition, q, 0).sum()"
+
+#: What to write instead of functions of NumPy, by their names.
+_ADVICE = {
+    "interp": "make a spline of the data by equip.table",
+    "sinc": "write np.sin(np.pi * x) / (np.pi * x)",
+    "copysign": "write abs(x) * np.sign(y)",
+    "inv": "write the inverse out, or invert a matrix of numbers outside H",
+    "solve": "write the solution out, or np.linalg.inv(A) @ q with a matrix A of numbers",
+    "det": "write the determinant out",
+}
+
+_JUMPS = {
+    "remainder", "fmod", "floor_divide", "divmod", "modf", "floor", "ceil", "trunc", "rint", "round", "fix",
+    "around",
+}  # fmt: skip
 
 
 def unavailable(name: str) -> TypeError:
+    if name in _JUMPS:
+        return TypeError(
+            f"np.{name} of variables of H cannot be recorded: it jumps, and H must be smooth. Use np.cos and "
+            "np.sin of periodic coordinates, and / for quotients"
+        )
+    if name in _ADVICE:
+        return TypeError(f"the function {name} of variables of H cannot be recorded: {_ADVICE[name]}")
     return TypeError(
         f"the function {name} cannot be recorded: H may use + - * / ** @, sums, products, einsum, norms, "
         "exponentials, logarithms, trigonometric and hyperbolic functions, np.arctan2, np.hypot, np.minimum, "
@@ -35,7 +65,18 @@ def unavailable(name: str) -> TypeError:
 
 
 class Variables(np.ndarray):
-    """An array of variables of H."""
+    """An array of variables of H, and of numbers."""
+
+    #: Above those of sparse and masked arrays: operators of q with them come here.
+    __array_priority__ = 100.0
+
+    def __getitem__(self, index: Any) -> Any:
+        _check_index(index)
+        return super().__getitem__(index)
+
+    def __setitem__(self, index: Any, value: Any) -> None:
+        _check_index(index)
+        super().__setitem__(index, value)
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **keywords: Any) -> Any:
         return apply(ufunc, method, inputs, keywords)
@@ -49,6 +90,22 @@ def variables(flat: list[Variable], shape: tuple[int, ...]) -> Variables:
     array = np.empty(len(flat), dtype=object)
     array[:] = flat
     return array.reshape(shape).view(Variables)
+
+
+def _check_index(index: Any) -> None:
+    """Refuses a comparison as an index."""
+    for part in index if isinstance(index, tuple) else (index,):
+        if isinstance(part, (Condition, Variables)) and has_recorded(part):
+            raise TypeError(SELECTED)
+
+
+def has_recorded(x: Any) -> bool:
+    """Whether x is a variable or a condition, or an array or list with one in it."""
+    if isinstance(x, (list, tuple)):
+        return any(has_recorded(part) for part in x)
+    if isinstance(x, np.ndarray):
+        return x.dtype == object and any(_is_recorded(part) for part in x.flat)
+    return _is_recorded(x)
 
 
 def _is_variable(x: Any) -> bool:
@@ -99,6 +156,13 @@ def _erfc(x: Any) -> Any:
     return x.erfc() if _is_variable(x) else math.erfc(x)
 
 
+def _logaddexp(x: Any, y: Any) -> Any:
+    """log(exp(x) + exp(y)), smooth: finite where x and y are less than 1400 apart."""
+    if not (_is_variable(x) or _is_variable(y)):
+        return float(np.logaddexp(float(x), float(y)))
+    return (x + y) / 2 + (2 * ((x - y) / 2).cosh()).log()
+
+
 def _where(condition: Any, a: Any, b: Any) -> Any:
     return condition.choose(a, b) if isinstance(condition, Condition) else a if condition else b
 
@@ -111,6 +175,19 @@ def _function(python: Callable[..., Any], arguments: int) -> np.ufunc:
 _MINIMUM, _MAXIMUM, _CLIP = _function(_minimum, 2), _function(_maximum, 2), _function(_clip, 3)
 
 _WHERE = _function(_where, 3)
+
+
+def _unary(ufunc: np.ufunc) -> np.ufunc:
+    """A function that variables have as a method, of variables and of numbers beside them."""
+    name = ufunc.__name__
+
+    def each(x: Any) -> Any:
+        if isinstance(x, Condition):
+            raise TypeError(CONDITION)
+        return getattr(x, name)() if _is_variable(x) else float(ufunc(float(x)))
+
+    return _function(each, 1)
+
 
 #: Of numbers, variables and arrays of either.
 ERF, ERFC = _function(_erf, 1), _function(_erfc, 1)
@@ -127,9 +204,8 @@ _INSTEAD: dict[Any, np.ufunc] = {
     np.arctan2: _function(_arctan2, 2),
     np.hypot: _function(_hypot, 2),
     np.float_power: np.power,
-    np.radians: np.deg2rad,
-    np.degrees: np.rad2deg,
     np.sign: _function(_sign, 1),
+    np.logaddexp: _function(_logaddexp, 2),
     np.greater: _function(operator.gt, 2),
     np.greater_equal: _function(operator.ge, 2),
     np.less: _function(operator.lt, 2),
@@ -139,17 +215,21 @@ _INSTEAD: dict[Any, np.ufunc] = {
     np.logical_not: np.invert,
 }
 
+_METHODS = (
+    np.sqrt, np.exp, np.exp2, np.expm1, np.log, np.log2, np.log10, np.log1p, np.sin, np.cos, np.tan,
+    np.arcsin, np.arccos, np.arctan, np.sinh, np.cosh, np.tanh, np.arcsinh, np.arccosh, np.arctanh, np.cbrt,
+    np.fabs, np.deg2rad, np.rad2deg,
+)  # fmt: skip
+_INSTEAD |= {ufunc: _unary(ufunc) for ufunc in _METHODS}
+_INSTEAD |= {np.radians: _INSTEAD[np.deg2rad], np.degrees: _INSTEAD[np.rad2deg]}
+
 _COMPARISONS = {
     np.equal, np.not_equal, np.heaviside, np.logical_xor, np.isnan, np.isfinite, np.isinf, np.signbit,
 }  # fmt: skip
 
 _RECORDED = {
-    "add", "subtract", "multiply", "divide", "negative", "positive", "absolute", "fabs", "square",
-    "reciprocal",
-    "power", "sqrt", "exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "sin", "cos", "tan", "arcsin",
-    "arccos", "arctan", "sinh", "cosh", "tanh", "arcsinh", "arccosh", "arctanh", "cbrt", "deg2rad", "rad2deg",
-    "conjugate", "matmul", "vecdot",
-    "matvec", "vecmat", "bitwise_and", "bitwise_or", "invert",
+    "add", "subtract", "multiply", "divide", "negative", "positive", "absolute", "square", "reciprocal",
+    "power", "conjugate", "matmul", "vecdot", "matvec", "vecmat", "bitwise_and", "bitwise_or", "invert",
 }  # fmt: skip
 
 
@@ -160,6 +240,12 @@ def _exact(x: Any) -> Any:
 
 def _plain(x: Any) -> Any:
     """An array that NumPy works on element by element."""
+    if hasattr(x, "toarray") and hasattr(x, "nnz"):
+        raise TypeError(SPARSE)
+    if isinstance(x, np.ma.MaskedArray):
+        if np.ma.is_masked(x):
+            raise TypeError(MASKED)
+        x = x.data
     kind = getattr(x, "dtype", None)
     if kind == np.longdouble and kind != np.float64:
         numbers = np.array([_exact(number) for number in np.ravel(x)], dtype=object)
@@ -201,10 +287,22 @@ def apply(ufunc: np.ufunc, method: str, inputs: tuple[Any, ...], keywords: Optio
             if isinstance(target, np.ndarray) and target.dtype != object:
                 raise TypeError(STORED)
         options["out"] = tuple(_plain(target) for target in targets)
+    if method == "reduce" and options.get("where", True) is not True:
+        if has_recorded(options["where"]):
+            raise TypeError(WHERE)
+        _begin_reduction(ufunc, options)
     result = getattr(used, method)(*(_plain(x) for x in inputs), **options)
     if targets is not None and len(targets) == 1:
         return targets[0]
     return _dressed(result)
+
+
+def _begin_reduction(ufunc: np.ufunc, options: dict[str, Any]) -> None:
+    """Gives sums and products of chosen elements their first value, which NumPy has for numbers alone."""
+    values: dict[Any, int] = {np.add: 0, np.multiply: 1}
+    first = values.get(ufunc)
+    if first is not None and options.get("initial", None) in (None, np._NoValue):
+        options["initial"] = first
 
 
 def _arrays(x: Any) -> Any:
@@ -225,6 +323,14 @@ def call(function: Any, arguments: tuple[Any, ...], keywords: dict[str, Any]) ->
         if len(arguments) != 3:
             raise TypeError(COMPARED)
         return _dressed(_WHERE(*(_plain(x) for x in arguments)))
+    if function is np.sinc:
+        raise unavailable("sinc")
+    if function is np.polyval:
+        return _polyval(*arguments, **keywords)
+    if function is np.linalg.norm:
+        found = _norm(*arguments, **keywords)
+        if found is not NotImplemented:
+            return found
     given = {name: _arrays(x) for name, x in keywords.items()}
     try:
         result = np.ndarray.__array_function__(
@@ -236,3 +342,32 @@ def call(function: Any, arguments: tuple[Any, ...], keywords: dict[str, Any]) ->
             raise
         raise unavailable(function.__name__) from error
     return _dressed(result)
+
+
+def _polyval(p: Any, x: Any) -> Any:
+    """p[0] x^(n-1) + ... + p[n-1], as `np.polyval`."""
+    value: Any = 0
+    for coefficient in p:
+        value = value * x + coefficient
+    return value
+
+
+_REAL = (int, float, np.integer, np.floating)
+
+
+def _norm(x: Any, ord: Any = None, axis: Any = None, keepdims: bool = False) -> Any:
+    """A norm of vectors that NumPy takes by other means; `NotImplemented` for all others."""
+    if not isinstance(x, (np.ndarray, list, tuple)):
+        return NotImplemented
+    x = _dressed(_plain(x)) if isinstance(x, np.ndarray) else np.stack(x)
+    is_vector = x.ndim == 1 if axis is None else isinstance(axis, (int, np.integer))
+    if not is_vector or ord in (None, 1, 2, "fro"):
+        return NotImplemented
+    if isinstance(ord, _REAL) and abs(ord) == np.inf:
+        size = np.max if ord > 0 else np.min
+        return size(np.abs(x), axis=axis, keepdims=keepdims)
+    if not isinstance(ord, _REAL) or ord == 0:
+        raise TypeError(
+            f"the norm of order {ord!r} cannot be recorded: it jumps. Use orders from 1 to np.inf"
+        )
+    return np.sum(np.abs(x) ** ord, axis=axis, keepdims=keepdims) ** (1 / ord)

@@ -49,7 +49,9 @@ class PhasePerStep:
 class VariableSteps:
     """What step control did."""
 
+    #: Of a step, relative to the motion within it.
     tolerance: float
+    #: Sizes of the steps, in the unit of time.
     smallest: float
     largest: float
     #: Steps refused because their error estimate was too large, and because they could not be solved.
@@ -62,19 +64,29 @@ class Counts:
     """Counts of work. Equal runs have equal counts on every machine."""
 
     steps: int
+    #: Steps whose defect of the energy was left to a later one.
     carried: int
+    #: Sweeps over all stages without a preconditioner.
     sweeps: int
+    #: Iterations with a preconditioner.
     newton_iterations: int
+    #: Times the stages of a step were begun anew with another preconditioner.
     taken_over: int
+    #: Preconditioners made of ∇²H at all stages, and of one ∇²H.
     factorisations: int
     simplified_factorisations: int
+    #: Evaluations of ∇H, of ∇²H, and of H alone, at one point each.
     gradients: int
     hessians: int
     energies: int
+    #: Directions of the α's, and their moves.
     directions: int
     alpha_moves: int
+    #: Local errors estimated to judge a displacement.
     local_errors: int
+    #: Times a step was split into two.
     halvings: int
+    #: Steps made for outputs between two steps, which are counted in no other number.
     output_steps: int
     #: Crossings of kinks and jumps of H at which a step, or a part of a fixed one, ended.
     switches_crossed: int

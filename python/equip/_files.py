@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from os import PathLike, fspath
 from typing import Any, Union
 
@@ -37,6 +38,8 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
     """The words, and the arrays by name."""
     if not _is_hdf5(path):
         with np.load(path) as stored:
+            if not isinstance(stored, np.lib.npyio.NpzFile):
+                raise ValueError("no archive")
             arrays = {name: stored[name] for name in stored.files}
         return str(arrays.pop("words", "{}")), arrays
     import h5py
@@ -51,13 +54,19 @@ def _read(path: Path) -> tuple[str, dict[str, Any]]:
 
 def read(path: Path, kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The words, and the arrays by name, that `write` wrote of this kind, such as "equip solution 3"."""
-    text, arrays = _read(path)
-    words: dict[str, Any] = json.loads(text)
+    name = kind.split()[1]
+    what = {"solution": "a solution", "ensemble": "an ensemble"}[name]
+    no_such = f"{path} is not {what} written by {name.capitalize()}.save"
+    try:
+        text, arrays = _read(path)
+        words: dict[str, Any] = json.loads(text)
+    except (ValueError, EOFError, OSError, zipfile.BadZipFile) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise
+        raise ValueError(no_such) from error
     found = str(words.get("format", ""))
     if found == kind:
         return words, arrays
-    name = kind.split()[1]
     if found.startswith(f"equip {name}"):
         raise ValueError(f"{path} has the format {found!r}; this version reads {kind!r}: run it again")
-    what = {"solution": "a solution", "ensemble": "an ensemble"}[name]
-    raise ValueError(f"{path} is not {what} written by {name.capitalize()}.save")
+    raise ValueError(no_such)

@@ -86,6 +86,14 @@ def _flat(x: Any, name: str, axes: int) -> tuple[list[float], list[float]]:
     return high.ravel().tolist(), low.ravel().tolist()
 
 
+def _orders(ends: Any) -> set[Any]:
+    """Orders of the derivatives at both ends; empty for what is no ((order, a), (order, b))."""
+    pairs_of = isinstance(ends, (tuple, list)) and len(ends) == 2
+    if not pairs_of or not all(isinstance(end, (tuple, list)) and len(end) == 2 for end in ends):
+        return set()
+    return {end[0] for end in ends}
+
+
 def table(x: Any, y: Any, bc_type: Ends = "not-a-knot") -> Table:
     """The cubic spline through the points (x_i, y_i), for use within H: `v = equip.table(x, y)`, `v(q[0])`.
 
@@ -121,7 +129,7 @@ def table(x: Any, y: Any, bc_type: Ends = "not-a-knot") -> Table:
     kind, numbers = "not-a-knot", (0.0, 0.0)
     if bc_type != "not-a-knot":
         ends = named.get(bc_type) if isinstance(bc_type, str) else bc_type
-        orders = {end[0] for end in ends} if ends is not None and len(ends) == 2 else set()
+        orders = _orders(ends)
         if ends is None or len(orders) != 1 or not orders <= {1, 2}:
             raise ValueError(
                 f"bc_type is {bc_type!r}; it must be 'not-a-knot', 'natural', 'clamped', ((1, a), (1, b)) or "

@@ -8,22 +8,10 @@ from typing import Any, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _arrays, _native
-from ._numbers import Floats, Shape, shape_of
+from . import _arrays, _native, _recording
+from ._numbers import Floats, Shape, refuse_masked, shape_of
 
 Function = Callable[..., Any]
-
-
-def _scalar(found: Any) -> Any:
-    """What H returned, if it is one number."""
-    if isinstance(found, np.ndarray):
-        if found.shape:
-            raise TypeError(
-                f"H(q, p) must return one number; it returned an array of shape {found.shape}: sum over it, "
-                "for instance with .sum() or @"
-            )
-        return found[()]
-    return found
 
 
 class Hamiltonian:
@@ -60,15 +48,10 @@ class Hamiltonian:
     """
 
     def __init__(self, function: Function, shape: Union[int, Shape]) -> None:
-        axes = shape_of(shape)
         if not callable(function):
             raise TypeError("the first argument is the energy: a function of q and p")
-
-        def call(q: list[_native.Variable], p: list[_native.Variable]) -> Any:
-            return _scalar(function(_arrays.variables(q, axes), _arrays.variables(p, axes)))
-
-        self._shape = axes
-        self._recorded = _native.Recorded(call, int(np.prod(axes)))
+        self._shape = shape_of(shape)
+        self._recorded = _record(function, self._shape, "H(q, p)")
 
     @classmethod
     def with_time(cls, function: Callable[[Any, Any, Any], Any], shape: Union[int, Shape]) -> Hamiltonian:
@@ -96,11 +79,7 @@ class Hamiltonian:
         axes = shape_of(shape)
         if not callable(function):
             raise TypeError("the first argument is the energy: a function of t, q and p")
-
-        def call(t: _native.Variable, q: list[_native.Variable], p: list[_native.Variable]) -> Any:
-            return _scalar(function(t, _arrays.variables(q, axes), _arrays.variables(p, axes)))
-
-        return of_recording(_native.Recorded.with_time(call, int(np.prod(axes))), axes)
+        return of_recording(record_with_time(function, axes, "H(t, q, p)"), axes)
 
     @property
     def has_time(self) -> bool:
@@ -140,6 +119,10 @@ class Hamiltonian:
 
     def _states(self, q: Any, p: Any, t: Any) -> tuple[Floats, Shape]:
         """States (q, p), or (q, t, p, 0), flat, and the axes before those of one state."""
+        if any(_arrays.has_recorded(x) for x in (q, p, t)):
+            raise TypeError(
+                "a Hamiltonian cannot be called within another: call the function that it was made of"
+            )
         if self.has_time == (t is None):
             raise TypeError(
                 "H depends on time: give t after q and p"
@@ -229,6 +212,7 @@ class Hamiltonian:
 
 def _real(x: Any, name: str) -> Floats:
     """Doubles of real numbers; NumPy would take real parts of complex ones, and ticks of times."""
+    refuse_masked(x, name)
     array = np.asarray(x)
     if array.dtype.kind in "cmM":
         raise ValueError(f"{name} is of dtype {array.dtype}; it must be real numbers")
@@ -246,14 +230,34 @@ def of_recording(recorded: _native.Recorded, shape: Union[int, Shape]) -> Hamilt
     return h
 
 
+def _record(function: Function, shape: Shape, name: str) -> _native.Recorded:
+    """f(q, p), called once."""
+    _recording.check_arguments(function, name, "q, p")
+
+    def call(q: list[_native.Variable], p: list[_native.Variable]) -> Any:
+        given = (_arrays.variables(q, shape), _arrays.variables(p, shape))
+        return _recording.call(function, name, "q, p", *given)
+
+    return _native.Recorded(call, int(np.prod(shape)))
+
+
+def record_with_time(function: Function, shape: Shape, name: str) -> _native.Recorded:
+    """f(t, q, p), called twice."""
+    _recording.check_arguments(function, name, "t, q, p")
+
+    def call(t: _native.Variable, q: list[_native.Variable], p: list[_native.Variable]) -> Any:
+        given = (t, _arrays.variables(q, shape), _arrays.variables(p, shape))
+        return _recording.call(function, name, "q, p", *given)
+
+    return _native.Recorded.with_time(call, int(np.prod(shape)))
+
+
 def recorded_quantity(function: Any, h: Hamiltonian, name: str) -> _native.Recorded:
     """A quantity of the states of h: a function of what h is one of, or a Hamiltonian."""
-    if isinstance(function, Hamiltonian):
-        quantity = function
-    elif h.has_time:
-        quantity = Hamiltonian.with_time(function, h.shape)
-    else:
-        quantity = Hamiltonian(function, h.shape)
-    if quantity.degrees_of_freedom != h.degrees_of_freedom:
-        raise ValueError(f"{name} is made for shape {quantity.shape}, but this Hamiltonian has {h.shape}")
-    return quantity._recorded
+    if not isinstance(function, Hamiltonian):
+        if not callable(function):
+            raise TypeError(f"{name} is {function!r}; it must be a function of q and p")
+        return (record_with_time if h.has_time else _record)(function, h.shape, name)
+    if function.degrees_of_freedom != h.degrees_of_freedom:
+        raise ValueError(f"{name} is made for shape {function.shape}, but this Hamiltonian has {h.shape}")
+    return function._recorded

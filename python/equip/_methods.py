@@ -6,14 +6,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, Optional, Union
 
-from ._numbers import pair
+from ._numbers import number, pair, whole
 
 _PRECONDITIONERS = ("automatic", "identity", "diagonal", "frozen", "full")
 
 
+MOST_STAGES = 32
+
+
 def chosen(name: str, value: str, words: tuple[str, ...]) -> str:
     """`value`, which must be one of the words."""
-    if value not in words:
+    if not isinstance(value, str) or value not in words:
         raise ValueError(f"{name} is {value!r}; it must be {' or '.join(map(repr, words))}")
     return value
 
@@ -21,7 +24,7 @@ def chosen(name: str, value: str, words: tuple[str, ...]) -> str:
 def _options(family: str, stages: int, preconditioner: str) -> dict[str, Any]:
     return {
         "family": family,
-        "stages": int(stages),
+        "stages": whole(stages, "stages", 1 if family == "gauss" else 2, MOST_STAGES),
         "alpha": (0.0, 0.0),
         "reach": "within error",
         "alpha_bound": 0.05,
@@ -58,12 +61,20 @@ class Equip:
         family = "equip" if chosen("alphas", self.alphas, ("all", "last")) == "all" else "equip-last"
         options = _options(family, self.stages, self.preconditioner)
         reach = chosen("reach", self.reach, ("within error", "always", "refuse"))
-        return {**options, "reach": reach, "alpha_bound": float(self.alpha_bound)}
+        return {**options, "reach": reach, "alpha_bound": number(self.alpha_bound, "alpha_bound")}
 
 
 @dataclass(frozen=True)
 class Gauss:
-    """Gauss-Legendre collocation of order 2s: quadratic invariants are kept, the energy is not."""
+    """Gauss-Legendre collocation of order 2s: quadratic invariants are kept, the energy is not.
+
+    Parameters
+    ----------
+    stages
+        s, from 1 to 32; with steps by tolerance from 2.
+    preconditioner
+        How the stages are iterated; the solution is the same.
+    """
 
     stages: int = 8
     preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
@@ -74,7 +85,17 @@ class Gauss:
 
 @dataclass(frozen=True)
 class FixedAlpha:
-    """The symplectic method of order 2s - 2 whose last α is `alpha` (dimensionless) in every step."""
+    """The symplectic method of order 2s - 2 whose last α is `alpha` (dimensionless) in every step.
+
+    Parameters
+    ----------
+    stages
+        s, from 2 to 32.
+    alpha
+        The last α, dimensionless.
+    preconditioner
+        How the stages are iterated; the solution is the same.
+    """
 
     stages: int
     alpha: Any
@@ -112,3 +133,16 @@ class Reversible:
 
 
 Method = Union[Equip, Gauss, FixedAlpha]
+
+
+def method_options(method: Any, by_tolerance: bool) -> dict[str, Any]:
+    """Options of a method as the native part reads them."""
+    if not isinstance(method, (Equip, Gauss, FixedAlpha)):
+        raise TypeError(
+            f"method is {method!r}; it must be equip.Equip(stages=8), equip.Gauss(stages=8) or "
+            "equip.FixedAlpha(8, alpha)"
+        )
+    found = method._options()
+    if by_tolerance and found["stages"] == 1:
+        raise ValueError("one stage has no estimate of its error: give a step, or stages=2 or more")
+    return found

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import operator
 from dataclasses import dataclass
-from typing import Any, Union
+from typing import Any, Optional, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ Floats = NDArray[np.float64]
 Shape = tuple[int, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class DoubleDouble:
     """An array of numbers with 31 digits: `high + low`, of which `high` is the nearest doubles."""
 
@@ -24,12 +25,51 @@ class DoubleDouble:
 
 def shape_of(shape: Union[int, Shape]) -> Shape:
     """`shape` as a tuple of positive integers."""
-    axes = tuple(int(n) for n in (shape if isinstance(shape, tuple) else (shape,)))
-    if not axes or min(axes) < 1:
+    axes = tuple(_integer(n) for n in (shape if isinstance(shape, (tuple, list)) else (shape,)))
+    if not axes or any(n is None or n < 1 for n in axes):
         raise ValueError(
-            f"shape is {shape}; it must be the shape of q: a positive integer or a tuple of such"
+            f"shape is {shape!r}; it must be the shape of q: a positive integer or a tuple of such"
         )
-    return axes
+    return tuple(n for n in axes if n is not None)
+
+
+def _integer(x: Any) -> Optional[int]:
+    """A whole number, also one that is a float; None for all else."""
+    try:
+        return operator.index(x)
+    except TypeError:
+        is_whole = isinstance(x, (float, np.floating)) and float(x).is_integer()
+        return int(x) if is_whole else None
+
+
+def whole(x: Any, name: str, least: int, most: int = 2**64 - 1) -> int:
+    """A whole number in a range."""
+    n = _integer(x)
+    if n is None or not least <= n <= most:
+        upwards = "or more" if most == 2**64 - 1 and (n is None or n < least) else f"to {most}"
+        raise ValueError(f"{name} is {x!r}; it must be a whole number, {least} {upwards}")
+    return n
+
+
+def number(x: Any, name: str) -> float:
+    """A number as a float."""
+    try:
+        return float(x)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {x!r}; it must be a number") from None
+
+
+def truth(x: Any, name: str) -> bool:
+    """True or False."""
+    if not isinstance(x, (bool, np.bool_)) and x not in (0, 1):
+        raise ValueError(f"{name} is {x!r}; it must be True or False")
+    return bool(x)
+
+
+def refuse_masked(x: Any, name: str) -> None:
+    """Refuses arrays with masked entries."""
+    if isinstance(x, np.ma.MaskedArray) and np.ma.is_masked(x):
+        raise ValueError(f"{name} has masked entries; give all numbers, for instance by {name}.filled(0.0)")
 
 
 def pairs(x: Any, name: str) -> tuple[Floats, Floats]:
@@ -42,7 +82,11 @@ def pairs(x: Any, name: str) -> tuple[Floats, Floats]:
                 f"the parts of {name} have shapes {high.shape} and {low.shape}; they must be equal"
             )
         return high, low
-    array = np.asarray(x)
+    refuse_masked(x, name)
+    try:
+        array = np.asarray(x)
+    except ValueError:
+        raise ValueError(f"{name} is ragged; all of its rows must be equally long") from None
     kind = array.dtype.kind
     if kind == "c":
         raise ValueError(f"{name} is complex; it must be real")

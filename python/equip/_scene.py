@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _native
 from ._hamiltonian import Hamiltonian, of_recording
+from ._methods import chosen
 from ._numbers import DoubleDouble, Floats
 
 
@@ -55,7 +56,7 @@ class Scene(Hamiltonian):
 
     def start(self, precision: Literal["f64", "dd"] = "f64") -> tuple[Any, Any]:
         """(q0, p0): arrays of floats, or with "dd" `equip.DoubleDouble`s, computed with 31 digits."""
-        if precision == "f64":
+        if chosen("precision", precision, ("f64", "dd")) == "f64":
             return self.q0, self.p0
         q, p = ((np.array(high), np.array(low)) for high, low in (self._found["q"], self._found["p"]))
         return DoubleDouble(*q), DoubleDouble(*p)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Any, Optional
 
@@ -19,9 +21,11 @@ FORMAT = "equip solution 3"
 _ARRAYS = ("t", "y", "energy_defect", "outcome", "t_low", "y_low")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Solution:
     """The states of a run, and what it kept. Times and states are in the units of H.
+
+    Pickling takes all but the dense output; copies have it. Two solutions are equal if they are the same one.
 
     Attributes
     ----------
@@ -61,6 +65,22 @@ class Solution:
     t_low: Floats = field(repr=False)
     y_low: Floats = field(repr=False)
     _curve: Optional[_native.Curve] = field(default=None, repr=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_curve": None}
+
+    def _of_fields(self, fields: dict[str, Any]) -> Solution:
+        made = object.__new__(Solution)
+        made.__dict__.update(fields)
+        return made
+
+    def __copy__(self) -> Solution:
+        return self._of_fields(self.__dict__)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Solution:
+        # The curve never changes.
+        fields = {name: x if name == "_curve" else deepcopy(x, memo) for name, x in self.__dict__.items()}
+        return self._of_fields(fields)
 
     def _part(self, y: Floats, part: int) -> Floats:
         """Positions (0) or momenta (1) of states."""
@@ -130,17 +150,28 @@ class Solution:
             ax.plot(q[:, 0], self.p[:, 0])
             ax.set(xlabel="q", ylabel="p")
         elif self.shape[-1] in (2, 3):
-            bodies = q.reshape(len(q), -1, self.shape[-1])
+            bodies = q.reshape(len(q), math.prod(self.shape[:-1]), self.shape[-1])
             for body in range(bodies.shape[1]):
                 ax.plot(bodies[:, body, 0], bodies[:, body, 1])
             ax.set(xlabel="x", ylabel="y", aspect="equal")
         else:
-            ax.plot(self.t, q.reshape(len(q), -1))
+            ax.plot(self.t, q.reshape(len(q), math.prod(self.shape)))
             ax.set(xlabel="t", ylabel="q")
         return ax
 
     def plot_energy(self, ax: Any = None) -> Any:
-        """Draws |H - H(start)| against time, on a logarithmic axis. Returns the axes of matplotlib."""
+        """Draws |H - H(start)| against time, on a logarithmic axis. Returns the axes of matplotlib.
+
+        Raises
+        ------
+        ValueError
+            If it was not measured.
+        """
+        if len(self.energy_defect) != len(self.t):
+            raise ValueError(
+                "the energy was not measured at these times: solve with measure_energy=True, and with "
+                "H(t, q, p) without t_eval"
+            )
         ax = _axes(ax)
         defect = np.abs(self.energy_defect)
         ax.semilogy(self.t[: len(defect)], np.where(defect > 0, defect, np.nan), ".", markersize=2)
@@ -243,7 +274,7 @@ def load(path: Path) -> Solution:
 def _text(high: Floats, low: Floats, digits: int) -> np.ndarray[Any, Any]:
     pairs = zip(high.ravel().tolist(), low.ravel().tolist())
     texts = [_native.decimal_text(hi, lo, digits) for hi, lo in pairs]
-    return np.array(texts).reshape(high.shape)
+    return np.array(texts, dtype=str).reshape(high.shape)
 
 
 def _axes(ax: Any) -> Any:

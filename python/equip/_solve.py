@@ -10,15 +10,18 @@ import numpy as np
 
 from . import _native
 from ._certificate import Certificate
-from ._hamiltonian import Function, Hamiltonian, recorded_quantity
-from ._methods import Equip, Method, Reversible, chosen
-from ._numbers import Floats, Shape, pair, pairs, state
+from ._hamiltonian import Function, Hamiltonian, of_recording, record_with_time, recorded_quantity
+from ._methods import Equip, Method, Reversible, chosen, method_options
+from ._numbers import Floats, Shape, number, pair, pairs, state, truth, whole
 from ._solution import Solution
 
 Event = Callable[[Any, Any, Any], Any]
 
 #: Tolerances taken when neither a step nor a tolerance is given.
 _TOLERANCE = {"f64": 1e-12, "dd": 1e-24}
+
+#: Share of its size by which a kept quantity may be off before the message of the run says so.
+_NOT_KEPT = 1e-9
 
 
 def _absolute_errors(atol: Any, shape: Shape) -> tuple[list[float], list[float]]:
@@ -57,7 +60,7 @@ def options(
     """Options as the native part reads them."""
     if not isinstance(h, Hamiltonian):
         raise TypeError("the first argument is an equip.Hamiltonian: equip.Hamiltonian(function, shape)")
-    if precision not in _TOLERANCE:
+    if not isinstance(precision, str) or precision not in _TOLERANCE:
         raise ValueError(f"precision is {precision!r}; it must be 'f64' or 'dd' (double-double, 31 digits)")
     if step is not None and tolerance is not None:
         raise ValueError("give a step or a tolerance, not both")
@@ -69,32 +72,31 @@ def options(
         "max_step": None if max_step == np.inf else max_step,
     }
     given = [name for name, value in adaptive.items() if value is not None]
+    by_tolerance = step is None
     if step is not None and given:
-        raise ValueError(f"{' and '.join(given)} belong to variable steps: leave out step, or them")
+        belong = "belongs" if len(given) == 1 else "belong"
+        raise ValueError(f"{' and '.join(given)} {belong} to steps by tolerance: leave out step, or them")
 
     reversible = None
     if isinstance(step, Reversible):
         by_integral = chosen("rule", step.rule, ("explicit", "integral")) == "integral"
         sigma = None if step.sigma is None else recorded_quantity(step.sigma, h, "sigma")
-        reversible, step = (float(step.epsilon), sigma, by_integral), None
-
-    def quantities(functions: Optional[Mapping[str, Function]]) -> list[tuple[str, _native.Recorded]]:
-        return [(name, recorded_quantity(f, h, name)) for name, f in (functions or {}).items()]
+        reversible, step = (number(step.epsilon, "epsilon"), sigma, by_integral), None
 
     return {
-        **method._options(),
+        **method_options(method, by_tolerance),
         "step": None if step is None else pair(step, "step"),
         "reversible": reversible,
-        "tolerance": float(_TOLERANCE[precision] if tolerance is None else tolerance),
-        "first_step": first_step,
-        "min_step": float(min_step),
-        "max_step": float(max_step),
-        "max_steps": 2**64 - 1 if max_steps is None else int(max_steps),
+        "tolerance": _TOLERANCE[precision] if tolerance is None else number(tolerance, "tolerance"),
+        "first_step": None if first_step is None else number(first_step, "first_step"),
+        "min_step": number(min_step, "min_step"),
+        "max_step": np.inf if max_step is None else number(max_step, "max_step"),
+        "max_steps": 2**64 - 1 if max_steps is None else whole(max_steps, "max_steps", 1),
         "atol": None if atol is None else _absolute_errors(atol, h.shape),
-        "invariants": quantities(invariants),
-        "keep": quantities(keep),
-        "measure_energy": measure_energy,
-        "chaos": chaos,
+        "invariants": _quantities(invariants, h, "invariants"),
+        "keep": _quantities(keep, h, "keep"),
+        "measure_energy": truth(measure_energy, "measure_energy"),
+        "chaos": truth(chaos, "chaos"),
         "t_eval": ([], []),
         "dense": False,
         "record": 1,
@@ -102,26 +104,72 @@ def options(
     }
 
 
+def _quantities(
+    functions: Optional[Mapping[str, Function]], h: Hamiltonian, argument: str
+) -> list[tuple[str, _native.Recorded]]:
+    """Recordings by name, of `invariants` or `keep`."""
+    if functions is None:
+        return []
+    if not isinstance(functions, Mapping) or not all(isinstance(name, str) for name in functions):
+        raise TypeError(f"{argument} must be a dict of functions by their names: {{'name': function}}")
+    return [(name, recorded_quantity(f, h, f"{argument}[{name!r}]")) for name, f in functions.items()]
+
+
 def interval_of(span: Any) -> tuple[tuple[float, float], tuple[float, float]]:
     """Start and end."""
+    if isinstance(span, str) or not hasattr(span, "__len__") or np.shape(span) == ():
+        raise ValueError(f"span is {span!r}; it must be two numbers: (start, end)")
     if len(span) != 2:
         raise ValueError(f"span has two numbers, start and end; this one has {len(span)}")
-    return pair(span[0], "span"), pair(span[1], "span")
+    start, end = pair(span[0], "span"), pair(span[1], "span")
+    if not np.isfinite([start[0], end[0]]).all():
+        raise ValueError(
+            f"the interval {start[0]:g} to {end[0]:g} must be finite; give two finite times, in either order"
+        )
+    return start, end
+
+
+def _is_terminal(event: Any, name: str) -> bool:
+    terminal = getattr(event, "terminal", None)
+    if terminal is None or terminal in (True, False):
+        return bool(terminal)
+    raise ValueError(
+        f"{name} has terminal = {terminal!r}; it must be True, which ends the run at the first root, or "
+        "False. Later roots are in Solution.t_events"
+    )
+
+
+def _direction(event: Any, name: str) -> int:
+    direction = getattr(event, "direction", None)
+    try:
+        return int(np.sign(float(direction or 0)))
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} has direction = {direction!r}; it must be 1, -1 or 0") from None
 
 
 def _events(events: Union[None, Event, Sequence[Event]], shape: Shape) -> list[tuple[Any, ...]]:
+    if events is None:
+        return []
+    given = [events] if callable(events) else events
+    if not isinstance(given, Sequence) or not all(callable(event) for event in given):
+        raise TypeError("events must be a function g(t, q, p), or a list of such")
     found = []
-    for number, event in enumerate([] if events is None else [events] if callable(events) else events):
+    for i, event in enumerate(given):
         name = getattr(event, "__name__", "event")
-        terminal = getattr(event, "terminal", False)
-        if terminal not in (True, False):
-            raise ValueError(
-                f"event {number} ({name}) has terminal = {terminal}; it must be True, which ends the run at "
-                "the first root, or False"
-            )
-        direction = int(np.sign(getattr(event, "direction", 0)))
-        found.append((name, Hamiltonian.with_time(event, shape)._recorded, direction, bool(terminal)))
+        called = f"event {i} ({name})"
+        terminal, direction = _is_terminal(event, called), _direction(event, called)
+        found.append((name, record_with_time(event, shape, called), direction, terminal))
     return found
+
+
+def _record(record: Any) -> int:
+    """Every how many steps; 0 for "ends"."""
+    if isinstance(record, str) and record == "ends":
+        return 0
+    try:
+        return whole(record, "record", 1)
+    except ValueError:
+        raise ValueError(f"record is {record!r}; it must be a positive integer or 'ends'") from None
 
 
 def solve(
@@ -169,18 +217,19 @@ def solve(
         A fixed step, or `equip.Reversible`, or an error per step relative to the motion within it: one of
         them. Without both, the tolerance is 1e-12, in double-double 1e-24.
     t_eval
-        Ascending times within the span at which states are wanted; `t` is then these. The steps do not
-        change.
+        Times within the span, (k,), at which states are wanted; `t` is then these. They ascend, or descend
+        in a run that goes back in time. The steps do not change.
     dense_output
         Whether `Solution.sol` is to have the state at any time.
     events
         Smooth functions g(t, q, p) whose roots are wanted: each is recorded like H, so the same rules hold.
-        Attributes as of `scipy.integrate.solve_ivp`: `terminal = True` ends the run at the first root,
-        `direction` of 1 or -1 takes rising or falling roots only.
+        Attributes as of `scipy.integrate.solve_ivp`: `terminal = True` ends the run at the first root (a
+        number of roots is refused), `direction` of 1 or -1 takes rising or falling roots only.
     invariants
         Further quantities f(q, p) by name, whose defects the certificate shows; of (t, q, p) where H is.
     keep
         Further quantities f(q, p) by name that are kept like the energy; for those that are not quadratic.
+        `Solution.message` names those that were not kept.
     record
         k: every k-th step is in the solution; "ends": first and last state only.
     measure_energy
@@ -237,22 +286,22 @@ def solve(
         measure_energy=measure_energy,
         chaos=chaos,
     )
-    if record != "ends" and (isinstance(record, str) or int(record) != record or record < 1):
-        raise ValueError(f"record is {record!r}; it must be a positive integer or 'ends'")
+    every = _record(record)
     at_times = t_eval is not None
     if at_times:
         high, low = pairs(t_eval, "t_eval")
         if high.ndim > 1:
             raise ValueError(f"t_eval has shape {high.shape}; it must have one axis: ascending times")
         given["t_eval"] = (high.ravel().tolist(), low.ravel().tolist())
-    given["record"] = 0 if record == "ends" or at_times else int(record)
-    given["dense"] = dense_output
+    given["record"] = 0 if at_times else every
+    given["dense"] = truth(dense_output, "dense_output")
     given["events"] = _events(events, h.shape)
     start, end = interval_of(span)
     interval = (state(q0, h.shape, "q0"), state(p0, h.shape, "p0"), start, end)
     path = None if checkpoint is None else fspath(checkpoint)
     if not progress:
         found = _native.solve(h._recorded, interval, given, precision, None, path)
+        _check_end(found, path, start[0], end[0])
         return solution(h, found, given, at_times)
     from tqdm.auto import tqdm
 
@@ -265,7 +314,36 @@ def solve(
 
         found = _native.solve(h._recorded, interval, given, precision, show, path)
         show(found["certificate"]["end"])
+    _check_end(found, path, start[0], end[0])
     return solution(h, found, given, at_times)
+
+
+def _check_end(found: dict[str, Any], path: Optional[str], start: float, end: float) -> None:
+    """Refuses a checkpoint beyond the end of the interval; a last step may end a rounding beyond it."""
+    reached = found["certificate"]["end"]
+    beyond = (reached - end) * (1 if end >= start else -1)
+    if path is not None and beyond > 1e-9 * abs(end - start):
+        raise ValueError(
+            f"the checkpoint {path} is at t = {reached:g}, beyond the end {end:g} of span: give a later end, "
+            "or another checkpoint"
+        )
+
+
+def _not_kept(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any]) -> str:
+    """Which quantities of `keep` were not kept, in words; empty if all were."""
+    y = found["y"][0].reshape(-1, 2, h.degrees_of_freedom)
+    t = found["t"][0]
+    texts = []
+    for (name, recorded), defect in zip(given["keep"], found["certificate"]["invariants"]):
+        off = defect[2]
+        quantity = of_recording(recorded, h.shape)
+        q, p = (y[:, part].reshape(-1, *h.shape) for part in (0, 1))
+        slopes = quantity.gradient(q[[0, -1]], p[[0, -1]], t[[0, -1]] if quantity.has_time else None)
+        terms = np.abs(np.stack(slopes, axis=1).reshape(2, -1) * y[[0, -1]].reshape(2, -1))
+        size = max(abs(defect[1]), float(terms.sum(axis=1).max()))
+        if not off <= _NOT_KEPT * size:
+            texts.append(f"{name} was not kept: it is off by up to {off:.2g}")
+    return "; ".join(texts)
 
 
 def solution(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any], at_times: bool) -> Solution:
@@ -280,6 +358,8 @@ def solution(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any], at_ti
     message = fault or (
         "a terminal event ended the run" if found["stopped"] else "the end of the interval was reached"
     )
+    if not fault and (not_kept := _not_kept(h, found, given)):
+        message = f"{message}, but {not_kept}"
     return Solution(
         shape=h.shape,
         hamiltonian=h,

@@ -12,11 +12,11 @@ from . import _native
 from ._certificate import Certificate
 from ._hamiltonian import Function, Hamiltonian
 from ._methods import Equip, Method, Reversible
-from ._numbers import Floats, Shape, state
+from ._numbers import Floats, Shape, number, state
 from ._solve import interval_of, options
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Step:
     """An accepted step, at its end, in the units of H."""
 
@@ -52,6 +52,25 @@ class Steps:
         self._native.advance()
         return self.last
 
+    def advance_to(self, t: float) -> Step:
+        """Makes the steps to the time t exactly, forward or back, in the unit of time; returns the last one.
+        Deviations are carried over all of them. Ctrl-C waits for it.
+
+        Raises
+        ------
+        ValueError
+            If t is not finite.
+        equip.IntegrationError
+            If a step cannot be made; the state then is that before the step.
+        """
+        self._native.advance_to(number(t, "t"))
+        return self.last
+
+    def turn_back(self) -> None:
+        """Turns the run round in time: the steps from here on go the other way, and with `equip.Reversible`
+        are those so far, backwards."""
+        self._native.turn_back()
+
     @property
     def last(self) -> Step:
         """The step made last, or the start."""
@@ -72,20 +91,46 @@ class Steps:
 
     @deviations.setter
     def deviations(self, deviations: Any) -> None:
-        given = np.asarray(deviations, dtype=float)
+        given = _deviations(deviations)
         if given.shape != self.deviations.shape:
             raise ValueError(f"deviations have shape {given.shape}; they must keep {self.deviations.shape}")
         self._native.set_deviations(given.ravel().tolist())
 
     def restart(self, q0: Any, p0: Any, t0: float = 0.0) -> None:
         """Begins a new run with what this one has made ready: all its bits are those of a new one.
-        Deviations stay."""
-        self._native.restart(state(q0, self._shape, "q0")[0], state(p0, self._shape, "p0")[0], float(t0))
+        Deviations stay.
+
+        Parameters
+        ----------
+        q0, p0
+            Positions and momenta at the start, each of the shape of the Hamiltonian.
+        t0
+            Time of the start.
+        """
+        q, p = state(q0, self._shape, "q0")[0], state(p0, self._shape, "p0")[0]
+        self._native.restart(q, p, number(t0, "t0"))
 
     def set_state(self, q: Any, p: Any) -> None:
         """Puts the run at (q, p), at the time it has reached, as after a kick: H is kept at its value there
-        from now on."""
+        from now on.
+
+        Parameters
+        ----------
+        q, p
+            Positions and momenta, each of the shape of the Hamiltonian.
+        """
         self._native.set_state(state(q, self._shape, "q")[0], state(p, self._shape, "p")[0])
+
+
+def _deviations(deviations: Any) -> Floats:
+    """Deviations as finite numbers."""
+    try:
+        given = np.asarray(deviations, dtype=float)
+    except (TypeError, ValueError):
+        raise ValueError("deviations must be an array of numbers, (k, 2m) or (2m,)") from None
+    if not np.isfinite(given).all():
+        raise ValueError("deviations have entries that are not finite; give finite numbers")
+    return given
 
 
 def steps(
@@ -106,10 +151,30 @@ def steps(
     max_step: float = np.inf,
     atol: Any = None,
 ) -> Steps:
-    """A run one step at a time: an endless iterator. Parameters are those of `equip.solve`.
+    """A run one step at a time: an endless iterator. All numbers are in the units of H.
 
     Parameters
     ----------
+    h
+        The energy: H(q, p), or H(t, q, p) by `Hamiltonian.with_time`.
+    q0, p0
+        Positions and momenta at the start, each of the shape `h.shape`.
+    t0
+        Time of the start.
+    method
+        `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
+    step, tolerance
+        A fixed step, negative to go back in time, or `equip.Reversible`, or an error per step relative to the
+        motion within it: one of them. Without both, the tolerance is 1e-12.
+    invariants, keep
+        Further quantities f(q, p) by name that the certificate shows, and that are kept like the energy; of
+        (t, q, p) where H is.
+    measure_energy
+        Whether methods that do not solve for the energy evaluate it.
+    first_step, min_step, max_step, atol
+        Of steps by tolerance: sizes, in the unit of time, and errors of a step that are allowed beside those
+        relative to its motion: a number, or a pair for positions and momenta of numbers or arrays of their
+        shape.
     deviations
         Small deviations (δq, δp), flat, (k, 2m) or (2m,), carried along by the tangent map of the steps;
         `Steps.deviations` has them.
@@ -142,13 +207,14 @@ def steps(
         measure_energy=measure_energy,
     )
     n = 2 * int(np.prod(h.shape))
-    carried = np.empty((0, n)) if deviations is None else np.atleast_2d(np.asarray(deviations, dtype=float))
+    carried = np.empty((0, n)) if deviations is None else np.atleast_2d(_deviations(deviations))
     if carried.ndim != 2 or carried.shape[1] != n:
         raise ValueError(
             f"deviations have shape {carried.shape}; they must have (k, {n}): δq and δp, flat, in each row"
         )
     (q, _), (p, _) = state(q0, h.shape, "q0"), state(p0, h.shape, "p0")
-    return Steps(_native.Steps(h._recorded, q, p, float(t0), given, carried.ravel().tolist()), h.shape)
+    native = _native.Steps(h._recorded, q, p, number(t0, "t0"), given, carried.ravel().tolist())
+    return Steps(native, h.shape)
 
 
 def suggest_step(
@@ -165,10 +231,23 @@ def suggest_step(
 
     Parameters
     ----------
+    h
+        The energy: H(q, p), or H(t, q, p) by `Hamiltonian.with_time`.
+    q0, p0
+        Positions and momenta at the start, each of the shape `h.shape`.
+    span
+        Start and end of the interval, in the unit of time; they differ.
+    method
+        The method whose step is wanted, with the number of stages.
     target, by
         With "trajectory" the largest error of a position or momentum, in their units; with "energy" the
         largest |H - H(start)| of the Gauss method with as many stages; with "phase" the angle by which the
         fastest motion at the start turns in a step (6.3 is a whole turn).
+
+    Returns
+    -------
+    float
+        The step, in the unit of time: positive, also where the span goes back.
 
     Raises
     ------
@@ -182,5 +261,8 @@ def suggest_step(
     (q, _), (p, _) = state(q0, h.shape, "q0"), state(p0, h.shape, "p0")
     start, end = interval_of(span)
     times = (start[0], end[0])
-    given = options(h, method, None, None)
-    return _native.suggest_step(h._recorded, (q, p), times, given, (by, float(target)))
+    if times[0] == times[1]:
+        raise ValueError(f"span has no length, {times[0]:g} to {times[1]:g}; give two different times")
+    # The step is a fixed one: one stage has such steps as well.
+    given = options(h, method, 1.0, None)
+    return _native.suggest_step(h._recorded, (q, p), times, given, (by, number(target, "target")))

@@ -88,3 +88,16 @@ def test_other_runs_are_refused(kepler, tmp_path):
         equip.solve(kepler, *START, (0, 2), step=0.125, checkpoint=path)
     with pytest.raises(OSError, match="nowhere"):
         equip.solve(kepler, *START, (0, 2), step=0.125, checkpoint=tmp_path / "nowhere" / "x")
+
+
+@pytest.mark.parametrize("how", [{"step": 0.1}, {"tolerance": 1e-10}])
+def test_checkpoints_beyond_the_end_are_refused(kepler, tmp_path, how):
+    start, path = ([0.4, 0.0], [0.0, 2.0]), tmp_path / "c"
+    first = equip.solve(kepler, *start, (0, 40), checkpoint=path, **how)
+    for options in ({}, {"record": "ends"}, {"t_eval": [5.0]}):
+        with pytest.raises(ValueError, match="is at t = 40, beyond the end 10 of span: give a later end"):
+            equip.solve(kepler, *start, (0, 10), checkpoint=path, **how, **options)
+    again = equip.solve(kepler, *start, (0, 40), checkpoint=path, **how)
+    assert np.array_equal(again.y[-1], first.y[-1])
+    further = equip.solve(kepler, *start, (0, 50), checkpoint=path, **how)
+    assert further.t[0] == 40 and further.t[-1] == 50

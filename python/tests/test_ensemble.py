@@ -1,5 +1,6 @@
 """Many runs over threads."""
 
+import dataclasses
 import multiprocessing
 import os
 import shutil
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import equip
+from equip import _native
 
 
 def starts(n):
@@ -54,7 +56,7 @@ def test_shapes(kepler):
         equip.ensemble(kepler, q0[0], p0, (0, 1))
     with pytest.raises(ValueError, match="q0 has 3 starts, but p0 has 2"):
         equip.ensemble(kepler, q0, p0[:2], (0, 1))
-    with pytest.raises(ValueError, match="threads is 0; it must be 1 or more"):
+    with pytest.raises(ValueError, match="threads is 0; it must be a whole number, 1 or more"):
         equip.ensemble(kepler, q0, p0, (0, 1), threads=0)
     with pytest.raises(ValueError, match="steps of -1 lead from 0.0 away from 1.0"):
         equip.ensemble(kepler, q0, p0, (0, 1), step=-1)
@@ -226,3 +228,70 @@ def test_the_program_draws_the_same(tmp_path):
     assert np.array_equal(rows[:, :4], np.hstack([q, p]))
     ends = equip.ensemble(scene, q, p, (0, 20), step=0.0625, method=equip.Equip(stages=4))
     assert np.array_equal(rows[:, 5:], np.hstack([ends.q, ends.p]))
+
+
+class Pool:
+    """As multiprocessing.Pool: without submit."""
+
+
+def outside(sol):
+    return lambda: sol
+
+
+@pytest.mark.parametrize("wrong", [3, "processes", Pool(), ProcessPoolExecutor])
+def test_executors_have_submit(kepler, wrong):
+    with pytest.raises(TypeError, match="it must have the method submit: give concurrent.futures"):
+        equip.ensemble(kepler, *starts(3), (0, 1), executor=wrong)
+
+
+@pytest.mark.parametrize("output", [lambda sol: sol.t, outside])
+def test_outputs_that_cannot_be_sent(kepler, pool, output):
+    with pytest.raises(
+        TypeError, match=r"output, or what it returns, cannot be sent .*a function of a module"
+    ):
+        equip.ensemble(kepler, *starts(3), (0, 1), executor=pool, output=output)
+
+
+def test_resume_is_of_the_same_runs(kepler, tmp_path):
+    q0, p0 = starts(4)
+    whole = equip.ensemble(kepler, q0, p0, (0, 5), step=0.1)
+    part = dataclasses.replace(whole, lost=np.array([2]))
+    part.save(tmp_path / "part.npz")
+    loaded = equip.Ensemble.load(tmp_path / "part.npz")
+    for before in (part, loaded):
+        again = equip.ensemble(kepler, q0, p0, (0, 5), step=0.1, threads=2, resume=before)
+        assert again.q.tobytes() == whole.q.tobytes() and again.digest == whole.digest
+        for span, how in [((0, 6), {"step": 0.1}), ((0, 5), {"step": 0.2}), ((0, 5), {"tolerance": 1e-9}),
+                          ((0, 5), {"step": 0.1, "method": equip.Gauss()})]:  # fmt: skip
+            with pytest.raises(
+                ValueError, match="resume has runs of another H, of other starts, another span"
+            ):
+                equip.ensemble(kepler, q0, p0, span, **how, resume=before)
+        with pytest.raises(ValueError, match="resume has runs of another H"):
+            equip.ensemble(kepler, q0 + 1e-9, p0, (0, 5), step=0.1, resume=before)
+    unknown = dataclasses.replace(part, digest="")
+    assert equip.ensemble(kepler, q0, p0, (0, 5), step=0.1, resume=unknown).success
+    with pytest.raises(ValueError, match="another span"):
+        equip.ensemble(kepler, q0, p0, (0, 6), step=0.1, resume=unknown)
+    with pytest.raises(TypeError, match="resume is int; it must be an Ensemble"):
+        equip.ensemble(kepler, q0, p0, (0, 5), resume=3)
+
+
+def test_no_more_threads_than_runs(kepler, monkeypatch):
+    asked = []
+    made = _native.ensemble
+    monkeypatch.setattr(_native, "ensemble", lambda *given: asked.append(given[5]) or made(*given))
+    assert equip.ensemble(kepler, *starts(6), (0, 1), threads=5000).success
+    assert max(asked) == 6
+
+
+def test_options_of_ensembles_are_named(kepler):
+    for options, text in [
+        ({"chunk": 2.5}, "chunk is 2.5; it must be a whole number, 1 or more"),
+        ({"threads": "x"}, "threads is 'x'; it must be a whole number, 1 or more"),
+        ({"span": (0, np.inf)}, "the interval 0 to inf must be finite"),
+    ]:
+        with pytest.raises(ValueError, match=text):
+            equip.ensemble(kepler, *starts(3), options.pop("span", (0, 1)), **options)
+    with pytest.raises(ValueError, match="n is '5'; it must be a whole number, 1 or more"):
+        equip.ensemble(kepler, [0.4, 0.0], [0.0, 2.0], (0, 1), n="5")

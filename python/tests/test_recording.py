@@ -12,6 +12,13 @@ import equip
 
 MATRIX = np.array([[2.0, 1.0], [1.0, 3.0]])
 
+
+def stored(q):
+    row = np.zeros_like(q)
+    row[1] = q[0]
+    return row
+
+
 #: Each is evaluated on floats by NumPy and recorded by equip; the two must agree.
 FORMULAS = {
     "matmul": lambda q, p: q @ MATRIX @ q + p @ q,
@@ -45,6 +52,17 @@ FORMULAS = {
     "where by logic": lambda q, p: np.where(np.logical_and(q > 0.3, np.logical_not(p > 0.6)), q, p).sum()
     + np.where(np.logical_or(q <= 0.3, np.array([True, False])), q, p).sum(),
     "differences": lambda q, p: np.diff(q)[0] + np.roll(q, 1) @ p,
+    "chain": lambda q, p: (1 - np.cos(np.diff(np.concatenate([[0.0], q, [0.0]])))).sum() + p @ p,
+    "r_": lambda q, p: np.sin(np.r_[0.0, q, 1]).sum() + np.exp(np.c_[q, [1.0, 2.0]]).sum() + np.tan(np.pad(p, 1)).sum(),
+    "append": lambda q, p: np.sqrt(np.append(q, 2)).sum() + np.cbrt(np.stack([q[0], 2.0])).sum() + np.fabs(np.append(p, -1)).sum(),
+    "stored in zeros": lambda q, p: np.cosh(stored(q)).sum() + np.degrees(np.append(q, 1)).sum() + np.log1p(np.hstack([p, 2])).sum(),
+    "where and numbers": lambda q, p: np.log(np.where([True, False], q, 2.0)).sum() + np.arctan2(np.append(q, 1), np.append(p, 2)).sum(),
+    "arctan2 of stacks": lambda q, p: np.arctan2(2.0, np.stack([q[0], p[0]])).sum() + np.hypot(2.0, np.stack([q[0], 3.0])).sum(),
+    "norms": lambda q, p: np.linalg.norm(q, 3) + np.linalg.norm(p, np.inf) + np.linalg.norm(np.outer(q, p), -np.inf, axis=0).sum() + np.linalg.norm(np.outer(q, p), 4, axis=1)[1],
+    "polynomials": lambda q, p: np.polyval([1, 2, 3], q[0]) + np.poly1d([1.0, 2.0])(p[1]) + np.polyval([1, 2, 3], q).sum(),
+    "sums by masks": lambda q, p: np.sum(q, where=[True, False]) + p.sum(where=np.array([False, True])) + np.prod(q, where=[True, False]),
+    "logaddexp": lambda q, p: np.logaddexp(q[0], 1) + np.logaddexp(q, p).sum() + np.logaddexp(np.append(q, 0.3), 30)[2],
+    "item": lambda q, p: q[0].item() + q.sum().item() + p.item(1),
     "scalars": lambda q, p: np.float64(2) * q[0] + 3 * p[0] + q[1] / np.int64(7) - np.float32(0.5) * p[1] + True * q[0],
     "arrays of one": lambda q, p: np.array(2.0) * q[0] + (q[0] * np.array([1.0, 2.0]))[1] + (np.array([1, 2]) - p[0]) @ q,
     "loop": lambda q, p: sum(0.5 * p[i] ** 2 + (q[i] - q[i - 1]) ** 2 for i in range(2)),

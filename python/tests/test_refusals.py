@@ -5,6 +5,7 @@ import traceback
 
 import numpy as np
 import pytest
+from scipy import sparse
 
 import equip
 
@@ -52,6 +53,35 @@ MAY_USE = (
     "and hyperbolic functions, np.arctan2, np.hypot, np.minimum, np.maximum, np.clip, np.where and abs(), equip.erf and "
     "equip.table of q and p, and any function of numbers alone"
 )
+
+
+MODULUS = "pow(x, n, modulus) of a variable of H cannot be recorded: it jumps, and H must be smooth. Leave out the modulus"
+SELECTED = (
+    "q and p cannot be selected by a comparison of variables of H: write np.where(condition, q, 0), or select by an array "
+    "of booleans"
+)
+SPARSE = "a sparse matrix cannot be multiplied with variables of H: write A.toarray() @ q"
+
+
+def jumps(name):
+    return (
+        f"np.{name} of variables of H cannot be recorded: it jumps, and H must be smooth. Use np.cos and np.sin of "
+        "periodic coordinates, and / for quotients"
+    )
+
+
+def instead(name, advice):
+    return f"the function {name} of variables of H cannot be recorded: {advice}"
+
+
+def mixed(name):
+    return f"np.{name} cannot be recorded of variables and numbers in np.array: make it with np.stack"
+
+
+def store_where(q):
+    row = q.copy()
+    row[q > 0] = 0
+    return row.sum()
 
 
 def store_one(q):
@@ -116,10 +146,59 @@ REFUSALS = {
     "round": (lambda q, p: round(q[0]), JUMPS),
     "1j": (lambda q, p: 1j * q[0], COMPLEX),
     "array of 1j": (lambda q, p: (1j * q).sum(), COMPLEX),
-    "np.floor": (lambda q, p: np.floor(q).sum(), "the function floor" + MAY_USE),
-    "np.linalg.inv": (lambda q, p: np.linalg.inv(np.outer(q, q))[0, 0], "the function inv" + MAY_USE),
-    "np.linalg.solve": (lambda q, p: np.linalg.solve(np.eye(2), q).sum(), "the function solve" + MAY_USE),
-    "np.interp": (lambda q, p: np.interp(q[0], [0, 1], [1, 2]), "the function interp" + MAY_USE),
+    "np.floor": (lambda q, p: np.floor(q).sum(), jumps("floor")),
+    "np.rint": (lambda q, p: np.rint(q[0]), jumps("rint")),
+    "np.mod": (lambda q, p: np.mod(q, 1).sum(), jumps("remainder")),
+    "np.round": (lambda q, p: np.round(q).sum(), jumps("round")),
+    "divmod of arrays": (lambda q, p: divmod(q, 2)[0].sum(), jumps("divmod")),
+    "divmod": (lambda q, p: divmod(q[0], 2)[1], JUMPS),
+    "divmod by": (lambda q, p: divmod(2, q[0])[1], JUMPS),
+    "math.floor": (lambda q, p: math.floor(q[0]) + math.ceil(q[0]), JUMPS),
+    "pow of three": (lambda q, p: pow(q[0], 2, 5), MODULUS),
+    "np.linalg.inv": (
+        lambda q, p: np.linalg.inv(np.outer(q, q))[0, 0],
+        instead("inv", "write the inverse out, or invert a matrix of numbers outside H"),
+    ),
+    "np.linalg.solve": (
+        lambda q, p: np.linalg.solve(np.eye(2), q).sum(),
+        instead("solve", "write the solution out, or np.linalg.inv(A) @ q with a matrix A of numbers"),
+    ),
+    "np.interp": (
+        lambda q, p: np.interp(q[0], [0, 1], [1, 2]),
+        instead("interp", "make a spline of the data by equip.table"),
+    ),
+    "np.sinc": (lambda q, p: np.sinc(q).sum(), instead("sinc", "write np.sin(np.pi * x) / (np.pi * x)")),
+    "np.copysign": (lambda q, p: np.copysign(q, p).sum(), instead("copysign", "write abs(x) * np.sign(y)")),
+    "np.nextafter": (lambda q, p: np.nextafter(q, p).sum(), "the function nextafter" + MAY_USE),
+    "norm of order 0": (
+        lambda q, p: np.linalg.norm(q, 0),
+        "the norm of order 0 cannot be recorded: it jumps. Use orders from 1 to np.inf",
+    ),
+    "selection": (lambda q, p: q[q > 0.5].sum(), SELECTED),
+    "selected store": (lambda q, p: store_where(q), SELECTED),
+    "sum where": (
+        lambda q, p: np.sum(q, where=q > 0),
+        "where= cannot be a comparison of variables of H: write np.where(condition, q, 0).sum()",
+    ),
+    "sine of a comparison": (
+        lambda q, p: np.sin(q > 0).sum(),
+        "a comparison of variables of H is no number: choose by np.where(condition, a, b)",
+    ),
+    "cos of np.array": (lambda q, p: np.cos(np.array([q[0], 2.0])).sum(), mixed("cos")),
+    "arctan2 of np.array": (lambda q, p: np.arctan2(2.0, np.array([q[0], p[0]])).sum(), mixed("arctan2")),
+    "hypot of np.array": (lambda q, p: np.hypot(2, np.array([q[0], p[0]])).sum(), mixed("hypot")),
+    "sparse @ q": (lambda q, p: q @ (sparse.csr_array(np.eye(2)) @ q), SPARSE),
+    "q @ sparse": (lambda q, p: (q @ sparse.csr_matrix(np.eye(2))) @ q, SPARSE),
+    "sparse.dot": (lambda q, p: sparse.csr_matrix(np.eye(2)).dot(q) @ q, SPARSE),
+    "masked": (
+        lambda q, p: (q * np.ma.array([1.0, 2.0], mask=[0, 1])).sum(),
+        "a masked array cannot be used in H: write array.filled(value)",
+    ),
+    "another H": (
+        lambda q, p: equip.scenes.kepler()(q, p) + q[0],
+        "a Hamiltonian cannot be called within another: call the function that it was made of",
+    ),
+    "arity": (lambda q, p, mass: q[0], "H(q, p) must be a function of (q, p); it is one of (q, p, mass)"),
     "array": (
         lambda q, p: q,
         "H(q, p) must return one number; it returned an array of shape (2,): sum over it, for instance with .sum() or @",
@@ -185,12 +264,18 @@ def test_constants_must_be_finite(constant):
         equip.Hamiltonian(lambda q, p: q[0] * constant, 1)
 
 
+@pytest.mark.parametrize("zero", [0, 0.0, np.float64(0), np.zeros(1)])
+def test_division_by_zero_is_refused(zero):
+    with pytest.raises(ValueError, match="divided by the constant 0; check the parameters captured by it"):
+        equip.Hamiltonian(lambda q, p: (q / zero)[0] + p[0], 1)
+
+
 def test_texts_must_be_numbers():
     with pytest.raises(ValueError, match="one tenth"):
         equip.Hamiltonian(lambda q, p: q[0] * "one tenth", 1)
 
 
-@pytest.mark.parametrize("shape", [0, (), (2, 0), -1])
+@pytest.mark.parametrize("shape", [0, (), (2, 0), -1, 2.7, "2", None, (2, 1.5)])
 def test_shapes_are_positive(shape):
     with pytest.raises(ValueError, match="it must be the shape of q: a positive integer or a tuple of such"):
         equip.Hamiltonian(lambda q, p: q.sum(), shape)
@@ -199,3 +284,30 @@ def test_shapes_are_positive(shape):
 def test_the_energy_is_a_function():
     with pytest.raises(TypeError, match="the first argument is the energy: a function of q and p"):
         equip.Hamiltonian(3, 2)
+
+
+def test_other_functions_are_named():
+    def wall(t, q, p):
+        return q
+
+    h, start = equip.Hamiltonian(lambda q, p: p @ p / 2 + q @ q, 2), ([1, 0], [0, 1], (0, 1))
+    for options, text in [
+        ({"events": wall}, r"event 0 \(wall\) must return one number; it returned an array of shape \(2,\)"),
+        (
+            {"events": [lambda t, y: y[0]]},
+            r"event 0 .*must be a function of \(t, q, p\); it is one of \(t, y\)",
+        ),
+        ({"events": lambda t, q, p: None}, r"event 0 .*made of q and p; it returned NoneType"),
+        ({"events": 3}, r"events must be a function g\(t, q, p\), or a list of such"),
+        ({"invariants": {"L": lambda q, p: q}}, r"invariants\['L'\] must return one number"),
+        ({"invariants": {"L": lambda t, q, p: t}}, r"invariants\['L'\] must be a function of \(q, p\)"),
+        ({"invariants": {"L": 3}}, r"invariants\['L'\] is 3; it must be a function"),
+        ({"invariants": {1: wall}}, "invariants must be a dict of functions by their names"),
+        ({"keep": [wall]}, "keep must be a dict of functions by their names"),
+        ({"step": equip.Reversible(0.1, lambda q, p: q)}, "sigma must return one number"),
+        ({"method": "gauss"}, "method is 'gauss'; it must be equip.Equip"),
+        ({"method": None}, "method is None; it must be"),
+        ({"method": equip.Gauss}, "method is <class .*; it must be"),
+    ]:
+        with pytest.raises(TypeError, match=text):
+            equip.solve(h, *start, **options)

@@ -82,6 +82,32 @@ def faou_hairer_pham(q, p):
     return kinetic + Fraction(1, 30) * q**6 + 0.25 * q**4 - THIRD * q**3 + Fraction(1, 6)
 
 
+def stiff_double_pendulum(q, p):
+    soft = double_pendulum(q, p)
+    stretch = 32 * q[1]
+    return soft + 0.5 * (stretch * stretch)
+
+
+def arenstorf(q, p):
+    mu = Fraction(12277471, 10**9)
+    rest = 1 - mu
+
+    def distance(x):
+        return np.sqrt(x * x + q[1] * q[1])
+
+    rotation = p[0] * q[1] - p[1] * q[0]
+    kinetic = 0.5 * (p[0] * p[0] + p[1] * p[1])
+    return kinetic + rotation - rest / distance(q[0] + mu) - mu / distance(q[0] - rest)
+
+
+#: G in au³/(day² solar mass), and G m of the Sun and the outer planets.
+G = 0.000295912208286
+GM = [
+    0.00029591397690000476, 2.825328644881507e-07, 8.450771312727215e-08, 1.293944677450143e-08,
+    1.532112500187004e-08, 2.276247756046154e-12,
+]  # fmt: skip
+
+
 SAME = {
     "kepler": (scenes.kepler(e=0.6), lambda q, p: 0.5 * p @ p - 1 / np.sqrt(q @ q)),
     "henon_heiles": (
@@ -111,6 +137,9 @@ SAME = {
     "sine_gordon": (scenes.sine_gordon(n=16, length=20), sine_gordon(16, 20)),
     "double_pendulum": (scenes.double_pendulum(), double_pendulum),
     "charged_particle": (scenes.charged_particle(b=100, c=0.01), charged_particle),
+    "stiff_double_pendulum": (scenes.stiff_double_pendulum(c=32), stiff_double_pendulum),
+    "arenstorf": (scenes.arenstorf(), arenstorf),
+    "outer_solar_system": (scenes.outer_solar_system(), gravity([gm / G for gm in GM], G, 3)),
     "faou_hairer_pham": (scenes.faou_hairer_pham(), faou_hairer_pham),
 }
 
@@ -165,3 +194,8 @@ def test_bad_parameters_are_refused_in_words():
         scenes.kepler(e=1)
     with pytest.raises(TypeError, match="mass"):
         scenes.kepler(mass=1)
+
+
+def test_precisions_of_starts():
+    with pytest.raises(ValueError, match="precision is 'x'; it must be 'f64' or 'dd'"):
+        scenes.kepler().start("x")

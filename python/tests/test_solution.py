@@ -1,6 +1,8 @@
 """What a run leaves: certificate, files, tables, pictures."""
 
+import copy
 import json
+import pickle
 
 import matplotlib
 import numpy as np
@@ -167,3 +169,40 @@ def test_energies_that_jump(tmp_path):
     assert np.allclose(sol.q[:, 0], sol.t - sol.t**2 / 4, rtol=0, atol=1e-13)
     sol.save(tmp_path / "jumps.npz")
     assert equip.load(tmp_path / "jumps.npz").certificate == sol.certificate
+
+
+def test_copies_and_pickles(kepler):
+    sol = equip.solve(kepler, [0.4, 0.0], [0.0, 2.0], (0, 1), dense_output=True)
+    for copied in (copy.copy(sol), copy.deepcopy(sol)):
+        assert np.array_equal(copied.sol(0.5), sol.sol(0.5)) and np.array_equal(copied.y, sol.y)
+    again = pickle.loads(pickle.dumps(sol))
+    assert np.array_equal(again.y, sol.y) and again.hamiltonian == sol.hamiltonian
+    assert again.certificate == sol.certificate and sol.sol(0.5)
+    with pytest.raises(ValueError, match="no dense output"):
+        again.sol(0.5)
+    assert sol == sol and sol != again and len({sol, again}) == 2
+
+
+def test_solutions_of_no_states(kepler):
+    for shape in (2, 1, (2, 3), 5):
+        free = equip.Hamiltonian(lambda q, p: (p * p).sum(), shape)
+        sol = equip.solve(free, np.zeros(shape), np.ones(shape), (0, 1), t_eval=[])
+        assert sol.plot() and sol.q_text().shape == sol.q.shape == (0, *free.shape)
+        assert sol.q_text().dtype.kind == "U"
+
+
+def test_energies_that_were_not_measured_are_not_drawn(kepler):
+    sol = equip.solve(kepler, [0.4, 0.0], [0.0, 2.0], (0, 1), method=equip.Gauss(), measure_energy=False)
+    with pytest.raises(ValueError, match="the energy was not measured at these times: solve with"):
+        sol.plot_energy()
+
+
+@pytest.mark.parametrize("name", ["a.npz", "a.npy", "a.h5"])
+def test_other_files_are_refused(tmp_path, name):
+    path = tmp_path / name
+    for content in (b"junk", b""):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=r"is not a solution written by Solution.save$"):
+            equip.load(path)
+    with pytest.raises(FileNotFoundError):
+        equip.load(tmp_path / "none.npz")

@@ -235,7 +235,7 @@ def fails(kepler, text, *arguments, **options):
 
 def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, "give a step or a tolerance, not both", step=0.1, tolerance=1e-8)
-    fails(kepler, "max_step belong to variable steps: leave out step, or them", step=0.1, max_step=1.0)
+    fails(kepler, "max_step belongs to steps by tolerance: leave out step, or them", step=0.1, max_step=1.0)
     fails(kepler, "steps of -0.1 lead from 0 away from 1; give a step without a sign", step=-0.1)
     fails(kepler, "the step is 0; it must", step=0.0)
     fails(kepler, r"atol has 3 parts; it must be a number, or a pair", atol=(1e-9, 1e-9, 1e-9))
@@ -252,7 +252,7 @@ def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, r"output time 2 \(number 1\) must lie in 0 to 1", t_eval=[0.5, 2])
     fails(kepler, "not before the one ahead of it", t_eval=[0.5, 0.25])
     fails(kepler, r"t_eval has shape \(1, 2\); it must have one axis", t_eval=[[0.25, 0.5]])
-    fails(kepler, "40 stages asked for; this method takes 2 to 32", method=equip.Equip(40))
+    fails(kepler, "stages is 40; it must be a whole number, 2 to 32", method=equip.Equip(40))
     fails(kepler, "reach is 'far'; it must be", method=equip.Equip(4, reach="far"))
     fails(kepler, "preconditioner is 'none'; it must be", method=equip.Gauss(4, preconditioner="none"))
     fails(kepler, "alphas is 'first'; it must be 'all' or 'last'", method=equip.Equip(4, alphas="first"))
@@ -265,7 +265,64 @@ def test_bad_input_is_refused_with_a_remedy(kepler):
     with pytest.raises(TypeError, match="cannot be compared"):
         equip.solve(kepler, *START, (0, 1), events=lambda t, q, p: 1 if q[0] > 0 else -1)
     other = equip.Hamiltonian(lambda q, p: q[0], 1)
-    fails(kepler, r"L is made for shape \(1,\), but this Hamiltonian has \(2,\)", invariants={"L": other})
+    fails(
+        kepler,
+        r"invariants\['L'\] is made for shape \(1,\), but this Hamiltonian has \(2,\)",
+        invariants={"L": other},
+    )
+
+
+def test_options_are_named(kepler):
+    for options, text in [
+        ({"method": equip.Equip(8.5)}, "stages is 8.5; it must be a whole number, 2 to 32"),
+        ({"method": equip.Gauss(-1)}, "stages is -1; it must be a whole number, 1 to 32"),
+        ({"method": equip.Gauss(1)}, "give a step, or stages=2 or more"),
+        ({"max_steps": -1}, "max_steps is -1; it must be a whole number, 1 or more"),
+        ({"record": 10**30}, "record is 10*; it must be"),
+        ({"record": None}, "record is None; it must be"),
+        ({"record": np.nan}, "record is nan; it must be"),
+        ({"dense_output": "a"}, "dense_output is 'a'; it must be True or False"),
+        ({"chaos": "a"}, "chaos is 'a'; it must be True or False"),
+        ({"tolerance": "a"}, "tolerance is 'a'; it must be a number"),
+        ({"first_step": "a"}, "first_step is 'a'; it must be a number"),
+        ({"step": equip.Reversible(0.1), "max_steps": 4}, "max_steps belongs to steps by tolerance"),
+    ]:
+        fails(kepler, text, **options)
+    fails(kepler, r"span is 10; it must be two numbers: \(start, end\)", *START, 10)
+    fails(kepler, "q0 is ragged; all of its rows must be equally long", [[1], [1, 2]], [0, 1], (0, 1))
+    fails(kepler, "q0 has masked entries", np.ma.array([1.0, 2.0], mask=[1, 0]), [0, 1], (0, 1))
+    with pytest.raises(ValueError, match="q has masked entries"):
+        kepler(np.ma.array([1.0, 2.0], mask=[1, 0]), [0, 1])
+    assert equip.solve(kepler, *START, (0, 1), method=equip.Gauss(1), step=0.1).success
+
+
+def test_attributes_of_events(kepler):
+    def side(t, q, p):
+        return q[1]
+
+    def run(**attributes):
+        side.__dict__.clear()
+        side.__dict__.update(attributes)
+        return equip.solve(kepler, *START, (0.1, 20), events=side)
+
+    both = run(terminal=None, direction=None).t_events[0]
+    assert len(both) == 6 and np.array_equal(both, run(terminal=False, direction=0).t_events[0])
+    assert len(run(terminal=1).t_events[0]) == 1 and len(run(direction=np.float64(-1)).t_events[0]) == 3
+    with pytest.raises(ValueError, match=r"event 0 \(side\) has terminal = 2; it must be True"):
+        run(terminal=2)
+    with pytest.raises(ValueError, match=r"event 0 \(side\) has direction = 'up'; it must be 1, -1 or 0"):
+        run(direction="up")
+
+
+def test_the_message_names_what_was_not_kept(kepler):
+    momentum = {"L": lambda q, p: q[0] * p[1] - q[1] * p[0]}
+    for h, start in [(kepler, START), (kepler, ([0.4, 0.0], [0.0, 0.0001])), (equip.scenes.kepler(), START)]:
+        kept = equip.solve(h, *start, (0, 0.1), keep=momentum)
+        assert kept.message == "the end of the interval was reached"
+    sol = equip.solve(kepler, *START, (0, 10), keep={**momentum, "x": lambda q, p: q[0]}, record="ends")
+    assert sol.success
+    off = sol.certificate.invariants[1].max
+    assert sol.message.endswith(f"reached, but x was not kept: it is off by up to {off:.2g}")
 
 
 def test_dense_output_is_asked_for(kepler):

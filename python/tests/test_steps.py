@@ -96,3 +96,41 @@ def test_suggested_steps(kepler):
         equip.suggest_step(kepler, *START, span, -1)
     with pytest.raises(ValueError, match="by is 'error'; it must be 'trajectory', 'energy' or 'phase'"):
         equip.suggest_step(kepler, *START, span, 1e-9, by="error")
+
+
+@pytest.mark.parametrize("how", [{"step": 0.1}, {"tolerance": 1e-10}, {"step": equip.Reversible(0.5)}])
+@pytest.mark.parametrize("deviations", [None, np.eye(4)])
+def test_advance_to_and_turn_back(kepler, how, deviations):
+    steps = equip.steps(kepler, *START, **how, deviations=deviations)
+    there = steps.advance_to(2.345)
+    assert there.t == 2.345 and np.array_equal(there.q, steps.last.q)
+    end = equip.solve(kepler, *START, (0, 2.345), **how)
+    assert np.abs(there.q - end.q[-1]).max() < 1e-9
+    back = steps.advance_to(0)
+    assert back.t == 0 and np.abs(back.q - START[0]).max() < 1e-9
+    if deviations is not None:
+        assert np.abs(steps.deviations - np.eye(4)).max() < 1e-6
+    next(steps)
+    before = steps.last.t
+    steps.turn_back()
+    assert (next(steps).t - before) * before < 0
+    with pytest.raises(ValueError, match="t is 'a'; it must be a number"):
+        steps.advance_to("a")
+    with pytest.raises(ValueError, match="finite"):
+        steps.advance_to(np.nan)
+
+
+def test_deviations_are_finite(kepler):
+    for wrong in ([np.nan] * 4, [np.inf, 0, 0, 0]):
+        with pytest.raises(ValueError, match="deviations have entries that are not finite"):
+            equip.steps(kepler, *START, step=0.1, deviations=wrong)
+    steps = equip.steps(kepler, *START, step=0.1, deviations=np.eye(4))
+    with pytest.raises(ValueError, match="deviations have entries that are not finite"):
+        steps.deviations = np.full((4, 4), np.nan)
+
+
+def test_spans_of_suggested_steps(kepler):
+    with pytest.raises(ValueError, match="span has no length, 1 to 1; give two different times"):
+        equip.suggest_step(kepler, *START, (1, 1), 1e-6)
+    assert equip.suggest_step(kepler, *START, (1, 0), 1e-6) > 0
+    assert equip.suggest_step(kepler, *START, (0, 1), 0.5, by="phase", method=equip.Gauss(1)) > 0

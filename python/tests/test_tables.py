@@ -67,3 +67,9 @@ def test_refusals():
         equip.table2(X, X, Y)
     with pytest.raises(TypeError, match="this table has 2 variables; it was called with 1"):
         equip.table2(X, X, np.outer(X, X))(0.3)
+
+
+@pytest.mark.parametrize("ends", [(1, 2), ((1, 0.0),), ((1,), (1,)), "flat", None, 3, ((1, 0.0), (2, 0.0))])
+def test_ends_of_splines(ends):
+    with pytest.raises(ValueError, match=r"bc_type is .*; it must be 'not-a-knot', 'natural', 'clamped'"):
+        equip.table([0, 1, 2, 3], [0, 1, 2, 3], bc_type=ends)

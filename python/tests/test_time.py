@@ -156,5 +156,5 @@ def test_refusals(pushed, kepler):
         equip.Hamiltonian.with_time(lambda t, q, p: 1 / 0, 1)
     with pytest.raises(TypeError, match=r"H\(t, q, p\) must return one number"):
         equip.Hamiltonian.with_time(lambda t, q, p: "one" if False else None, 1)
-    with pytest.raises(ValueError, match="quantity is made for shape"):
+    with pytest.raises(ValueError, match=r"invariants\['quantity'\] is made for shape"):
         equip.solve(pushed, [0.0], [0.0], (0, 1), invariants={"quantity": kepler})

@@ -23,9 +23,9 @@ SHARE = 20
 class Checkpoint:
     """The file of runs: all rows, with the numbers of those that are missing, and what they are runs of."""
 
-    def __init__(self, path: Path, task: Task, q: Floats, p: Floats) -> None:
+    def __init__(self, path: Path, digest: str) -> None:
         self._path = os.fspath(path)
-        self._of = _digest(task, q, p)
+        self._of = digest
         self._rows: Optional[Rows] = None
         self._written = self._took = 0.0
 
@@ -33,8 +33,8 @@ class Checkpoint:
         """The rows of an earlier call; None if there is no file."""
         if not os.path.exists(self._path):
             return None
-        found, of = read_rows(self._path)
-        if of != self._of:
+        found = read_rows(self._path)
+        if found.digest != self._of:
             raise ValueError(
                 f"{self._path} has runs of another H, of other starts, another span or other options; give "
                 "another checkpoint, or remove the file"
@@ -73,7 +73,23 @@ class Checkpoint:
         self._took = self._written - begun
 
 
-def _digest(task: Task, q: Floats, p: Floats) -> str:
+def check_resume(before: Any, digest: str, shape: tuple[int, ...], end: float) -> None:
+    """Refuses rows of other runs, as far as they know what they are rows of."""
+    if not isinstance(before, Ensemble):
+        raise TypeError(f"resume is {type(before).__name__}; it must be an Ensemble")
+    if before.q.shape != shape:
+        raise ValueError(
+            f"resume has {len(before.q)} starts, but q0 has {shape[0]}; give those it was made of"
+        )
+    made = before.t[np.isfinite(before.t)]
+    if before.digest not in ("", digest) or (not before.digest and (made != end).any()):
+        raise ValueError(
+            "resume has runs of another H, of other starts, another span or other options; give those it was "
+            "made with"
+        )
+
+
+def digest_of(task: Task, q: Floats, p: Floats) -> str:
     """Of all that the rows depend on; threads and chunks are not among it."""
     import hashlib
 

@@ -30,6 +30,24 @@ class Executor(Protocol):
         """A future of fn(*args), with `result()` and `cancel()`."""
 
 
+def check_executor(executor: Any) -> None:
+    """Refuses what has no `submit`, such as a number of processes or a multiprocessing.Pool."""
+    if executor is None or (callable(getattr(executor, "submit", None)) and not isinstance(executor, type)):
+        return
+    raise TypeError(
+        f"executor is {executor!r}; it must have the method submit: give "
+        "concurrent.futures.ProcessPoolExecutor(), mpi4py.futures.MPIPoolExecutor() or client.get_executor()"
+    )
+
+
+def _cannot_be_sent(error: Exception) -> bool:
+    """Whether an error is one of pickling."""
+    import pickle
+
+    kinds = (TypeError, AttributeError)
+    return isinstance(error, pickle.PicklingError) or (isinstance(error, kinds) and "pickle" in str(error))
+
+
 @dataclass(frozen=True)
 class Task:
     """What all chunks have in common, ready to be pickled."""
@@ -147,6 +165,11 @@ def made_elsewhere(
                 made, is_lost = future.result(), False
                 raised = None if isinstance(made, Ensemble) else made
             except Exception as error:
+                if _cannot_be_sent(error):
+                    raise TypeError(
+                        f"output, or what it returns, cannot be sent to the workers of the executor "
+                        f"({error}): make it a function of a module that returns numbers and arrays"
+                    ) from error
                 raised = None
                 message = (
                     f"the worker of this run ended early ({type(error).__name__}: {error}); call ensemble "

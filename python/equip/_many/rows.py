@@ -23,7 +23,7 @@ NOT_FINISHED = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ensemble:
     """The ends of many runs, a row for each start, in their order. Rows of runs that failed are NaN."""
 
@@ -47,6 +47,8 @@ class Ensemble:
     lost: NDArray[np.int64]
     #: What `output` made of each run, by its number; None where it failed. Empty without `output`.
     outputs: tuple[Any, ...] = ()
+    #: Of H, starts, span and options, which `resume` compares; empty if they are not known.
+    digest: str = ""
 
     @property
     def outcome(self) -> NDArray[np.str_]:
@@ -78,7 +80,7 @@ class Ensemble:
         arrays = {name: getattr(self, name) for name in ARRAYS}
         lost = set(self.lost.tolist())
         errors = {i: text for i, text in self.errors.items() if i not in lost}
-        write_rows(path, arrays, self.lost, errors, "")
+        write_rows(path, arrays, self.lost, errors, self.digest)
 
     @staticmethod
     def load(path: Path) -> Ensemble:
@@ -90,23 +92,23 @@ class Ensemble:
         ValueError
             If the file was not written by either of them.
         """
-        return read_rows(path)[0]
+        return read_rows(path)
 
 
 def write_rows(
     path: Path, arrays: dict[str, Any], lost: NDArray[np.int64], errors: dict[int, str], of: str
 ) -> None:
-    """Writes rows, what went wrong with those that are not lost, and what a checkpoint is of."""
+    """Writes rows, what went wrong with those that are not lost, and the digest of what they are rows of."""
     words = {"errors": {str(i): text for i, text in errors.items()}, "of": of}
     write(path, words, {**arrays, "lost": lost}, FORMAT)
 
 
-def read_rows(path: Path) -> tuple[Ensemble, str]:
-    """An ensemble in a file, and what its checkpoint is of; empty if it is none."""
+def read_rows(path: Path) -> Ensemble:
+    """An ensemble in a file."""
     words, arrays = read(path, FORMAT)
     errors = {int(i): text for i, text in words["errors"].items()}
     errors |= {i: NOT_FINISHED for i in arrays["lost"].tolist()}
-    return Ensemble(**arrays, errors=errors), words["of"]
+    return Ensemble(**arrays, errors=errors, digest=words["of"])
 
 
 def row_of(sol: Solution) -> Ensemble:
@@ -203,7 +205,8 @@ class Rows:
         for i, output in zip(numbers.tolist(), made.outputs):
             self._outputs[i] = output
 
-    def ensemble(self) -> Ensemble:
+    def ensemble(self, digest: str) -> Ensemble:
         """All of them."""
         errors = dict(sorted(self.errors.items()))
-        return Ensemble(**self.arrays, errors=errors, lost=self.lost, outputs=tuple(self._outputs))
+        outputs = tuple(self._outputs)
+        return Ensemble(**self.arrays, errors=errors, lost=self.lost, outputs=outputs, digest=digest)

@@ -13,10 +13,11 @@ from .. import _native
 from .._files import Path
 from .._hamiltonian import Function, Hamiltonian, of_recording
 from .._methods import Equip, Method, Reversible
+from .._numbers import whole
 from .._solution import Solution
 from .._solve import interval_of, options
-from .checkpoint import Checkpoint
-from .chunks import Executor, Task, made_elsewhere, made_here
+from .checkpoint import Checkpoint, check_resume, digest_of
+from .chunks import Executor, Task, check_executor, made_elsewhere, made_here
 from .rows import Ensemble, Rows
 from .starts import draw_starts, starts_of
 
@@ -49,15 +50,19 @@ def ensemble(
     checkpoint: Optional[Path] = None,
     progress: bool = False,
 ) -> Ensemble:
-    """Integrates from N starts over the same span. Parameters are those of `equip.solve`.
+    """Integrates from N starts over the same span. All numbers are in the units of H.
 
     Every bit is that of a run of its own, whatever the number of threads, processes and machines. Python runs
     meanwhile, and Ctrl-C ends all runs of this process within a tenth of a second or a step.
 
     Parameters
     ----------
+    h
+        The energy: H(q, p), or H(t, q, p) by `Hamiltonian.with_time`.
     q0, p0
         Positions and momenta at the starts, (N, *h.shape); with `n`, of one start, h.shape.
+    span
+        Start and end of the interval, both finite; runs go back in time if the end lies before the start.
     n, seed, spread
         Draws n starts around one, by `equip.draw_starts`: each from the seed and its own number alone,
         whatever threads, chunks and executors.
@@ -65,26 +70,53 @@ def ensemble(
         A function of each run that succeeds, as a `Solution` with all its steps; `Ensemble.outputs` has what
         it returns, and what it raises ends the ensemble. It is called in threads, and travels with the chunks
         to an executor; each run is then made ready anew, and Ctrl-C waits for those that are under way.
+    method
+        `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
+    step, tolerance
+        A fixed step without a sign, or `equip.Reversible`, or an error per step relative to the motion within
+        it: one of them. Without both, the tolerance is 1e-12.
+    keep
+        Further quantities f(q, p) by name that are kept like the energy; of (t, q, p) where H is.
+    measure_energy
+        Whether methods that do not solve for the energy evaluate it, for `Ensemble.energy_defect`.
+    chaos
+        Whether `Ensemble` has the largest Lyapunov exponents and MEGNO.
+    first_step, min_step, max_step, max_steps, atol
+        Of steps by tolerance: sizes, in the unit of time, their number, and errors of a step that are allowed
+        beside those relative to its motion: a number, or a pair for positions and momenta of numbers or
+        arrays of the shape `h.shape`.
     threads
-        Threads of the machine; all by default, with an executor one for each chunk.
+        Threads of the machine, at most one for each run; all by default, with an executor one for each chunk.
     executor
         Makes the runs elsewhere, `chunk` starts at a time: an executor of `concurrent.futures` with
         processes, `mpi4py.futures.MPIPoolExecutor`, Dask's `client.get_executor()`. H travels as its
-        recording, so that it may be a lambda. If a worker dies, the runs that were not finished are `lost`,
-        and all others are kept.
+        recording, so that it may be a lambda; `output` is a function of a module. If a worker dies, the runs
+        that were not finished are `lost`, and all others are kept.
+    chunk
+        Starts that an executor is given at a time, or that are made between two looks at the checkpoint.
     resume
-        An ensemble of the same starts: its rows are taken, and only its `lost` runs are made.
+        An ensemble of the same H, starts, span and options: its rows are taken, and only its `lost` runs are
+        made.
     checkpoint
         A file for rows: HDF5 if its name ends in `.h5`, else a NumPy archive. Finished rows are written while
         the others are made, and when an exception ends them; the same call, in this process or a later one,
         makes only what is missing. With it runs are made `chunk` starts at a time, by threads too.
         `Ensemble.load` reads the file.
+    progress
+        Whether to show a bar; asks for the package tqdm.
+
+    Returns
+    -------
+    Ensemble
+        A row for each start, in their order. A start that cannot be used is in `Ensemble.errors`, as is a run
+        that failed.
 
     Raises
     ------
     ValueError
-        For options that cannot be used, and a checkpoint of other runs. A start that cannot be used is in
-        `Ensemble.errors`, as is a run that failed.
+        For options that cannot be used, and a checkpoint or an ensemble to resume of other runs.
+    TypeError
+        For an executor without `submit`, and an `output` that cannot be sent to its workers.
 
     Examples
     --------
@@ -109,33 +141,33 @@ def ensemble(
     )
     given["record"] = 0
     if n is not None:
-        q0, p0 = draw_starts(q0, p0, n, seed=seed or 0, spread=spread)
+        q0, p0 = draw_starts(q0, p0, n, seed=0 if seed is None else seed, spread=spread)
     elif seed is not None:
         raise ValueError("seed draws starts around one: give their number n as well")
     q, p = starts_of(q0, h.shape, "q0"), starts_of(p0, h.shape, "p0")
     if q.shape != p.shape:
         raise ValueError(f"q0 has {len(q)} starts, but p0 has {len(p)}")
-    workers = (os.cpu_count() or 1) if threads is None else int(threads)
-    if workers < 1:
-        raise ValueError(f"threads is {threads}; it must be 1 or more")
+    workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
     start, end = interval_of(span)
     times = (start[0], end[0])
     if isinstance(step, (int, float)) and (end[0] - start[0]) * step < 0:
         raise ValueError(
             f"steps of {step} lead from {start[0]} away from {end[0]}; give a step without a sign"
         )
-    if chunk < 1:
-        raise ValueError(f"chunk is {chunk}; it must be 1 or more")
+    chunk = whole(chunk, "chunk", 1)
+    check_executor(executor)
     if checkpoint is not None and (resume is not None or output is not None):
         raise ValueError(
             "checkpoint has the rows of its own runs: leave out resume and output, or checkpoint"
         )
-    if resume is not None and resume.q.shape != q.shape:
-        raise ValueError(f"resume has {len(resume.q)} starts, but q0 has {len(q)}; give those it was made of")
     # Faults of the options are found here.
     _native.ensemble(h._recorded, [], [], times, given, 1, None)
-    task = _task(h, times, given, (threads or 1) if executor is not None else workers, output)
-    kept = None if checkpoint is None else Checkpoint(checkpoint, task, q, p)
+    at_once = min(workers, max(len(q), 1)) if executor is None or threads is not None else 1
+    task = _task(h, times, given, at_once, output)
+    digest = digest_of(task, q, p)
+    if resume is not None:
+        check_resume(resume, digest, q.shape, times[1])
+    kept = None if checkpoint is None else Checkpoint(checkpoint, digest)
     before = resume if kept is None else kept.read()
     rows = Rows(len(q), h.shape, before, output is not None)
     which = np.arange(len(q)) if before is None else before.lost
@@ -152,7 +184,7 @@ def ensemble(
                     kept.write_if_due()
         if show is not None:
             show(len(which))
-    return rows.ensemble()
+    return rows.ensemble(digest)
 
 
 def _task(

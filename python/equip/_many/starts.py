@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .. import _native
-from .._numbers import Floats, Shape, pairs
+from .._numbers import Floats, Shape, number, pairs, whole
 
 
 def draw_starts(q0: Any, p0: Any, n: int, *, seed: int = 0, spread: float = 0.01) -> tuple[Floats, Floats]:
@@ -21,6 +21,8 @@ def draw_starts(q0: Any, p0: Any, n: int, *, seed: int = 0, spread: float = 0.01
     ----------
     q0, p0
         One start, each of the shape of the Hamiltonian.
+    n
+        The number of members.
     seed
         A whole number from 0 to 2^64 - 1.
     spread
@@ -35,14 +37,10 @@ def draw_starts(q0: Any, p0: Any, n: int, *, seed: int = 0, spread: float = 0.01
     (q, _), (p, _) = pairs(q0, "q0"), pairs(p0, "p0")
     if q.shape != p.shape:
         raise ValueError(f"q0 has shape {q.shape}, but p0 has {p.shape}")
-    if n != int(n) or n < 1:
-        raise ValueError(f"n is {n}; it must be a whole number, 1 or more")
-    if seed != int(seed) or not 0 <= seed < 2**64:
-        raise ValueError(f"seed is {seed}; it must be a whole number from 0 to 2^64 - 1")
+    n, seed, spread = whole(n, "n", 1), whole(seed, "seed", 0), number(spread, "spread")
     if not 0 <= spread < np.inf:
         raise ValueError(f"spread is {spread}; it must be finite and not negative")
-    flat = (q.ravel().tolist(), p.ravel().tolist())
-    drawn = _native.draw_starts(*flat, int(n), int(seed), float(spread))
+    drawn = _native.draw_starts(q.ravel().tolist(), p.ravel().tolist(), n, seed, spread)
     return drawn[0].reshape(-1, *q.shape), drawn[1].reshape(-1, *q.shape)
 
 

@@ -4,7 +4,7 @@ use crate::recording::condition::Condition;
 use crate::recording::constant::constant;
 use equip::prelude::{DoubleDouble, Var};
 use pyo3::basic::CompareOp;
-use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::cell::RefCell;
@@ -60,6 +60,10 @@ const NUMBER: &str = concat!(
 );
 const JUMPS: &str = "%, // and round() of a variable of H cannot be recorded: they jump, and H must be smooth. Use np.cos \
     and np.sin of periodic coordinates, and / for quotients";
+const MODULUS: &str = "pow(x, n, modulus) of a variable of H cannot be recorded: it jumps, and H must be \
+    smooth. Leave out the modulus";
+const BY_ZERO: &str =
+    "a variable of H is divided by the constant 0; check the parameters captured by it";
 const HASHED: &str = "a variable of H has no value, so that it cannot be a key of a dict or a member of a set. \
     Use lists, and the positions in them";
 const FOREIGN: &str = "this variable belongs to another call of an H, or to another thread: make all of H from \
@@ -117,6 +121,14 @@ pub(crate) fn number(x: &Bound<'_, PyAny>) -> PyResult<Option<Var>> {
     match x.cast::<Variable>() {
         Ok(x) => x.get().here().map(Some),
         Err(_) => Ok(constant(x)?.map(Var::from)),
+    }
+}
+
+/// Refuses the third argument of `pow`.
+fn no_modulus(modulus: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    match modulus {
+        Some(modulus) if !modulus.is_none() => Err(PyTypeError::new_err(MODULUS)),
+        _ => Ok(()),
     }
 }
 
@@ -262,6 +274,13 @@ impl Variable {
         self.with(other, |x, y| y * x)
     }
     fn __truediv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        let divisor = match other.is_instance_of::<Variable>() {
+            true => None,
+            false => constant(other)?,
+        };
+        if divisor.is_some_and(|c| c.to::<f64>() == 0.0) {
+            return Err(PyValueError::new_err(BY_ZERO));
+        }
         self.with(other, |x, y| x / y)
     }
     fn __rtruediv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
@@ -288,8 +307,9 @@ impl Variable {
     fn __pow__(
         &self,
         other: &Bound<'_, PyAny>,
-        _modulo: Option<&Bound<'_, PyAny>>,
+        modulus: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Py<PyAny>> {
+        no_modulus(modulus)?;
         if other.is_instance_of::<Variable>() {
             return self.with(other, Var::pow);
         }
@@ -309,8 +329,9 @@ impl Variable {
     fn __rpow__(
         &self,
         other: &Bound<'_, PyAny>,
-        _modulo: Option<&Bound<'_, PyAny>>,
+        modulus: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Py<PyAny>> {
+        no_modulus(modulus)?;
         self.with(other, |x, y| y.pow(x))
     }
     #[pyo3(signature = (ufunc, method, *inputs, **keywords))]
@@ -374,6 +395,25 @@ impl Variable {
     }
     fn __rfloordiv__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
         Err(PyTypeError::new_err(JUMPS))
+    }
+    fn __divmod__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Err(PyTypeError::new_err(JUMPS))
+    }
+    fn __rdivmod__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Err(PyTypeError::new_err(JUMPS))
+    }
+    fn __floor__(&self) -> PyResult<Self> {
+        Err(PyTypeError::new_err(JUMPS))
+    }
+    fn __ceil__(&self) -> PyResult<Self> {
+        Err(PyTypeError::new_err(JUMPS))
+    }
+    fn __trunc__(&self) -> PyResult<Self> {
+        Err(PyTypeError::new_err(JUMPS))
+    }
+    /// Itself, as numbers of NumPy have it.
+    fn item(&self) -> PyResult<Self> {
+        self.map(|x| x)
     }
     #[pyo3(signature = (_digits=None))]
     fn __round__(&self, _digits: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {

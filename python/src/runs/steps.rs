@@ -56,6 +56,31 @@ impl Run {
     }
 }
 
+impl Run {
+    /// Makes the steps to the time `t`.
+    fn advance_to(&mut self, t: f64) -> Result<(), IntegrateError<f64>> {
+        let Run {
+            stepper,
+            tangent,
+            deviations,
+            ..
+        } = self;
+        each!(stepper, s => match tangent {
+            Some(tangent) => tangent.advance_to(s, t, deviations),
+            None => s.advance_to(t).map(drop),
+        })
+    }
+
+    fn turn_back(&mut self) -> Result<(), IntegrateError<f64>> {
+        match &mut self.stepper {
+            Sized::Fixed(stepper) => stepper.turn_back(),
+            Sized::Adaptive(stepper) => stepper.turn_back(),
+            Sized::Reversible(stepper) => return stepper.turn_back(),
+        }
+        Ok(())
+    }
+}
+
 /// A run one step at a time.
 #[pyclass(frozen, module = "equip._native")]
 pub(crate) struct Steps {
@@ -116,6 +141,18 @@ impl Steps {
         py.check_signals()?;
         py.detach(|| self.with(Run::advance))
             .map_err(|error| of_run(&error))
+    }
+
+    /// Makes the steps to the time `t`, forward or back.
+    fn advance_to(&self, py: Python<'_>, t: f64) -> PyResult<()> {
+        py.check_signals()?;
+        py.detach(|| self.with(|run| run.advance_to(t)))
+            .map_err(|error| of_run(&error))
+    }
+
+    /// Turns the run round in time.
+    fn turn_back(&self) -> PyResult<()> {
+        self.with(Run::turn_back).map_err(|error| of_run(&error))
     }
 
     /// The step made last.

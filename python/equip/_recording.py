@@ -1,0 +1,78 @@
+"""Calls of the functions that are recorded, and what goes wrong in them in words."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from . import _arrays, _native
+
+#: Python's own texts where numbers stand beside variables in an array of np.array, whose type is not ours.
+_MIXED = re.compile(
+    r"does not support argument \d+ of type \S+ which has no callable (\w+) method"
+    r"|'(?:float|int|numpy\.\w+)' object has no attribute '(arctan2|hypot)'"
+)
+
+
+def _in_words(error: Exception) -> str:
+    """What to write instead, where the text of an error does not say so; else empty."""
+    text = str(error)
+    if "no supported conversion for types" in text and "dtype('O')" in text:
+        return _arrays.SPARSE
+    if mixed := _MIXED.search(text):
+        name = mixed[1] or mixed[2]
+        return f"np.{name} cannot be recorded of variables and numbers in np.array: make it with np.stack"
+    return ""
+
+
+def check_arguments(function: Callable[..., Any], name: str, arguments: str) -> None:
+    """Refuses a function that cannot be called with these arguments, such as "t, q, p"."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return
+    try:
+        signature.bind(*arguments.split(", "))
+    except TypeError:
+        raise TypeError(f"{name} must be a function of ({arguments}); it is one of {signature}") from None
+
+
+def one_number(found: Any, name: str, arguments: str) -> Any:
+    """What a function returned, if it is one number."""
+    if isinstance(found, np.ndarray):
+        if found.shape:
+            raise TypeError(
+                f"{name} must return one number; it returned an array of shape {found.shape}: sum over it, "
+                "for instance with .sum() or @"
+            )
+        found = found[()]
+    if isinstance(found, _native.Variable):
+        return found
+    try:
+        _native.split(found)
+    except TypeError as error:
+        if "is no number" not in str(error):
+            raise
+        made_of = " and ".join(arguments.rsplit(", ", 1))
+        raise TypeError(
+            f"{name} must return one number made of {made_of}; it returned {type(found).__name__}"
+        ) from None
+    except ValueError:
+        pass  # A text that is no number; the recording says so.
+    return found
+
+
+def call(function: Callable[..., Any], name: str, arguments: str, *given: Any) -> Any:
+    """The one number that a function makes of variables."""
+    try:
+        found = function(*given)
+    except (TypeError, AttributeError) as error:
+        text = _in_words(error)
+        if not text:
+            raise
+        raise TypeError(text).with_traceback(error.__traceback__) from None
+    return one_number(found, name, arguments)
