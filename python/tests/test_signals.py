@@ -15,6 +15,7 @@ CALLS = {
     "solve": "equip.solve(h, q, p, (0, 1e9), step=0.01, record='ends')",
     "double-double": "equip.solve(h, q, p, (0, 1e9), step=0.01, record='ends', precision='dd')",
     "steps": "all(equip.steps(h, q, p, step=0.01))",
+    "suggest_step": "equip.suggest_step(h, q, p, (0, 2e5), 1e-9)",
     "ensemble": "equip.ensemble(h, [q] * 8, [p] * 8, (0, 1e9), step=0.01)",
 }
 

@@ -2,9 +2,10 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Equip, Gauss, IntegrateError, Record, Target};
+use equip_integrate::{Equip, Gauss, IntegrateError, Record, StepView, Target};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
+use std::ops::ControlFlow;
 
 fn scene(name: &str, values: &[(&str, &str)]) -> Instance {
     equip_scenes::find(name).unwrap().instance(values).unwrap()
@@ -149,4 +150,37 @@ fn what_cannot_be_reached_is_said() {
         .unwrap_err();
     println!("{error}");
     assert!(matches!(error, IntegrateError::TargetNotReached { .. }));
+}
+
+/// An observer sees the steps of the trials, and no step is made after it has ended the search.
+#[test]
+fn an_observer_ends_the_search() {
+    let pendulum = scene("pendulum", &[]);
+    let (q, p) = pendulum.initial::<f64>();
+    let method = Equip::stages(4);
+    let search = |most: usize| {
+        let mut seen = 0;
+        let mut observer = |_: &StepView<'_, f64>| {
+            seen += 1;
+            if seen < most {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
+        };
+        let (h, target) = (pendulum.hamiltonian(), Target::Trajectory(1e-9));
+        let step = method.suggest_step_observed(h, &q, &p, 0.0..=50.0, target, &mut observer);
+        (step.unwrap(), seen)
+    };
+    let (whole, all) = search(usize::MAX);
+    let (h, target) = (pendulum.hamiltonian(), Target::Trajectory(1e-9));
+    assert_eq!(
+        whole,
+        method.suggest_step(h, &q, &p, 0.0..=50.0, target).unwrap()
+    );
+    for most in [1, all / 2, all - 1] {
+        let (step, seen) = search(most);
+        assert_eq!(seen, most);
+        assert!(step > 0.0);
+    }
 }

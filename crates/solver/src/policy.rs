@@ -20,7 +20,7 @@ pub(crate) const SMALL: i64 = 16;
 /// Displacements of the end point of so many ε of the state are rounding. // ε; s = 2 and steps whose own
 /// error is of that size: of 20 000 of Kepler's problem 45 % are carried without it or with 16, none with it;
 /// with s ≥ 4, and on the grid, it is alike from 0 to 64.
-pub(crate) const ROUNDING: i64 = 64;
+pub(crate) const STATE_ROUNDING: i64 = 64;
 /// A direction turns by so many times the share that the stages move, as its leading terms cancel, and comes
 /// to rest by one over this a turn or better, or not at all. // ratio; 300 at a pericentre, s = 4; 1/50 a
 /// turn where slopes nearly vanish.

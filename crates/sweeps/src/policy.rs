@@ -12,7 +12,7 @@ pub(crate) const BEST: f64 = 1e-3;
 /// nothing of the rest. // ratio
 pub(crate) const FAR: f64 = 0.125;
 /// Changes of so many ε that do not shrink are rounding. // ε; 16 lanes of 32 stages round to 60 ε.
-pub(crate) const ROUNDING: f64 = 256.0;
+pub(crate) const STAGE_ROUNDING: f64 = 256.0;
 /// Changes of so many ε have rounding in them: sweeps that are expected to change Z by more are incremental.
 /// // ε; 8 to 256 within 3 % of the time, Kepler and a chain of 1024.
 pub(crate) const NOISY: f64 = 16.0;

@@ -4,6 +4,7 @@ use crate::faults::of_run;
 use crate::options::{Options, WithIntegrator};
 use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
+use crate::runs::signals::Signals;
 use equip::autodiff::RecordedEvaluator;
 use equip::prelude::*;
 use equip::solver::{Fixed, Symmetric, Tolerance};
@@ -253,7 +254,13 @@ pub(crate) fn suggest_step(
         _ => Target::Trajectory(target.1),
     };
     let (q, p) = start;
-    let found =
-        py.detach(|| method.suggest_step(&system.hamiltonian, &q, &p, span.0..=span.1, target));
-    found.map_err(|error| of_run(&error))
+    let mut signals = Signals::new(None, None);
+    let found = py.detach(|| {
+        let span = span.0..=span.1;
+        method.suggest_step_observed(&system.hamiltonian, &q, &p, span, target, &mut signals)
+    });
+    match signals.fault {
+        Some(fault) => Err(fault),
+        None => found.map_err(|error| of_run(&error)),
+    }
 }

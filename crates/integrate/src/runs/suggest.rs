@@ -21,7 +21,9 @@ use crate::options::adaptive::Adaptive;
 use crate::options::method::Gauss;
 use crate::options::method::Method;
 use crate::options::record::Record;
+use crate::runs::observer::{NoObserver, Observer};
 use crate::runs::run::{Run, RunFailure};
+use crate::steppers::view::StepView;
 use equip_autodiff::System;
 use equip_scalar::Float;
 use equip_solver::{Family, Reach};
@@ -73,6 +75,24 @@ impl Method {
         interval: RangeInclusive<T>,
         target: Target<T>,
     ) -> Result<T, IntegrateError<T>> {
+        let observer = &mut NoObserver;
+        self.suggest_step_observed(system, q0, p0, interval, target, observer)
+    }
+
+    /// The same, with an observer that sees every step of every trial and may end the search: the step is then
+    /// the longest that has met the target so far, or that of the last trial.
+    ///
+    /// # Errors
+    /// As of [`suggest_step`](Self::suggest_step).
+    pub fn suggest_step_observed<T: Float, H: System>(
+        self,
+        system: &H,
+        q0: &[T],
+        p0: &[T],
+        interval: RangeInclusive<T>,
+        target: Target<T>,
+        observer: &mut impl Observer<T>,
+    ) -> Result<T, IntegrateError<T>> {
         let (t0, t1) = interval.clone().into_inner();
         let length = (t1 - t0).abs();
         // Checks options, interval and start.
@@ -104,13 +124,15 @@ impl Method {
                 ))
             };
         }
-        let trials = Trials {
+        let mut trials = Trials {
             method: self,
             system,
             start: (q0, p0),
             interval,
             length,
             target,
+            observer,
+            is_ended: false,
         };
         let phase = T::ratio(self.stages as i64, 4);
         let steps = (length * pace / phase).to_f64();
@@ -119,17 +141,20 @@ impl Method {
 }
 
 /// The search for a number of steps.
-struct Trials<'a, T: Float, H> {
+struct Trials<'a, T: Float, H, O> {
     method: Method,
     system: &'a H,
     start: (&'a [T], &'a [T]),
     interval: RangeInclusive<T>,
     length: T,
     target: Target<T>,
+    observer: &'a mut O,
+    /// The observer has ended the search.
+    is_ended: bool,
 }
 
-impl<T: Float, H: System> Trials<'_, T, H> {
-    fn search(&self, target: T, first: f64) -> Result<T, IntegrateError<T>> {
+impl<T: Float, H: System, O: Observer<T>> Trials<'_, T, H, O> {
+    fn search(&mut self, target: T, first: f64) -> Result<T, IntegrateError<T>> {
         let order = 2.0 * self.method.stages as f64;
         let (q, p) = self.start;
         let most = MOST_STEPS.min(MOST_NUMBERS / (q.len() + p.len()) as f64);
@@ -146,6 +171,9 @@ impl<T: Float, H: System> Trials<'_, T, H> {
                 break;
             }
             let error = self.error(steps)?;
+            if self.is_ended {
+                return Ok(self.size(enough.unwrap_or(steps)));
+            }
             let wanted = match error {
                 Some(error) => {
                     last = error;
@@ -208,7 +236,7 @@ impl<T: Float, H: System> Trials<'_, T, H> {
     }
 
     /// The error of a trial with so many steps; none if steps of this size cannot be made.
-    fn error(&self, steps: f64) -> Result<Option<T>, IntegrateError<T>> {
+    fn error(&mut self, steps: f64) -> Result<Option<T>, IntegrateError<T>> {
         if let Target::Energy(_) = self.target {
             let gauss = Gauss::stages(self.method.stages);
             let method = match self.method.family {
@@ -237,15 +265,24 @@ impl<T: Float, H: System> Trials<'_, T, H> {
 
     /// The trial run; none if it fails on the way.
     fn run(
-        &self,
+        &mut self,
         method: Method,
         steps: f64,
         record: Record,
     ) -> Result<Option<Run<T>>, IntegrateError<T>> {
+        if self.is_ended {
+            return Ok(None);
+        }
         let options = method.step(self.size(steps)).record(record);
         let options = options.reach(Reach::WithinError);
         let (q, p) = self.start;
-        match options.integrate(self.system, q, p, self.interval.clone()) {
+        let (observer, is_ended) = (&mut *self.observer, &mut self.is_ended);
+        let mut watched = |view: &StepView<'_, T>| {
+            let flow = observer.step(view);
+            *is_ended |= flow.is_break();
+            flow
+        };
+        match options.integrate_observed(self.system, q, p, self.interval.clone(), &mut watched) {
             Ok(run) => Ok(Some(run)),
             Err(RunFailure {
                 partial: Some(_), ..

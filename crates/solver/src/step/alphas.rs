@@ -16,7 +16,7 @@ use crate::equations::constraint::Constraint;
 use crate::options::step_options::Reach;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
-use crate::policy::{FARTHEST, MOST_STALLS, ROUNDING, SMALL, STALLED, TURNS};
+use crate::policy::{FARTHEST, MOST_STALLS, SMALL, STALLED, STATE_ROUNDING, TURNS};
 use crate::step::core::Core;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -67,7 +67,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     /// less than rounding, and to the digits that show in the end point.
     fn move_alphas(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<(), Outcome> {
         let mut reach = self.reach((y, h), next)?;
-        let rounding = T::int(ROUNDING) * T::EPSILON;
+        let rounding = T::int(STATE_ROUNDING) * T::EPSILON;
         let (mut farthest, mut since) = (T::int(0), T::INFINITY);
         let (mut last, mut stalls) = ([T::INFINITY; 2], 0);
         // A direction that turns faster than it comes to rest is kept as it is.
@@ -155,7 +155,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             },
             has_error: is_free,
         };
-        let rounding = T::int(ROUNDING) * T::EPSILON * direction.largest_size(next);
+        let rounding = T::int(STATE_ROUNDING) * T::EPSILON * direction.largest_size(next);
         let is_rounding = needed[0] <= rounding;
         if !is_rounding && !reach.is_small(needed) {
             return Err(Outcome::TooFar);
@@ -265,7 +265,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         reach: &mut Bounds<T>,
     ) -> Result<(), Outcome> {
         let direction = self.direction.as_ref().ok_or(Outcome::NoSlope)?;
-        let rounding = T::int(FARTHEST * ROUNDING) * T::EPSILON;
+        let rounding = T::int(FARTHEST * STATE_ROUNDING) * T::EPSILON;
         let mut far = [T::int(0); 2];
         for (c, (&end, &before)) in next.hi.iter().zip(&self.unperturbed.hi).enumerate() {
             let moved = (end - before).abs();
@@ -299,7 +299,7 @@ struct Bounds<T> {
 /// The relative tolerance of a direction that turns by so much yet and moves the end point so `far`: what
 /// shows in the end point, and no better than it turns.
 fn digits<T: Float>(turns: T, far: T) -> T {
-    let rounding = T::int(ROUNDING) * T::EPSILON;
+    let rounding = T::int(STATE_ROUNDING) * T::EPSILON;
     (rounding / far / T::int(TURNS))
         .max(turns)
         .max(rounding)

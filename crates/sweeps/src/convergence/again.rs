@@ -1,11 +1,11 @@
-//! Which sweeps are incremental: those that by the contraction seen leave
-//! others to come. Rows of them run inside one kernel, which asks here whether to go on.
+//! Which sweeps are incremental: those that by the contraction seen leave others to come. Series of them run
+//! inside one kernel, which asks here whether to go on.
 
 use crate::convergence::contraction::{Contraction, Progress};
 use crate::policy::NOISY;
 use equip_scalar::Float;
 
-/// Whether sweeps of a row go on.
+/// Whether sweeps of a series go on.
 pub(crate) trait Again<T> {
     /// After a sweep that has changed Z by `change`. Implementations are inlined into the kernels.
     fn again(&mut self, change: T) -> bool;
@@ -31,17 +31,17 @@ impl<T: Float, A: Again<T>> Again<f64> for InDoubles<'_, A, T> {
     }
 }
 
-/// A row of incremental sweeps.
-pub(crate) struct Row<'a, T> {
+/// A series of incremental sweeps.
+pub(crate) struct Series<'a, T> {
     contraction: &'a mut Contraction<T>,
-    /// What the last sweep of the row says; nothing if it was not observed yet.
+    /// What the last sweep of the series says; nothing if it was not observed yet.
     pub(crate) progress: Option<Progress>,
     pub(crate) made: u32,
 }
 
-impl<'a, T: Float> Row<'a, T> {
+impl<'a, T: Float> Series<'a, T> {
     pub(crate) fn new(contraction: &'a mut Contraction<T>) -> Self {
-        Row {
+        Series {
             contraction,
             progress: None,
             made: 1,
@@ -55,7 +55,7 @@ impl<'a, T: Float> Row<'a, T> {
     }
 }
 
-impl<T: Float> Again<T> for Row<'_, T> {
+impl<T: Float> Again<T> for Series<'_, T> {
     #[inline(always)]
     fn again(&mut self, change: T) -> bool {
         let progress = self.contraction.observe(change.to_f64(), false);

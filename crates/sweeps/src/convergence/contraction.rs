@@ -12,7 +12,7 @@
 //! The iteration goes on until Δ_n and that error are ε/256, or the changes no longer shrink.
 //! Σ_i Δ_n,i · C L_i is what a quadratic invariant yᵀCy is off by, and that is alike from step to step.
 
-use crate::policy::{ALLOWANCE, BEST, FAR, NOISY, ROUNDING, SETTLED, SLOW, STILL};
+use crate::policy::{ALLOWANCE, BEST, FAR, NOISY, SETTLED, SLOW, STAGE_ROUNDING, STILL};
 use equip_scalar::Float;
 use std::marker::PhantomData;
 
@@ -44,7 +44,7 @@ pub struct Contraction<T> {
     change: f64,
     left: f64,
     /// The next change is not to be compared with the last.
-    is_apart: bool,
+    skips_comparison: bool,
     /// The largest change that still contracts on the whole.
     allowed: f64,
     slow: u32,
@@ -59,13 +59,13 @@ impl<T: Float> Contraction<T> {
         Contraction {
             is_twofold,
             is_preconditioned: false,
-            rounding: ROUNDING * T::EPSILON.to_f64(),
+            rounding: STAGE_ROUNDING * T::EPSILON.to_f64(),
             rate: 0.5,
             worst: 0.0,
             last: 0.0,
             change: f64::INFINITY,
             left: f64::INFINITY,
-            is_apart: true,
+            skips_comparison: true,
             allowed: f64::INFINITY,
             slow: 0,
             still: 0,
@@ -82,18 +82,18 @@ impl<T: Float> Contraction<T> {
         (self.worst, self.last) = (0.0, 0.0);
         (self.change, self.left) = (f64::INFINITY, f64::INFINITY);
         (self.slow, self.still) = (0, 0);
-        (self.is_apart, self.is_settled) = (true, false);
+        (self.skips_comparison, self.is_settled) = (true, false);
     }
 
     /// M⁻¹ makes so many times as much of the rounding of the stages as M = I does.
     pub fn set_amplification(&mut self, amplification: f64) {
         let eps = T::EPSILON.to_f64();
-        self.rounding = (ROUNDING * eps * amplification.max(1.0)).min(eps.sqrt());
+        self.rounding = (STAGE_ROUNDING * eps * amplification.max(1.0)).min(eps.sqrt());
     }
 
     /// Something else has moved Z: the next change is not to be compared with the last.
     pub fn disturb(&mut self) {
-        self.is_apart = true;
+        self.skips_comparison = true;
         (self.slow, self.still) = (0, 0);
         self.is_settled = false;
     }
@@ -104,14 +104,14 @@ impl<T: Float> Contraction<T> {
     pub fn observe(&mut self, change: f64, is_remeasured: bool) -> Progress {
         let eps = T::EPSILON.to_f64();
         let last = self.change;
-        let compares = !self.is_apart;
-        self.is_apart = is_remeasured;
+        let compares = !self.skips_comparison;
+        self.skips_comparison = is_remeasured;
         self.allowed = if compares {
             SLOW * self.allowed
         } else {
             ALLOWANCE * change
         };
-        if compares && last > ROUNDING * eps {
+        if compares && last > STAGE_ROUNDING * eps {
             let ratio = change / last;
             self.slow = if ratio > SLOW { self.slow + 1 } else { 0 };
             if last <= FAR {

@@ -23,7 +23,7 @@ impl<T: Float> Iterate<T> {
             .zip(&y.hi[unknowns..])
             .for_each(|(row, &p)| row.fill(p));
         self.measure(y, 0..self.n);
-        (self.is_measured, self.is_incremental, self.is_of_l) = (false, false, true);
+        (self.is_measured, self.is_incremental, self.z_is_k_l) = (false, false, true);
     }
 
     /// A step of size `h` begins at `y`, `ratio` times as long as the last, with the stages that the
@@ -37,7 +37,7 @@ impl<T: Float> Iterate<T> {
     ) {
         self.set_step(gauss, h);
         std::mem::swap(&mut self.l, &mut self.l_before);
-        (self.is_measured, self.is_incremental, self.is_of_l) = (true, false, true);
+        (self.is_measured, self.is_incremental, self.z_is_k_l) = (true, false, true);
         self.has_momenta = true;
         let wanted = self.unknowns();
         self.set.run(&mut Foretell {

@@ -54,7 +54,7 @@ pub struct Iterate<T: Float> {
     /// K B K with the α's a step starts from, where sweeps may be incremental.
     pub(crate) twofold: Option<Aligned<T>>,
     /// Z is K(α) L: incremental sweeps take it to be.
-    pub(crate) is_of_l: bool,
+    pub(crate) z_is_k_l: bool,
     /// The last sweep was incremental: L is not there.
     pub(crate) is_incremental: bool,
     /// All components have been measured on stages near the solution.
@@ -104,7 +104,7 @@ impl<T: Float> Iterate<T> {
             scale: vec![T::int(0); n],
             inverse_scale: vec![T::int(0); n],
             twofold,
-            is_of_l: true,
+            z_is_k_l: true,
             is_incremental: false,
             is_measured: false,
         }

@@ -47,7 +47,7 @@ impl<T: Float> Iterate<T> {
         let rows = self.z.chunks_exact_mut(self.stride).enumerate();
         rows.take(unknowns).for_each(|(c, z)| change(c, z));
         self.place(y);
-        self.is_of_l = false;
+        self.z_is_k_l = false;
     }
 
     /// Copies Z, L and the stages into `kept`.
@@ -65,7 +65,7 @@ impl<T: Float> Iterate<T> {
         self.points.copy_from_slice(&kept.points);
         self.has_momenta = kept.has_momenta;
         self.k.copy_from_slice(&self.k_start);
-        (self.k_has_moved, self.is_of_l) = (false, true);
+        (self.k_has_moved, self.z_is_k_l) = (false, true);
     }
 
     /// Takes over the L of a step that was made elsewhere, stage by stage in blocks of length n.
@@ -136,7 +136,7 @@ impl<T: Float> Iterate<T> {
             }
         }
         self.place(y);
-        self.is_of_l = false;
+        self.z_is_k_l = false;
         if sum.is_finite() { most } else { T::NAN }
     }
 }

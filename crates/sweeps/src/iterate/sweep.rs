@@ -1,6 +1,6 @@
 //! One sweep, all stages at once: Z ← K(α) L(Z), or Z ← Z + M⁻¹ (K(α) L(Z) − Z).
 
-use crate::convergence::again::{Again, InDoubles, Once, Row};
+use crate::convergence::again::{Again, InDoubles, Once, Series};
 use crate::convergence::contraction::{Contraction, Progress};
 use crate::extrapolation::polynomial::Polynomial;
 use crate::forms::fused::{OneGroup, TwoGroups};
@@ -66,23 +66,23 @@ impl<T: Float> Iterate<T> {
     ) -> (Progress, u32) {
         let measures =
             !self.is_measured || contraction.is_far() && contraction.next_change().is_finite();
-        let mut row = Row::new(contraction);
+        let mut series = Series::new(contraction);
         let can_be = self.twofold.is_some() && !self.k_has_moved;
-        self.is_incremental = can_be && self.is_of_l && !measures && row.is_next();
+        self.is_incremental = can_be && self.z_is_k_l && !measures && series.is_next();
         self.has_momenta = measures;
         let change = if self.is_incremental {
-            self.run(energy, y, &mut row)
+            self.run(energy, y, &mut series)
         } else {
             self.run(energy, y, &mut Once)
         };
-        self.is_of_l = true;
-        let made = row.made;
+        self.z_is_k_l = true;
+        let made = series.made;
         // What an incremental sweep leaves has no L: it is never the last.
         let goes_on = |progress| match progress {
             Progress::Settled => Progress::Contracts,
             progress => progress,
         };
-        if let Some(progress) = row.progress {
+        if let Some(progress) = series.progress {
             return (goes_on(progress), made);
         }
         let remeasured = measures && !self.is_measured;
