@@ -129,8 +129,8 @@ impl<T: Float> Constraint<T> {
         self.defect.abs() <= self.floor.max(self.late)
     }
 
-    /// A change `of` I over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement that is smaller, in units of
-    /// σ, makes or removes it.
+    /// A change `of` I over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement that is smaller, in units
+    /// of σ, makes or removes it.
     pub(crate) fn least_displacement(&self, of: T, sizes: &[T]) -> T {
         let both = worth(&self.gradient, sizes) + worth(&self.start_gradient, sizes);
         let least = T::int(2) * of.abs() / both;

@@ -7,8 +7,8 @@ use std::fmt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Alphas {
-    /// α_1, α_2, α_3, as far as there are any and no more than needed to move the end point least: the others,
-    /// which would disturb the stages more for the same, stay zero.
+    /// α_1, α_2, α_3, as far as there are any, so that the end point moves least: the others, which would
+    /// disturb the stages more for the same, stay zero.
     #[default]
     All,
     /// Only α_{s−1}, as in the paper. Where ∂g/∂α vanishes it has no solution; see the outcomes of the steps.

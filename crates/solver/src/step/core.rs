@@ -18,8 +18,8 @@ pub struct Core<T: Float, E> {
     pub(crate) energy: E,
     pub(crate) options: StepOptions<T>,
     pub(crate) counts: Counts,
-    /// What the α's are solved for: the energy first, if it needs any, then further invariants; empty if there
-    /// is nothing.
+    /// What the α's are solved for: the energy first, if it needs any, then further invariants; empty if
+    /// there is nothing.
     pub(crate) constraints: Vec<Constraint<T>>,
     /// The stages Z, and what finds them.
     pub(crate) stages: Stages<T>,
