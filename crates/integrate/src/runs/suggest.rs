@@ -79,8 +79,8 @@ impl Method {
         self.suggest_step_observed(system, q0, p0, interval, target, observer)
     }
 
-    /// The same, with an observer that sees every step of every trial and may end the search: the step is then
-    /// the longest that has met the target so far, or that of the last trial.
+    /// The same, with an observer that sees every step of every trial and may end the search: the step is
+    /// then the longest that has met the target so far, or that of the last trial.
     ///
     /// # Errors
     /// As of [`suggest_step`](Self::suggest_step).
