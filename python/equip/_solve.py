@@ -26,18 +26,20 @@ _TOLERANCE = {"f64": 1e-12, "dd": 1e-24}
 _NOT_KEPT = 1e-9
 
 
-def _absolute_errors(atol: Any, shape: Shape) -> tuple[list[float], list[float]]:
-    """`atol` of all positions and all momenta: a number, or a pair of what has the shape of q or a number."""
-    parts = tuple(atol) if isinstance(atol, (tuple, list)) else (atol, atol)
+def _errors(of: Any, shape: Shape, name: str) -> Optional[tuple[list[float], list[float]]]:
+    """`rtol` or `atol` of all positions and momenta: a number, or a pair of what has the shape of q or a number."""
+    if of is None:
+        return None
+    parts = tuple(of) if isinstance(of, (tuple, list)) else (of, of)
     if len(parts) != 2:
         raise ValueError(
-            f"atol has {len(parts)} parts; it must be a number, or a pair for positions and momenta"
+            f"{name} has {len(parts)} parts; it must be a number, or a pair for positions and momenta"
         )
     try:
         q, p = (np.broadcast_to(np.asarray(part, dtype=float), shape).ravel().tolist() for part in parts)
     except (TypeError, ValueError) as error:
         raise ValueError(
-            f"atol must be numbers, or arrays of the shape {shape} of q and p: {error}"
+            f"{name} must be numbers, or arrays of the shape {shape} of q and p: {error}"
         ) from None
     return q, p
 
@@ -53,6 +55,7 @@ def options(
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
+    rtol: Any = None,
     atol: Any = None,
     invariants: Optional[Mapping[str, Function]] = None,
     keep: Optional[Mapping[str, Function]] = None,
@@ -68,6 +71,7 @@ def options(
         raise ValueError("give a step or a tolerance, not both")
     adaptive = {
         "first_step": first_step,
+        "rtol": rtol,
         "atol": atol,
         "max_steps": max_steps,
         "min_step": min_step or None,
@@ -94,7 +98,8 @@ def options(
         "min_step": number(min_step, "min_step"),
         "max_step": np.inf if max_step is None else number(max_step, "max_step"),
         "max_steps": 2**64 - 1 if max_steps is None else whole(max_steps, "max_steps", 1),
-        "atol": None if atol is None else _absolute_errors(atol, h.shape),
+        "rtol": _errors(rtol, h.shape, "rtol"),
+        "atol": _errors(atol, h.shape, "atol"),
         "invariants": _quantities(invariants, h, "invariants"),
         "keep": _quantities(keep, h, "keep"),
         "measure_energy": truth(measure_energy, "measure_energy"),
@@ -195,6 +200,7 @@ def solve(
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
+    rtol: Any = None,
     atol: Any = None,
     precision: Literal["f64", "dd"] = "f64",
     checkpoint: Union[None, str, PathLike[str]] = None,
@@ -238,9 +244,12 @@ def solve(
         Whether methods that do not solve for the energy evaluate it.
     chaos
         Whether the certificate has the largest Lyapunov exponent and MEGNO.
-    first_step, min_step, max_step, max_steps, atol
-        Of variable steps: sizes, their number, and errors of a step that are allowed beside those relative
-        to its motion: a number, or a pair for positions and momenta of numbers or arrays of their shape.
+    first_step, min_step, max_step, max_steps
+        Of steps by tolerance: sizes, and their number.
+    rtol, atol
+        Of steps by tolerance: errors of a step relative to its motion, in place of `tolerance`, and errors
+        that are allowed beside those. A number, or a pair for positions and momenta of numbers or arrays of
+        their shape.
     precision
         "f64", or "dd" for double-double, 31 digits.
     checkpoint
@@ -282,6 +291,7 @@ def solve(
         min_step=min_step,
         max_step=max_step,
         max_steps=max_steps,
+        rtol=rtol,
         atol=atol,
         invariants=invariants,
         keep=keep,

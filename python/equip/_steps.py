@@ -149,6 +149,7 @@ def steps(
     first_step: Optional[float] = None,
     min_step: float = 0.0,
     max_step: float = np.inf,
+    rtol: Any = None,
     atol: Any = None,
 ) -> Steps:
     """A run one step at a time: an endless iterator. All numbers are in the units of H.
@@ -171,10 +172,12 @@ def steps(
         (t, q, p) where H is.
     measure_energy
         Whether methods that do not solve for the energy evaluate it.
-    first_step, min_step, max_step, atol
-        Of steps by tolerance: sizes, in the unit of time, and errors of a step that are allowed beside those
-        relative to its motion: a number, or a pair for positions and momenta of numbers or arrays of their
-        shape.
+    first_step, min_step, max_step
+        Of steps by tolerance: sizes, in the unit of time.
+    rtol, atol
+        Of steps by tolerance: errors of a step relative to its motion, in place of `tolerance`, and errors
+        that are allowed beside those. A number, or a pair for positions and momenta of numbers or arrays of
+        their shape.
     deviations
         Small deviations (δq, δp), flat, (k, 2m) or (2m,), carried along by the tangent map of the steps;
         `Steps.deviations` has them.
@@ -201,6 +204,7 @@ def steps(
         first_step=first_step,
         min_step=min_step,
         max_step=max_step,
+        rtol=rtol,
         atol=atol,
         invariants=invariants,
         keep=keep,

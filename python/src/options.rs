@@ -26,6 +26,7 @@ pub(crate) struct Options {
     pub(crate) step: Option<Pair>,
     reversible: Option<ReversibleOptions>,
     tolerance: f64,
+    rtol: Option<(Vec<f64>, Vec<f64>)>,
     atol: Option<(Vec<f64>, Vec<f64>)>,
     first_step: Option<f64>,
     min_step: f64,
@@ -84,8 +85,11 @@ impl Options {
                 let mut sizes = sizes
                     .min_step(T::exact(self.min_step))
                     .max_step(T::exact(self.max_step));
+                let exact = |x: &[f64]| x.iter().map(|&x| T::exact(x)).collect::<Vec<T>>();
+                if let Some((q, p)) = &self.rtol {
+                    sizes = sizes.rtol(&exact(q), &exact(p));
+                }
                 if let Some((q, p)) = &self.atol {
-                    let exact = |x: &[f64]| x.iter().map(|&x| T::exact(x)).collect::<Vec<T>>();
                     sizes = sizes.atol(&exact(q), &exact(p));
                 }
                 if let Some(h) = self.first_step {

@@ -241,6 +241,8 @@ def test_bad_input_is_refused_with_a_remedy(kepler):
     fails(kepler, r"atol has 3 parts; it must be a number, or a pair", atol=(1e-9, 1e-9, 1e-9))
     fails(kepler, r"atol must be numbers, or arrays of the shape \(2,\)", atol=([1e-9] * 3, 1e-9))
     fails(kepler, r"`atol \(q\)` is -1", atol=-1.0)
+    fails(kepler, r"rtol must be numbers, or arrays of the shape \(2,\)", rtol=([1e-9] * 3, 1e-9))
+    fails(kepler, r"`rtol \(p\)` is 0", rtol=(1e-9, [1e-9, 0.0]))
     fails(kepler, "`tolerance` is 1; it must be between", tolerance=1.0)
     fails(kepler, "must be finite", *START, (0, np.inf))
     fails(kepler, r"initial value p0\[1\] is inf; it must be finite", [1, 0], [0, np.inf], (0, 1))
@@ -348,7 +350,7 @@ def test_runs_go_back_in_time(kepler, how):
     assert np.abs(np.concatenate([q - START[0], p - START[1]])).max() < 1e-12
 
 
-def test_errors_below_atol_are_allowed():
+def test_errors_below_atol_and_rtol_are_allowed():
     """A fast motion of 1e-7 beside a slow one of 1."""
     h = equip.Hamiltonian(lambda q, p: p @ p / 2 - np.cos(q[0]) + 450 * q[1] ** 2, 2)
 
@@ -359,3 +361,4 @@ def test_errors_below_atol_are_allowed():
 
     fine = steps()
     assert 4 * steps(atol=1e-5) < fine and 4 * steps(atol=([0, 1e-6], [0, 1e-4])) < fine
+    assert 2 * steps(rtol=([1e-8, 1e-3], [1e-8, 1e-3])) < fine and steps(rtol=1e-8) == fine

@@ -209,12 +209,50 @@ fn limits_are_typed_and_leave_the_state_intact() {
         options.clone().max_steps(0),
         options.clone().atol(&[-1.0], &[1.0]),
         options.clone().atol(&[1e-9; 3], &[]),
+        options.clone().rtol(&[1e-9, 0.0], &[]),
+        options.clone().rtol(&[], &[0.1]),
+        options.clone().rtol(&[1e-9; 3], &[]),
         Gauss::stages(1).tolerance(1e-6),
     ];
     for options in faulty {
         assert!(
             options.start(scene.hamiltonian(), &q, &p, 0.0).is_err(),
             "{options:?}"
+        );
+    }
+}
+
+#[test]
+fn every_component_has_the_relative_error_it_is_given() {
+    // Two pendulums, one thirty times as quick, which know nothing of each other.
+    let h = Hamiltonian::new(2, |q, p| {
+        0.5 * (p[0] * p[0] + p[1] * p[1]) - q[0].cos() - 900.0 * q[1].cos()
+    });
+    let h = h.unwrap();
+    let (q, p, end) = ([1.0, 1.0], [0.0, 0.0], 20.3);
+    let run = |options: equip_integrate::Adaptive<f64>| {
+        let run = options.integrate(&h, &q, &p, 0.0..=end).unwrap();
+        let last = run.last();
+        ([last.1[0], last.1[1]], run.len() - 1)
+    };
+    let by = |tolerance: f64| Gauss::stages(3).tolerance(tolerance);
+    let (exact, _) = run(Gauss::stages(12).tolerance(1e-14));
+    let (tight, many) = run(by(1e-12));
+    assert_eq!(run(by(1e-12).rtol(&[1e-12], &[])), (tight, many));
+    let (_, as_many) = run(by(1e-8).rtol(&[1e-12], &[1e-12]));
+    assert!(as_many.abs_diff(many) <= many / 20, "{as_many} and {many}");
+    for (slow, quick) in [(1e-12, 1e-9), (1e-9, 1e-12)] {
+        let (end, steps) = run(by(1e-12).rtol(&[slow, quick], &[slow, quick]));
+        let [off_slow, off_quick] = [0, 1].map(|c| (end[c] - exact[c]).abs());
+        println!(
+            "{slow:e}, {quick:e}: off by {off_slow:.1e} and {off_quick:.1e}, {steps} of {many} steps"
+        );
+        assert!(off_slow < 1e3 * slow && off_quick < 1e3 * quick);
+        // The quick one asks for the steps.
+        let (_, as_many) = run(by(quick));
+        assert!(
+            steps.abs_diff(as_many) <= as_many / 20,
+            "{steps} and {as_many}"
         );
     }
 }

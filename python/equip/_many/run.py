@@ -42,6 +42,7 @@ def ensemble(
     min_step: float = 0.0,
     max_step: float = np.inf,
     max_steps: Optional[int] = None,
+    rtol: Any = None,
     atol: Any = None,
     threads: Optional[int] = None,
     executor: Optional[Executor] = None,
@@ -81,10 +82,12 @@ def ensemble(
         Whether methods that do not solve for the energy evaluate it, for `Ensemble.energy_defect`.
     chaos
         Whether `Ensemble` has the largest Lyapunov exponents and MEGNO.
-    first_step, min_step, max_step, max_steps, atol
-        Of steps by tolerance: sizes, in the unit of time, their number, and errors of a step that are allowed
-        beside those relative to its motion: a number, or a pair for positions and momenta of numbers or
-        arrays of the shape `h.shape`.
+    first_step, min_step, max_step, max_steps
+        Of steps by tolerance: sizes, in the unit of time, and their number.
+    rtol, atol
+        Of steps by tolerance: errors of a step relative to its motion, in place of `tolerance`, and errors
+        that are allowed beside those. A number, or a pair for positions and momenta of numbers or arrays of
+        the shape `h.shape`.
     threads
         Threads of the machine, at most one for each run; all by default, with an executor one for each chunk.
     executor
@@ -134,6 +137,7 @@ def ensemble(
         min_step=min_step,
         max_step=max_step,
         max_steps=max_steps,
+        rtol=rtol,
         atol=atol,
         keep=keep,
         measure_energy=measure_energy,

@@ -30,6 +30,9 @@
 //! stands still by symmetry moves by rounding. A component that moves by less than the tolerance of its size
 //! may do so as it will: no step need be shorter than that, whatever H is.
 //!
+//! A component that may be off by more or less than the tolerance of its motion (`rtol`, `atol`) has its est
+//! divided by how many times as much that is, that of the flow along with it.
+//!
 //! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1}; if what limits
 //! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z =
 //! 2w/(1 + w²) from the middle of the step, ahead if w > 0, behind if w < 0 (Bernstein ellipses). Of the last
@@ -39,6 +42,7 @@
 //! Cost: s² n multiplications, and ∇H at the end of the step.
 
 use crate::control::policy::NOISE;
+use crate::options::adaptive::Allowed;
 use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_solver::{State, stride_for};
 use equip_tableau::{Gauss, legendre_at};
@@ -71,9 +75,12 @@ pub(crate) struct Decay<T: Float> {
     stride: usize,
     /// The first so many positions and momenta are judged.
     m: usize,
-    /// Errors of a step that are allowed whatever the motion, component by component, in tolerances.
-    absolute: Option<Vec<f64>>,
     tolerance: T,
+    /// None if the tolerance of its motion is allowed of every component.
+    allowed: Option<Allowed<T>>,
+    /// ln ϱ and ln a of each component: a^{2s} is the tolerance of its motion over what it is allowed. Empty
+    /// if a is 1 for all.
+    logs: Vec<[f64; 2]>,
     /// P_k(c_i) at i·stride + k.
     legendre: Vec<T>,
     /// h γ_k of component c at c·stride + k.
@@ -91,13 +98,12 @@ const INSET: i64 = 16;
 
 impl<T: Float> Decay<T> {
     /// Of states with n components, of which the first `m` positions and momenta are judged: how long a step
-    /// may be is no matter of the time it is made at. `absolute` are errors of a step that are allowed
-    /// whatever the motion.
+    /// may be is no matter of the time it is made at.
     pub(crate) fn new(
         gauss: &Gauss<T>,
         (n, m): (usize, usize),
         tolerance: T,
-        absolute: Option<Vec<T>>,
+        allowed: Option<Allowed<T>>,
     ) -> Self {
         let s = gauss.stages();
         let stride = stride_for::<T>(s);
@@ -112,14 +118,14 @@ impl<T: Float> Decay<T> {
         for (values, place) in at_end.iter_mut().zip([T::int(1), T::int(1) - inset(s)]) {
             legendre_at(place, values);
         }
-        let absolute = absolute.map(|x| x.iter().map(|&x| (x / tolerance).to_f64()).collect());
         Decay {
             set: InstructionSet::best(),
             s,
             stride,
             m,
-            absolute,
             tolerance,
+            logs: vec![[f64::NEG_INFINITY, 0.0]; allowed.as_ref().map_or(0, |_| n)],
+            allowed,
             legendre,
             coefficients: zeros(n * stride),
             units: zeros(n),
@@ -153,8 +159,8 @@ impl<T: Float> Decay<T> {
             for (c, &y) in y[..self.m].iter().enumerate() {
                 let rates = ends.map(|end| sign * end.slope[from + c]);
                 let c = group * half + c;
-                let component = self.of_component(c, (y, largest), rates, is_inset);
-                (decay, rest) = (decay.max(component[0]), rest.max(component[1]));
+                let [log, missed] = self.of_component(c, (y, largest), rates, is_inset);
+                (decay, rest) = (decay.max(log + self.of_allowed(c, log)), rest.max(missed));
             }
         }
         Estimate {
@@ -179,9 +185,10 @@ impl<T: Float> Decay<T> {
             return [f64::INFINITY; 2];
         }
         let motion = row.iter().fold(T::int(0), |a, x| a.max(x.abs()));
-        let least = (self.tolerance.sqrt() * y.abs()).max(T::EPSILON * largest);
+        let relative = (self.allowed.as_ref()).map_or(self.tolerance, |x| x.relative[c]);
+        let least = (relative.sqrt() * y.abs()).max(T::EPSILON * largest);
         let unit = motion.max(least);
-        let is_small = motion <= self.tolerance * y.abs();
+        let is_small = motion <= relative * y.abs();
         self.inverse_units[c] = if is_small || unit == T::int(0) {
             T::int(0)
         } else {
@@ -206,7 +213,7 @@ impl<T: Float> Decay<T> {
         };
         let second = theta(row[1].abs().max(least)).ln();
         let mut decay = from(0, 0.0).min(from(1, second));
-        if tail > (NOISE * T::EPSILON.to_f64()).max(self.tolerance.to_f64()) {
+        if tail > (NOISE * T::EPSILON.to_f64()).max(relative.to_f64()) {
             // Of two coefficients one may vanish: 92 of 2400 steps are refused in place of 450.
             let tail = tail.ln();
             let before = (s - 2).max(1)..s;
@@ -215,11 +222,34 @@ impl<T: Float> Decay<T> {
             let unit = (second - r).max(0.0);
             decay = decay.max((tail - unit) / (2 * s) as f64 + r / 2.0);
         }
-        if let Some(absolute) = &self.absolute {
-            let allowed = 1.0 + absolute[c] * inverse.to_f64();
-            decay -= allowed.ln() / (2 * s) as f64;
-        }
         [decay, tail]
+    }
+
+    /// ln a of component c, which decays by exp(`log`).
+    fn of_allowed(&mut self, c: usize, log: f64) -> f64 {
+        if self.allowed.is_none() {
+            return 0.0;
+        }
+        let allowed = (self.allowed(c) * self.inverse_units[c] / self.tolerance).to_f64();
+        let log_a = if allowed > 0.0 {
+            allowed.ln() / (-2.0 * self.s as f64)
+        } else {
+            0.0
+        };
+        self.logs[c] = [log, log_a];
+        log_a
+    }
+
+    /// ϱ of the step estimated last, `rho` by itself, where what it missed grows by `flow` to the end
+    /// ([`crate::control::flow`]).
+    pub(crate) fn with_flow(&self, rho: f64, flow: f64) -> f64 {
+        let with = |rho: f64| (rho * flow.hypot(rho)).sqrt();
+        match &self.allowed {
+            None => with(rho),
+            Some(_) => (self.logs.iter())
+                .map(|&[log, log_a]| with(log.exp()) * log_a.exp())
+                .fold(0.0, f64::max),
+        }
     }
 
     /// Whether what a step misses is rounding, or the tolerance is.
@@ -250,13 +280,19 @@ impl<T: Float> Decay<T> {
     /// An error of component c of the step estimated last, in tolerances: 1 is allowed. None is of components
     /// that are not judged.
     pub(crate) fn in_tolerances(&self, c: usize, error: T) -> f64 {
-        let allowed = self.absolute.as_ref().map_or(0.0, |absolute| absolute[c]);
         let is_judged = c % (self.units.len() / 2) < self.m;
         if !is_judged || error == T::int(0) {
             return 0.0;
         }
-        let allowed = self.units[c].to_f64() + allowed;
-        (error / self.tolerance).to_f64().abs() / allowed
+        (error / self.allowed(c)).to_f64().abs()
+    }
+
+    /// What the step estimated last may be off in component c.
+    fn allowed(&self, c: usize) -> T {
+        match &self.allowed {
+            Some(allowed) => allowed.relative[c] * self.units[c] + allowed.absolute[c],
+            None => self.tolerance * self.units[c],
+        }
     }
 
     /// h γ_s and h γ_{s+1}, by what the polynomial with these coefficients is off at both ends of the step.

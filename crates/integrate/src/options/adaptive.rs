@@ -19,12 +19,24 @@ pub type Adaptive<T> = Integrator<T, Tolerance<T>>;
 #[derive(Debug, Clone)]
 pub struct Tolerance<T> {
     pub(crate) tolerance: T,
+    pub(crate) relative: [Vec<T>; 2],
     pub(crate) absolute: [Vec<T>; 2],
     pub(crate) first_step: Option<T>,
     pub(crate) min_step: T,
     pub(crate) max_step: T,
     pub(crate) max_steps: u64,
 }
+
+/// What a step may be off in each component: relative to its motion in the step, and beside that.
+#[derive(Debug, Clone)]
+pub(crate) struct Allowed<T> {
+    pub(crate) relative: Vec<T>,
+    pub(crate) absolute: Vec<T>,
+}
+
+/// Names of the options.
+const RELATIVE: [&str; 2] = ["rtol (q)", "rtol (p)"];
+const ABSOLUTE: [&str; 2] = ["atol (q)", "atol (p)"];
 
 /// Fewest stages with coefficients to estimate an error from.
 const MIN_STAGES: usize = 2;
@@ -38,6 +50,7 @@ impl Method {
     pub fn tolerance<T: Float>(self, tolerance: T) -> Adaptive<T> {
         let sizes = Tolerance {
             tolerance,
+            relative: [Vec::new(), Vec::new()],
             absolute: [Vec::new(), Vec::new()],
             first_step: None,
             min_step: T::int(0),
@@ -51,10 +64,34 @@ impl Method {
 }
 
 impl<T: Float> Adaptive<T> {
+    /// Errors of a step relative to its motion, without a unit, for components that are to have others than
+    /// the tolerance: of each of the m positions and momenta, or one for all of them; the tolerance where
+    /// empty.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// use equip_integrate::Equip;
+    ///
+    /// // Two springs; the quick one may be off by 1e-4 of its motion in a step, the slow one by 1e-12.
+    /// let springs = Hamiltonian::new(2, |q, p| {
+    ///     0.5 * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + 100.0 * q[1] * q[1])
+    /// })?;
+    /// let apart = [1e-12, 1e-4];
+    /// let options = Equip::stages(4).tolerance(1e-12).rtol(&apart, &apart);
+    /// let run = options.integrate(&springs, &[1.0, 1e-3], &[0.0, 0.0], 0.0..=10.0)?;
+    /// assert!((run.last().1[0] - 10f64.cos()).abs() < 1e-11);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn rtol(mut self, positions: &[T], momenta: &[T]) -> Self {
+        self.sizes.relative = [positions.to_vec(), momenta.to_vec()];
+        self
+    }
+
     /// Errors of a step that are allowed beside those relative to its motion, in the units of positions and
     /// momenta: of each of the m components, or one for all of them. Zero by default.
     ///
-    /// With it a step may be off in component c by `tolerance` × its motion in the step + `atol`.
+    /// With it a step may be off in component c by `rtol` × its motion in the step + `atol`.
     #[must_use]
     pub fn atol(mut self, positions: &[T], momenta: &[T]) -> Self {
         self.sizes.absolute = [positions.to_vec(), momenta.to_vec()];
@@ -112,14 +149,19 @@ impl<T: Float> Tolerance<T> {
             };
             if ok { Ok(()) } else { Err(error) }
         };
-        let tolerance = self.tolerance;
-        check(
-            tolerance >= T::EPSILON && tolerance <= T::ratio(1, 100),
-            "tolerance",
-            tolerance,
-            "between the relative precision of the numbers and 1/100",
-        )?;
-        for (errors, name) in self.absolute.iter().zip(["atol (q)", "atol (p)"]) {
+        let relative = |name, error| {
+            check(
+                error >= T::EPSILON && error <= T::ratio(1, 100),
+                name,
+                error,
+                "between the relative precision of the numbers and 1/100",
+            )
+        };
+        relative("tolerance", self.tolerance)?;
+        for (errors, name) in self.relative.iter().zip(RELATIVE) {
+            errors.iter().try_for_each(|&error| relative(name, error))?;
+        }
+        for (errors, name) in self.absolute.iter().zip(ABSOLUTE) {
             for &error in errors {
                 let ok = error >= zero && error.is_finite();
                 check(ok, name, error, "finite and not negative")?;
@@ -144,29 +186,49 @@ impl<T: Float> Tolerance<T> {
         Ok(())
     }
 
-    /// The absolute errors of all components, `pairs` positions and as many momenta of which the first `m`
-    /// are the user's; none if they are all zero.
-    pub(crate) fn absolute_errors(
+    /// The smallest relative error that any component is to have.
+    pub(crate) fn tightest(&self) -> T {
+        let of_group = |given: &Vec<T>| match given.as_slice() {
+            [] => self.tolerance,
+            given => given.iter().fold(T::INFINITY, |a, &x| a.min(x)),
+        };
+        let [q, p] = &self.relative;
+        of_group(q).min(of_group(p))
+    }
+
+    /// What a step may be off, of all components: `pairs` positions and as many momenta of which the first `m`
+    /// are the user's. None if it is the tolerance of their motion.
+    pub(crate) fn allowed(
         &self,
         m: usize,
         pairs: usize,
-    ) -> Result<Option<Vec<T>>, IntegrateError<T>> {
-        let mut all = vec![T::int(0); 2 * pairs];
-        let groups = all.chunks_exact_mut(pairs).zip(&self.absolute);
-        for ((all, errors), what) in groups.zip(["atol (q)", "atol (p)"]) {
-            match errors.as_slice() {
-                [] => {}
-                [one] => all[..m].fill(*one),
-                errors if errors.len() == m => all[..m].copy_from_slice(errors),
-                errors => {
-                    return Err(IntegrateError::WrongLength {
-                        what,
-                        expected: m,
-                        found: errors.len(),
-                    });
+    ) -> Result<Option<Allowed<T>>, IntegrateError<T>> {
+        let fill = |given: &[Vec<T>; 2], otherwise: T, names: [&'static str; 2]| {
+            let mut all = vec![otherwise; 2 * pairs];
+            let groups = all.chunks_exact_mut(pairs).zip(given);
+            for ((all, errors), what) in groups.zip(names) {
+                match errors.as_slice() {
+                    [] => {}
+                    [one] => all[..m].fill(*one),
+                    errors if errors.len() == m => all[..m].copy_from_slice(errors),
+                    errors => {
+                        return Err(IntegrateError::WrongLength {
+                            what,
+                            expected: m,
+                            found: errors.len(),
+                        });
+                    }
                 }
             }
-        }
-        Ok(all.iter().any(|&x| x > T::int(0)).then_some(all))
+            Ok(all)
+        };
+        let zero = T::int(0);
+        let allowed = Allowed {
+            relative: fill(&self.relative, self.tolerance, RELATIVE)?,
+            absolute: fill(&self.absolute, zero, ABSOLUTE)?,
+        };
+        let is_plain = self.absolute.iter().flatten().all(|&x| x == zero)
+            && (self.relative.iter().flatten()).all(|&x| x == self.tolerance);
+        Ok((!is_plain).then_some(allowed))
     }
 }

@@ -30,26 +30,26 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         sizes.validate(integrator.method.stages)?;
         let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
         let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
-        let tolerance = sizes.tolerance.to_f64();
-        let absolute = sizes.absolute_errors(inner.m, n / 2)?;
-        let crossings = Crossings::new(&system.switches(), inner.core.gauss(), n, sizes.tolerance);
+        let tolerance = sizes.tightest();
+        let allowed = sizes.allowed(inner.m, n / 2)?;
+        let crossings = Crossings::new(&system.switches(), inner.core.gauss(), n, tolerance);
         if crossings.is_some() {
             inner.core.defer_alphas();
         }
         Ok(AdaptiveStepper {
             crossings,
             control: Control::new(
-                (tolerance, T::EPSILON.to_f64()),
+                (tolerance.to_f64(), T::EPSILON.to_f64()),
                 integrator.method.stages,
                 most,
             ),
-            decay: Decay::new(inner.core.gauss(), (n, inner.m), sizes.tolerance, absolute),
+            decay: Decay::new(inner.core.gauss(), (n, inner.m), tolerance, allowed),
             flow: Flow::new(integrator.method.stages, n),
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
             first_step: sizes.first_step,
             longest_first: f64::INFINITY,
-            tolerance: sizes.tolerance,
+            tolerance,
             time_low: T::int(0),
             end: None,
             min_step: sizes.min_step,
@@ -61,8 +61,8 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
 
     fn words(&self) -> Words {
         let or = |x: Option<T>, automatic: &str| x.map_or(automatic.to_owned(), in_digits);
-        let errors = |x: &[T]| match x {
-            [] => "zero".to_owned(),
+        let errors = |x: &[T], otherwise: &str| match x {
+            [] => otherwise.to_owned(),
             x => x
                 .iter()
                 .map(|&x| in_digits(x))
@@ -72,8 +72,10 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         vec![
             ("steps", "by a tolerance".to_owned()),
             ("tolerance", in_digits(self.tolerance)),
-            ("atol of the positions", errors(&self.absolute[0])),
-            ("atol of the momenta", errors(&self.absolute[1])),
+            ("rtol of the positions", errors(&self.relative[0], "that")),
+            ("rtol of the momenta", errors(&self.relative[1], "that")),
+            ("atol of the positions", errors(&self.absolute[0], "zero")),
+            ("atol of the momenta", errors(&self.absolute[1], "zero")),
             ("first_step", or(self.first_step, "automatic")),
             ("min_step", in_digits(self.min_step)),
             ("max_step", in_digits(self.max_step)),

@@ -150,19 +150,18 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let ends = ends.map(|(slope, is_inset)| End { slope, is_inset });
         let l = core.derivatives_by_component();
         let mut estimate = self.decay.estimate((y, h), l, ends);
-        let decay = estimate.decay;
-        let with = |flow: f64| (decay * flow.hypot(decay)).sqrt();
+        let rho = estimate.decay;
         // Of rounding nothing follows, and where the contraction bounds it well enough it is not needed.
         let is_rounding = self.decay.is_rounding(&estimate);
         let is_needed = core.contraction().is_none_or(|contraction| {
-            !self
-                .control
-                .has_room(with(self.flow.most(contraction)), contraction)
+            let most = self.decay.with_flow(rho, self.flow.most(contraction));
+            !self.control.has_room(most, contraction)
         });
         if is_needed && !is_rounding {
             let (energy, counts) = core.energy_and_counts();
             counts.gradients += 2;
-            estimate.decay = with(self.flow.decay(energy, (&y.hi, h), &self.decay));
+            let flow = self.flow.decay(energy, (&y.hi, h), &self.decay);
+            estimate.decay = self.decay.with_flow(rho, flow);
         }
         estimate
     }
