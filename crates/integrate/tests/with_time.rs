@@ -84,7 +84,6 @@ fn closed_forms_in_both_precisions() {
 }
 
 #[test]
-#[ignore = "known deficit: 2.6e-9 in 75 steps from 0, 1e-11 in 118 from 1e6: sweeps begin with Newton's method or without"]
 fn the_size_of_the_time_does_not_matter() {
     // The solution without an oscillation of its own: q = 4/3 cos(t/2).
     let made = |t0: f64| {

@@ -38,6 +38,9 @@ pub struct Contraction<T> {
     rate: f64,
     /// The worst contraction seen in the step, zero if none was.
     worst: f64,
+    /// The product of those seen, and how many they were.
+    product: f64,
+    seen: u32,
     /// The last one.
     last: f64,
     /// Δ_n, and the same without its rounding.
@@ -62,6 +65,8 @@ impl<T: Float> Contraction<T> {
             rounding: STAGE_ROUNDING * T::EPSILON.to_f64(),
             rate: 0.5,
             worst: 0.0,
+            product: 1.0,
+            seen: 0,
             last: 0.0,
             change: f64::INFINITY,
             left: f64::INFINITY,
@@ -80,6 +85,7 @@ impl<T: Float> Contraction<T> {
         self.set_amplification(1.0);
         self.rate = (self.rate / 2.0).max(BEST);
         (self.worst, self.last) = (0.0, 0.0);
+        (self.product, self.seen) = (1.0, 0);
         (self.change, self.left) = (f64::INFINITY, f64::INFINITY);
         (self.slow, self.still) = (0, 0);
         (self.skips_comparison, self.is_settled) = (true, false);
@@ -121,6 +127,8 @@ impl<T: Float> Contraction<T> {
                     self.worst
                 };
                 (self.worst, self.last) = (ratio.max(before), ratio);
+                self.product = (self.product * ratio).max(f64::MIN_POSITIVE);
+                self.seen += 1;
                 let kept = if self.is_preconditioned {
                     BEST
                 } else {
@@ -202,9 +210,14 @@ impl<T: Float> Contraction<T> {
         self.change > FAR
     }
 
-    /// The worst contraction of the step, zero if none was seen.
-    pub fn worst(&self) -> f64 {
-        self.worst
+    /// The geometric mean of the contractions of the step, zero if none was seen: what its sweeps cost. The
+    /// first of them says what the guess was off by, and may be many times the others.
+    pub fn mean(&self) -> f64 {
+        if self.seen == 0 {
+            0.0
+        } else {
+            self.product.powf(1.0 / f64::from(self.seen))
+        }
     }
 
     /// ρ, which the next step begins from.
@@ -279,6 +292,6 @@ mod tests {
         contraction.observe(1e-3, false);
         contraction.disturb();
         contraction.observe(0.1, false);
-        assert_eq!(contraction.worst(), 0.1);
+        assert!((contraction.mean() - 0.1).abs() < 1e-15);
     }
 }
