@@ -106,7 +106,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.parts.all()
     }
 
-    /// How the sweeps of the step contracted in the mean, if it was made by sweeps, as a power that goes like h.
+    /// How the sweeps of the step contracted in the mean, if it was made by sweeps, as a power that goes like
+    /// h.
     pub fn contraction(&self) -> Option<f64> {
         let rate = self.stages.contraction.mean();
         // With the positions alone as unknowns a sweep is two.

@@ -1,14 +1,18 @@
-//! Tuned constants of a step, each with the figure that chose it.
+//! Tuned constants of a step, each with the figure that chose it. Where it says "alike", 1680 cells of `grid
+//! --quick` were run with both ends of the range: the mean error beside Gauss's, its 98 % and the work differ
+//! by less than 2 %.
 
 /// Moves of the α's of one step that may fail to halve what they are to remove: where the slopes all but
-/// vanish, Broyden's correction needs some.
+/// vanish, Broyden's correction needs some. // moves; with 1 Kepler's problem, e = 0.6, s = 4, returns from
+/// 1000 reversible steps to 5e-7 in place of 3e-10; 16 alike.
 pub(crate) const MOST_STALLS: u32 = 4;
 
 /// The largest floor of late loses 1 over this a step. // steps; floors swing by 30 within an oscillation of
-/// some 10 to 50 steps.
+/// some 10 to 50 steps; 16 to 256 alike.
 pub(crate) const FADING: i64 = 64;
 /// α's that move, at most. // α's; further ones disturb the stages the more for the same displacement of the
-/// end point.
+/// end point. Grid: errors are .71, .68, .67 and .74 of Gauss's with 2, 3, 5 and all of them, work 1.42,
+/// 1.44, 1.46, 1.48; with all 1.4 % of the steps more are carried.
 pub(crate) const LEADING: usize = 3;
 /// The end point may move so many times as far as the defect of the step itself is worth, or as its local
 /// error. // ratio; with 4 times the local error 9 % of the steps of 14 systems are carried, with 16 4 %;
@@ -23,22 +27,17 @@ pub(crate) const SMALL: i64 = 16;
 pub(crate) const STATE_ROUNDING: i64 = 64;
 /// A direction turns by so many times the share that the stages move, as its leading terms cancel, and comes
 /// to rest by one over this a turn or better, or not at all. // ratio; 300 at a pericentre, s = 4; 1/50 a
-/// turn where slopes nearly vanish.
+/// turn where slopes nearly vanish; 16 to 256 alike.
 pub(crate) const TURNS: i64 = 64;
-/// A defect of so many floors that moves of the α's do not bring down is rounding. // floors
+/// A defect of so many floors that moves of the α's do not bring down is rounding. // floors; with 1 0.5 % of
+/// the steps more are carried, with 32 0.2 % fewer, errors and work alike.
 pub(crate) const STALLED: i64 = 8;
 /// The ridge of the least-squares problem for the direction is the diagonal over this. // ratio; 1e2 to 1e4
 /// alike on the grid.
 pub(crate) const RIDGE: i64 = 1000;
-/// A factorisation whose iteration contracts worse than this is made anew. // ratio
-pub(crate) const OUTDATED: f64 = 0.1;
 /// Steps for which a cheaper preconditioner that has failed is not tried again: 1, 2, 4, … up to this. //
-/// steps
+/// steps; a trial costs some 10 sweeps, less than 2 % of those of so many steps; 8 to 512 alike.
 pub(crate) const LONGEST_WAIT: u64 = 64;
-/// Springs are components whose ∂²U/∂q² outweighs the rest of its row so many times, …
-pub(crate) const OUTWEIGHS: f64 = 4.0;
-/// … and whose h² w κ is at least this. // (hω)²
-pub(crate) const SOFTEST: f64 = 0.25;
 /// Unknowns s·n up to which the stages are solved with ∇²H at each of them, by a dense matrix. // unknowns; 1
 /// s a step beyond.
 pub(crate) const MOST_DENSE: usize = 1024;

@@ -12,10 +12,9 @@
 //!
 //! $$ h^+ = \hat h\, \frac{1 - 1/z}{1 + \hat h / (h z)} . $$
 //!
-//! A tolerance may allow steps that sweeps take long for: their contraction ρ, in the mean of those of a step,
-//! goes like h (like h² where the positions alone are unknown), and so does what a step costs, the more the
-//! larger it is. Such steps are
-//! made as long as costs least for the time they cover,
+//! A tolerance may allow steps that sweeps take long for: their contraction ρ, in the mean of those of a
+//! step, goes like h (like h² where the positions alone are unknown), and so does what a step costs, the more
+//! the larger it is. Such steps are made as long as costs least for the time they cover,
 //!
 //! $$ h^+ \le h \min\Big(1, \frac{1 - 1/z}{1 + \hat h/(hz)}\Big) \Big(\frac{\rho_0}{\rho}\Big)^{1/p}, $$
 //!

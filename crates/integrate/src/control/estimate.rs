@@ -42,10 +42,16 @@
 //! Cost: s² n multiplications, and ∇H at the end of the step.
 
 use crate::control::policy::NOISE;
-use crate::options::adaptive::Allowed;
 use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_solver::{State, stride_for};
 use equip_tableau::{Gauss, legendre_at};
+
+/// What a step may be off in each component: relative to its motion in the step, and beside that.
+#[derive(Debug, Clone)]
+pub(crate) struct Allowed<T> {
+    pub(crate) relative: Vec<T>,
+    pub(crate) absolute: Vec<T>,
+}
 
 /// What the coefficients of a step say.
 #[derive(Debug, Clone, Copy, PartialEq)]

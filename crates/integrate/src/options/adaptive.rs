@@ -1,5 +1,6 @@
 //! [`Adaptive`]: steps that follow a tolerance.
 
+use crate::control::estimate::Allowed;
 use crate::error::IntegrateError;
 use crate::options::integrator::Integrator;
 use crate::options::method::Method;
@@ -25,13 +26,6 @@ pub struct Tolerance<T> {
     pub(crate) min_step: T,
     pub(crate) max_step: T,
     pub(crate) max_steps: u64,
-}
-
-/// What a step may be off in each component: relative to its motion in the step, and beside that.
-#[derive(Debug, Clone)]
-pub(crate) struct Allowed<T> {
-    pub(crate) relative: Vec<T>,
-    pub(crate) absolute: Vec<T>,
 }
 
 /// Names of the options.
@@ -196,8 +190,8 @@ impl<T: Float> Tolerance<T> {
         of_group(q).min(of_group(p))
     }
 
-    /// What a step may be off, of all components: `pairs` positions and as many momenta of which the first `m`
-    /// are the user's. None if it is the tolerance of their motion.
+    /// What a step may be off, of all components: `pairs` positions and as many momenta of which the first
+    /// `m` are the user's. None if it is the tolerance of their motion.
     pub(crate) fn allowed(
         &self,
         m: usize,

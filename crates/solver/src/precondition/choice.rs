@@ -8,7 +8,7 @@ use crate::memory::SolverMemory;
 use crate::options::step_options::Preconditioner as Wanted;
 use crate::outcome::failure::{Damaged, Failure};
 use crate::outcome::outcome::Counts;
-use crate::policy::{LONGEST_WAIT, MOST_DENSE, OUTDATED};
+use crate::policy::{LONGEST_WAIT, MOST_DENSE};
 use crate::precondition::diagonal::Diagonal;
 use crate::precondition::frozen::Frozen;
 use crate::precondition::full::Full;
@@ -109,12 +109,10 @@ impl<T: Float> Choice<T> {
         }
     }
 
-    /// A step was made, with this contraction.
-    pub(crate) fn end_step(&mut self, contraction: f64) {
+    /// A step was made.
+    pub(crate) fn end_step(&mut self) {
         if self.active == Kind::Identity {
             self.wait = 1;
-        } else if contraction > OUTDATED && !self.is_fresh {
-            self.made_for = T::int(0);
         }
     }
 

@@ -8,7 +8,6 @@
 //!
 //! Cost: s³ operations for each spring to make M⁻¹, s² for each right-hand side.
 
-use crate::policy::{OUTWEIGHS, SOFTEST};
 use equip_autodiff::Pattern;
 use equip_linear::DenseLu;
 use equip_scalar::Float;
@@ -85,10 +84,8 @@ impl Diagonal {
     fn make(&mut self, springs: Vec<(usize, f64, f64)>) -> bool {
         let (s, a) = (self.s, &self.a);
         let squared = a * a;
-        let made = springs
+        self.springs = springs
             .into_iter()
-            .filter(|&(_, drift, push)| drift * push >= SOFTEST);
-        self.springs = made
             .filter_map(|(c, drift, push)| {
                 let mut lu = DenseLu::new(s);
                 lu.matrix_mut().copy_from(&(&squared * (drift * push)));
@@ -122,7 +119,7 @@ fn spring_constant<T: Float>(pattern: &Pattern, hessian: &[T], w: &[T], c: usize
             rest += hessian[place].abs() * (w[j] / w[c]).abs().sqrt();
         }
     }
-    (kappa * w[c] > T::int(0) && kappa.abs() >= T::exact(OUTWEIGHS) * rest).then_some(kappa)
+    (kappa * w[c] > T::int(0) && kappa.abs() >= rest).then_some(kappa)
 }
 
 /// y += factor · matrix · x.

@@ -23,7 +23,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.stages.choice.begin_step();
         let made = self.step_at_level(0, (y, t, h), next);
         match made {
-            Ok(_) => self.stages.choice.end_step(self.stages.contraction.rate()),
+            Ok(_) => self.stages.choice.end_step(),
             Err(_) => self.forget_step(),
         }
         made

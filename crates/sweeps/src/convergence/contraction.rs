@@ -12,7 +12,7 @@
 //! The iteration goes on until Δ_n and that error are ε/256, or the changes no longer shrink.
 //! Σ_i Δ_n,i · C L_i is what a quadratic invariant yᵀCy is off by, and that is alike from step to step.
 
-use crate::policy::{ALLOWANCE, BEST, FAR, NOISY, SETTLED, SLOW, STAGE_ROUNDING, STILL};
+use crate::policy::{ALLOWANCE, FAR, NOISY, SETTLED, SLOW, STAGE_ROUNDING, STILL};
 use equip_scalar::Float;
 use std::marker::PhantomData;
 
@@ -83,7 +83,7 @@ impl<T: Float> Contraction<T> {
     pub fn begin(&mut self, is_preconditioned: bool) {
         self.is_preconditioned = is_preconditioned;
         self.set_amplification(1.0);
-        self.rate = (self.rate / 2.0).max(BEST);
+        self.rate /= 2.0;
         (self.worst, self.last) = (0.0, 0.0);
         (self.product, self.seen) = (1.0, 0);
         (self.change, self.left) = (f64::INFINITY, f64::INFINITY);
@@ -121,19 +121,14 @@ impl<T: Float> Contraction<T> {
             let ratio = change / last;
             self.slow = if ratio > SLOW { self.slow + 1 } else { 0 };
             if last <= FAR {
-                let before = if self.is_preconditioned {
-                    self.last
+                let (before, kept) = if self.is_preconditioned {
+                    (self.last, 0.0)
                 } else {
-                    self.worst
+                    (self.worst, self.rate)
                 };
                 (self.worst, self.last) = (ratio.max(before), ratio);
                 self.product = (self.product * ratio).max(f64::MIN_POSITIVE);
                 self.seen += 1;
-                let kept = if self.is_preconditioned {
-                    BEST
-                } else {
-                    self.rate
-                };
                 self.rate = self.worst.max(kept).min(0.9);
             }
         }
