@@ -30,8 +30,8 @@ pub(crate) const STILL: u32 = 3;
 /// iterations
 pub const MOST_ITERATIONS: u32 = 100;
 /// L of a step is at most so many times that of the last. // ratio; without it Kepler's problem with 2.24
-/// steps a period, s = 16, begins 100 orbits off in place of one, steps over a kink grazed by 1e-10 end 2.6e-7
-/// off in place of 1e-10, and rounding of a chain of 1024 is left to Newton's method.
+/// steps a period, s = 16, begins 100 orbits off in place of one, steps over a kink grazed by 1e-10 end
+/// 2.6e-7 off in place of 1e-10, and rounding of a chain of 1024 is left to Newton's method.
 pub(crate) const LIKELY: i64 = 8;
 /// Products with (J∇²H)² for its largest eigenvalue. // iterations; ω to 3 % for chains, springs, 2 to 8
 /// bodies and dense ∇²H, 200 random ones of each.
