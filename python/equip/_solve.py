@@ -27,7 +27,7 @@ _NOT_KEPT = 1e-9
 
 
 def _errors(of: Any, shape: Shape, name: str) -> Optional[tuple[list[float], list[float]]]:
-    """`rtol` or `atol` of all positions and momenta: a number, or a pair of numbers or what has the shape of q."""
+    """`rtol` or `atol` of positions and momenta: a number, or a pair of numbers or arrays shaped like q."""
     if of is None:
         return None
     parts = tuple(of) if isinstance(of, (tuple, list)) else (of, of)

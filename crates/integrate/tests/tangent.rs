@@ -116,9 +116,9 @@ fn order_and_chaos_of_henon_heiles() {
     let mean = |f: &dyn Fn(f64, &ChaosIndicators<f64>) -> f64, k: usize| {
         all.iter().map(|seen| f(times[k], &seen[k])).sum::<f64>() / 4.0
     };
-    for k in 0..times.len() {
+    for (k, t) in times.iter().enumerate() {
         let ratio = mean(&|t, x| x.megno / (x.lyapunov * t / 2.0), k);
-        println!("MEGNO at t = {:e}: {ratio:.3} of λt/2", times[k]);
+        println!("MEGNO at t = {t:e}: {ratio:.3} of λt/2");
         assert!((0.8..1.25).contains(&ratio), "{ratio}");
     }
     let found = mean(&|_, x| x.lyapunov, 2);
