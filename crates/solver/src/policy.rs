@@ -4,7 +4,7 @@
 
 /// Moves of the α's of one step that may fail to halve what they are to remove: where the slopes all but
 /// vanish, Broyden's correction needs some. // moves; with 1 Kepler's problem, e = 0.6, s = 4, returns from
-/// 1000 reversible steps to 5e-7 in place of 3e-10; 16 alike.
+/// 1000 reversible steps to 5e-7 in place of 3e-10; with 16 15 of 1320 cells differ.
 pub(crate) const MOST_STALLS: u32 = 4;
 
 /// The largest floor of late loses 1 over this a step. // steps; floors swing by 30 within an oscillation of

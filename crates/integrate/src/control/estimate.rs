@@ -246,8 +246,8 @@ impl<T: Float> Decay<T> {
         log_a
     }
 
-    /// ϱ of the step estimated last, `rho` by itself, where what it missed grows by `flow` to the end
-    /// ([`crate::control::flow`]).
+    /// ϱ of the step estimated last, `rho` by itself, where what it missed grows to the end by `flow`, the
+    /// Φ_s^{1/s} of its flow.
     pub(crate) fn with_flow(&self, rho: f64, flow: f64) -> f64 {
         let with = |rho: f64| (rho * flow.hypot(rho)).sqrt();
         match &self.allowed {
