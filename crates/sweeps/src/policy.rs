@@ -5,10 +5,6 @@
 /// Contractions worse than this are slow. // ratio; a sweep then costs 7 for one digit, a factorisation of
 /// any system of the grid costs less; 0.5 to 0.85 within 3 % of the work.
 pub(crate) const SLOW: f64 = 0.7;
-/// The first change, times this, may shrink by [`SLOW`] a sweep. // ratio; without it and [`FAR`] changes
-/// that go round in a cycle ended no step of 8 bodies, h = 0.3, in ten minutes; without it alone 14 of 1680
-/// cells differ.
-pub(crate) const ALLOWANCE: f64 = 16.0;
 /// Changes of this share of a component or more are far from the solution: contractions seen there say
 /// nothing of the rest. // ratio; without it Newton's method takes over a chain at rest that is kicked; 0.03
 /// to 0.5 alike.

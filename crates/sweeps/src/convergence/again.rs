@@ -2,7 +2,7 @@
 //! inside one kernel, which asks here whether to go on.
 
 use crate::convergence::contraction::{Contraction, Progress};
-use crate::policy::NOISY;
+use crate::policy::{MOST_ITERATIONS, NOISY};
 use equip_scalar::Float;
 
 /// Whether sweeps of a series go on.
@@ -60,8 +60,29 @@ impl<T: Float> Again<T> for Series<'_, T> {
     fn again(&mut self, change: T) -> bool {
         let progress = self.contraction.observe(change.to_f64(), false);
         self.progress = Some(progress);
-        let again = progress == Progress::Contracts && self.is_next();
+        let is_early = self.made < MOST_ITERATIONS;
+        let again = progress == Progress::Contracts && is_early && self.is_next();
         self.made += u32::from(again);
         again
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cycle shrinks as often as it grows, so that no change of it diverges.
+    #[test]
+    fn changes_that_go_round_in_a_cycle_end() {
+        let mut contraction = Contraction::<f64>::new(true);
+        contraction.begin(false);
+        let mut series = Series::new(&mut contraction);
+        let cycle = [1e-3, 1e-4].into_iter().cycle().take(1000);
+        let made = cycle.take_while(|&change| series.again(change)).count();
+        assert_eq!(
+            (made as u32 + 1, series.made),
+            (MOST_ITERATIONS, MOST_ITERATIONS)
+        );
+        assert_eq!(series.progress, Some(Progress::Contracts));
     }
 }

@@ -12,7 +12,7 @@
 //! The iteration goes on until Δ_n and that error are ε/256, or the changes no longer shrink.
 //! Σ_i Δ_n,i · C L_i is what a quadratic invariant yᵀCy is off by, and that is alike from step to step.
 
-use crate::policy::{ALLOWANCE, FAR, NOISY, SETTLED, SLOW, STAGE_ROUNDING, STILL};
+use crate::policy::{FAR, NOISY, SETTLED, SLOW, STAGE_ROUNDING, STILL};
 use equip_scalar::Float;
 use std::marker::PhantomData;
 
@@ -48,8 +48,6 @@ pub struct Contraction<T> {
     left: f64,
     /// The next change is not to be compared with the last.
     skips_comparison: bool,
-    /// The largest change that still contracts on the whole.
-    allowed: f64,
     slow: u32,
     still: u32,
     is_settled: bool,
@@ -71,7 +69,6 @@ impl<T: Float> Contraction<T> {
             change: f64::INFINITY,
             left: f64::INFINITY,
             skips_comparison: true,
-            allowed: f64::INFINITY,
             slow: 0,
             still: 0,
             is_settled: false,
@@ -112,11 +109,6 @@ impl<T: Float> Contraction<T> {
         let last = self.change;
         let compares = !self.skips_comparison;
         self.skips_comparison = is_remeasured;
-        self.allowed = if compares {
-            SLOW * self.allowed
-        } else {
-            ALLOWANCE * change
-        };
         if compares && last > STAGE_ROUNDING * eps {
             let ratio = change / last;
             self.slow = if ratio > SLOW { self.slow + 1 } else { 0 };
@@ -140,10 +132,7 @@ impl<T: Float> Contraction<T> {
         self.change = change;
         let is_small = change <= self.rounding;
         let grows = self.slow > 1 && change > 2.0 * last;
-        // From afar the second change of Newton's iteration may be many times the first.
-        let is_behind =
-            change > self.allowed && !is_remeasured && (self.slow > 1 || !self.is_preconditioned);
-        if !change.is_finite() || (!is_small && (self.slow >= STILL || grows || is_behind)) {
+        if !change.is_finite() || (!is_small && (self.slow >= STILL || grows)) {
             return Progress::Diverges;
         }
         let stagnates = is_small && compares && change > last / 2.0;
