@@ -12,6 +12,7 @@ mod encounters;
 mod ensemble;
 mod events;
 mod extended;
+mod force_rounding;
 mod gradients;
 mod memory;
 mod preconditioners;

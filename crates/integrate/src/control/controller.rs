@@ -29,15 +29,6 @@ use crate::control::policy::{
     ACCEPTED, CHEAPEST, MOST_CHANGE, MOST_PREDICTED, MOST_SHRINKAGE, NEWTON, SAFETY,
 };
 
-/// A try of the step that was refused.
-#[derive(Debug, Clone, Copy)]
-struct Refused {
-    /// Size of the first such try, and of the last.
-    first: f64,
-    size: f64,
-    rest: f64,
-}
-
 /// What control remembers between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Memory {
@@ -54,9 +45,6 @@ pub(crate) struct Control {
     /// Largest step.
     pub(crate) most: f64,
     pub(crate) memory: Memory,
-    /// Rests below this may be rounding.
-    rounding: f64,
-    refused: Option<Refused>,
 }
 
 /// What to do with a step that was made.
@@ -68,22 +56,18 @@ pub(crate) enum Judgement {
 }
 
 impl Control {
-    /// `eps` is that of the float type.
-    pub(crate) fn new((tolerance, eps): (f64, f64), stages: usize, most: f64) -> Self {
+    pub(crate) fn new(tolerance: f64, stages: usize, most: f64) -> Self {
         let root = |x: f64| x.powf(1.0 / (2 * stages) as f64);
         Control {
             wanted: root(tolerance),
             accepted: root(1.0 / ACCEPTED),
             most,
             memory: Memory { next: most },
-            rounding: eps.sqrt(),
-            refused: None,
         }
     }
 
     /// A run begins, with a step of the size `first` if that is allowed.
     pub(crate) fn begin(&mut self, first: f64) {
-        self.refused = None;
         self.memory = Memory {
             next: first.min(self.most),
         };
@@ -99,19 +83,7 @@ impl Control {
         (contraction, is_retried): (Option<f64>, bool),
     ) -> Judgement {
         let ratio = self.ratio(estimate);
-        let refused = self.refused.take();
         if !(ratio >= self.accepted) {
-            if let Some(before) = refused
-                && self.is_rounding(before, (h, estimate.rest))
-            {
-                self.memory.next = before.first;
-                return Judgement::Accept;
-            }
-            self.refused = Some(Refused {
-                first: refused.map_or(h, |before| before.first),
-                size: h,
-                rest: estimate.rest,
-            });
             return Judgement::Refuse(h * (SAFETY * ratio).max(MOST_SHRINKAGE));
         }
         let growth = ratio.min(MOST_CHANGE);
@@ -126,16 +98,15 @@ impl Control {
         Judgement::Accept
     }
 
+    /// Whether a step with this estimate is longer than the tolerance allows.
+    pub(crate) fn is_too_long(&self, estimate: &Estimate) -> bool {
+        self.ratio(estimate) < 1.0
+    }
+
     /// Whether a step that was accepted with an estimate of this `decay` gets the next size whatever it is.
     pub(crate) fn has_room(&self, decay: f64, contraction: f64) -> bool {
         let enough = (CHEAPEST / contraction / SAFETY).clamp(1.0, MOST_CHANGE);
         self.wanted >= decay * enough
-    }
-
-    /// Whether a `rest` that is small has not fallen with the size as that of any motion does: it is rounding
-    /// of the slopes, which shorter steps have too.
-    fn is_rounding(&self, before: Refused, (h, rest): (f64, f64)) -> bool {
-        rest <= self.rounding && rest >= before.rest * (h / before.size).sqrt()
     }
 
     /// The step that sweeps cost least for, in units of the one that was made; infinite for Newton's method.

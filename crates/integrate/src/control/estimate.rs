@@ -33,6 +33,10 @@
 //! A component that may be off by more or less than the tolerance of its motion (`rtol`, `atol`) has its est
 //! divided by how many times as much that is, that of the flow along with it.
 //!
+//! Of a step that is longer than allowed the coefficients are taken less what rounding of the state makes of
+//! the slopes ([`Decay::estimate`]): where a stiff spring is near its length, and far from the origin, ∇H has
+//! few digits, and shorter steps have no more of them.
+//!
 //! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1}; if what limits
 //! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z =
 //! 2w/(1 + w²) from the middle of the step, ahead if w > 0, behind if w < 0 (Bernstein ellipses). Of the last
@@ -146,12 +150,13 @@ impl<T: Float> Decay<T> {
     }
 
     /// The estimate for the step of size `h` from `y` with these L, component c of stage i at c·stride + i,
-    /// and its two ends.
+    /// and its two ends. What is within the `rounding` of ∇H, where that is known, is none of the motion.
     pub(crate) fn estimate(
         &mut self,
         (y, h): (&State<T>, T),
         l: &[T],
         ends: [End<'_, T>; 2],
+        rounding: Option<&[T]>,
     ) -> Estimate {
         let (set, s, stride) = (self.set, self.s, self.stride);
         mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
@@ -164,8 +169,9 @@ impl<T: Float> Decay<T> {
             let (sign, from) = if group == 0 { (h, half) } else { (-h, 0) };
             for (c, &y) in y[..self.m].iter().enumerate() {
                 let rates = ends.map(|end| sign * end.slope[from + c]);
+                let noise = rounding.map_or(T::int(0), |x| h.abs() * x[from + c]);
                 let c = group * half + c;
-                let [log, missed] = self.of_component(c, (y, largest), rates, is_inset);
+                let [log, missed] = self.of_component(c, (y, largest), (rates, is_inset), noise);
                 (decay, rest) = (decay.max(log + self.of_allowed(c, log)), rest.max(missed));
             }
         }
@@ -177,13 +183,14 @@ impl<T: Float> Decay<T> {
     }
 
     /// ln ϱ of component c, and the rest of its motion. `y` is it at the start of the step, `largest` the
-    /// largest of its group, `ends` are h f there and at the end; its unit is left behind.
+    /// largest of its group, `ends` are h f there and at the end, `noise` is the rounding of h f; its unit is
+    /// left behind.
     fn of_component(
         &mut self,
         c: usize,
         (y, largest): (T, T),
-        ends: [T; 2],
-        is_inset: [bool; 2],
+        (ends, is_inset): ([T; 2], [bool; 2]),
+        noise: T,
     ) -> [f64; 2] {
         let s = self.s;
         let row = &self.coefficients[c * self.stride..][..s];
@@ -206,7 +213,7 @@ impl<T: Float> Decay<T> {
             return [f64::NEG_INFINITY, 0.0];
         }
         // θ = |γ|/a_0; roots and ratios of them are taken by their logarithms.
-        let theta = |x: T| (x * inverse).to_f64().abs();
+        let theta = |x: T| ((x.abs() - noise) * inverse).to_f64().max(0.0);
         let beyond = self.beyond(row, ends, is_inset).map(theta);
         let tail = beyond[0].max(beyond[1]);
         let logs = [theta(row[s - 1]), beyond[0]].map(f64::ln);

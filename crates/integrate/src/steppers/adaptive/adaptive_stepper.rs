@@ -17,6 +17,7 @@ use crate::events::crossings::Crossings;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::adaptive::made::{EndIs, Made, Place, shortest_at};
+use crate::steppers::adaptive::slope_rounding::SlopeRounding;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
 use equip_autodiff::Evaluate;
@@ -33,6 +34,7 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) flow: Flow<T>,
     /// ∇H where the step begins, and where it ends.
     pub(super) slopes: [Vec<T>; 2],
+    pub(super) slope_rounding: SlopeRounding<T>,
     /// None if H is smooth as far as is known.
     pub(super) crossings: Option<Crossings<T>>,
     pub(super) first: FirstSize<T>,

@@ -13,6 +13,7 @@ use crate::options::adaptive::Tolerance;
 use crate::options::common::{Words, in_digits};
 use crate::options::integrator::Integrator;
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
+use crate::steppers::adaptive::slope_rounding::SlopeRounding;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
@@ -38,13 +39,10 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
         }
         Ok(AdaptiveStepper {
             crossings,
-            control: Control::new(
-                (tolerance.to_f64(), T::EPSILON.to_f64()),
-                integrator.method.stages,
-                most,
-            ),
+            control: Control::new(tolerance.to_f64(), integrator.method.stages, most),
             decay: Decay::new(inner.core.gauss(), (n, inner.m), tolerance, allowed),
             flow: Flow::new(integrator.method.stages, n),
+            slope_rounding: SlopeRounding::new(n),
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
             first_step: sizes.first_step,

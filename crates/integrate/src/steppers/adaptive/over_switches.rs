@@ -149,7 +149,14 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let ends = [(start, begins_on_switch), (end, ends_on_switch)];
         let ends = ends.map(|(slope, is_inset)| End { slope, is_inset });
         let l = core.derivatives_by_component();
-        let mut estimate = self.decay.estimate((y, h), l, ends);
+        let mut estimate = self.decay.estimate((y, h), l, ends, None);
+        if !ends_on_switch && self.control.is_too_long(&estimate) {
+            let (energy, counts) = core.energy_and_counts();
+            counts.gradients += 1;
+            let rounding = self.slope_rounding.at(energy, &next.hi, end);
+            let l = core.derivatives_by_component();
+            estimate = self.decay.estimate((y, h), l, ends, Some(rounding));
+        }
         let rho = estimate.decay;
         // Of rounding nothing follows, and where the contraction bounds it well enough it is not needed.
         let is_rounding = self.decay.is_rounding(&estimate);
