@@ -26,7 +26,8 @@ impl<T: Float> SlopeRounding<T> {
         }
     }
 
-    /// By how much each component of ∇H at `y`, which is `slope`, may be off.
+    /// By how much each component of ∇H at `y`, which is `slope`, may be off; by nothing where that is not
+    /// finite.
     pub(super) fn at<E: Evaluate<T>>(&mut self, energy: &mut E, y: &[T], slope: &[T]) -> &[T] {
         let most = T::int(ROUNDING) * T::EPSILON;
         let golden = (1.0 + 5_f64.sqrt()) / 2.0;
@@ -38,7 +39,39 @@ impl<T: Float> SlopeRounding<T> {
         energy.gradient(&self.moved, &mut self.slope);
         for (off, &slope) in self.slope.iter_mut().zip(slope) {
             *off = (*off - slope).abs();
+            if !off.is_finite() {
+                *off = T::int(0);
+            }
         }
         &self.slope
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use equip_autodiff::{Hamiltonian, System};
+
+    /// A spring of stiffness k at q = 1 has a force known to k ε, and the edge of a domain hides nothing.
+    #[test]
+    fn forces_are_off_by_what_the_state_is() {
+        let stiff = Hamiltonian::new(2, |q, _| {
+            let x = q[0] - q[1];
+            5e5 * x * x + (1.0 - q[1]).powf(1.5)
+        });
+        let mut energy = stiff.unwrap().evaluator::<f64>();
+        let (mut rounding, mut slope) = (SlopeRounding::new(4), vec![0.0; 4]);
+        for (y, least, most) in [
+            ([0.5, 0.5, 0.0, 0.0], 1e-10, 1e-8),
+            ([1.0, 1.0, 0.0, 0.0], 0.0, 1e-8),
+        ] {
+            energy.gradient(&y, &mut slope);
+            let off = rounding.at(&mut energy, &y, &slope);
+            assert!(
+                off[..2].iter().all(|x| (least..most).contains(x)),
+                "{off:?}"
+            );
+            assert_eq!(off[2..], [0.0; 2]);
+        }
     }
 }
