@@ -35,7 +35,7 @@
 //!
 //! Of a step that is longer than allowed the coefficients are taken less what rounding of the state makes of
 //! the slopes ([`Decay::estimate`]): where a stiff spring is near its length, and far from the origin, ∇H has
-//! few digits, and shorter steps have no more of them.
+//! few digits, and shorter steps have no more of them (docs/adr/0024).
 //!
 //! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1}; if what limits
 //! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z =
