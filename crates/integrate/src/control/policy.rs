@@ -30,8 +30,8 @@ pub(crate) const NOISE: f64 = 1024.0;
 pub(crate) const MOST_TRIES: u32 = 25;
 /// A small part of a step is one over this. // ratio
 pub(crate) const PART: i64 = 16;
-/// Sizes, times and states within so many units of the last place are the same. // ε; of 24 runs of stiff
-/// springs and of bodies 10⁸ from the origin that are known no better 20 did not come on
+/// Sizes, times and states within so many units of the last place are the same. // ε; 24 runs of stiff
+/// springs and of bodies 10⁸ from the origin, states known to 0, 4, 16 and 64: 20, 2, 0 and 0 do not come on
 pub(crate) const ROUNDING: i64 = 16;
 /// A step that meets the first knot of a table within one over this of its size is halved before it is made
 /// to end there, until it would be so many times as short: many knots are passed over by steps that are not.
