@@ -25,8 +25,8 @@ fn apart(a: &Run<f64>, b: &Run<f64>) -> f64 {
 }
 
 /// Where the last place of the state moves a force by more than the tolerance of the motion, nothing is
-/// resolved by shorter steps: bodies 10⁸ from the origin take no more of them than at it, and a stiff spring
-/// that hangs at its length no more than half a radian each.
+/// resolved by shorter steps: bodies 10⁸ from the origin take no more of them than at it, but for 20, and a
+/// stiff spring that hangs at its length at most two for each radian of its swings.
 #[test]
 fn forces_that_are_rounding_shorten_no_steps() {
     let spring = Hamiltonian::new(2, |q, p| {
