@@ -42,8 +42,8 @@ pub struct Made<T> {
     pub gradients: u64,
     /// Evaluations of ∇²H.
     pub hessians: u64,
-    /// Groups of columns of ∇²H that are made together.
-    pub colours: u64,
+    /// Operations of ∇²H over those of ∇H.
+    pub hessian_cost: f64,
     /// CPU time of the run, seconds.
     pub seconds: f64,
     /// Whether the certificate says that the steps do not resolve the motion.
@@ -51,9 +51,9 @@ pub struct Made<T> {
 }
 
 impl<T> Made<T> {
-    /// Work in gradients, a Hessian counting as one for each group of columns that are made together.
+    /// Work in gradients, a Hessian counting as its operations.
     pub fn work(&self) -> f64 {
-        (self.gradients + self.colours * self.hessians) as f64
+        self.gradients as f64 + self.hessian_cost * self.hessians as f64
     }
 }
 
@@ -146,7 +146,8 @@ fn made<T: Float>(
         carried: counts.carried(),
         gradients: counts.gradients,
         hessians: counts.hessians,
-        colours: hamiltonian.colours() as u64,
+        hessian_cost: hamiltonian.hessian_operations() as f64
+            / hamiltonian.gradient_operations() as f64,
         seconds,
         says_unresolved: certificate.to_string().contains("its phase drifts"),
     }

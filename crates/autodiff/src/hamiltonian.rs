@@ -159,20 +159,6 @@ impl Hamiltonian<Recorded> {
         Ok(Hamiltonian { route, alone })
     }
 
-    /// Number of directions the Hessian is computed with: columns of the pattern that share no row share one.
-    ///
-    /// ```
-    /// use equip_autodiff::{Hamiltonian, Var};
-    /// let chain = Hamiltonian::new(100, |q, _| {
-    ///     q.windows(2).map(|q| (q[1] - q[0]).powi(4)).sum::<Var>()
-    /// })?;
-    /// assert_eq!(chain.colours(), 3);
-    /// # Ok::<(), equip_autodiff::BuildError>(())
-    /// ```
-    pub fn colours(&self) -> usize {
-        self.route.colours()
-    }
-
     /// Arithmetic operations and function calls of one evaluation of H as it is replayed: repeated
     /// subexpressions counted once, those of constants and those that do not reach H not at all.
     ///
@@ -196,5 +182,17 @@ impl Hamiltonian<Recorded> {
     /// ```
     pub fn gradient_operations(&self) -> usize {
         self.route.gradient_operations()
+    }
+
+    /// The same for all entries of ∇²H.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// let h = Hamiltonian::new(1, |q, p| p[0] * p[0] + q[0].cos())?;
+    /// assert_eq!(h.hessian_operations(), 2); // cos q, −cos q; the other entry is 2
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn hessian_operations(&self) -> usize {
+        self.route.hessian_operations()
     }
 }

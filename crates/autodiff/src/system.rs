@@ -1,5 +1,6 @@
 //! What an integrator asks of an energy.
 
+use crate::replay::point::Points;
 use crate::routes::check::by_differences;
 use crate::{Fused, Hamiltonian, Kinetic, RecordedEvaluator, Structure, Switches, WrongGradient};
 use equip_scalar::{Float, InstructionSet};
@@ -208,6 +209,24 @@ pub trait Evaluate<T: Float> {
 
     /// The entries of ∇²H(y) in the order of the pattern `structure().hessian`.
     fn hessian(&mut self, y: &[T], entries: &mut [T]);
+
+    /// ∇²H at `count` points at once, component by component as in
+    /// [`gradients_by_component`](Self::gradients_by_component): entry e of the pattern at point i into place
+    /// `e·stride + i` of `entries`. Allocates, unless it is overridden.
+    fn hessians_by_component(
+        &mut self,
+        states: &[T],
+        entries: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let (n, len) = (states.len() / stride, entries.len() / stride);
+        let mut points = Points::default();
+        points.make_room(n, len);
+        points.each(states, entries, stride, count, |y, entries| {
+            self.hessian(y, entries);
+        });
+    }
 }
 
 /// Something with an evaluator in it, whatever its type.

@@ -49,7 +49,7 @@ fn assert_same(h: &Hamiltonian, again: &Hamiltonian, y: &[f64]) {
         (
             h.operations(),
             h.gradient_operations(),
-            h.colours(),
+            h.hessian_operations(),
             h.has_time(),
         )
     };

@@ -74,7 +74,7 @@ fn a_constant_energy() {
     assert_eq!(product, [0.0; 4]);
     evaluator.hessian(&[1.0; 4], &mut []);
     assert_eq!(
-        (h.structure().degree, h.colours(), h.operations()),
+        (h.structure().degree, h.hessian_operations(), h.operations()),
         (Some(0), 0, 0)
     );
     assert!(h.structure().separable && h.structure().hessian.is_empty());

@@ -1,4 +1,4 @@
-//! Gradients at many points at once: every bit of the gradient at one point, whatever the instructions.
+//! Derivatives at many points at once: every bit of the gradient at one point, whatever the instructions.
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{
@@ -13,8 +13,14 @@ fn same_number<T: Float>(a: T, b: T) -> bool {
     same_bits(a, b) || (a == T::int(0) && b == T::int(0))
 }
 
-/// All counts from 1 to 20, with the shortest stride and with a longer one.
-fn batches_equal_points<H: System, T: Float>(name: &str, h: &H) {
+/// Within so many roundings: every bit with 0.
+fn near<T: Float>(a: T, b: T, roundings: i64) -> bool {
+    same_number(a, b) || (a - b).abs() < T::int(roundings) * T::EPSILON * (T::int(1) + b.abs())
+}
+
+/// All counts from 1 to 20, with the shortest stride and with a longer one. Entries of ∇²H at one point may
+/// be so many roundings `off`: those of types come from dual numbers.
+fn batches_equal_points<H: System, T: Float>(name: &str, h: &H, off: i64) {
     let structure = h.structure();
     let m = structure.degrees_of_freedom;
     let mut random = Random(0x1A9E5 + m as u64);
@@ -37,8 +43,20 @@ fn batches_equal_points<H: System, T: Float>(name: &str, h: &H) {
                 if structure.separable {
                     many.forces_by_component(&states[..m * stride], &mut forces, stride, count);
                 }
+                let entries = structure.hessian.len();
+                let mut hessians = vec![T::NAN; entries * stride];
+                many.hessians_by_component(&states, &mut hessians, stride, count);
                 for i in 0..count {
                     let y: Vec<T> = (0..2 * m).map(|c| states[c * stride + i]).collect();
+                    let mut hessian = vec![T::NAN; entries];
+                    one.hessian(&y, &mut hessian);
+                    for (e, &expected) in hessian.iter().enumerate() {
+                        let found = hessians[e * stride + i];
+                        assert!(
+                            near(found, expected, off),
+                            "{name} {set:?}: point {i} of {count} in {stride}, entry {e}: {found:e} {expected:e}"
+                        );
+                    }
                     let mut gradient = vec![T::NAN; 2 * m];
                     one.gradient(&y, &mut gradient);
                     for (c, &expected) in gradient.iter().enumerate() {
@@ -65,10 +83,10 @@ fn on_both_routes<E: Energy + Clone>(name: &str, energy: E) {
     let m = energy.degrees_of_freedom();
     let closure = Hamiltonian::new(m, |q, p| energy.energy(q, p)).unwrap();
     let compiled = Hamiltonian::from_energy(energy).unwrap();
-    batches_equal_points::<_, f64>(name, &closure);
-    batches_equal_points::<_, f64>(name, &compiled);
-    batches_equal_points::<_, DoubleDouble>(name, &closure);
-    batches_equal_points::<_, DoubleDouble>(name, &compiled);
+    batches_equal_points::<_, f64>(name, &closure, 0);
+    batches_equal_points::<_, f64>(name, &compiled, 4096);
+    batches_equal_points::<_, DoubleDouble>(name, &closure, 0);
+    batches_equal_points::<_, DoubleDouble>(name, &compiled, 0);
 }
 
 /// Every function an energy can be written with, U(q) and T(p) apart.
@@ -137,8 +155,8 @@ fn every_function() {
 #[test]
 fn long_chains_and_sums() {
     let chain = Hamiltonian::new(40, |q, p| Chain(40).energy(q, p)).unwrap();
-    batches_equal_points::<_, f64>("chain", &chain);
-    batches_equal_points::<_, DoubleDouble>("chain", &chain);
+    batches_equal_points::<_, f64>("chain", &chain, 0);
+    batches_equal_points::<_, DoubleDouble>("chain", &chain, 0);
     let all_with_all = Hamiltonian::new(12, |q, p| {
         let mut h: Var = p.iter().map(|p| p.powi(2)).sum::<Var>() * 0.5;
         for (i, &a) in q.iter().enumerate() {
@@ -148,14 +166,14 @@ fn long_chains_and_sums() {
         }
         h
     });
-    batches_equal_points::<_, f64>("all with all", &all_with_all.unwrap());
+    batches_equal_points::<_, f64>("all with all", &all_with_all.unwrap(), 0);
 }
 
 #[test]
 fn supplied_gradients_are_used() {
     let h = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2.0 - q[0].cos()).unwrap();
     let supplied = h.with_gradient(|q, p, dq, dp| (dq[0], dp[0]) = (10.0 + q[0], 20.0 + p[0]));
-    batches_equal_points::<_, f64>("supplied", &supplied);
+    batches_equal_points::<_, f64>("supplied", &supplied, 0);
     let mut gradients = [0.0; 4];
     let mut evaluator = supplied.evaluator::<f64>();
     evaluator.gradients_by_component(&[1.0, 2.0, 3.0, 4.0], &mut gradients, 2, 2);

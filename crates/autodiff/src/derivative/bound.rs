@@ -22,7 +22,7 @@ pub(crate) fn differentiate_with_bound(
     root: u32,
     is_exact: &[bool],
 ) -> (Vec<u32>, u32) {
-    let mut reverse = Reverse::new(recorder, root);
+    let mut reverse = Reverse::new(recorder);
     let mut rounded: Vec<(u32, Adjoint)> = Vec::new();
     let slopes = reverse.sweep(root, |node, w| {
         if !is_exact[node as usize] {

@@ -95,24 +95,25 @@ pub(crate) fn value<E: Energy, T: Float, const N: usize>(energy: &E, y: &[T]) ->
     energy.energy(&y[..N / 2], &y[N / 2..]).0
 }
 
-/// ∇²H at a state of 2, 4, 6 or 8 components, by num-dual, into the entries of a pattern. Returns whether the
-/// state is that short.
+/// ∇²H at a state of two components, by num-dual, into the entries of a pattern. Returns whether the state is
+/// that short.
 pub(crate) fn hessian<E: Energy, T: Float>(
     energy: &E,
     y: &[f64],
     (pattern, entries): (&Pattern, &mut [T]),
 ) -> bool {
-    by_length!(y, N => {
-        let y: [Num<Forward2<f64, N>>; N] = from_fn(|c| Num(Forward2::variable(y[c], c)));
-        let Num(h) = energy.energy(&y[..N / 2], &y[N / 2..]);
-        let h = h.hessian();
-        for i in 0..N {
-            for (entry, j) in pattern.row(i) {
-                entries[entry] = T::exact(h[i.min(j)][i.max(j)]);
-            }
+    let &[q, p] = y else {
+        return false;
+    };
+    let [q, p] = [(q, 0), (p, 1)].map(|(x, i)| Num(Forward2::<f64, 2>::variable(x, i)));
+    let Num(h) = energy.energy(&[q], &[p]);
+    let h = h.hessian();
+    for i in 0..2 {
+        for (entry, j) in pattern.row(i) {
+            entries[entry] = T::exact(h[i.min(j)][i.max(j)]);
         }
-        true
-    }, false)
+    }
+    true
 }
 
 #[inline(always)]

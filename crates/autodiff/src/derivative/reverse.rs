@@ -13,23 +13,26 @@
 use crate::recording::op::{Node, Op};
 use crate::recording::recorder::Recorder;
 use equip_scalar::{Constant, Written};
-use std::collections::HashMap;
+use std::collections::{BinaryHeap, HashMap};
 use std::sync::Arc;
 
 /// Appends the derivatives of the node `root` by all inputs; their nodes.
 pub(crate) fn differentiate(recorder: &mut Recorder, root: u32) -> Vec<u32> {
-    Reverse::new(recorder, root).sweep(root, |_, _| {})
+    Reverse::new(recorder).sweep(root, |_, _| {})
 }
 
-/// Which nodes up to the root depend on inputs.
-fn dependent(recorder: &Recorder, root: u32) -> Vec<bool> {
-    let mut depends: Vec<bool> = Vec::with_capacity(root as usize + 1);
-    for Node { op, a, b } in &recorder.nodes[..=(root as usize).max(recorder.inputs - 1)] {
+/// The first input that each node depends on, `u32::MAX` for constants.
+fn first_inputs(recorder: &Recorder) -> Vec<u32> {
+    let mut first: Vec<u32> = Vec::with_capacity(recorder.nodes.len());
+    for Node { op, a, b } in &recorder.nodes {
         let operands = [a, b].into_iter().take(op.arity());
-        let own = matches!(op, Op::Input(_)) || operands.into_iter().any(|&x| depends[x as usize]);
-        depends.push(own);
+        let own = match *op {
+            Op::Input(k) => k,
+            _ => operands.fold(u32::MAX, |least, &x| least.min(first[x as usize])),
+        };
+        first.push(own);
     }
-    depends
+    first
 }
 
 /// The derivative of H by a node: ± 2^twos times what stands at another.
@@ -42,40 +45,71 @@ pub(super) struct Adjoint {
 
 pub(super) struct Reverse<'a> {
     pub(super) recorder: &'a mut Recorder,
-    depends: Vec<bool>,
+    first_input: Vec<u32>,
+    /// By inputs after this one nothing is differentiated.
+    last_input: u32,
     /// Sums of what each node has received so far, one for each power of two.
     received: Vec<Vec<Adjoint>>,
+    /// Nodes that have received something.
+    pending: BinaryHeap<u32>,
     /// How often a node was given to others as a derivative by them.
     pub(super) shares: HashMap<u32, u32>,
 }
 
 impl<'a> Reverse<'a> {
-    pub(super) fn new(recorder: &'a mut Recorder, root: u32) -> Self {
-        let depends = dependent(recorder, root);
+    /// For derivatives of the nodes that are there.
+    pub(super) fn new(recorder: &'a mut Recorder) -> Self {
+        let first_input = first_inputs(recorder);
         Reverse {
-            received: vec![Vec::new(); depends.len()],
+            received: vec![Vec::new(); first_input.len()],
+            pending: BinaryHeap::new(),
             shares: HashMap::new(),
-            depends,
+            last_input: recorder.inputs as u32 - 1,
+            first_input,
             recorder,
         }
     }
 
-    /// The whole sweep. Calls `visit` with every operation that reaches H and the derivative of H by it.
-    pub(super) fn sweep(&mut self, root: u32, mut visit: impl FnMut(u32, Adjoint)) -> Vec<u32> {
-        let one = self.number(1.0);
-        self.received[root as usize].push(Adjoint {
-            node: one,
+    /// The derivatives of a node by all inputs. Calls `visit` with every operation that reaches it and the
+    /// derivative by that.
+    pub(super) fn sweep(&mut self, root: u32, visit: impl FnMut(u32, Adjoint)) -> Vec<u32> {
+        let mut slopes = vec![None; self.recorder.inputs];
+        for (input, slope) in self.sweep_up_to(u32::MAX, root, visit) {
+            slopes[input as usize] = Some(slope);
+        }
+        let mut or_zero = |slope: Option<u32>| slope.unwrap_or_else(|| self.number(0.0));
+        slopes.into_iter().map(&mut or_zero).collect()
+    }
+
+    /// The derivatives by the inputs up to this one that there are, ascending.
+    pub(super) fn sweep_up_to(
+        &mut self,
+        last_input: u32,
+        root: u32,
+        mut visit: impl FnMut(u32, Adjoint),
+    ) -> Vec<(u32, u32)> {
+        self.last_input = last_input.min(self.recorder.inputs as u32 - 1);
+        self.shares.clear();
+        let one = Adjoint {
+            node: self.number(1.0),
             minus: false,
             twos: 0,
-        });
-        let inputs = self.recorder.inputs;
-        for node in (inputs..=root as usize).rev() {
-            if let (true, Some(w)) = (self.depends[node], self.total(node)) {
-                visit(node as u32, w);
-                self.pass_on(node as u32, w);
+        };
+        self.give(root, one);
+        let mut inputs = Vec::new();
+        while let Some(node) = self.pending.pop() {
+            if (node as usize) < self.recorder.inputs {
+                inputs.push(node);
+            } else if let Some(w) = self.total(node as usize) {
+                visit(node, w);
+                self.pass_on(node, w);
             }
         }
-        (0..inputs).map(|i| self.result(i)).collect()
+        inputs.reverse();
+        let slopes = inputs.into_iter();
+        slopes
+            .filter_map(|input| Some((input, self.result(input)?)))
+            .collect()
     }
 }
 
@@ -91,7 +125,7 @@ impl Reverse<'_> {
                 let node = self.apply(op, w.node, y);
                 self.give(x, Adjoint { node, ..w });
             }
-            Op::PowfSlope(_) | Op::SquareAdd | Op::RecipSqrt => unreachable!("derivatives and what is replayed are not differentiated"),
+            Op::SquareAdd | Op::RecipSqrt => unreachable!("what is replayed is not differentiated"),
             Op::Add => { self.give(x, w); self.give(y, w); }
             Op::Sub => { self.give(x, w); self.give_minus(y, w); }
             Op::Neg => self.give_minus(x, w),
@@ -125,6 +159,11 @@ impl Reverse<'_> {
             Op::Powf(k) => {
                 if self.recorder.constants[k as usize].to::<f64>() != 0.0 {
                     let slope = self.apply(Op::PowfSlope(k), x, f);
+                    self.give_times(x, w, slope);
+                }
+            }
+            Op::PowfSlope(k) => {
+                if let Some(slope) = self.second_powf_slope(x, k) {
                     self.give_times(x, w, slope);
                 }
             }
@@ -196,11 +235,11 @@ impl Reverse<'_> {
 
     /// x/y, with the reciprocal of y in place of further divisions.
     fn quotient(&mut self, x: u32, y: u32, w: Adjoint) {
-        if !self.depends[y as usize] {
+        if !self.depends(y) {
             return self.give_over(x, w, y);
         }
         let r = self.reciprocal(y);
-        let by_y = if self.depends[x as usize] {
+        let by_y = if self.depends(x) {
             let by_x = self.times(w, r);
             self.give(x, by_x);
             self.times(by_x, x)
@@ -227,7 +266,7 @@ impl Reverse<'_> {
     }
 
     fn give_times(&mut self, operand: u32, w: Adjoint, slope: u32) {
-        if self.depends[operand as usize] {
+        if self.depends(operand) {
             let part = self.times(w, slope);
             self.give(operand, part);
         }
@@ -239,11 +278,14 @@ impl Reverse<'_> {
 
     /// Adds to what the operand has received.
     fn give(&mut self, operand: u32, new: Adjoint) {
-        if !self.depends[operand as usize] {
+        if !self.depends(operand) {
             return;
         }
         *self.shares.entry(new.node).or_default() += 1;
         let received = &self.received[operand as usize];
+        if received.is_empty() {
+            self.pending.push(operand);
+        }
         match received.iter().position(|old| old.twos == new.twos) {
             Some(k) => {
                 let sum = self.joined(received[k], new);
@@ -275,16 +317,19 @@ impl Reverse<'_> {
         Some(total)
     }
 
-    fn result(&mut self, input: usize) -> u32 {
-        let Some(w) = self.total(input) else {
-            return self.number(0.0);
-        };
-        match self.settled(w) {
+    fn result(&mut self, input: u32) -> Option<u32> {
+        let w = self.total(input as usize)?;
+        Some(match self.settled(w) {
             Adjoint {
                 node, minus: false, ..
             } => node,
             Adjoint { node, .. } => self.apply(Op::Neg, node, node),
-        }
+        })
+    }
+
+    /// Whether a node depends on the inputs by which is differentiated.
+    fn depends(&self, node: u32) -> bool {
+        self.first_input[node as usize] <= self.last_input
     }
 
     fn times(&mut self, w: Adjoint, factor: u32) -> Adjoint {
@@ -304,7 +349,7 @@ impl Reverse<'_> {
     /// x.
     fn fold(&mut self, op: Op, x: u32, y: u32) -> u32 {
         match (self.double(x), self.double(y)) {
-            (Some(a), Some(b)) => match exact(op, a, b) {
+            (Some(a), Some(b)) => match op.exact(a, b) {
                 Some(result) => self.number(result),
                 None => self.apply(op, x, y),
             },
@@ -336,21 +381,4 @@ fn opposite(w: Adjoint) -> Adjoint {
         minus: !w.minus,
         ..w
     }
-}
-
-/// The result if it is exact, far from overflow and underflow.
-pub(super) fn exact(op: Op, a: f64, b: f64) -> Option<f64> {
-    let moderate = |x: f64| x == 0.0 || (1e-100..1e100).contains(&x.abs());
-    let result = match op {
-        Op::Add => a + b,
-        Op::Mul => a * b,
-        Op::Div => a / b,
-        _ => return None,
-    };
-    let is_exact = match op {
-        Op::Add => result - a == b && result - b == a,
-        Op::Mul => a.mul_add(b, -result) == 0.0,
-        _ => result.mul_add(b, -a) == 0.0,
-    };
-    (is_exact && [a, b, result].into_iter().all(moderate)).then_some(result)
 }

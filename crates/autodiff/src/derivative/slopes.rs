@@ -79,6 +79,18 @@ impl Reverse<'_> {
         self.times_constant(DoubleDouble::LN_2, f)
     }
 
+    /// c(c − 1)·xᶜ⁻², c being this entry of the table of constants; `None` where that is 0.
+    pub(super) fn second_powf_slope(&mut self, x: u32, c: u32) -> Option<u32> {
+        let [one, two] = [1.0, 2.0].map(DoubleDouble::from);
+        let c: DoubleDouble = self.recorder.constants[c as usize].to();
+        let factor = c * (c - one);
+        if factor == DoubleDouble::from(0.0) {
+            return None;
+        }
+        let power = self.recorder.powf(x, Constant::from(c - two));
+        Some(self.times_constant(factor, power))
+    }
+
     fn times_constant(&mut self, c: DoubleDouble, x: u32) -> u32 {
         let c = self.recorder.constant(Constant::from(c));
         self.apply(Op::Mul, c, x)

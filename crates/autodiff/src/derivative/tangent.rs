@@ -1,27 +1,26 @@
-//! [`Tangent`]: a number with its rates of change in C directions.
+//! [`Tangent`]: a number with its rate of change.
 //!
-//! The recording of ∇H replayed on tangents gives ∇²H·v for C vectors v at once. The value is computed by the
-//! very functions of the float below, so it has every bit of the plain replay. Derivatives at kinks are those
-//! of the that recording; the rates of selections (sign, the smaller of two) are zero.
+//! The recording of ∇H replayed on tangents gives ∇²H·v. The value is computed by the very functions of the
+//! float below, so it has every bit of the plain replay. Derivatives at kinks are those of that recording;
+//! the rates of selections (sign, the smaller of two) are zero.
 
 use equip_scalar::{Constant, Float, Outside, Piecewise, Scalar};
-use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
-/// value + ε·rates.
+/// value + ε·rate.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Tangent<T, const C: usize> {
+pub(crate) struct Tangent<T> {
     pub(crate) value: T,
-    pub(crate) rates: [T; C],
+    pub(crate) rate: T,
 }
 
-impl<T: Float, const C: usize> Tangent<T, C> {
+impl<T: Float> Tangent<T> {
     #[inline(always)]
     pub(crate) fn fixed(value: T) -> Self {
         Tangent {
             value,
-            rates: [T::int(0); C],
+            rate: T::int(0),
         }
     }
 
@@ -30,7 +29,7 @@ impl<T: Float, const C: usize> Tangent<T, C> {
     fn chain(self, f: T, slope: T) -> Self {
         Tangent {
             value: f,
-            rates: from_fn(|k| slope * self.rates[k]),
+            rate: slope * self.rate,
         }
     }
 
@@ -39,20 +38,20 @@ impl<T: Float, const C: usize> Tangent<T, C> {
     fn chain2(self, other: Self, f: T, by_x: T, by_y: T) -> Self {
         Tangent {
             value: f,
-            rates: from_fn(|k| by_x * self.rates[k] + by_y * other.rates[k]),
+            rate: by_x * self.rate + by_y * other.rate,
         }
     }
 }
 
 macro_rules! linear {
     ($op:ident, $f:ident) => {
-        impl<T: Float, const C: usize> $op for Tangent<T, C> {
+        impl<T: Float> $op for Tangent<T> {
             type Output = Self;
             #[inline(always)]
             fn $f(self, other: Self) -> Self {
                 Tangent {
                     value: self.value.$f(other.value),
-                    rates: from_fn(|k| self.rates[k].$f(other.rates[k])),
+                    rate: self.rate.$f(other.rate),
                 }
             }
         }
@@ -61,7 +60,7 @@ macro_rules! linear {
 linear!(Add, add);
 linear!(Sub, sub);
 
-impl<T: Float, const C: usize> Mul for Tangent<T, C> {
+impl<T: Float> Mul for Tangent<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -69,7 +68,7 @@ impl<T: Float, const C: usize> Mul for Tangent<T, C> {
     }
 }
 
-impl<T: Float, const C: usize> Div for Tangent<T, C> {
+impl<T: Float> Div for Tangent<T> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
@@ -77,18 +76,18 @@ impl<T: Float, const C: usize> Div for Tangent<T, C> {
         let slope = T::int(1) / other.value;
         Tangent {
             value: f,
-            rates: from_fn(|k| (self.rates[k] - f * other.rates[k]) * slope),
+            rate: (self.rate - f * other.rate) * slope,
         }
     }
 }
 
-impl<T: Float, const C: usize> Neg for Tangent<T, C> {
+impl<T: Float> Neg for Tangent<T> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
         Tangent {
             value: -self.value,
-            rates: from_fn(|k| -self.rates[k]),
+            rate: -self.rate,
         }
     }
 }
@@ -104,7 +103,7 @@ macro_rules! functions {
     )*};
 }
 
-impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
+impl<T: Float> Scalar for Tangent<T> {
     #[inline(always)]
     fn constant(c: Constant) -> Self {
         Tangent::fixed(c.to())
@@ -143,7 +142,7 @@ impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
         let part = |dy: T| Piecewise::where_nonzero(by_y * dy, dy);
         Tangent {
             value: f,
-            rates: from_fn(|k| by_x * x.rates[k] + part(y.rates[k])),
+            rate: by_x * x.rate + part(y.rate),
         }
     }
 
@@ -166,7 +165,7 @@ impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
         let taken = if x.value <= y.value { x } else { y };
         Tangent {
             value: <T as Scalar>::min(x.value, y.value),
-            rates: taken.rates,
+            rate: taken.rate,
         }
     }
 
@@ -175,7 +174,7 @@ impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
         let taken = if x.value >= y.value { x } else { y };
         Tangent {
             value: <T as Scalar>::max(x.value, y.value),
-            rates: taken.rates,
+            rate: taken.rate,
         }
     }
 
@@ -233,7 +232,7 @@ impl<T: Float, const C: usize> Scalar for Tangent<T, C> {
     }
 }
 
-impl<T: Float, const C: usize> Piecewise for Tangent<T, C> {
+impl<T: Float> Piecewise for Tangent<T> {
     #[inline(always)]
     fn sign(x: Self) -> Self {
         Tangent::fixed(Piecewise::sign(x.value))

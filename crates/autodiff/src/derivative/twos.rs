@@ -3,7 +3,7 @@
 //!
 //! Multiplying by them is exact far from overflow and underflow, so no more than 2^[`MOST_TWOS`] waits.
 
-use super::reverse::{Adjoint, Reverse, exact};
+use super::reverse::{Adjoint, Reverse};
 use crate::recording::op::{Node, Op};
 
 /// Operations that a power of two is carried into, one within the other.
@@ -46,7 +46,7 @@ impl Reverse<'_> {
         let is_own = self.shares.get(&node).is_none_or(|&shares| shares <= 1);
         let constant = |x: u32| {
             let c = self.double(x);
-            c.is_some_and(|c| exact(Op::Mul, c, 2f64.powi(twos)).is_some())
+            c.is_some_and(|c| Op::Mul.exact(c, 2f64.powi(twos)).is_some())
         };
         constant(node)
             || match op {

@@ -153,6 +153,23 @@ impl Op {
         matches!(self, Op::Add | Op::Mul)
     }
 
+    /// The result for two doubles if it is exact, far from overflow and underflow.
+    pub(crate) fn exact(self, a: f64, b: f64) -> Option<f64> {
+        let moderate = |x: f64| x == 0.0 || (1e-100..1e100).contains(&x.abs());
+        let result = match self {
+            Op::Add => a + b,
+            Op::Mul => a * b,
+            Op::Div => a / b,
+            _ => return None,
+        };
+        let is_exact = match self {
+            Op::Add => result - a == b && result - b == a,
+            Op::Mul => a.mul_add(b, -result) == 0.0,
+            _ => result.mul_add(b, -a) == 0.0,
+        };
+        (is_exact && [a, b, result].into_iter().all(moderate)).then_some(result)
+    }
+
     /// Second derivatives by the operands.
     pub(crate) fn curvature(self) -> Curvature {
         match self {

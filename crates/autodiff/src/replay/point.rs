@@ -28,6 +28,12 @@ impl<T: Float> Points<T> {
         }
     }
 
+    /// For states and results of these lengths.
+    pub(crate) fn make_room(&mut self, state: usize, results: usize) {
+        self.state.resize(state, T::int(0));
+        self.slope.resize(results, T::int(0));
+    }
+
     /// Calls `gradient` for each point of a batch that stands component by component. With fewer components
     /// than a state has, the further ones are 0.
     pub(crate) fn each(
@@ -59,6 +65,19 @@ pub(crate) fn check_batch(components: usize, lengths: [usize; 2], stride: usize,
     assert!(
         lengths == [components * stride; 2] && count <= stride,
         "a batch of this system has {components} components with room for {count} points each"
+    );
+}
+
+/// # Panics
+/// If there are not the components of states and the entries of as many ∇²H.
+#[inline(always)]
+pub(crate) fn check_hessians(of: &Structure, lengths: [usize; 2], stride: usize, count: usize) {
+    let rows = [2 * of.degrees_of_freedom, of.hessian.len()];
+    assert!(
+        lengths == rows.map(|rows| rows * stride) && count <= stride,
+        "a state of this system has {} components and its Hessian {} entries, with room for {count} points each",
+        rows[0],
+        rows[1]
     );
 }
 

@@ -73,7 +73,7 @@ impl<T: Float> Replay<T> {
     }
 }
 
-impl<T: Float, const C: usize> Replay<Tangent<T, C>> {
+impl<T: Float> Replay<Tangent<T>> {
     pub(crate) fn tangents(tape: &Tape) -> Self {
         Replay::<T>::new(tape).widened(Tangent::fixed)
     }

@@ -118,4 +118,14 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
     fn hessian(&mut self, y: &[T], entries: &mut [T]) {
         (ready::<T>().hessian)(self, y, entries);
     }
+
+    fn hessians_by_component(
+        &mut self,
+        states: &[T],
+        entries: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        (ready::<T>().hessians_by_component)(self, states, entries, stride, count);
+    }
 }

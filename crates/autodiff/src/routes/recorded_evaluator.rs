@@ -2,12 +2,11 @@
 
 use super::many::Many;
 use super::one::One;
-use super::recorded::Derived;
+use super::recorded::{Derived, Hessian};
 use crate::Kinetic;
-use crate::derivative::hessian::DIRECTIONS;
 use crate::derivative::tangent::Tangent;
 use crate::replay::batch::Batch;
-use crate::replay::point::{check_batch, require_separable};
+use crate::replay::point::{Points, check_batch, check_hessians, require_separable};
 use crate::replay::values::Replay;
 use equip_scalar::{Float, InstructionSet};
 use std::sync::Arc;
@@ -22,8 +21,10 @@ pub struct RecordedEvaluator<T: Float> {
     with_bound: One<T>,
     /// ∇H, the bound and H.
     bounded: Vec<T>,
-    single: Option<Replay<Tangent<T, 1>>>,
-    several: Option<Replay<Tangent<T, DIRECTIONS>>>,
+    tangents: Option<Replay<Tangent<T>>>,
+    hessian: One<T>,
+    hessians: Many<T>,
+    points: Points<T>,
     pub(super) gradients: Many<T>,
     /// Of a separable H.
     pub(super) forces: Many<T>,
@@ -38,8 +39,10 @@ impl<T: Float> RecordedEvaluator<T> {
             gradient: One::new(),
             with_bound: One::new(),
             bounded: Vec::new(),
-            single: None,
-            several: None,
+            tangents: None,
+            hessian: One::new(),
+            hessians: Many::new(),
+            points: Points::default(),
             gradients: Many::new(),
             forces: Many::new(),
         }
@@ -154,39 +157,60 @@ impl<T: Float> RecordedEvaluator<T> {
     pub(crate) fn hessian_times(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.check(&[y.len(), v.len(), product.len()]);
         let tape = self.shared.gradient().one();
-        let single = (self.single).get_or_insert_with(|| Replay::tangents(tape));
-        let rows = single.run(tape, |k| Tangent {
+        let tangents = (self.tangents).get_or_insert_with(|| Replay::tangents(tape));
+        let rows = tangents.run(tape, |k| Tangent {
             value: y[k],
-            rates: [v[k]],
+            rate: v[k],
         });
         for (entry, row) in product.iter_mut().zip(rows) {
-            [*entry] = row.rates;
+            *entry = row.rate;
         }
     }
 
     pub(crate) fn hessian_at(&mut self, y: &[T], entries: &mut [T]) {
-        self.check(&[y.len()]);
-        let (plan, structure) = (self.shared.plan(), &self.shared.structure);
-        let tape = self.shared.gradient().one();
-        let several = (self.several).get_or_insert_with(|| Replay::tangents(tape));
-        assert_eq!(
-            entries.len(),
-            structure.hessian.len(),
-            "one place per entry of the pattern"
+        let shared = Arc::clone(&self.shared);
+        let structure = &shared.structure;
+        check_hessians(structure, [y.len(), entries.len()], 1, 1);
+        match shared.hessian() {
+            Hessian::Recorded(of) => self.hessian.run(self.set, of, y, entries),
+            Hessian::ByColours(colouring) => {
+                let product_into = |v: &[T], product: &mut [T]| self.hessian_times(y, v, product);
+                colouring.entries(&structure.hessian, product_into, entries);
+            }
+        }
+    }
+
+    pub(crate) fn hessians_of(
+        &mut self,
+        states: &[T],
+        entries: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let shared = Arc::clone(&self.shared);
+        check_hessians(
+            &shared.structure,
+            [states.len(), entries.len()],
+            stride,
+            count,
         );
-        for (sweep, pickups) in plan.sweeps().enumerate() {
-            let rows = several.run(tape, |k| {
-                let mut input = Tangent::fixed(y[k]);
-                if let Some(colour) = plan.of_column[k]
-                    && colour / DIRECTIONS == sweep
-                {
-                    input.rates[colour % DIRECTIONS] = T::int(1);
-                }
-                input
-            });
-            for pickup in pickups {
-                let row = rows[pickup.row as usize];
-                entries[pickup.entry as usize] = row.rates[pickup.direction as usize];
+        match shared.hessian() {
+            Hessian::Recorded(of) => {
+                let batch = Batch {
+                    states,
+                    gradients: entries,
+                    stride,
+                    count,
+                };
+                self.hessians.run(self.set, of, batch);
+            }
+            Hessian::ByColours(_) => {
+                let mut points = std::mem::take(&mut self.points);
+                points.make_room(states.len() / stride, entries.len() / stride);
+                points.each(states, entries, stride, count, |y, entries| {
+                    self.hessian_at(y, entries);
+                });
+                self.points = points;
             }
         }
     }
@@ -215,6 +239,7 @@ pub(crate) struct Ready<T: Float> {
     pub(crate) kinetic: fn(&mut RecordedEvaluator<T>) -> Option<Kinetic<T>>,
     pub(crate) hessian_vector: fn(&mut RecordedEvaluator<T>, &[T], &[T], &mut [T]),
     pub(crate) hessian: fn(&mut RecordedEvaluator<T>, &[T], &mut [T]),
+    pub(crate) hessians_by_component: fn(&mut RecordedEvaluator<T>, &[T], &mut [T], usize, usize),
 }
 
 impl<T: Float> Ready<T> {
@@ -230,6 +255,7 @@ impl<T: Float> Ready<T> {
         kinetic: RecordedEvaluator::kinetic_energy,
         hessian_vector: RecordedEvaluator::hessian_times,
         hessian: RecordedEvaluator::hessian_at,
+        hessians_by_component: RecordedEvaluator::hessians_of,
     };
 }
 

@@ -2,18 +2,19 @@
 //!
 //! The structure comes from recording the same method on a tape. The gradient is the hand-written one if
 //! there is one, else in doubles that of dual numbers of fixed length for n = 2m = 2, 4, 6, 8, else that of
-//! the recording. The Hessian is that of num-dual's second derivatives in doubles of the same lengths, else
-//! the tape's. Measured on Kepler (n = 4): gradient 3.8 ns by hand, 5.4 ns by dual numbers, 4.8 ns a point by
-//! dual numbers over lanes, 52 ns by the tape.
+//! the recording. The Hessian at a double is that of num-dual's second derivatives for n = 2, else the
+//! recording's (pendulum 23 and 43 ns; from n = 4 on the recording is ten times as fast). Measured on Kepler
+//! (n = 4): gradient 3.8 ns by hand, 5.4 ns by dual numbers, 4.8 ns a point by dual numbers over lanes, 52 ns
+//! by the tape.
 
 use crate::derivative::by_duals::{by_length, dual_gradient, hessian, value};
 use crate::native::fused::{Forces, Fused, Gradients, Joined, fuse};
 use crate::replay::batch::Batch;
-use crate::replay::point::{Points, check_batch, require_separable};
+use crate::replay::point::{Points, check_batch, check_hessians, require_separable};
 use crate::routes::check::{Checked, compare};
 use crate::{
-    BuildError, Energy, Evaluate, Hamiltonian, Kinetic, Pattern, Recorded, RecordedEvaluator,
-    Structure, Switches, System, WrongGradient,
+    BuildError, Energy, Evaluate, Hamiltonian, Kinetic, Recorded, RecordedEvaluator, Structure,
+    Switches, System, WrongGradient,
 };
 use equip_scalar::{Float, InstructionSet, Num};
 use std::sync::Arc;
@@ -124,11 +125,6 @@ impl<E: Energy> System for Static<E> {
             is_supplied,
             checked: is_supplied.then(|| Checked::new(n)),
             state: vec![Num(T::int(0)); if n > LARGEST { n } else { 0 }],
-            pattern: if n > LARGEST {
-                Pattern::dense(0)
-            } else {
-                self.structure().hessian.to_pattern()
-            },
             set: InstructionSet::best(),
         }
     }
@@ -146,8 +142,6 @@ pub struct StaticEvaluator<E, T: Float> {
     is_supplied: bool,
     /// Room to check it.
     checked: Option<Checked<T>>,
-    /// Of ∇²H, where that is made by dual numbers.
-    pattern: Pattern,
     set: InstructionSet,
 }
 
@@ -160,7 +154,6 @@ impl<E, T: Float> Clone for StaticEvaluator<E, T> {
             points: self.points.clone(),
             is_supplied: self.is_supplied,
             checked: self.checked.clone(),
-            pattern: self.pattern.clone(),
             set: self.set,
         }
     }
@@ -370,17 +363,23 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
     }
 
     fn hessian(&mut self, y: &[T], entries: &mut [T]) {
-        self.check(&[y.len()]);
-        assert_eq!(
-            entries.len(),
-            self.route.structure().hessian.len(),
-            "one place per entry of the pattern"
-        );
-        let to_entries = (&self.pattern, &mut *entries);
+        check_hessians(self.route.structure(), [y.len(), entries.len()], 1, 1);
+        let to_entries = (&*self.route.structure().hessian, &mut *entries);
         let is_made = T::as_doubles(y).is_some_and(|y| hessian(&*self.route.energy, y, to_entries));
         if !is_made {
             self.tape.hessian(y, entries);
         }
+    }
+
+    fn hessians_by_component(
+        &mut self,
+        states: &[T],
+        entries: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        self.tape
+            .hessians_by_component(states, entries, stride, count);
     }
 }
 

@@ -278,4 +278,15 @@ where
     fn hessian(&mut self, y: &[T], entries: &mut [T]) {
         self.tape.hessian(y, entries);
     }
+
+    fn hessians_by_component(
+        &mut self,
+        states: &[T],
+        entries: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        self.tape
+            .hessians_by_component(states, entries, stride, count);
+    }
 }

@@ -9,12 +9,13 @@
 //! fewer.
 
 use super::pattern::Pattern;
+use equip_scalar::Float;
 
 /// A direction for every column; columns without entries have none.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Colouring {
     pub(crate) colours: usize,
-    pub(crate) of_column: Vec<Option<usize>>,
+    of_column: Vec<Option<usize>>,
 }
 
 impl Colouring {
@@ -38,6 +39,31 @@ impl Colouring {
             }
         }
         colouring
+    }
+
+    /// The entries of a symmetric matrix of this pattern, from its products with a vector for each colour.
+    /// Entry and mirror entry are read from the same place: symmetric to the last bit.
+    pub(crate) fn entries<T: Float>(
+        &self,
+        pattern: &Pattern,
+        mut product_into: impl FnMut(&[T], &mut [T]),
+        entries: &mut [T],
+    ) {
+        let mut direction = vec![T::int(0); pattern.dimension()];
+        let mut product = direction.clone();
+        for colour in 0..self.colours {
+            for (place, of_column) in direction.iter_mut().zip(&self.of_column) {
+                *place = T::int(i64::from(*of_column == Some(colour)));
+            }
+            product_into(&direction, &mut product);
+            for row in 0..pattern.dimension() {
+                for (place, column) in pattern.row(row) {
+                    if self.of_column[row.max(column)] == Some(colour) {
+                        entries[place] = product[row.min(column)];
+                    }
+                }
+            }
+        }
     }
 }
 

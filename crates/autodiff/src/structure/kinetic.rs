@@ -36,28 +36,16 @@ impl<T: Float> Kinetic<T> {
         let m = structure.degrees_of_freedom;
         let offset = gradient.split_off(m);
         let pattern = structure.hessian.block(m..2 * m);
-        let Colouring { of_column, colours } = Colouring::new(&pattern);
-        let mut entries: Vec<(usize, T)> = pattern
-            .columns
-            .iter()
-            .map(|&column| (column, T::int(0)))
-            .collect();
-        let mut direction = vec![T::int(0); 2 * m];
-        let mut product = direction.clone();
-        for colour in 0..colours {
-            for (place, of_column) in direction[m..].iter_mut().zip(&of_column) {
-                *place = T::int(i64::from(*of_column == Some(colour)));
-            }
-            hessian_vector(&direction, &mut product);
-            // Entry and mirror entry from the same place: symmetric to the last bit.
-            for row in 0..m {
-                for (place, column) in pattern.row(row) {
-                    if of_column[row.max(column)] == Some(colour) {
-                        entries[place].1 = product[m + row.min(column)];
-                    }
-                }
-            }
-        }
+        let mut entries = vec![T::int(0); pattern.len()];
+        let (mut whole, mut row) = (vec![T::int(0); 2 * m], vec![T::int(0); 2 * m]);
+        let product_into = |v: &[T], product: &mut [T]| {
+            whole[m..].copy_from_slice(v);
+            hessian_vector(&whole, &mut row);
+            product.copy_from_slice(&row[m..]);
+        };
+        Colouring::new(&pattern).entries(&pattern, product_into, &mut entries);
+        let columns = pattern.columns.iter().copied();
+        let entries: Vec<(usize, T)> = columns.zip(entries).collect();
         let row_starts = pattern.row_starts;
         let finite = |x: &T| Piecewise::is_regular(*x);
         if !offset.iter().all(finite) || !entries.iter().all(|(_, x)| finite(x)) {

@@ -33,6 +33,13 @@ impl Pattern {
         self.columns.is_empty()
     }
 
+    /// Position of an entry, in the order of the entries, if it is there.
+    pub(crate) fn place(&self, row: usize, column: usize) -> Option<usize> {
+        let start = self.row_starts[row];
+        let columns = &self.columns[start..self.row_starts[row + 1]];
+        columns.binary_search(&column).ok().map(|k| start + k)
+    }
+
     /// Positions (in the order of the entries) and columns of row i.
     pub fn row(&self, i: usize) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
         let range = self.row_starts[i]..self.row_starts[i + 1];

@@ -18,25 +18,19 @@ pub(crate) struct StageHessians<T: Float> {
     pub(crate) pattern: Pattern,
     /// Entry e at `e·stride + i`; the padding is zero.
     entries: Vec<T>,
-    /// One state and ∇²H there.
-    state: Vec<T>,
-    hessian: Vec<T>,
     fastest: PowerIteration,
 }
 
 impl<T: Float> StageHessians<T> {
     pub(crate) fn new(iterate: &Iterate<T>, pattern: Pattern) -> Self {
-        let (n, stride) = (iterate.n, iterate.stride);
-        let zeros = |len: usize| vec![T::int(0); len];
+        let stride = iterate.stride;
         let mut fastest = PowerIteration::default();
         fastest.make_room(&pattern);
         StageHessians {
             s: iterate.s,
             stride,
             set: iterate.set,
-            entries: zeros(pattern.len() * stride),
-            state: zeros(n),
-            hessian: zeros(pattern.len()),
+            entries: vec![T::int(0); pattern.len() * stride],
             fastest,
             pattern,
         }
@@ -44,17 +38,15 @@ impl<T: Float> StageHessians<T> {
 
     /// Takes ∇²H at the stages of an iterate that has converged. Returns whether it is finite.
     pub(crate) fn take<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> bool {
+        energy.hessians_by_component(&iterate.points, &mut self.entries, self.stride, self.s);
         let mut sum = T::int(0);
-        for (i, &hb) in iterate.hb[..self.s].iter().enumerate() {
-            for (c, x) in self.state.iter_mut().enumerate() {
-                *x = iterate.points[c * self.stride + i];
+        for entry in self.entries.chunks_exact_mut(self.stride) {
+            let (stages, padding) = entry.split_at_mut(self.s);
+            for (x, &hb) in stages.iter_mut().zip(&iterate.hb) {
+                *x = hb * *x;
+                sum += *x;
             }
-            energy.hessian(&self.state, &mut self.hessian);
-            let places = self.entries.chunks_exact_mut(self.stride);
-            for (entry, &x) in places.zip(&self.hessian) {
-                entry[i] = hb * x;
-                sum += entry[i];
-            }
+            padding.fill(T::int(0));
         }
         sum.is_finite()
     }
