@@ -134,6 +134,14 @@ pub trait Evaluate<T: Float> {
     /// Costs at most about two gradients more. The first call allocates.
     fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T);
 
+    /// How far each component of ∇H(y) may be off by rounding of `y` to its last place and of all operations,
+    /// to first order, into `off` (length n): the running error bound of the recording of ∇H, whatever the
+    /// route. Zero where nothing is known, as here.
+    fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
+        let _ = y;
+        off.fill(T::int(0));
+    }
+
     /// ∇H at several states, which stand one after the other in `states` (length s·n), as do the results.
     fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
         for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {

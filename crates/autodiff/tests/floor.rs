@@ -34,6 +34,79 @@ fn largest_part<H: System>(energy: &H, size: f64) -> f64 {
     parts.fold(0.0, f64::max)
 }
 
+/// Rounding of ∇H, and of the state to its last place, as parts of their bound: the largest of all components
+/// at random states of this size.
+fn largest_part_of_gradient(energy: &Hamiltonian, size: f64) -> f64 {
+    let mut random = Random(0x5eed_0012);
+    let n = 2 * energy.degrees_of_freedom();
+    let (mut doubles, mut wide) = (
+        energy.evaluator::<f64>(),
+        energy.evaluator::<DoubleDouble>(),
+    );
+    let (mut gradient, mut off) = (vec![0.0; n], vec![0.0; n]);
+    let mut exact = vec![DoubleDouble::exact(0.0); n];
+    let mut most = 0.0_f64;
+    for _ in 0..POINTS {
+        // A state between doubles, to half a place.
+        let state: Vec<DoubleDouble> = (0..n)
+            .map(|_| {
+                let x = random.within(-size, size);
+                DoubleDouble::exact(x) + DoubleDouble::exact(x * random.within(-5e-17, 5e-17))
+            })
+            .collect();
+        let y: Vec<f64> = state.iter().map(|x| x.to_f64()).collect();
+        doubles.gradient(&y, &mut gradient);
+        doubles.gradient_rounding(&y, &mut off);
+        wide.gradient(&state, &mut exact);
+        for ((&found, &exact), &off) in gradient.iter().zip(&exact).zip(&off) {
+            let rounding = (DoubleDouble::exact(found) - exact).to_f64().abs();
+            if rounding > 0.0 {
+                most = most.max(rounding / off);
+            }
+        }
+    }
+    most
+}
+
+/// Near its length the force of a stiff spring has few digits, and so have forces along a smooth chain of
+/// exponentials; the bound says how many.
+#[test]
+fn rounding_of_slopes_is_below_their_bound_and_near_it() {
+    let spring = |q: &[Var], p: &[Var]| {
+        let stretch = (q[0].powi(2) + q[1].powi(2)).sqrt() - 1.0;
+        0.5 * (p[0].powi(2) + p[1].powi(2)) + 5e5 * stretch.powi(2)
+    };
+    let toda = |q: &[Var], p: &[Var]| {
+        let springs = q.windows(2).map(|q| (q[1] - q[0]).exp() - (q[1] - q[0]));
+        springs.sum::<Var>() + p.iter().map(|p| p.powi(2)).sum::<Var>() / 2.0
+    };
+    let found = [
+        ("Kepler", largest_part_of_gradient(&recorded(Kepler), 1.0)),
+        (
+            "double pendulum",
+            largest_part_of_gradient(&recorded(DoublePendulum), 3.0),
+        ),
+        (
+            "charged particle",
+            largest_part_of_gradient(&recorded(ChargedParticle), 3.0),
+        ),
+        (
+            "spring",
+            largest_part_of_gradient(&by_closure(2, spring), 1.0),
+        ),
+        ("Toda", largest_part_of_gradient(&by_closure(8, toda), 1e-3)),
+    ];
+    for (name, part) in found {
+        assert!((0.05..1.0).contains(&part), "{name}: {part}");
+    }
+    let mut off = [0.0; 4];
+    let mut evaluator = by_closure(2, spring).evaluator::<f64>();
+    evaluator.gradient_rounding(&[1.0, 0.0, 0.0, 0.0], &mut off);
+    // The radius is rounded to ε or two.
+    let expected = 1e6 * f64::EPSILON;
+    assert!((expected..4.0 * expected).contains(&off[0]), "{off:?}");
+}
+
 fn by_closure(m: usize, energy: impl FnOnce(&[Var], &[Var]) -> Var) -> Hamiltonian {
     Hamiltonian::new(m, energy).unwrap()
 }

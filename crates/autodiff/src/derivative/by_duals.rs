@@ -16,6 +16,9 @@ use std::array::from_fn;
 /// Points in a group.
 const LANES: usize = 4;
 
+/// Largest number of components differentiated by dual numbers.
+pub(crate) const LARGEST: usize = 8;
+
 /// Evaluates an expression with the length of the state as a constant.
 macro_rules! by_length {
     ($y:expr, $n:ident => $small:expr, $large:expr) => {

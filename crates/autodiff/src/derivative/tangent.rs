@@ -1,26 +1,109 @@
-//! [`Tangent`]: a number with its rate of change.
+//! [`Tangent`]: a number with its rate of change, or with what rounding makes of it.
 //!
 //! The recording of ∇H replayed on tangents gives ∇²H·v. The value is computed by the very functions of the
 //! float below, so it has every bit of the plain replay. Derivatives at kinks are those of that recording;
 //! the rates of selections (sign, the smaller of two) are zero.
+//!
+//! With sizes in place of rates, and the rounding of each result added, the same rules are those of the
+//! running error bound ([`Rounding`]).
 
 use equip_scalar::{Constant, Float, Outside, Piecewise, Scalar};
+use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
-/// value + ε·rate.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Tangent<T> {
-    pub(crate) value: T,
-    pub(crate) rate: T,
+/// What is carried beside a value.
+pub(crate) trait Rate<T: Float>: Copy + Debug + Send + Sync + 'static {
+    /// Of what is fixed.
+    fn zero() -> Self;
+
+    /// Of f(x), given f and f′ at the value.
+    fn chain(self, f: T, slope: T) -> Self;
+
+    /// Of f(x, y), given f and its partial derivatives at the values.
+    fn chain2(self, other: Self, f: T, by_x: T, by_y: T) -> Self;
+
+    /// Of −x, which is exact.
+    fn opposite(self) -> Self;
+
+    fn is_zero(self) -> bool;
 }
 
-impl<T: Float> Tangent<T> {
+/// The rate of change in one direction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Change<T>(pub(crate) T);
+
+impl<T: Float> Rate<T> for Change<T> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Change(T::int(0))
+    }
+
+    #[inline(always)]
+    fn chain(self, _: T, slope: T) -> Self {
+        Change(slope * self.0)
+    }
+
+    #[inline(always)]
+    fn chain2(self, other: Self, _: T, by_x: T, by_y: T) -> Self {
+        Change(by_x * self.0 + by_y * other.0)
+    }
+
+    #[inline(always)]
+    fn opposite(self) -> Self {
+        Change(-self.0)
+    }
+
+    #[inline(always)]
+    fn is_zero(self) -> bool {
+        self.0 == T::int(0)
+    }
+}
+
+/// How far a number may be off, as its operands may and it is rounded itself: to ε, each operation.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rounding<T>(pub(crate) T);
+
+impl<T: Float> Rate<T> for Rounding<T> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Rounding(T::int(0))
+    }
+
+    #[inline(always)]
+    fn chain(self, f: T, slope: T) -> Self {
+        Rounding((slope * self.0).abs() + T::EPSILON * f.abs())
+    }
+
+    #[inline(always)]
+    fn chain2(self, other: Self, f: T, by_x: T, by_y: T) -> Self {
+        Rounding((by_x * self.0).abs() + (by_y * other.0).abs() + T::EPSILON * f.abs())
+    }
+
+    #[inline(always)]
+    fn opposite(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn is_zero(self) -> bool {
+        self.0 == T::int(0)
+    }
+}
+
+/// value + ε·rate.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Tangent<T, R> {
+    pub(crate) value: T,
+    pub(crate) rate: R,
+}
+
+impl<T: Float, R: Rate<T>> Tangent<T, R> {
     #[inline(always)]
     pub(crate) fn fixed(value: T) -> Self {
         Tangent {
             value,
-            rate: T::int(0),
+            rate: R::zero(),
         }
     }
 
@@ -29,7 +112,7 @@ impl<T: Float> Tangent<T> {
     fn chain(self, f: T, slope: T) -> Self {
         Tangent {
             value: f,
-            rate: slope * self.rate,
+            rate: self.rate.chain(f, slope),
         }
     }
 
@@ -38,29 +121,30 @@ impl<T: Float> Tangent<T> {
     fn chain2(self, other: Self, f: T, by_x: T, by_y: T) -> Self {
         Tangent {
             value: f,
-            rate: by_x * self.rate + by_y * other.rate,
+            rate: self.rate.chain2(other.rate, f, by_x, by_y),
         }
     }
 }
 
-macro_rules! linear {
-    ($op:ident, $f:ident) => {
-        impl<T: Float> $op for Tangent<T> {
-            type Output = Self;
-            #[inline(always)]
-            fn $f(self, other: Self) -> Self {
-                Tangent {
-                    value: self.value.$f(other.value),
-                    rate: self.rate.$f(other.rate),
-                }
-            }
-        }
-    };
+impl<T: Float, R: Rate<T>> Add for Tangent<T, R> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let one = T::int(1);
+        self.chain2(other, self.value + other.value, one, one)
+    }
 }
-linear!(Add, add);
-linear!(Sub, sub);
 
-impl<T: Float> Mul for Tangent<T> {
+impl<T: Float, R: Rate<T>> Sub for Tangent<T, R> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        let one = T::int(1);
+        self.chain2(other, self.value - other.value, one, -one)
+    }
+}
+
+impl<T: Float, R: Rate<T>> Mul for Tangent<T, R> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -68,26 +152,23 @@ impl<T: Float> Mul for Tangent<T> {
     }
 }
 
-impl<T: Float> Div for Tangent<T> {
+impl<T: Float, R: Rate<T>> Div for Tangent<T, R> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let f = self.value / other.value;
         let slope = T::int(1) / other.value;
-        Tangent {
-            value: f,
-            rate: (self.rate - f * other.rate) * slope,
-        }
+        self.chain2(other, f, slope, -(f * slope))
     }
 }
 
-impl<T: Float> Neg for Tangent<T> {
+impl<T: Float, R: Rate<T>> Neg for Tangent<T, R> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
         Tangent {
             value: -self.value,
-            rate: -self.rate,
+            rate: self.rate.opposite(),
         }
     }
 }
@@ -103,7 +184,7 @@ macro_rules! functions {
     )*};
 }
 
-impl<T: Float> Scalar for Tangent<T> {
+impl<T: Float, R: Rate<T>> Scalar for Tangent<T, R> {
     #[inline(always)]
     fn constant(c: Constant) -> Self {
         Tangent::fixed(c.to())
@@ -139,11 +220,8 @@ impl<T: Float> Scalar for Tangent<T> {
         let by_x = Piecewise::where_nonzero(by_x, y.value);
         let by_y = Piecewise::where_nonzero(by_y, f);
         // At x = 0 ln x is infinite; an exponent that does not move must not make NaN of it.
-        let part = |dy: T| Piecewise::where_nonzero(by_y * dy, dy);
-        Tangent {
-            value: f,
-            rate: by_x * x.rate + part(y.rate),
-        }
+        let by_y = if y.rate.is_zero() { T::int(0) } else { by_y };
+        x.chain2(y, f, by_x, by_y)
     }
 
     #[inline(always)]
@@ -232,7 +310,7 @@ impl<T: Float> Scalar for Tangent<T> {
     }
 }
 
-impl<T: Float> Piecewise for Tangent<T> {
+impl<T: Float, R: Rate<T>> Piecewise for Tangent<T, R> {
     #[inline(always)]
     fn sign(x: Self) -> Self {
         Tangent::fixed(Piecewise::sign(x.value))

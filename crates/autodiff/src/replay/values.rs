@@ -1,6 +1,6 @@
 //! [`Replay`]: the values of all slots of a tape, in one kind of number.
 
-use crate::derivative::tangent::Tangent;
+use crate::derivative::tangent::{Rate, Tangent};
 use crate::recording::graph::Graph;
 use crate::replay::batch::Batch;
 use crate::replay::forward::{CompensatedSum, forward};
@@ -73,7 +73,7 @@ impl<T: Float> Replay<T> {
     }
 }
 
-impl<T: Float> Replay<Tangent<T>> {
+impl<T: Float, R: Rate<T>> Replay<Tangent<T, R>> {
     pub(crate) fn tangents(tape: &Tape) -> Self {
         Replay::<T>::new(tape).widened(Tangent::fixed)
     }

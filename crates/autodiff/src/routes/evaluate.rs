@@ -111,6 +111,10 @@ impl<T: Float> Evaluate<T> for RecordedEvaluator<T> {
         self.set = set;
     }
 
+    fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
+        (ready::<T>().gradient_rounding)(self, y, off);
+    }
+
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         (ready::<T>().hessian_vector)(self, y, v, product);
     }

@@ -4,7 +4,7 @@ use super::many::Many;
 use super::one::One;
 use super::recorded::{Derived, Hessian};
 use crate::Kinetic;
-use crate::derivative::tangent::Tangent;
+use crate::derivative::tangent::{Change, Rounding, Tangent};
 use crate::replay::batch::Batch;
 use crate::replay::point::{Points, check_batch, check_hessians, require_separable};
 use crate::replay::values::Replay;
@@ -21,7 +21,8 @@ pub struct RecordedEvaluator<T: Float> {
     with_bound: One<T>,
     /// ∇H, the bound and H.
     bounded: Vec<T>,
-    tangents: Option<Replay<Tangent<T>>>,
+    tangents: Option<Replay<Tangent<T, Change<T>>>>,
+    rounded: Option<Replay<Tangent<T, Rounding<T>>>>,
     hessian: One<T>,
     hessians: Many<T>,
     points: Points<T>,
@@ -40,6 +41,7 @@ impl<T: Float> RecordedEvaluator<T> {
             with_bound: One::new(),
             bounded: Vec::new(),
             tangents: None,
+            rounded: None,
             hessian: One::new(),
             hessians: Many::new(),
             points: Points::default(),
@@ -160,10 +162,23 @@ impl<T: Float> RecordedEvaluator<T> {
         let tangents = (self.tangents).get_or_insert_with(|| Replay::tangents(tape));
         let rows = tangents.run(tape, |k| Tangent {
             value: y[k],
-            rate: v[k],
+            rate: Change(v[k]),
         });
         for (entry, row) in product.iter_mut().zip(rows) {
-            *entry = row.rate;
+            *entry = row.rate.0;
+        }
+    }
+
+    pub(crate) fn gradient_rounding_at(&mut self, y: &[T], off: &mut [T]) {
+        self.check(&[y.len(), off.len()]);
+        let tape = self.shared.gradient().one();
+        let rounded = (self.rounded).get_or_insert_with(|| Replay::tangents(tape));
+        let rows = rounded.run(tape, |k| Tangent {
+            value: y[k],
+            rate: Rounding(T::EPSILON * y[k].abs()),
+        });
+        for (off, row) in off.iter_mut().zip(rows) {
+            *off = row.rate.0;
         }
     }
 
@@ -237,6 +252,7 @@ pub(crate) struct Ready<T: Float> {
     pub(crate) gradients_by_component: fn(&mut RecordedEvaluator<T>, &[T], &mut [T], usize, usize),
     pub(crate) forces_by_component: fn(&mut RecordedEvaluator<T>, &[T], &mut [T], usize, usize),
     pub(crate) kinetic: fn(&mut RecordedEvaluator<T>) -> Option<Kinetic<T>>,
+    pub(crate) gradient_rounding: fn(&mut RecordedEvaluator<T>, &[T], &mut [T]),
     pub(crate) hessian_vector: fn(&mut RecordedEvaluator<T>, &[T], &[T], &mut [T]),
     pub(crate) hessian: fn(&mut RecordedEvaluator<T>, &[T], &mut [T]),
     pub(crate) hessians_by_component: fn(&mut RecordedEvaluator<T>, &[T], &mut [T], usize, usize),
@@ -253,6 +269,7 @@ impl<T: Float> Ready<T> {
         gradients_by_component: RecordedEvaluator::gradients_of,
         forces_by_component: RecordedEvaluator::forces_of,
         kinetic: RecordedEvaluator::kinetic_energy,
+        gradient_rounding: RecordedEvaluator::gradient_rounding_at,
         hessian_vector: RecordedEvaluator::hessian_times,
         hessian: RecordedEvaluator::hessian_at,
         hessians_by_component: RecordedEvaluator::hessians_of,

@@ -2,12 +2,11 @@
 //!
 //! The structure comes from recording the same method on a tape. The gradient is the hand-written one if
 //! there is one, else in doubles that of dual numbers of fixed length for n = 2m = 2, 4, 6, 8, else that of
-//! the recording. The Hessian at a double is that of num-dual's second derivatives for n = 2, else the
-//! recording's (pendulum 23 and 43 ns; from n = 4 on the recording is ten times as fast). Measured on Kepler
-//! (n = 4): gradient 3.8 ns by hand, 5.4 ns by dual numbers, 4.8 ns a point by dual numbers over lanes, 52 ns
-//! by the tape.
+//! the recording. The Hessian at a double is num-dual's for n = 2, else the recording's (pendulum 23 and 43
+//! ns; from n = 4 on the recording is ten times as fast). Kepler's gradient (n = 4) takes 3.8 ns by hand, 5.4
+//! by dual numbers, 4.8 a point by dual numbers over lanes, 52 by the tape.
 
-use crate::derivative::by_duals::{by_length, dual_gradient, hessian, value};
+use crate::derivative::by_duals::{LARGEST, by_length, dual_gradient, hessian, value};
 use crate::native::fused::{Forces, Fused, Gradients, Joined, fuse};
 use crate::replay::batch::Batch;
 use crate::replay::point::{Points, check_batch, check_hessians, require_separable};
@@ -18,9 +17,6 @@ use crate::{
 };
 use equip_scalar::{Float, InstructionSet, Num};
 use std::sync::Arc;
-
-/// Largest number of components differentiated by dual numbers.
-const LARGEST: usize = 8;
 
 /// An energy given as a type; made by [`Hamiltonian::from_energy`](crate::Hamiltonian::from_energy).
 #[derive(Debug)]
@@ -356,6 +352,10 @@ impl<E: Energy, T: Float> Evaluate<T> for StaticEvaluator<E, T> {
     fn set_instruction_set(&mut self, set: InstructionSet) {
         self.set = set;
         self.tape.set_instruction_set(set);
+    }
+
+    fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
+        self.tape.gradient_rounding(y, off);
     }
 
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {

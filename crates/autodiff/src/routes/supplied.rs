@@ -271,6 +271,10 @@ where
         self.tape.set_instruction_set(set);
     }
 
+    fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
+        self.tape.gradient_rounding(y, off);
+    }
+
     fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.tape.hessian_vector(y, v, product);
     }

@@ -33,9 +33,9 @@
 //! A component that may be off by more or less than the tolerance of its motion (`rtol`, `atol`) has its est
 //! divided by how many times as much that is, that of the flow along with it.
 //!
-//! Of a step that is longer than allowed the coefficients are taken less what rounding of the state makes of
-//! the slopes ([`Decay::estimate`]): where a stiff spring is near its length, and far from the origin, ∇H has
-//! few digits, and shorter steps have no more of them (docs/adr/0024).
+//! Of a step that is longer than allowed the coefficients are taken less so many times what rounding makes
+//! of the slopes ([`Decay::estimate`]): where a stiff spring is near its length, far from the origin, and
+//! along a smooth chain, ∇H has few digits, and shorter steps have no more of them (docs/adr/0024).
 //!
 //! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1}; if what limits
 //! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z =
@@ -45,7 +45,7 @@
 //!
 //! Cost: s² n multiplications, and ∇H at the end of the step.
 
-use crate::control::policy::NOISE;
+use crate::control::policy::{NOISE, ROUNDING};
 use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_solver::{State, stride_for};
 use equip_tableau::{Gauss, legendre_at};
@@ -169,7 +169,8 @@ impl<T: Float> Decay<T> {
             let (sign, from) = if group == 0 { (h, half) } else { (-h, 0) };
             for (c, &y) in y[..self.m].iter().enumerate() {
                 let rates = ends.map(|end| sign * end.slope[from + c]);
-                let noise = rounding.map_or(T::int(0), |x| h.abs() * x[from + c]);
+                let noise =
+                    rounding.map_or(T::int(0), |x| T::int(ROUNDING) * h.abs() * x[from + c]);
                 let c = group * half + c;
                 let [log, missed] = self.of_component(c, (y, largest), (rates, is_inset), noise);
                 (decay, rest) = (decay.max(log + self.of_allowed(c, log)), rest.max(missed));

@@ -30,8 +30,9 @@ pub(crate) const NOISE: f64 = 1024.0;
 pub(crate) const MOST_TRIES: u32 = 25;
 /// A small part of a step is one over this. // ratio
 pub(crate) const PART: i64 = 16;
-/// Sizes, times and states within so many units of the last place are the same. // ε; 24 runs of stiff
-/// springs and of bodies 10⁸ from the origin, states known to 0, 4, 16 and 64: 20, 2, 0 and 0 do not come on
+/// Sizes and times within so many units of the last place are the same, and slopes within so many times the
+/// running error bound of ∇H. // ε; 24 runs of stiff springs and of bodies 10⁸ from the origin, with 0, 1, 4
+/// and 16 times the bound: 19, 0, 0 and 0 do not come on; docs/adr/0024
 pub(crate) const ROUNDING: i64 = 16;
 /// A step that meets the first knot of a table within one over this of its size is halved before it is made
 /// to end there, until it would be so many times as short: many knots are passed over by steps that are not.

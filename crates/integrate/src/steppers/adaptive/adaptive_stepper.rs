@@ -17,7 +17,6 @@ use crate::events::crossings::Crossings;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::adaptive::made::{EndIs, Made, Place, shortest_at};
-use crate::steppers::adaptive::slope_rounding::SlopeRounding;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
 use equip_autodiff::Evaluate;
@@ -34,7 +33,8 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) flow: Flow<T>,
     /// ∇H where the step begins, and where it ends.
     pub(super) slopes: [Vec<T>; 2],
-    pub(super) slope_rounding: SlopeRounding<T>,
+    /// What rounding makes of ∇H at the end of a step, where that was asked for.
+    pub(super) slope_rounding: Vec<T>,
     /// None if H is smooth as far as is known.
     pub(super) crossings: Option<Crossings<T>>,
     pub(super) first: FirstSize<T>,

@@ -13,7 +13,6 @@ use crate::options::adaptive::Tolerance;
 use crate::options::common::{Words, in_digits};
 use crate::options::integrator::Integrator;
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
-use crate::steppers::adaptive::slope_rounding::SlopeRounding;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
@@ -42,7 +41,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
             control: Control::new(tolerance.to_f64(), integrator.method.stages, most),
             decay: Decay::new(inner.core.gauss(), (n, inner.m), tolerance, allowed),
             flow: Flow::new(integrator.method.stages, n),
-            slope_rounding: SlopeRounding::new(n),
+            slope_rounding: vec![T::int(0); n],
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
             first_step: sizes.first_step,

@@ -4,4 +4,3 @@ pub(crate) mod adaptive_stepper;
 pub(crate) mod adaptive_steps;
 pub(crate) mod made;
 mod over_switches;
-mod slope_rounding;

@@ -10,7 +10,6 @@ use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
 use crate::steppers::adaptive::made::{EndIs, Made, Place, shortest_at};
-use crate::steppers::adaptive::slope_rounding::MOVES;
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
@@ -153,10 +152,12 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let mut estimate = self.decay.estimate((y, h), l, ends, None);
         if !ends_on_switch && self.control.is_too_long(&estimate) {
             let (energy, counts) = core.energy_and_counts();
-            counts.gradients += MOVES;
-            let rounding = self.slope_rounding.at(energy, &next.hi, end);
+            counts.gradients += 1;
+            energy.gradient_rounding(&next.hi, &mut self.slope_rounding);
             let l = core.derivatives_by_component();
-            estimate = self.decay.estimate((y, h), l, ends, Some(rounding));
+            estimate = self
+                .decay
+                .estimate((y, h), l, ends, Some(&self.slope_rounding));
         }
         let rho = estimate.decay;
         // Of rounding nothing follows, and where the contraction bounds it well enough it is not needed.
