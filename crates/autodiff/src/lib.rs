@@ -15,7 +15,7 @@
 //! All are a [`System`], which makes an [`Evaluate`] for each float type. The value is the same on each route
 //! to the last bit, and the same as that of the generic energy called with floats.
 //!
-//! Cost, in operations of H: a gradient one to three times as many; ∇²H·v about six; all entries of ∇²H two
+//! Cost, in operations of H: a gradient one to three times as many; ∇²H·v about six; all entries of ∇²H one
 //! to ten where each term of H has a few variables, and no more than six for each entry of the fullest row.
 //! What is recorded is made at its first call: ∇²H takes some 2 µs an operation.
 //!

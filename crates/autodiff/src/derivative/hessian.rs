@@ -3,7 +3,7 @@
 //! Row i is differentiated by the inputs up to i, and the other triangle is taken from it, so the matrix is
 //! symmetric to the last bit. What rows have in common is done once. A sweep meets what its component depends
 //! on, at most all of ∇H: the entries take no more operations than ∇H replayed on tangents takes for a
-//! direction of each of them. Measured in gradients of all components: 2.5 for chains, 3 for bodies.
+//! direction of each of them. Of chains it has 1.2 times the operations of ∇H, of bodies 3 times.
 
 use super::reverse::Reverse;
 use crate::Pattern;

@@ -96,7 +96,8 @@ pub(crate) enum Hessian {
 }
 
 /// Operations of ∇²H up to which it is recorded, whatever ∇H has: 200 bodies have 1.3 million, which take 3 s
-/// to be made ready. Longer ones in operations of ∇H and entries, of which chains and bodies have 2 and 3.
+/// to be made ready. Longer ones in operations of ∇H and entries, of which chains and bodies have less than
+/// 3.
 const LONG_HESSIAN: usize = 1 << 20;
 const MOST_TIMES: usize = 16;
 
