@@ -184,7 +184,8 @@ impl Hamiltonian<Recorded> {
         self.route.gradient_operations()
     }
 
-    /// The same for all entries of ∇²H.
+    /// The same for all entries of ∇²H. Where these are too many to be recorded, and are made by products
+    /// with vectors, three evaluations of ∇H are counted for each.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;

@@ -5,7 +5,9 @@
 //! the rates of selections (sign, the smaller of two) are zero.
 //!
 //! With sizes in place of rates, and the rounding of each result added, the same rules are those of the
-//! running error bound ([`Rounding`]).
+//! running error bound ([`Rounding`]; Higham, Accuracy and Stability of Numerical Algorithms, 2002, section
+//! 3.3). It is in the units of the value, to first order, and counts ε for each operation, be it a power or
+//! a table; constants are rounded alike at every state, and do not count.
 
 use equip_scalar::{Constant, Float, Outside, Piecewise, Scalar};
 use std::fmt::Debug;
@@ -91,7 +93,7 @@ impl<T: Float> Rate<T> for Rounding<T> {
     }
 }
 
-/// value + ε·rate.
+/// A value, and what is carried beside it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tangent<T, R> {
     pub(crate) value: T,

@@ -10,14 +10,6 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// Every entry of an n×n matrix.
-    pub fn dense(n: usize) -> Self {
-        Pattern {
-            row_starts: (0..=n).map(|i| i * n).collect(),
-            columns: (0..n * n).map(|k| k % n).collect(),
-        }
-    }
-
     /// Rows (and columns) of the matrix.
     pub fn dimension(&self) -> usize {
         self.row_starts.len() - 1
