@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Equip, IntegrateError, Invariant, Record, Run};
+use equip_integrate::{Equip, IntegrateError, Invariant, Outcome, Record, Run};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, distance, kepler};
 use std::f64::consts::TAU;
@@ -93,4 +93,43 @@ fn more_equations_than_alphas_are_refused() {
     let error = run.map(|_| ()).unwrap_err();
     assert_eq!(error, IntegrateError::TooFewAlphas { kept: 2, alphas: 1 });
     assert!(error.to_string().contains("at least 3 stages"), "{error}");
+}
+
+/// The energies of three of four springs, and with the whole energy that of the fourth: more equations than
+/// α's that move otherwise.
+#[test]
+fn as_many_invariants_as_there_are_alphas() {
+    let spring = |i: usize, k: f64| {
+        let function = Hamiltonian::new(4, move |q, p| {
+            0.5 * p[i] * p[i] + 0.5 * k * q[i] * q[i] + 0.25 * q[i].powi(4)
+        });
+        Invariant::new(format!("spring {i}"), function.unwrap())
+    };
+    let h = Hamiltonian::new(4, |q, p| {
+        let springs = q.iter().zip(p).zip([1.0, 1.5, 0.7, 1.2]);
+        let energies = springs.map(|((&q, &p), k)| 0.5 * (p * p + k * q * q) + 0.25 * q.powi(4));
+        energies.sum()
+    });
+    let (q, p) = ([1.0, 0.4, -0.8, 0.6], [0.0, 1.1, 0.3, -0.5]);
+    let method = |keeps: bool| {
+        let method = Equip::stages(6).step(0.4).record(Record::Ends);
+        [(0, 1.0), (1, 1.5), (2, 0.7)]
+            .into_iter()
+            .fold(method, |method, (i, k)| match keeps {
+                true => method.keep(spring(i, k)),
+                false => method.invariant(spring(i, k)),
+            })
+    };
+    let worst = |keeps: bool| {
+        let run = method(keeps).integrate(h.as_ref().unwrap(), &q, &p, 0.0..=20.0);
+        let run = run.unwrap();
+        let invariants = run.certificate().invariants.iter().map(|kept| kept.max);
+        (invariants.fold(0.0, f64::max), run)
+    };
+    let ((free, _), (kept, run)) = (worst(false), worst(true));
+    // Where a slope nearly vanishes a step is carried, and its defect removed by the next ones.
+    let solved = run.certificate().counts.outcome(Outcome::Solved);
+    println!("{free:e} {kept:e} {solved}");
+    assert!(solved > 35, "{}", run.certificate());
+    assert!(kept < free / 2.0, "{free:e} {kept:e}");
 }

@@ -1,5 +1,5 @@
-//! What a run needs of a step, all in one place: everything public of [`Core`] and [`Constraint`] but
-//! [`Core::new`], [`Core::step`], [`Core::complete`] and [`Core::forget`].
+//! What a run needs of a step, all in one place: everything public of [`Core`] and [`Constraint`] but what
+//! makes them, [`Core::step`], [`Core::complete`] and [`Core::forget`].
 
 use crate::equations::constraint::Constraint;
 use crate::memory::SolverMemory;

@@ -4,17 +4,19 @@
 //!
 //! $$ X_i = \delta y_0 + \sum_j K_{ij}(\alpha) B_j X_j, \qquad \delta y_1 = \delta y_0 + \sum_j B_j X_j , $$
 //!
-//! by [`LinearSweeps`], with ∇²H at all stages as preconditioner where these do not contract (about hω > 1).
+//! by [`LinearSweeps`], preconditioned as the stages are ([`crate::precondition::choice`]) where these do not
+//! contract (about hω > 1).
 //!
-//! Cost: s Hessians per step; per deviation some linear sweeps, or a solve with a dense factorisation made
-//! once a step.
+//! Cost: s Hessians per step; per deviation some linear sweeps. A preconditioner is made once a step.
 
+use crate::options::step_options::Preconditioner;
 use crate::outcome::failure::Failure;
+use crate::outcome::outcome::Counts;
 use crate::outcome::parts::Part;
-use crate::precondition::full::Full;
-use equip_autodiff::{Evaluate, Pattern, System};
+use crate::precondition::choice::Choice;
+use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_sweeps::{Held, Iterate, LinearSweeps, Preconditioner, State};
+use equip_sweeps::{Held, Iterate, LinearSweeps, State};
 use equip_tableau::Gauss;
 
 /// The tangent map of one step after the other.
@@ -22,12 +24,11 @@ use equip_tableau::Gauss;
 pub struct StepTangent<T: Float, E> {
     energy: E,
     gauss: Gauss<T>,
-    pattern: Pattern,
     iterate: Iterate<T>,
     linear: LinearSweeps<T>,
-    /// Made when sweeps first fail, and made use of in this step if they have.
-    full: Option<Full>,
-    is_preconditioned: bool,
+    choice: Choice<T>,
+    /// The preconditioner that is chosen is there.
+    is_made: bool,
     /// K(α), row by row.
     k: Vec<T>,
     start: State<T>,
@@ -35,9 +36,6 @@ pub struct StepTangent<T: Float, E> {
     is_finite: bool,
     r: Vec<T>,
     x: Vec<T>,
-    /// Room for a state and for ∇²H.
-    state: Vec<T>,
-    hessian: Vec<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
@@ -45,23 +43,20 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
     pub fn new<H: System<Evaluator<T> = E>>(system: &H, gauss: Gauss<T>) -> Self {
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let zeros = |len: usize| vec![T::int(0); len];
-        let pattern = system.structure().hessian.to_pattern();
+        let structure = system.structure();
         let iterate = Iterate::prepare(&gauss, n, None, &zeros(s - 1));
         let len = n * iterate.stride();
         StepTangent {
             energy: system.evaluator::<T>(),
-            linear: LinearSweeps::new(&gauss, &iterate, pattern.clone(), 1),
-            full: None,
-            is_preconditioned: false,
+            linear: LinearSweeps::new(&gauss, &iterate, structure.hessian.to_pattern(), 1),
+            choice: Choice::new(Preconditioner::Automatic, (&gauss, &iterate), structure),
+            is_made: false,
             k: zeros(s * s),
             start: State::new(&zeros(n), &[]),
             h: T::int(0),
             is_finite: true,
             r: zeros(len),
             x: zeros(len),
-            state: zeros(n),
-            hessian: zeros(pattern.len()),
-            pattern,
             iterate,
             gauss,
         }
@@ -82,7 +77,9 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         self.linear
             .set_k(&self.k, (self.gauss.stages(), self.iterate.stride()));
         self.is_finite = self.linear.linearise(&self.iterate, &mut self.energy);
-        self.is_preconditioned = false;
+        // What is carried depends on the part alone.
+        self.choice.forget();
+        self.is_made = false;
     }
 
     /// Carries `deviation`, n components, over the part that has been linearised.
@@ -97,17 +94,11 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         for (row, &x) in self.r.chunks_exact_mut(stride).zip(&*deviation) {
             row[..s].fill(x);
         }
-        if !self.is_preconditioned && !self.solve() {
-            let full = self
-                .full
-                .get_or_insert_with(|| Full::new(&self.gauss, &self.iterate, self.pattern.clone()));
-            let room = (self.state.as_mut_slice(), self.hessian.as_mut_slice());
-            full.linearise(&self.iterate, &mut self.energy, (&self.start, self.h), room)
-                .map_err(|_| Failure::Singular)?;
-            self.is_preconditioned = true;
-        }
-        if self.is_preconditioned && !self.solve() {
-            return Err(Failure::Singular);
+        while !self.solve() {
+            if !self.choice.escalate() {
+                return Err(Failure::Singular);
+            }
+            self.is_made = false;
         }
         for (x, &sum) in deviation.iter_mut().zip(self.linear.sums()) {
             *x += sum;
@@ -115,11 +106,19 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         Ok(())
     }
 
+    /// With the preconditioner that is chosen.
     fn solve(&mut self) -> bool {
-        let full = self.full.as_mut().filter(|_| self.is_preconditioned);
-        let m = full.map(|full| full as &mut dyn Preconditioner<T>);
+        let (at, step) = ((&self.gauss, &self.iterate), (&self.start, self.h));
+        self.is_made = self.is_made
+            || self
+                .choice
+                .make(at, &mut self.energy, step, &mut Counts::default());
+        if !self.is_made {
+            return false;
+        }
         let sides = (self.r.as_slice(), self.x.as_mut_slice());
         let to_rest = (self.iterate.inverse_scale(), T::int(4) * T::EPSILON);
+        let m = self.choice.operator();
         self.linear
             .solve((Held::Start, false), sides, to_rest, &self.iterate, m)
     }

@@ -79,37 +79,16 @@ impl<T: Float> Gauss<T> {
         for i in 0..s {
             k[i * s + i] = half;
             for j in i + 1..s {
-                let (upper, lower) = halves(k[i * s + j], half, one);
-                k[i * s + j] = upper;
-                k[j * s + i] = lower;
+                let u = k[i * s + j];
+                let large = half + u.abs();
+                let small = one - large;
+                let pair = if u < T::int(0) {
+                    (small, large)
+                } else {
+                    (large, small)
+                };
+                (k[i * s + j], k[j * s + i]) = pair;
             }
-        }
-    }
-
-    /// [`skew_into`](Self::skew_into) column by column, each padded to `stride` places: K_ij at
-    /// `j·stride + i`. The padding is left as it is. The entries have the same bits.
-    ///
-    /// # Panics
-    /// When `alphas` does not have s − 1 entries, `stride` is less than s, or `k` shorter than s·stride.
-    ///
-    /// ```
-    /// let gauss = equip_tableau::Gauss::<f64>::new(2)?;
-    /// let (rows, mut columns) = (gauss.skew(&[0.3]), [0.0; 8]);
-    /// gauss.skew_columns_into(&[0.3], 4, &mut columns);
-    /// assert_eq!(columns, [rows[0], rows[2], 0.0, 0.0, rows[1], rows[3], 0.0, 0.0]);
-    /// # Ok::<(), equip_tableau::TableauError>(())
-    /// ```
-    pub fn skew_columns_into(&self, alphas: &[T], stride: usize, k: &mut [T]) {
-        let (s, half, one) = (self.stages, T::ratio(1, 2), T::int(1));
-        assert_eq!(alphas.len(), s - 1, "one alpha for each k = 1..s-1");
-        assert!(s <= stride && k.len() >= s * stride, "room for s columns");
-        self.each_above(alphas, |i, j, u| {
-            let (upper, lower) = halves(u, half, one);
-            k[j * stride + i] = upper;
-            k[i * stride + j] = lower;
-        });
-        for i in 0..s {
-            k[i * stride + i] = half;
         }
     }
 
@@ -130,13 +109,6 @@ impl<T: Float> Gauss<T> {
         assert_eq!(alphas.len(), s - 1, "one alpha for each k = 1..s-1");
         assert_eq!(u.len(), s * s, "room for s x s entries");
         u.fill(T::int(0));
-        self.each_above(alphas, |i, j, x| u[i * s + j] = x);
-        mirror(s, u);
-    }
-
-    /// Calls `take` with i, j and U(α)_ij for all j > i, each of them one dot product ([`Pack::dot`]).
-    fn each_above(&self, alphas: &[T], mut take: impl FnMut(usize, usize, T)) {
-        let s = self.stages;
         let mut matrices = [&*self.unperturbed; MAX_STAGES];
         let mut factors = [T::int(1); MAX_STAGES];
         let mut count = 1;
@@ -146,27 +118,16 @@ impl<T: Float> Gauss<T> {
                 count += 1;
             }
         }
+        // Each entry is one dot product.
         let mut terms = [[T::Pack::splat(T::int(0))]; MAX_STAGES];
         for i in 0..s {
             for j in i + 1..s {
                 for (term, matrix) in terms.iter_mut().zip(&matrices[..count]) {
                     *term = [T::Pack::of(&[matrix[i * s + j]])];
                 }
-                let [u] = T::Pack::<1>::dot(&terms[..count], 0, &factors).numbers();
-                take(i, j, u);
+                [u[i * s + j]] = T::Pack::<1>::dot(&terms[..count], 0, &factors).numbers();
             }
         }
-    }
-}
-
-/// ½ + u and ½ − u, which add up to 1 exactly.
-#[inline(always)]
-fn halves<T: Float>(u: T, half: T, one: T) -> (T, T) {
-    let large = half + u.abs();
-    let small = one - large;
-    if u < T::int(0) {
-        (small, large)
-    } else {
-        (large, small)
+        mirror(s, u);
     }
 }

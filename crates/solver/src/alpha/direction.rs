@@ -8,9 +8,10 @@
 //! | V, ∂I_a/∂α_k, the mean over both ends | ∇I_a(y1)·u_k and −∇I_a(y0)·u'_k |
 //! | D | [`crate::alpha::least_displacement`] |
 //!
-//! Only the first [`LEADING`] of the free α's move.
+//! Only the first [`LEADING`] of the free α's move, or as many as there are constraints.
 //!
-//! Cost: ∇²H at the stages, and some 6 linear sweeps of 2·[`LEADING`] right-hand sides. Nothing is allocated.
+//! Cost: ∇²H at the stages, and some 6 linear sweeps of two right-hand sides for each of them.
+//! Nothing is allocated.
 
 use crate::alpha::least_displacement::{LeastDisplacement, dot};
 use crate::equations::constraint::Constraint;
@@ -79,7 +80,7 @@ impl<T: Float> Direction<T> {
         (first, constraints): (usize, usize),
     ) -> Self {
         let (s, n, stride) = (iterate.stages(), iterate.components(), iterate.stride());
-        let free = (s - first).min(LEADING);
+        let free = (s - first).min(LEADING.max(constraints));
         let zeros = |len: usize| vec![T::int(0); len];
         let t_columns = (first..first + free).map(|k| {
             let mut columns = zeros(s * stride);
@@ -317,75 +318,65 @@ impl<T: Float> Direction<T> {
         });
     }
 
-    /// X_k and u_k.
+    /// X_k with r = T_k L, and u_k.
     fn solve_forward(
         &mut self,
         iterate: &Iterate<T>,
         tolerance: T,
         m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
-        let (free, stride) = (self.free, self.stride);
+        let (s, stride) = (self.s, self.stride);
         for (k, t) in self.t_columns.iter().enumerate() {
-            mix_stages(
-                iterate.instruction_set(),
-                t,
-                iterate.increments(),
-                &mut self.t_l,
-                self.s,
-                stride,
-            );
+            let (set, l) = (iterate.instruction_set(), iterate.increments());
+            mix_stages(set, t, l, &mut self.t_l, s, stride);
             for (c, t_l) in self.t_l.chunks_exact(stride).enumerate() {
-                self.rhs[(c * free + k) * stride..][..stride].copy_from_slice(t_l);
+                self.rhs[(c * self.free + k) * stride..][..stride].copy_from_slice(t_l);
             }
         }
-        let sides = (self.rhs.as_slice(), self.x.as_mut_slice());
-        if !self.linear.solve(
-            (Held::Start, self.is_near),
-            sides,
-            (&self.weights, tolerance),
-            iterate,
-            m,
-        ) {
-            return false;
-        }
+        let solved = self.solve(Held::Start, iterate, tolerance, m);
         for (k, end) in self.ends.iter_mut().enumerate() {
             for (c, u) in end.iter_mut().enumerate() {
-                *u = self.linear.sums()[c * free + k];
+                *u = self.linear.sums()[c * self.free + k];
             }
         }
-        true
+        solved
     }
 
-    /// u'_k.
+    /// The same with the end held and r = u_k, and u'_k.
     fn solve_back(
         &mut self,
         iterate: &Iterate<T>,
         tolerance: T,
         m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
-        let (free, stride) = (self.free, self.stride);
         for (k, end) in self.ends.iter().enumerate() {
             for (c, &u) in end.iter().enumerate() {
-                let row = &mut self.rhs[(c * free + k) * stride..][..stride];
+                let row = &mut self.rhs[(c * self.free + k) * self.stride..][..self.stride];
                 row.fill(T::int(0));
                 row[..self.s].fill(u);
             }
         }
-        let sides = (self.rhs.as_slice(), self.back.as_mut_slice());
-        if !self.linear.solve(
-            (Held::End, self.is_near),
-            sides,
-            (&self.weights, tolerance),
-            iterate,
-            m,
-        ) {
-            return false;
-        }
+        let solved = self.solve(Held::End, iterate, tolerance, m);
         for (k, (start, end)) in self.starts.iter_mut().zip(&self.ends).enumerate() {
             for (c, (start, &u)) in start.iter_mut().zip(end).enumerate() {
-                *start = self.linear.sums()[c * free + k] - u;
+                *start = self.linear.sums()[c * self.free + k] - u;
             }
         }
-        true
+        solved
+    }
+
+    fn solve(
+        &mut self,
+        held: Held,
+        iterate: &Iterate<T>,
+        tolerance: T,
+        m: Option<&mut (dyn Preconditioner<T> + '_)>,
+    ) -> bool {
+        let x = match held {
+            Held::Start => &mut self.x,
+            Held::End => &mut self.back,
+        };
+        let (how, to_rest) = ((held, self.is_near), (self.weights.as_slice(), tolerance));
+        self.linear.solve(how, (&self.rhs, x), to_rest, iterate, m)
     }
 }

@@ -3,3 +3,4 @@
 pub(crate) mod direction;
 pub(crate) mod least_displacement;
 pub(crate) mod local_error;
+pub(crate) mod progress;

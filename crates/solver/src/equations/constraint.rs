@@ -30,6 +30,8 @@ pub struct Constraint<T: Float> {
     /// The floor at the end of the step, and the largest of late.
     pub(crate) floor: T,
     pub(crate) late: T,
+    /// The largest of late before the step.
+    late_before: T,
     /// ∇I at the end of the step, and at its start.
     pub(crate) gradient: Vec<T>,
     pub(crate) start_gradient: Vec<T>,
@@ -46,6 +48,7 @@ impl<T: Float> Constraint<T> {
             start_defect: zero,
             floor: zero,
             late: zero,
+            late_before: zero,
             gradient: vec![zero; n],
             start_gradient: vec![zero; n],
         }
@@ -103,6 +106,16 @@ impl<T: Float> Constraint<T> {
             }
         };
         self.start_defect = value - self.reference;
+    }
+
+    /// A step begins.
+    pub(crate) fn begin_step(&mut self) {
+        self.late_before = self.late;
+    }
+
+    /// The step has failed, perhaps after a part of it was accepted.
+    pub(crate) fn fail(&mut self) {
+        self.late = self.late_before;
     }
 
     /// The step was accepted: its end is the start of the next.

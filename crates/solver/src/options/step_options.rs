@@ -27,7 +27,8 @@ pub enum Preconditioner {
     Automatic,
     /// M = 1: sweeps. Gradients at the stages, no Hessian, no linear system.
     Identity,
-    /// Stiff springs along single components of H = T(p) + U(q); else as `Identity`.
+    /// Stiff springs along single components of H = T(p) + U(q). Where there are none M = 1, for a Hessian a
+    /// step.
     Diagonal,
     /// One ∇²H for all stages (simplified Newton): ⌈s/2⌉ complex systems of size 2m, m where H is separable,
     /// sparse where ∇²H is.
@@ -56,7 +57,7 @@ pub struct StepOptions<T> {
 }
 
 impl<T: Float> StepOptions<T> {
-    /// The member of `family` with so many stages: α's up to 1/20, 10 halvings.
+    /// The member of `family` with so many stages.
     pub fn new(stages: usize, family: Family) -> Self {
         StepOptions {
             stages,

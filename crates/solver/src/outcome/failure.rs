@@ -26,7 +26,7 @@ pub enum Failure<T> {
     Astray {
         /// H − H_ref at the end of the step.
         defect: T,
-        /// |H_ref| + Σ|∂_iH y_i| at its start.
+        /// |H_ref| + Σ|∂_iH| σ_i at its start, σ the sizes of the components in the step.
         scale: T,
     },
 }

@@ -171,7 +171,11 @@ impl<T: Float> Choice<T> {
 
     /// Why M could not be made.
     pub(crate) fn failure<U>(&self) -> Failure<U> {
-        if self.hessian.iter().all(|x| x.is_finite()) {
+        let is_finite = match (self.active, &self.full) {
+            (Kind::Full, Some(full)) => full.is_finite(),
+            _ => self.hessian.iter().all(|x| x.is_finite()),
+        };
+        if is_finite {
             Failure::Singular
         } else {
             Failure::NotFinite
@@ -289,7 +293,8 @@ impl<T: Float> Choice<T> {
 
     /// What the next step depends on.
     pub(crate) fn save(&self, memory: &mut SolverMemory<T>) {
-        memory.put_counts("preconditioner", [self.active as u64, self.left, self.wait]);
+        let counts = [self.active as u64, self.left, self.wait];
+        memory.put("preconditioner", counts.map(|count| T::exact(count as f64)));
         memory.put("preconditioner made for", [self.made_for]);
         memory.put(
             "preconditioner amplification",
@@ -311,10 +316,13 @@ impl<T: Float> Choice<T> {
         memory: &SolverMemory<T>,
     ) -> Result<(), Damaged> {
         let what = "preconditioner";
-        let [active, left, wait] = memory.counts::<3>(what)?;
-        let active = usize::try_from(active).ok().and_then(|i| KINDS.get(i));
-        self.active = *active.ok_or(Damaged { what })?;
-        (self.left, self.wait) = (left, wait);
+        let numbers = memory.numbers::<3>(what)?.map(|x| x.to_f64());
+        if !numbers.iter().all(|x| *x >= 0.0 && x.fract() == 0.0) {
+            return Err(Damaged { what });
+        }
+        let [active, left, wait] = numbers.map(|x| x as u64);
+        self.active = *KINDS.get(active as usize).ok_or(Damaged { what })?;
+        (self.left, self.wait) = (left.min(LONGEST_WAIT), wait.clamp(1, LONGEST_WAIT));
         [self.made_for] = memory.numbers("preconditioner made for")?;
         let [amplification] = memory.numbers::<1>("preconditioner amplification")?;
         self.amplification = amplification.to_f64();
@@ -325,7 +333,7 @@ impl<T: Float> Choice<T> {
             return Ok(());
         }
         match self.active {
-            Kind::Diagonal if made_of.len().is_multiple_of(3) => {
+            Kind::Diagonal if made_of.len().is_multiple_of(2) => {
                 let diagonal = self
                     .diagonal
                     .get_or_insert_with(|| Diagonal::new(gauss, iterate));

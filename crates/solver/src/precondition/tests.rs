@@ -39,7 +39,7 @@ fn one_solution<T: Float>(energy: &Hamiltonian, tolerance: f64, most: f64) {
         let (h, gauss) = (T::ratio(3, 10), Gauss::<T>::new(s).unwrap());
         let mut iterate = Iterate::prepare(&gauss, 4, evaluator.kinetic(), &vec![T::int(0); s - 1]);
         iterate.begin(&gauss, (&y, h));
-        let mut contraction = Contraction::new(iterate.is_twofold());
+        let mut contraction = Contraction::new(iterate.is_twofold(), T::EPSILON.to_f64());
         contraction.begin(false);
         while iterate.sweep(&mut evaluator, &y, &mut contraction).0 == Progress::Contracts {}
         iterate.keep_momenta(&y);

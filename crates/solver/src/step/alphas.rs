@@ -11,13 +11,13 @@
 //! at least, and 1/[`SMALL`] of the motion, each component in units of its motion, or moved by rounding.
 //! Otherwise the step with α = 0 stands, and its defect is carried.
 
-use crate::alpha::direction::Direction;
+use crate::alpha::progress::{Bounds, Progress, direction_tolerance};
 use crate::equations::constraint::Constraint;
 use crate::options::step_options::Reach;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
 use crate::policy::{FARTHEST, MOST_STALLS, SMALL, STALLED, STATE_ROUNDING, TURNS};
-use crate::step::core::Core;
+use crate::step::core::{AlphaSolver, Core};
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_sweeps::{MOST_ITERATIONS, State};
@@ -29,21 +29,28 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         (y, h): (&State<T>, T),
         next: &mut State<T>,
     ) -> Result<Outcome, Failure<T>> {
+        // Without α's that are free there are no constraints.
+        let Some(mut solver) = self.alpha_solver.take() else {
+            return Err(Failure::NoAlpha);
+        };
         self.stages.iterate.keep_momenta(y);
-        self.stages.iterate.keep(&mut self.kept);
-        self.unperturbed.copy_from(next);
+        self.stages.iterate.keep(&mut solver.kept);
+        solver.unperturbed.copy_from(next);
         let noise = self.stages.contraction.noise();
-        let reason = match self.move_alphas((y, h), next) {
+        let moved = self.move_alphas(&mut solver, (y, h), next);
+        if moved.is_err() {
+            self.alphas.copy_from_slice(&self.start_alphas);
+            self.stages.iterate.put_back(&solver.kept);
+            next.copy_from(&solver.unperturbed);
+        }
+        self.alpha_solver = Some(solver);
+        let reason = match moved {
             Ok(()) => return Ok(Outcome::Solved),
             Err(reason) => reason,
         };
-        self.alphas.copy_from_slice(&self.start_alphas);
-        self.stages.iterate.put_back(&self.kept);
-        next.copy_from(&self.unperturbed);
         self.evaluate_constraints(next, noise)?;
         // What no α's bring down near the floors is rounding.
-        let worst = |most: T, c: &Constraint<T>| most.max(c.in_late_floors());
-        if self.constraints.iter().fold(T::int(0), worst) <= T::int(STALLED) {
+        if self.in_late_floors() <= T::int(STALLED) {
             return Ok(Outcome::AtFloor);
         }
         // A defect beyond the energy itself is that of a solution which does not follow the motion.
@@ -65,69 +72,69 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ///
     /// A direction turns with the stages, by the share that these move: it is taken anew unless that is worth
     /// less than rounding, and to the digits that show in the end point.
-    fn move_alphas(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<(), Outcome> {
-        let mut reach = self.reach((y, h), next)?;
+    fn move_alphas(
+        &mut self,
+        solver: &mut AlphaSolver<T>,
+        (y, h): (&State<T>, T),
+        next: &mut State<T>,
+    ) -> Result<(), Outcome> {
+        let mut bounds = self.bounds(solver, (y, h), next)?;
         let rounding = T::int(STATE_ROUNDING) * T::EPSILON;
-        let (mut farthest, mut since) = (T::int(0), T::INFINITY);
-        let (mut last, mut stalls) = ([T::INFINITY; 2], 0);
+        let mut progress = Progress::<T>::new();
         // A direction that turns faster than it comes to rest is kept as it is.
         let mut turns_left = T::MANTISSA_BITS / TURNS.ilog2();
         for moves in 0..=MOST_ITERATIONS {
-            let turns = T::int(TURNS) * farthest * since;
-            let is_kept = turns <= rounding || turns_left == 0;
+            let turns = progress.turns();
+            let is_kept = turns.is_some_and(|turns| turns <= rounding) || turns_left == 0;
             if !is_kept {
                 turns_left -= 1;
                 self.stages.iterate.keep_momenta(y);
-                // No better than it still turns.
-                let digits = if moves == 0 {
-                    reach.digits
-                } else {
-                    digits(turns, farthest.max(T::int(4) * reach.needed))
+                let tolerance = match turns {
+                    None => bounds.tolerance,
+                    Some(turns) => {
+                        self.linearise(solver)?;
+                        let far = progress.farthest.max(T::int(4) * bounds.needed);
+                        direction_tolerance(turns, far)
+                    }
                 };
-                if moves > 0 {
-                    self.linearise()?;
-                }
-                self.take_direction((y, next), digits)?;
-                since = digits / T::int(TURNS);
+                self.take_direction(solver, (y, next), tolerance)?;
+                progress.direction_taken(tolerance);
             }
-            let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
-            if !direction.aim(&self.alphas, &self.constraints) {
+            if !solver.direction.aim(&self.alphas, &self.constraints) {
                 return Err(Outcome::NoSlope);
             }
-            let [of_stages, of_state] = direction.displacement();
-            let worst = |c: T, constraint: &Constraint<T>| c.max(constraint.in_late_floors());
-            let floors = self.constraints.iter().fold(T::int(0), worst);
-            let shrinks = T::int(2) * floors <= last[0] || T::int(2) * of_state <= last[1];
-            let is_near = floors <= T::int(STALLED);
+            let [of_stages, of_state] = solver.direction.displacement();
+            let floors = self.in_late_floors();
             let is_settled = of_state <= rounding || moves > 0 && is_kept;
             if is_settled && floors <= T::int(1) {
                 return Ok(());
             }
             // What no longer shrinks is rounding near the floor, and hopeless elsewhere.
-            stalls += u32::from(moves > 1 && !shrinks);
-            if stalls > 0 && is_near {
+            let stalls = progress.stalls(floors, of_state);
+            if stalls > 0 && floors <= T::int(STALLED) {
                 return Ok(());
             }
             if stalls > MOST_STALLS || moves == MOST_ITERATIONS {
-                return Err(Outcome::NoSlope);
+                break;
             }
-            last = [floors, of_state];
-            farthest = farthest.max(of_state);
-            since += of_stages;
-            self.move_once((y, h), next)?;
-            if let Some(direction) = &mut self.direction {
-                direction.learn(&self.constraints);
-            }
-            self.check_displacement((y, h), next, &mut reach)?;
+            progress.moves(of_stages, of_state);
+            self.move_once(solver, (y, h), next)?;
+            solver.direction.learn(&self.constraints);
+            self.check_displacement(solver, (y, h), next, &mut bounds)?;
         }
         Err(Outcome::NoSlope)
     }
 
     /// The farthest that the end point may be moved. An error if no α's that stay within it can keep the
     /// constraints.
-    fn reach(&mut self, (y, h): (&State<T>, T), next: &State<T>) -> Result<Bounds<T>, Outcome> {
-        let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
-        direction.begin(&self.stages.iterate, y, next);
+    fn bounds(
+        &mut self,
+        solver: &mut AlphaSolver<T>,
+        step: (&State<T>, T),
+        next: &State<T>,
+    ) -> Result<Bounds<T>, Outcome> {
+        solver.direction.begin(&self.stages.iterate, step.0, next);
+        let direction = &solver.direction;
         let least = |units: &[T], of: fn(&Constraint<T>) -> T| {
             let worth = |c: &Constraint<T>| c.least_displacement(of(c), units);
             self.constraints
@@ -138,9 +145,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let needed = units.map(|units| least(units, |c| c.defect));
         let own = units.map(|units| least(units, |c| c.defect - c.start_defect));
         let is_free = self.options.reach == Reach::Always;
-        let mut reach = Bounds {
+        let mut bounds = Bounds {
             needed: needed[0],
-            digits: digits(needed[0], T::int(4) * needed[0]),
+            tolerance: direction_tolerance(needed[0], T::int(4) * needed[0]),
             most: own.map(|own| {
                 if is_free {
                     T::INFINITY
@@ -157,72 +164,75 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         };
         let rounding = T::int(STATE_ROUNDING) * T::EPSILON * direction.largest_size(next);
         let is_rounding = needed[0] <= rounding;
-        if !is_rounding && !reach.is_small(needed) {
+        if !is_rounding && !bounds.is_small(needed) {
             return Err(Outcome::TooFar);
         }
-        self.linearise()?;
-        if !is_free && !self.direction.as_mut().is_some_and(Direction::is_resolved) {
+        self.linearise(solver)?;
+        if !is_free && !solver.direction.is_resolved() {
             return Err(Outcome::Unresolved);
         }
-        if is_rounding || reach.holds(needed) || self.extend((y, h), &mut reach, needed) {
-            Ok(reach)
+        if is_rounding || bounds.holds(needed) || self.extend(solver, step, &mut bounds, needed) {
+            Ok(bounds)
         } else {
             Err(Outcome::TooFar)
         }
     }
 
     /// Estimates the local error, once in a step. Returns whether the end point may be moved so `far` by it.
-    fn extend(&mut self, step: (&State<T>, T), reach: &mut Bounds<T>, far: [T; 2]) -> bool {
-        if !reach.is_small(far) || std::mem::replace(&mut reach.has_error, true) {
+    fn extend(
+        &mut self,
+        solver: &mut AlphaSolver<T>,
+        step: (&State<T>, T),
+        bounds: &mut Bounds<T>,
+        far: [T; 2],
+    ) -> bool {
+        if !bounds.is_small(far) || std::mem::replace(&mut bounds.has_error, true) {
             return false;
         }
-        if let (Some(local_error), Some(direction)) = (&mut self.local_error, &self.direction) {
-            let l = (self.kept.increments(), self.stages.iterate.stride());
+        if let Some(local_error) = &mut solver.local_error {
+            let l = (solver.kept.increments(), self.stages.iterate.stride());
             let counts = &mut self.counts;
             counts.local_errors += 1;
-            let error = local_error.estimate(&mut self.energy, step, l, &direction.motion, counts);
-            for (most, error) in reach.most.iter_mut().zip(error.unwrap_or([T::int(0); 2])) {
+            let units = &solver.direction.motion;
+            let error = local_error.estimate(&mut self.energy, step, l, units, counts);
+            for (most, error) in bounds.most.iter_mut().zip(error.unwrap_or([T::int(0); 2])) {
                 *most = most.max(T::int(FARTHEST) * error);
             }
         }
-        reach.holds(far)
+        bounds.holds(far)
     }
 
-    fn linearise(&mut self) -> Result<(), Outcome> {
-        let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
-        self.counts.hessians += self.stages.iterate.stages() as u64;
-        if direction.linearise(&self.stages.iterate, &mut self.energy) {
-            Ok(())
-        } else {
-            Err(Outcome::NoSlope)
-        }
+    fn linearise(&mut self, solver: &mut AlphaSolver<T>) -> Result<(), Outcome> {
+        let iterate = &self.stages.iterate;
+        self.counts.hessians += iterate.stages() as u64;
+        let is_finite = solver.direction.linearise(iterate, &mut self.energy);
+        is_finite.then_some(()).ok_or(Outcome::NoSlope)
     }
 
     fn take_direction(
         &mut self,
+        solver: &mut AlphaSolver<T>,
         (y, next): (&State<T>, &State<T>),
         tolerance: T,
     ) -> Result<(), Outcome> {
-        let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
-        direction.weigh(&self.stages.iterate, y, next);
-        let m = self.stages.choice.operator();
-        let of = (&self.stages.iterate, self.constraints.as_slice());
+        let (direction, iterate) = (&mut solver.direction, &self.stages.iterate);
+        direction.weigh(iterate, y, next);
         self.counts.directions += 1;
-        if direction.take(of, tolerance, m) {
-            Ok(())
-        } else {
-            Err(Outcome::NoSlope)
-        }
+        let of = (iterate, self.constraints.as_slice());
+        let is_taken = direction.take(of, tolerance, self.stages.choice.operator());
+        is_taken.then_some(()).ok_or(Outcome::NoSlope)
     }
 
     /// Moves the α's, lets Z follow and iterates it to rest.
-    fn move_once(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<(), Outcome> {
-        let direction = self.direction.as_mut().ok_or(Outcome::NoSlope)?;
-        let delta = direction.delta.iter();
-        self.alphas
-            .iter_mut()
-            .zip(delta)
-            .for_each(|(alpha, &delta)| *alpha += delta);
+    fn move_once(
+        &mut self,
+        solver: &AlphaSolver<T>,
+        (y, h): (&State<T>, T),
+        next: &mut State<T>,
+    ) -> Result<(), Outcome> {
+        for (alpha, &delta) in self.alphas.iter_mut().zip(&solver.direction.delta) {
+            *alpha += delta;
+        }
         let bound = self.options.alpha_bound;
         if !self.alphas.iter().all(|alpha| alpha.abs() <= bound) {
             return Err(Outcome::BeyondBound);
@@ -230,13 +240,19 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.counts.alpha_moves += 1;
         let stages = &mut self.stages;
         stages.iterate.set_alphas(&self.alphas);
-        direction.follow(&mut stages.iterate, y);
+        solver.direction.follow(&mut stages.iterate, y);
         stages.contraction.disturb();
         let solved = stages.iterate_to_rest(&mut self.energy, (y, h), &mut self.counts);
         solved.map_err(|_| Outcome::BeyondBound)?;
         stages.iterate.end_point(y, next);
         self.evaluate_constraints(next, self.stages.contraction.noise())
             .map_err(|_| Outcome::BeyondBound)
+    }
+
+    /// The largest defect in its floors of late.
+    fn in_late_floors(&self) -> T {
+        let defects = self.constraints.iter().map(Constraint::in_late_floors);
+        defects.fold(T::int(0), |most, floors| most.max(floors))
     }
 
     /// Evaluates the constraints at the end point, which the iteration for the stages has left with this
@@ -257,61 +273,29 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         Ok(())
     }
 
-    /// Whether the end point is within reach of the one with α = 0, but for rounding.
+    /// Whether the end point is within bounds of the one with α = 0, but for rounding.
     fn check_displacement(
         &mut self,
+        solver: &mut AlphaSolver<T>,
         step: (&State<T>, T),
         next: &State<T>,
-        reach: &mut Bounds<T>,
+        bounds: &mut Bounds<T>,
     ) -> Result<(), Outcome> {
-        let direction = self.direction.as_ref().ok_or(Outcome::NoSlope)?;
         let rounding = T::int(FARTHEST * STATE_ROUNDING) * T::EPSILON;
         let mut far = [T::int(0); 2];
-        for (c, (&end, &before)) in next.hi.iter().zip(&self.unperturbed.hi).enumerate() {
+        let ends = next.hi.iter().zip(&solver.unperturbed.hi);
+        for (c, (&end, &before)) in ends.enumerate() {
             let moved = (end - before).abs();
             if moved > rounding * end.abs() {
-                for (far, units) in far.iter_mut().zip(&direction.motion) {
+                for (far, units) in far.iter_mut().zip(&solver.direction.motion) {
                     *far = far.max(moved / units[c]);
                 }
             }
         }
-        if reach.holds(far) || self.extend(step, reach, far) {
+        if bounds.holds(far) || self.extend(solver, step, bounds, far) {
             Ok(())
         } else {
             Err(Outcome::TooFar)
         }
-    }
-}
-
-/// How far the end point has to be moved at least to keep the constraints, and how far it may be, in units of
-/// the motion: of each component, and of the one of its group that moves most.
-struct Bounds<T> {
-    needed: T,
-    /// Of the first direction.
-    digits: T,
-    most: [T; 2],
-    /// What is a small share of the motion: what moves further is no correction of a step.
-    small: T,
-    /// The local error has been asked for.
-    has_error: bool,
-}
-
-/// The relative tolerance of a direction that turns by so much yet and moves the end point so `far`: what
-/// shows in the end point, and no better than it turns.
-fn digits<T: Float>(turns: T, far: T) -> T {
-    let rounding = T::int(STATE_ROUNDING) * T::EPSILON;
-    (rounding / far / T::int(TURNS))
-        .max(turns)
-        .max(rounding)
-        .min(T::ratio(1, 1000))
-}
-
-impl<T: Float> Bounds<T> {
-    fn is_small(&self, far: [T; 2]) -> bool {
-        far.iter().all(|&far| far <= self.small)
-    }
-
-    fn holds(&self, far: [T; 2]) -> bool {
-        self.is_small(far) && far.iter().zip(&self.most).all(|(far, most)| far <= most)
     }
 }

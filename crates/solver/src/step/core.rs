@@ -7,7 +7,7 @@ use crate::options::step_options::StepOptions;
 use crate::outcome::outcome::{Counts, Outcome};
 use crate::outcome::parts::Parts;
 use crate::step::stages::Stages;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::{Evaluate, Kinetic, Structure, System};
 use equip_scalar::Float;
 use equip_sweeps::{Kept, State};
 use equip_tableau::Gauss;
@@ -26,12 +26,8 @@ pub struct Core<T: Float, E> {
     /// α's, and those that a step starts from: zero, or the fixed ones.
     pub(crate) alphas: Vec<T>,
     pub(crate) start_alphas: Vec<T>,
-    /// Which way the α's move, if any are free.
-    pub(crate) direction: Option<Direction<T>>,
-    pub(crate) local_error: Option<LocalError<T>>,
-    /// The stages and the end point with the α's that a step starts from.
-    pub(crate) kept: Kept<T>,
-    pub(crate) unperturbed: State<T>,
+    /// What they are solved with, if any are free.
+    pub(crate) alpha_solver: Option<Box<AlphaSolver<T>>>,
     /// Where ∇I at the start of a step was evaluated.
     pub(crate) start: Vec<T>,
     /// Whether the α's of a step wait until it is [completed](Self::complete).
@@ -44,6 +40,37 @@ pub struct Core<T: Float, E> {
     pub(crate) parts: Parts<T>,
     /// State, time and size of the part that failed last.
     pub(crate) failed: (Vec<T>, T, T),
+}
+
+/// What the α's are solved with, if any are free.
+#[derive(Debug)]
+pub(crate) struct AlphaSolver<T: Float> {
+    /// Which way the α's move.
+    pub(crate) direction: Direction<T>,
+    /// `None` if no method has two stages more.
+    pub(crate) local_error: Option<LocalError<T>>,
+    /// The stages and the end point with the α's that a step starts from.
+    pub(crate) kept: Kept<T>,
+    pub(crate) unperturbed: State<T>,
+}
+
+impl<T: Float> AlphaSolver<T> {
+    /// For α_`first` and those after it, from 1, and these constraints.
+    pub(crate) fn new(
+        stages: &Stages<T>,
+        (structure, kinetic): (&Structure, Option<Kinetic<T>>),
+        options: &StepOptions<T>,
+        (first, constraints): (usize, &[Constraint<T>]),
+    ) -> Self {
+        let (gauss, iterate) = (&stages.gauss, &stages.iterate);
+        let of = (first, constraints.len());
+        AlphaSolver {
+            direction: Direction::new(gauss, iterate, &structure.hessian, of),
+            local_error: LocalError::new(gauss, structure, kinetic, options.preconditioner),
+            kept: Kept::new(iterate),
+            unperturbed: State::new(&vec![T::int(0); iterate.components()], &[]),
+        }
+    }
 }
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
@@ -64,16 +91,24 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let kinetic = energy.kinetic();
         let preconditioner = options.preconditioner;
         let free = options.first_alpha.filter(|_| !constraints.is_empty());
-        let local_error =
-            free.and_then(|_| LocalError::new(&gauss, structure, kinetic.clone(), preconditioner));
-        let stages = Stages::new(gauss, structure, kinetic, &start_alphas, preconditioner);
-        let direction = free.map(|first| {
-            let of = (first, constraints.len());
-            Direction::new(&stages.gauss, &stages.iterate, &structure.hessian, of)
+        let stages = Stages::new(
+            gauss,
+            structure,
+            kinetic.clone(),
+            &start_alphas,
+            preconditioner,
+        );
+        let alpha_solver = free.map(|first| {
+            let of = (first, constraints.as_slice());
+            Box::new(AlphaSolver::new(
+                &stages,
+                (structure, kinetic),
+                &options,
+                of,
+            ))
         });
         let zero = State::new(&vec![T::int(0); n], &[]);
         Core {
-            kept: Kept::new(&stages.iterate),
             parts: Parts::new(),
             is_deferred: false,
             unconstrained: if options.first_alpha.is_some() {
@@ -81,8 +116,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             } else {
                 Outcome::NotAsked
             },
-            middles: vec![zero.clone(); options.max_halvings as usize],
-            unperturbed: zero,
+            middles: vec![zero; options.max_halvings as usize],
             start: vec![T::NAN; n],
             failed: (vec![T::int(0); n], T::int(0), T::int(0)),
             alphas: start_alphas.clone(),
@@ -92,8 +126,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             options,
             constraints,
             stages,
-            local_error,
-            direction,
+            alpha_solver,
         }
     }
 

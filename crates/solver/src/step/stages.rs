@@ -14,7 +14,7 @@ use equip_tableau::Gauss;
 pub(crate) struct Stages<T: Float> {
     pub(crate) gauss: Gauss<T>,
     pub(crate) iterate: Iterate<T>,
-    pub(crate) contraction: Contraction<T>,
+    pub(crate) contraction: Contraction,
     pub(crate) choice: Choice<T>,
     polynomial: Polynomial<T>,
     /// Where the next step starts in the last (0 or 1), and the size of that, if the next is guessed from its
@@ -34,7 +34,7 @@ impl<T: Float> Stages<T> {
         let n = structure.hessian.dimension();
         let iterate = Iterate::prepare(&gauss, n, kinetic, alphas);
         Stages {
-            contraction: Contraction::new(iterate.is_twofold()),
+            contraction: Contraction::new(iterate.is_twofold(), T::EPSILON.to_f64()),
             choice: Choice::new(preconditioner, (&gauss, &iterate), structure),
             polynomial: Polynomial::new(&gauss),
             last: None,
@@ -47,7 +47,7 @@ impl<T: Float> Stages<T> {
     pub(crate) fn forget(&mut self) {
         self.last = None;
         self.choice.forget();
-        self.contraction = Contraction::new(self.iterate.is_twofold());
+        self.contraction = Contraction::new(self.iterate.is_twofold(), T::EPSILON.to_f64());
     }
 
     /// Z of a step of size `h` from `y`, from the polynomial of the last step, or, of M ≠ 1, from Z = 0;

@@ -1,6 +1,6 @@
 //! One step, as the paper reads: initial guess → stages → α → accept → update.
 //!
-//! The equations are those of [`crate::equations::oracle`]: Z = K(α) L(Z), α = λ d(Z), H(y0 + Σ L_i) = H_ref.
+//! The equations are those of [`crate::equations::oracle`]: Z = K(α) L(Z), α = D(Z) t, H(y0 + Σ L_i) = H_ref.
 //! How their solution is found is no part of what it is.
 
 use crate::equations::constraint::Constraint;
@@ -21,10 +21,14 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ) -> Result<Outcome, Failure<T>> {
         self.parts.clear();
         self.stages.choice.begin_step();
+        self.constraints.iter_mut().for_each(Constraint::begin_step);
         let made = self.step_at_level(0, (y, t, h), next);
         match made {
             Ok(_) => self.stages.choice.end_step(),
-            Err(_) => self.forget_step(),
+            Err(_) => {
+                self.constraints.iter_mut().for_each(Constraint::fail);
+                self.forget_step();
+            }
         }
         made
     }

@@ -75,6 +75,21 @@ fn a_step_that_fails_forgets_no_floor() {
     assert_eq!(core.constraints[0].late, late);
 }
 
+/// Neither do parts of it that were accepted.
+#[test]
+fn a_step_that_fails_in_its_second_half_leaves_the_floors() {
+    let h = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + (1.0 - q[0]).sqrt()).unwrap();
+    let start = [0.0, 1.0];
+    let mut core = core(&h, 4, (Reach::WithinError, Constraint::energy(2)), &start);
+    let y = State::new(&start, &[]);
+    let mut next = y.clone();
+    core.step(&y, 0.0, 0.01, &mut next).unwrap();
+    let late = core.constraints[0].late;
+    core.step(&y, 0.0, 4.0, &mut next).unwrap_err();
+    assert!(core.failed_part().time > 0.0, "{:?}", core.failed_part());
+    assert_eq!(core.constraints[0].late, late);
+}
+
 /// The slope at the start of a step that its stages are guessed from is that of the energy, whatever is kept.
 #[test]
 fn the_gradient_of_an_invariant_is_none_of_the_energy() {

@@ -3,44 +3,40 @@
 
 use crate::convergence::contraction::{Contraction, Progress};
 use crate::policy::{MOST_ITERATIONS, NOISY};
-use equip_scalar::Float;
 
 /// Whether sweeps of a series go on.
-pub(crate) trait Again<T> {
+pub(crate) trait Again {
     /// After a sweep that has changed Z by `change`. Implementations are inlined into the kernels.
-    fn again(&mut self, change: T) -> bool;
+    fn again(&mut self, change: f64) -> bool;
 }
 
 /// One sweep.
 pub(crate) struct Once;
 
-impl<T> Again<T> for Once {
+impl Again for Once {
     #[inline(always)]
-    fn again(&mut self, _change: T) -> bool {
+    fn again(&mut self, _change: f64) -> bool {
         false
     }
 }
 
-/// The same question of any float, asked by doubles.
-pub(crate) struct InDoubles<'a, A, T>(pub(crate) &'a mut A, pub(crate) std::marker::PhantomData<T>);
-
-impl<T: Float, A: Again<T>> Again<f64> for InDoubles<'_, A, T> {
+impl<A: Again> Again for &mut A {
     #[inline(always)]
     fn again(&mut self, change: f64) -> bool {
-        self.0.again(T::exact(change))
+        (**self).again(change)
     }
 }
 
 /// A series of incremental sweeps.
-pub(crate) struct Series<'a, T> {
-    contraction: &'a mut Contraction<T>,
+pub(crate) struct Series<'a> {
+    contraction: &'a mut Contraction,
     /// What the last sweep of the series says; nothing if it was not observed yet.
     pub(crate) progress: Option<Progress>,
     pub(crate) made: u32,
 }
 
-impl<'a, T: Float> Series<'a, T> {
-    pub(crate) fn new(contraction: &'a mut Contraction<T>) -> Self {
+impl<'a> Series<'a> {
+    pub(crate) fn new(contraction: &'a mut Contraction) -> Self {
         Series {
             contraction,
             progress: None,
@@ -51,14 +47,14 @@ impl<'a, T: Float> Series<'a, T> {
     /// Whether the next sweep leaves others to come.
     #[inline(always)]
     pub(crate) fn is_next(&self) -> bool {
-        self.contraction.next_change() > NOISY * T::EPSILON.to_f64()
+        self.contraction.next_change() > NOISY * self.contraction.epsilon()
     }
 }
 
-impl<T: Float> Again<T> for Series<'_, T> {
+impl Again for Series<'_> {
     #[inline(always)]
-    fn again(&mut self, change: T) -> bool {
-        let progress = self.contraction.observe(change.to_f64(), false);
+    fn again(&mut self, change: f64) -> bool {
+        let progress = self.contraction.observe(change, false);
         self.progress = Some(progress);
         let is_early = self.made < MOST_ITERATIONS;
         let again = progress == Progress::Contracts && is_early && self.is_next();
@@ -74,7 +70,7 @@ mod tests {
     /// A cycle shrinks as often as it grows, so that no change of it diverges.
     #[test]
     fn changes_that_go_round_in_a_cycle_end() {
-        let mut contraction = Contraction::<f64>::new(true);
+        let mut contraction = Contraction::new(true, f64::EPSILON);
         contraction.begin(false);
         let mut series = Series::new(&mut contraction);
         let cycle = [1e-3, 1e-4].into_iter().cycle().take(1000);

@@ -13,8 +13,6 @@
 //! Σ_i Δ_n,i · C L_i is what a quadratic invariant yᵀCy is off by, and that is alike from step to step.
 
 use crate::policy::{FAR, NOISY, SETTLED, SLOW, STAGE_ROUNDING, STILL};
-use equip_scalar::Float;
-use std::marker::PhantomData;
 
 /// What a change of Z says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +27,9 @@ pub enum Progress {
 
 /// Changes of Z so far, and what follows from them.
 #[derive(Debug)]
-pub struct Contraction<T> {
+pub struct Contraction {
+    /// ε of the floats.
+    epsilon: f64,
     is_twofold: bool,
     is_preconditioned: bool,
     /// Changes that are rounding if they do not shrink.
@@ -50,17 +50,16 @@ pub struct Contraction<T> {
     skips_comparison: bool,
     slow: u32,
     still: u32,
-    is_settled: bool,
-    float: PhantomData<T>,
 }
 
-impl<T: Float> Contraction<T> {
-    /// Of sweeps through positions and momenta in turn, or of all components at once.
-    pub fn new(is_twofold: bool) -> Self {
+impl Contraction {
+    /// Of sweeps through positions and momenta in turn, or of all components at once, in floats with this ε.
+    pub fn new(is_twofold: bool, epsilon: f64) -> Self {
         Contraction {
+            epsilon,
             is_twofold,
             is_preconditioned: false,
-            rounding: STAGE_ROUNDING * T::EPSILON.to_f64(),
+            rounding: STAGE_ROUNDING * epsilon,
             rate: 0.5,
             worst: 0.0,
             product: 1.0,
@@ -71,8 +70,6 @@ impl<T: Float> Contraction<T> {
             skips_comparison: true,
             slow: 0,
             still: 0,
-            is_settled: false,
-            float: PhantomData,
         }
     }
 
@@ -85,12 +82,12 @@ impl<T: Float> Contraction<T> {
         (self.product, self.seen) = (1.0, 0);
         (self.change, self.left) = (f64::INFINITY, f64::INFINITY);
         (self.slow, self.still) = (0, 0);
-        (self.skips_comparison, self.is_settled) = (true, false);
+        self.skips_comparison = true;
     }
 
     /// M⁻¹ makes so many times as much of the rounding of the stages as M = I does.
     pub fn set_amplification(&mut self, amplification: f64) {
-        let eps = T::EPSILON.to_f64();
+        let eps = self.epsilon;
         self.rounding = (STAGE_ROUNDING * eps * amplification.max(1.0)).min(eps.sqrt());
     }
 
@@ -98,14 +95,13 @@ impl<T: Float> Contraction<T> {
     pub fn disturb(&mut self) {
         self.skips_comparison = true;
         (self.slow, self.still) = (0, 0);
-        self.is_settled = false;
     }
 
     /// A sweep has changed Z by `change`; of sizes that were measured anew since the last one
     /// `is_remeasured`.
     #[inline(always)]
     pub fn observe(&mut self, change: f64, is_remeasured: bool) -> Progress {
-        let eps = T::EPSILON.to_f64();
+        let eps = self.epsilon;
         let last = self.change;
         let compares = !self.skips_comparison;
         self.skips_comparison = is_remeasured;
@@ -139,13 +135,17 @@ impl<T: Float> Contraction<T> {
         self.still = if stagnates { self.still + 1 } else { 0 };
         let error = self.error();
         let is_known = compares || self.worst > 0.0 || (change <= 4.0 * eps && !is_remeasured);
-        self.is_settled =
-            (is_known && error.max(self.left) <= eps / SETTLED) || self.still >= STILL;
-        if self.is_settled {
+        let is_settled = is_known && error.max(self.left) <= eps / SETTLED;
+        if is_settled || self.still >= STILL {
             Progress::Settled
         } else {
             Progress::Contracts
         }
+    }
+
+    /// ε of the floats.
+    pub(crate) fn epsilon(&self) -> f64 {
+        self.epsilon
     }
 
     /// Error of the end point that the last sweep has left.
@@ -186,7 +186,7 @@ impl<T: Float> Contraction<T> {
 
     /// The last change is so small that what is linearised at these stages is as good as at the solution.
     pub fn is_near(&self) -> bool {
-        self.change <= T::EPSILON.to_f64().cbrt()
+        self.change <= self.epsilon.cbrt()
     }
 
     /// The last change is of the size of a component or so.
@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn a_geometric_series_settles_when_its_tail_is_below_rounding() {
         for ratio in [0.5, 0.1, 1e-2] {
-            let mut contraction = Contraction::<f64>::new(false);
+            let mut contraction = Contraction::new(false, f64::EPSILON);
             contraction.begin(false);
             let (mut change, mut made) = (1e-3, 0);
             while contraction.observe(change, false) == Progress::Contracts {
@@ -242,7 +242,7 @@ mod tests {
 
     #[test]
     fn what_does_not_shrink_diverges_unless_it_is_rounding() {
-        let mut contraction = Contraction::<f64>::new(true);
+        let mut contraction = Contraction::new(true, f64::EPSILON);
         contraction.begin(false);
         let seen: Vec<_> = [1e-3, 9e-4, 8.5e-4, 8e-4]
             .map(|x| contraction.observe(x, false))
@@ -259,7 +259,7 @@ mod tests {
     /// Where components at rest have no size yet, the first change says nothing of the second.
     #[test]
     fn changes_in_sizes_measured_anew_are_not_compared_with_those_of_before() {
-        let mut contraction = Contraction::<f64>::new(true);
+        let mut contraction = Contraction::new(true, f64::EPSILON);
         contraction.begin(false);
         assert_eq!(contraction.observe(1e-20, true), Progress::Contracts);
         for change in [1e7, 1e-3, 1e-6, 1e-9] {
@@ -270,7 +270,7 @@ mod tests {
     /// A move of Z by something else is not a contraction.
     #[test]
     fn what_else_moves_z_is_not_compared() {
-        let mut contraction = Contraction::<f64>::new(false);
+        let mut contraction = Contraction::new(false, f64::EPSILON);
         contraction.begin(false);
         contraction.observe(1e-2, false);
         contraction.observe(1e-3, false);

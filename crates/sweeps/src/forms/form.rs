@@ -56,7 +56,7 @@ pub(crate) trait Mix<'a, T: Float> {
     /// All of it. Gives the largest change of Z relative to the sizes of the components; not finite if
     /// anything is not.
     #[inline(always)]
-    fn mix(&mut self) -> T {
+    fn mix(&mut self) -> f64 {
         let (k, s) = (self.step().k, self.step().s);
         if T::IS_DOUBLE {
             match stride_for::<T>(s) {
@@ -81,14 +81,14 @@ pub(crate) trait Mix<'a, T: Float> {
     }
 
     #[inline(always)]
-    fn square<const N: usize>(&mut self, k: &'a [T]) -> T {
+    fn square<const N: usize>(&mut self, k: &'a [T]) -> f64 {
         // A copy: what is written to the rows cannot change it.
         let k = *literal(k.as_chunks().0.first_chunk());
         self.by_rows::<1, N>(&Square(&k))
     }
 
     #[inline(always)]
-    fn by_rows<const G: usize, const N: usize>(&mut self, k: &impl Mixes<T, G, N>) -> T {
+    fn by_rows<const G: usize, const N: usize>(&mut self, k: &impl Mixes<T, G, N>) -> f64 {
         let (mut change, unknowns) = (Moved::new(), self.unknowns());
         for first in (0..unknowns).step_by(BLOCK) {
             self.block(k, first..unknowns.min(first + BLOCK), &mut change);
@@ -97,7 +97,7 @@ pub(crate) trait Mix<'a, T: Float> {
     }
 
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) -> T {
+    fn lanes<const N: usize>(&mut self) -> f64 {
         let mut change = Moved::<N>::new();
         for c in 0..self.unknowns() {
             self.one(c, &mut change);
@@ -243,12 +243,12 @@ impl<const N: usize> Moved<N> {
     }
 
     #[inline(always)]
-    fn reduce<T: Float>(&self) -> T {
+    fn reduce(&self) -> f64 {
         // Not the sum of the sums: in quest of it the compiler would take the vectors of the loop apart.
         if self.sum.iter().all(|sum| sum.is_finite()) {
-            T::exact(largest(self.largest))
+            largest(self.largest)
         } else {
-            T::NAN
+            f64::NAN
         }
     }
 }
@@ -256,9 +256,9 @@ impl<const N: usize> Moved<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forms::full::Whole;
-    use crate::forms::incremental::Draft;
-    use crate::forms::separable::Half;
+    use crate::forms::full::Full;
+    use crate::forms::incremental::Incremental;
+    use crate::forms::separable::Separable;
     use equip_scalar::InstructionSet;
 
     /// Uneven numbers of all sizes in [−1, 1].
@@ -303,8 +303,8 @@ mod tests {
         [l, z, points, vec![change]].concat()
     }
 
-    fn half<'a>(step: Step<'a, f64>, w: &'a [f64], b: &'a [f64]) -> Half<'a, f64> {
-        Half {
+    fn half<'a>(step: Step<'a, f64>, w: &'a [f64], b: &'a [f64]) -> Separable<'a, f64> {
+        Separable {
             step,
             inverse_masses: w,
             offset: b,
@@ -312,8 +312,8 @@ mod tests {
         }
     }
 
-    fn draft<'a>(step: Step<'a, f64>, w: &'a [f64], b: &'a [f64]) -> Draft<'a, f64> {
-        Draft {
+    fn draft<'a>(step: Step<'a, f64>, w: &'a [f64], b: &'a [f64]) -> Incremental<'a, f64> {
+        Incremental {
             half: half(step, w, b),
             h: 0.75,
         }
@@ -337,7 +337,7 @@ mod tests {
                     mut task if four => task.lanes::<4>(),
                     mut task => task.lanes::<8>(),
                 }),
-                made(s, m, |step, _, _| match Whole(step) {
+                made(s, m, |step, _, _| match Full(step) {
                     mut task if four => task.lanes::<4>(),
                     mut task => task.lanes::<8>(),
                 }),
@@ -349,7 +349,7 @@ mod tests {
             for set in InstructionSet::available() {
                 let found = [
                     made(s, m, |step, w, b| set.run(&mut half(step, w, b))),
-                    made(s, m, |step, _, _| set.run(&mut Whole(step))),
+                    made(s, m, |step, _, _| set.run(&mut Full(step))),
                     made(s, m, |step, w, b| set.run(&mut draft(step, w, b))),
                 ];
                 for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {

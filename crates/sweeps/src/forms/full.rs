@@ -11,13 +11,13 @@ use equip_scalar::{Float, Kernel, Lanes};
 use std::array::from_fn;
 use std::ops::Range;
 
-pub(crate) struct Whole<'a, T>(pub(crate) Step<'a, T>);
+pub(crate) struct Full<'a, T>(pub(crate) Step<'a, T>);
 
-impl<T: Float> Kernel for Whole<'_, T> {
-    type Output = T;
+impl<T: Float> Kernel for Full<'_, T> {
+    type Output = f64;
 
     #[inline(always)]
-    fn run(&mut self) -> T {
+    fn run(&mut self) -> f64 {
         self.mix()
     }
 }
@@ -29,14 +29,14 @@ fn slope<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N], negative: boo
     if negative { l.map(|x| -x) } else { l }
 }
 
-impl<'a, T: Float> Whole<'a, T> {
+impl<'a, T: Float> Full<'a, T> {
     #[inline(always)]
-    pub(crate) fn in_doubles(self) -> Option<Whole<'a, f64>> {
-        self.0.in_doubles().map(Whole)
+    pub(crate) fn in_doubles(self) -> Option<Full<'a, f64>> {
+        self.0.in_doubles().map(Full)
     }
 }
 
-impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
+impl<'a, T: Float> Mix<'a, T> for Full<'a, T> {
     #[inline(always)]
     fn step(&mut self) -> &mut Step<'a, T> {
         &mut self.0
@@ -78,13 +78,13 @@ impl<'a, T: Float> Mix<'a, T> for Whole<'a, T> {
     }
 }
 
-impl<'a> Small<'a> for Whole<'a, f64> {
+impl<'a> Small<'a> for Full<'a, f64> {
     #[inline(always)]
     fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
         gradients: &impl Slopes<C, N>,
         k: &impl Mixes<f64, G, N>,
-        _again: &mut impl Again<f64>,
+        _again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.0;
         let slopes: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));

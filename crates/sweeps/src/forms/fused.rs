@@ -20,7 +20,7 @@ pub(crate) trait Small<'a>: Mix<'a, f64> {
         &mut self,
         gradients: &impl Slopes<C, N>,
         k: &impl Mixes<f64, G, N>,
-        again: &mut impl Again<f64>,
+        again: &mut impl Again,
     ) -> f64;
 }
 
@@ -30,7 +30,7 @@ pub(crate) struct OneGroup<S, A>(pub(crate) S, pub(crate) A);
 /// Sixteen stages: two groups.
 pub(crate) struct TwoGroups<S, A>(pub(crate) S, pub(crate) A);
 
-impl<'a, S: Small<'a>, A: Again<f64>, const N: usize> Fused<N> for OneGroup<S, A> {
+impl<'a, S: Small<'a>, A: Again, const N: usize> Fused<N> for OneGroup<S, A> {
     type Output = f64;
     const GROUPS: usize = 1;
 
@@ -47,7 +47,7 @@ impl<'a, S: Small<'a>, A: Again<f64>, const N: usize> Fused<N> for OneGroup<S, A
     }
 }
 
-impl<'a, S: Small<'a>, A: Again<f64>> Fused<HALF> for TwoGroups<S, A> {
+impl<'a, S: Small<'a>, A: Again> Fused<HALF> for TwoGroups<S, A> {
     type Output = f64;
     const GROUPS: usize = 2;
 

@@ -16,7 +16,7 @@
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};
 use crate::forms::fused::{Small, change, numbers, rows_of};
-use crate::forms::separable::{Half, force};
+use crate::forms::separable::{Separable, force};
 use crate::layout::row::{
     OnLines, Row, add, difference, in_memory, literal, placed, rows, rows_mut, scaled,
 };
@@ -26,17 +26,17 @@ use equip_scalar::{Float, Kernel, Pack};
 use std::array::from_fn;
 use std::ops::Range;
 
-pub(crate) struct Draft<'a, T> {
+pub(crate) struct Incremental<'a, T> {
     /// With K B K in place of K.
-    pub(crate) half: Half<'a, T>,
+    pub(crate) half: Separable<'a, T>,
     pub(crate) h: T,
 }
 
-impl<T: Float> Kernel for Draft<'_, T> {
-    type Output = T;
+impl<T: Float> Kernel for Incremental<'_, T> {
+    type Output = f64;
 
     #[inline(always)]
-    fn run(&mut self) -> T {
+    fn run(&mut self) -> f64 {
         self.mix()
     }
 }
@@ -50,17 +50,17 @@ fn moved<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N], l: &mut [T; N
     moved
 }
 
-impl<'a, T: Float> Draft<'a, T> {
+impl<'a, T: Float> Incremental<'a, T> {
     #[inline(always)]
-    pub(crate) fn in_doubles(self) -> Option<Draft<'a, f64>> {
-        Some(Draft {
+    pub(crate) fn in_doubles(self) -> Option<Incremental<'a, f64>> {
+        Some(Incremental {
             half: self.half.in_doubles()?,
             h: T::as_doubles(std::slice::from_ref(&self.h))?[0],
         })
     }
 }
 
-impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
+impl<'a, T: Float> Mix<'a, T> for Incremental<'a, T> {
     #[inline(always)]
     fn step(&mut self) -> &mut Step<'a, T> {
         &mut self.half.step
@@ -125,7 +125,7 @@ impl<'a, T: Float> Mix<'a, T> for Draft<'a, T> {
     }
 }
 
-impl<T: Float> Draft<'_, T> {
+impl<T: Float> Incremental<'_, T> {
     /// As [`Half::wide_block`].
     #[inline(always)]
     fn wide_block<const G: usize, const N: usize>(
@@ -164,13 +164,13 @@ impl<T: Float> Draft<'_, T> {
 }
 
 /// As many as go on, with what one leaves to the next in registers.
-impl<'a> Small<'a> for Draft<'a, f64> {
+impl<'a> Small<'a> for Incremental<'a, f64> {
     #[inline(always)]
     fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
         gradients: &impl Slopes<C, N>,
         k: &impl Mixes<f64, G, N>,
-        again: &mut impl Again<f64>,
+        again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.half.step;
         let hb: &Row<f64, G, N> = literal(rows(step.hb).first());

@@ -13,7 +13,7 @@ use equip_scalar::{Float, Kernel, Lanes, Pack};
 use std::array::from_fn;
 use std::ops::Range;
 
-pub(crate) struct Half<'a, T> {
+pub(crate) struct Separable<'a, T> {
     pub(crate) step: Step<'a, T>,
     /// w and b.
     pub(crate) inverse_masses: &'a [T],
@@ -21,11 +21,11 @@ pub(crate) struct Half<'a, T> {
     pub(crate) keeps_momenta: bool,
 }
 
-impl<T: Float> Kernel for Half<'_, T> {
-    type Output = T;
+impl<T: Float> Kernel for Separable<'_, T> {
+    type Output = f64;
 
     #[inline(always)]
-    fn run(&mut self) -> T {
+    fn run(&mut self) -> f64 {
         self.mix()
     }
 }
@@ -36,10 +36,10 @@ pub(crate) fn force<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N]) ->
     times(hb, gradient).map(|x| -x)
 }
 
-impl<'a, T: Float> Half<'a, T> {
+impl<'a, T: Float> Separable<'a, T> {
     #[inline(always)]
-    pub(crate) fn in_doubles(self) -> Option<Half<'a, f64>> {
-        Some(Half {
+    pub(crate) fn in_doubles(self) -> Option<Separable<'a, f64>> {
+        Some(Separable {
             step: self.step.in_doubles()?,
             inverse_masses: T::as_doubles(self.inverse_masses)?,
             offset: T::as_doubles(self.offset)?,
@@ -48,7 +48,7 @@ impl<'a, T: Float> Half<'a, T> {
     }
 }
 
-impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
+impl<'a, T: Float> Mix<'a, T> for Separable<'a, T> {
     #[inline(always)]
     fn step(&mut self) -> &mut Step<'a, T> {
         &mut self.step
@@ -116,7 +116,7 @@ impl<'a, T: Float> Mix<'a, T> for Half<'a, T> {
     }
 }
 
-impl<T: Float> Half<'_, T> {
+impl<T: Float> Separable<'_, T> {
     /// Numbers of more than one word stay in packs from one product to the next: to put the words in order
     /// and apart again takes as long as a product.
     #[inline(always)]
@@ -162,13 +162,13 @@ impl<T: Float> Half<'_, T> {
     }
 }
 
-impl<'a> Small<'a> for Half<'a, f64> {
+impl<'a> Small<'a> for Separable<'a, f64> {
     #[inline(always)]
     fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
         gradients: &impl Slopes<C, N>,
         k: &impl Mixes<f64, G, N>,
-        _again: &mut impl Again<f64>,
+        _again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.step;
         let slopes: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));

@@ -16,13 +16,13 @@ pub(crate) struct Ready<T: Float> {
     pub(crate) at_rest: fn(&mut Iterate<T>, &Gauss<T>, (&State<T>, T)),
     pub(crate) from_polynomial: fn(&mut Iterate<T>, &Gauss<T>, (&State<T>, T, T), &Polynomial<T>, Option<&[T]>),
     pub(crate) polynomial: fn(&mut Polynomial<T>, equip_scalar::InstructionSet, [T; 3], bool),
-    pub(crate) mix: fn(&mut Iterate<T>, &State<T>) -> T,
+    pub(crate) mix: fn(&mut Iterate<T>, &State<T>) -> f64,
     pub(crate) measure: fn(&mut Iterate<T>, &State<T>, Range<usize>),
     pub(crate) make_momenta: fn(&mut Iterate<T>, &State<T>),
     pub(crate) advance: fn(&Iterate<T>, &State<T>, &mut State<T>),
     pub(crate) fill_k: fn(&mut Iterate<T>, &[T]),
     pub(crate) keep_z: fn(&mut Iterate<T>),
-    pub(crate) add_kept: fn(&mut Iterate<T>, &State<T>) -> T,
+    pub(crate) add_kept: fn(&mut Iterate<T>, &State<T>) -> f64,
 }
 
 impl<T: Float> Ready<T> {

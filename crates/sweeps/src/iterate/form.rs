@@ -7,18 +7,18 @@
 //! | the same, while Z is far from the solution | Z of the m positions | ∇U at the stages; Z_q ← Z_q + h M⁻¹ K B K ΔL_p | [`crate::forms::incremental`] |
 
 use crate::forms::form::Step;
-use crate::forms::full::Whole;
-use crate::forms::incremental::Draft;
-use crate::forms::separable::Half;
+use crate::forms::full::Full;
+use crate::forms::incremental::Incremental;
+use crate::forms::separable::Separable;
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
 use equip_scalar::Float;
 
 /// The form of a sweep, with all it reads and writes.
 pub(crate) enum Form<'a, T> {
-    Full(Whole<'a, T>),
-    Separable(Half<'a, T>),
-    Incremental(Draft<'a, T>),
+    Full(Full<'a, T>),
+    Separable(Separable<'a, T>),
+    Incremental(Incremental<'a, T>),
 }
 
 impl<T: Float> Iterate<T> {
@@ -40,9 +40,9 @@ impl<T: Float> Iterate<T> {
             s: self.s,
         };
         let Some(kinetic) = &self.kinetic else {
-            return Form::Full(Whole(step));
+            return Form::Full(Full(step));
         };
-        let half = Half {
+        let half = Separable {
             step,
             inverse_masses: kinetic.diagonal().unwrap_or_default(),
             offset: kinetic.offset(),
@@ -50,13 +50,13 @@ impl<T: Float> Iterate<T> {
         };
         match twofold {
             None => Form::Separable(half),
-            Some(_) => Form::Incremental(Draft { half, h: self.h }),
+            Some(_) => Form::Incremental(Incremental { half, h: self.h }),
         }
     }
 
     /// The linear half of a sweep: L from the gradients, Z ← K L, and the stages. Gives the largest change of
     /// Z relative to the sizes of the components; not finite if anything is not.
-    pub(crate) fn mix(&mut self, y: &State<T>) -> T {
+    pub(crate) fn mix(&mut self, y: &State<T>) -> f64 {
         let set = self.set;
         match self.form(y) {
             Form::Full(mut task) => set.run(&mut task),

@@ -120,7 +120,7 @@ impl<T: Float> Iterate<T> {
 
     /// What was kept plus what stands in its place, with the stages; the largest change of Z relative to the
     /// sizes of the components.
-    pub(crate) fn add_kept(&mut self, y: &State<T>) -> T {
+    pub(crate) fn add_kept(&mut self, y: &State<T>) -> f64 {
         let (stride, unknowns) = (self.stride, self.unknowns());
         let (mut most, mut sum) = (T::int(0), T::int(0));
         let rows = self
@@ -137,6 +137,10 @@ impl<T: Float> Iterate<T> {
         }
         self.place(y);
         self.z_is_k_l = false;
-        if sum.is_finite() { most } else { T::NAN }
+        if sum.is_finite() {
+            most.to_f64()
+        } else {
+            f64::NAN
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! One sweep, all stages at once: Z ← K(α) L(Z), or Z ← Z + M⁻¹ (K(α) L(Z) − Z).
 
-use crate::convergence::again::{Again, InDoubles, Once, Series};
+use crate::convergence::again::{Again, Once, Series};
 use crate::convergence::contraction::{Contraction, Progress};
 use crate::extrapolation::polynomial::Polynomial;
 use crate::forms::fused::{OneGroup, TwoGroups};
@@ -13,7 +13,6 @@ use crate::layout::state::State;
 use equip_autodiff::{Evaluate, Kinetic};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
-use std::marker::PhantomData;
 
 impl<T: Float> Iterate<T> {
     /// For n components; `alphas` are those a step starts from.
@@ -62,7 +61,7 @@ impl<T: Float> Iterate<T> {
         &mut self,
         energy: &mut E,
         y: &State<T>,
-        contraction: &mut Contraction<T>,
+        contraction: &mut Contraction,
     ) -> (Progress, u32) {
         let measures =
             !self.is_measured || contraction.is_far() && contraction.next_change().is_finite();
@@ -77,26 +76,24 @@ impl<T: Float> Iterate<T> {
         };
         self.z_is_k_l = true;
         let made = series.made;
-        // What an incremental sweep leaves has no L: it is never the last.
-        let goes_on = |progress| match progress {
-            Progress::Settled => Progress::Contracts,
-            progress => progress,
-        };
         if let Some(progress) = series.progress {
-            return (goes_on(progress), made);
+            // What an incremental sweep leaves has no L: it is never the last.
+            let goes_on = progress == Progress::Settled;
+            return (
+                if goes_on {
+                    Progress::Contracts
+                } else {
+                    progress
+                },
+                made,
+            );
         }
         let remeasured = measures && !self.is_measured;
         if measures {
             (ready::<T>().measure)(self, y, 0..self.n);
             self.is_measured = true;
         }
-        let progress = contraction.observe(change.to_f64(), remeasured);
-        let progress = if self.is_incremental {
-            goes_on(progress)
-        } else {
-            progress
-        };
-        (progress, made)
+        (contraction.observe(change, remeasured), made)
     }
 
     /// One sweep, and M⁻¹ applied to what it changes.
@@ -104,7 +101,7 @@ impl<T: Float> Iterate<T> {
         &mut self,
         energy: &mut E,
         y: &State<T>,
-        contraction: &mut Contraction<T>,
+        contraction: &mut Contraction,
         m: &mut dyn Preconditioner<T>,
     ) -> (Progress, u32) {
         let ready = ready::<T>();
@@ -120,7 +117,7 @@ impl<T: Float> Iterate<T> {
             (ready.measure)(self, y, 0..self.n);
             self.is_measured = true;
         }
-        (contraction.observe(change.to_f64(), !was_measured), 1)
+        (contraction.observe(change, !was_measured), 1)
     }
 
     /// How many times as much M⁻¹ makes of the rounding of the stages as M = I does: of stages that are off
@@ -146,12 +143,7 @@ impl<T: Float> Iterate<T> {
 
     /// Sweeps of one form, by one kernel where there is one. Returns the last change.
     #[inline(always)]
-    fn run<E: Evaluate<T>>(
-        &mut self,
-        energy: &mut E,
-        y: &State<T>,
-        again: &mut impl Again<T>,
-    ) -> T {
+    fn run<E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>, again: &mut impl Again) -> f64 {
         let fused = if T::IS_DOUBLE {
             match self.stride {
                 4 => self.fuse::<4, E>(energy, y, again),
@@ -179,8 +171,8 @@ impl<T: Float> Iterate<T> {
         &mut self,
         energy: &mut E,
         y: &State<T>,
-        again: &mut impl Again<T>,
-    ) -> Option<T> {
+        again: &mut impl Again,
+    ) -> Option<f64> {
         let two_groups = fills_two::<T>(self.s);
         macro_rules! fused {
             ($method:ident, $task:expr, $again:expr) => {{
@@ -192,12 +184,11 @@ impl<T: Float> Iterate<T> {
                 }
             }};
         }
-        let change = match self.form(y) {
+        Some(match self.form(y) {
             Form::Full(task) => fused!(fuse_gradients, task, Once),
             Form::Separable(task) => fused!(fuse_forces, task, Once),
-            Form::Incremental(task) => fused!(fuse_forces, task, InDoubles(again, PhantomData)),
-        };
-        Some(T::exact(change))
+            Form::Incremental(task) => fused!(fuse_forces, task, again),
+        })
     }
 
     /// ∇H, or ∇U, at the stages.

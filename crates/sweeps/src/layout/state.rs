@@ -37,8 +37,8 @@ impl<T: Float> State<T> {
     /// y1 = y0 + Σ_i x_i, the last sum of the step, compensated: what the rounding of `hi` loses goes to `lo`
     /// and enters the next step (Kahan 1965; the sum of increments first, then one two-sum per component).
     ///
-    /// `increments` holds the x_i component by component as for `form`, the places from `s` on being zero:
-    /// floats that have vectors add up half against half, so that the chain of additions is short.
+    /// `increments` holds the x_i component by component as a sweep has them, the places from `s` on being
+    /// zero: floats that have vectors add up half against half, so that the chain of additions is short.
     ///
     /// Cost: 6s + 7 additions per component.
     pub fn advance_by_component(

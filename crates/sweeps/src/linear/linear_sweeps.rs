@@ -19,7 +19,6 @@ use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
 use crate::linear::positions::{Positions, Sides};
 use crate::linear::stage_hessians::StageHessians;
-use crate::matrix::coefficients::both_ways;
 use crate::policy::{MOST_ITERATIONS, STILL};
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, mix_stages};
@@ -29,7 +28,7 @@ use equip_tableau::Gauss;
 #[derive(Debug)]
 pub struct LinearSweeps<T: Float> {
     hessians: StageHessians<T>,
-    /// K(0) and −K(0)ᵀ, column by column: for each end that may be held.
+    /// K and −Kᵀ, column by column: for each end that may be held.
     k: [Vec<T>; 2],
     /// K δL, and δL.
     mixed: Vec<T>,
@@ -44,11 +43,16 @@ pub struct LinearSweeps<T: Float> {
 }
 
 impl<T: Float> LinearSweeps<T> {
-    /// For `sides` right-hand sides at most.
+    /// With the K that a step starts from, for `sides` right-hand sides at most.
     pub fn new(gauss: &Gauss<T>, iterate: &Iterate<T>, pattern: Pattern, sides: usize) -> Self {
         let (n, stride) = (iterate.n, iterate.stride);
         let zeros = |len: usize| vec![T::int(0); len];
-        let k = both_ways(gauss);
+        let k = iterate.k_start.to_vec();
+        let mut back = zeros(k.len());
+        for (at, back) in back.iter_mut().enumerate() {
+            *back = -k[at % stride * stride + at / stride];
+        }
+        let k = [k, back];
         let rows = n / 2 * sides;
         let len = n * sides * stride;
         LinearSweeps {
@@ -76,7 +80,7 @@ impl<T: Float> LinearSweeps<T> {
         self.hessians.is_within(most)
     }
 
-    /// From now on with this K, row by row, and all components unknown.
+    /// From now on with this K, row by row, for an iterate with all components unknown.
     pub fn set_k(&mut self, k: &[T], (s, stride): (usize, usize)) {
         let [forward, back] = &mut self.k;
         for j in 0..s {
@@ -85,7 +89,6 @@ impl<T: Float> LinearSweeps<T> {
                 back[j * stride + i] = -k[j * s + i];
             }
         }
-        self.positions = None;
     }
 
     /// Whether the positions alone are unknown: the momenta of X are not made then.

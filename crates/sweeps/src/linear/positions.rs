@@ -248,7 +248,7 @@ mod tests {
             let alphas = vec![T::int(0); s - 1];
             let mut iterate = Iterate::new(&gauss, 4, evaluator.kinetic(), &alphas);
             iterate.begin(&gauss, (&y, h));
-            let mut contraction = Contraction::new(iterate.is_twofold());
+            let mut contraction = Contraction::new(iterate.is_twofold(), T::EPSILON.to_f64());
             contraction.begin(false);
             while iterate.sweep(&mut evaluator, &y, &mut contraction).0 == Progress::Contracts {}
             iterate.keep_momenta(&y);

@@ -66,21 +66,6 @@ impl<T: Float> Columns<T> {
     }
 }
 
-/// K(0) and −K(0)ᵀ = K(0) − 1 1ᵀ, column by column: the step from its start, and from its end.
-pub(crate) fn both_ways<T: Float>(gauss: &Gauss<T>) -> [Vec<T>; 2] {
-    let s = gauss.stages();
-    let stride = stride_for::<T>(s);
-    let zeros = |len: usize| vec![T::int(0); len];
-    let (mut k, mut back) = (zeros(stride * stride), zeros(stride * stride));
-    gauss.skew_columns_into(&zeros(s - 1), stride, &mut k);
-    for j in 0..s {
-        for i in 0..s {
-            back[j * stride + i] = -k[i * stride + j];
-        }
-    }
-    [k, back]
-}
-
 struct Fill<'a, T> {
     columns: &'a Columns<T>,
     alphas: &'a [T],
@@ -177,7 +162,9 @@ mod tests {
                 k[..columns.used].fill(T::NAN);
                 columns.fill(set, &alphas, &mut k);
                 let mut expected = vec![T::int(0); stride * stride];
-                gauss.skew_columns_into(&alphas, stride, &mut expected);
+                for (at, x) in gauss.skew(&alphas).into_iter().enumerate() {
+                    expected[at % s * stride + at / s] = x;
+                }
                 assert!(k == expected, "s = {s}, {set:?}");
             }
         }
