@@ -307,7 +307,7 @@ pub enum IntegrateError<T: Float> {
         step: T,
         /// Halvings tried.
         halvings: u32,
-        /// Newton iterations of the last attempt.
+        /// Iterations of the last attempt, sweeps or Newton's.
         iterations: u32,
         /// Last correction, relative to the state.
         correction: T,
@@ -323,7 +323,7 @@ pub enum IntegrateError<T: Float> {
         step: T,
         /// H − H_ref at its end.
         defect: T,
-        /// |H_ref| + Σ|∂_iH y_i| at its start.
+        /// |H_ref| + Σ|∂_iH| σ_i at its start, σ the sizes of the components in the step.
         scale: T,
     },
     /// The motion runs away to infinity, which it reaches in finite time.

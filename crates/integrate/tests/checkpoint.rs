@@ -324,3 +324,21 @@ fn a_checkpoint_belongs_to_its_functions_and_its_start() {
         assert_eq!(found, what);
     }
 }
+
+/// H(t, q, p) need not be there for the state of one time at another.
+#[test]
+fn a_run_resumes_where_h_is_not_at_its_start_time() {
+    // ln of what is positive along the run, and not at the first time with the last state.
+    let h = Hamiltonian::with_time(1, |t, q, p| {
+        0.5 * p[0] * p[0] + 1e-3 * (1.0 + t - q[0]).ln()
+    });
+    let h = h.unwrap();
+    let options = Equip::stages(4).step(0.125);
+    let mut run = options.start(&h, &[0.0], &[0.9], 0.0).unwrap();
+    for _ in 0..16 {
+        run.advance().unwrap();
+    }
+    assert!(run.view().q[0] > 1.5);
+    let mut again = options.resume(&h, &run.checkpoint()).unwrap();
+    assert_eq!(run.advance().unwrap().q, again.advance().unwrap().q);
+}

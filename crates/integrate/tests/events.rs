@@ -215,9 +215,19 @@ fn a_terminal_event_ends_the_run_there() {
     let run = fixed
         .clone()
         .event(terminal)
+        .output_at(&[0.5, 1.57, 1.58, 5.0])
         .integrate(&oscillator(), &[0.0], &[1.0], 0.0..=100.0)
         .unwrap();
     assert!(ulps(run.last().0, PI / 2.0) <= 4.0);
+    // What lies beyond it in the same step is none of the run.
+    let outputs: Vec<f64> = run
+        .outputs()
+        .map(|(t, q, _)| t + (q[0] - t.sin()))
+        .collect();
+    assert!(
+        outputs.len() == 2 && (outputs[1] - 1.57).abs() < 1e-11,
+        "{outputs:?}"
+    );
     let plain = fixed
         .integrate(&oscillator(), &[0.0], &[1.0], 0.0..=100.0)
         .unwrap();

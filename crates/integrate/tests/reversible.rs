@@ -312,3 +312,18 @@ fn ten_thousand_revolutions() {
 fn a_hundred_thousand_revolutions() {
     beside_the_tolerance(1e5, 1);
 }
+
+/// A σ that is none at a new state is found before the run is moved there.
+#[test]
+fn a_start_without_density_leaves_the_run_as_it_was() {
+    let h = Hamiltonian::new(1, |q, p| 0.5 * (p[0] * p[0] + q[0] * q[0])).unwrap();
+    let sigma = Hamiltonian::new(1, |q, _| 2.0 - q[0]).unwrap();
+    let options = Equip::stages(4).reversible(0.1, sigma);
+    let mut run = options.start(&h, &[1.0], &[0.0], 0.0).unwrap();
+    run.advance().unwrap();
+    let before = run.view().q.to_vec();
+    run.set_state(&[3.0], &[0.0]).unwrap_err();
+    assert_eq!(run.view().q, before);
+    run.restart(&[3.0], &[0.0], 7.0).unwrap_err();
+    assert_eq!((run.view().q, run.view().index), (before.as_slice(), 1));
+}

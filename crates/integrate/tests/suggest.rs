@@ -184,3 +184,13 @@ fn an_observer_ends_the_search() {
         assert!(step > 0.0);
     }
 }
+
+#[test]
+fn no_step_is_suggested_for_no_time() {
+    let h = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let error = Equip::stages(4)
+        .tolerance(1e-9)
+        .suggest_step(&h, &[1.0], &[0.0], 2.0..=2.0)
+        .unwrap_err();
+    assert!(matches!(error, IntegrateError::Option { .. }), "{error}");
+}

@@ -305,3 +305,32 @@ fn lyapunov_exponents_back_in_time_are_positive_as_well() {
     // δ = a e^{t} + b e^{−t}: ln growth over 20 is 20 less ln of what is along the other direction.
     assert!((chaos.lyapunov() - 1.0).abs() < 0.1, "{}", chaos.lyapunov());
 }
+
+/// Three steps of 0.1 end at 0.30000000000000004, which is 0.3 within the rounding of the grid: the run is
+/// there, and has not turned back.
+#[test]
+fn a_time_met_but_for_rounding_turns_nothing() {
+    let h = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let options = Equip::stages(4).step(0.1);
+    let mut run = options.start(&h, &[1.0], &[0.0], 0.0).unwrap();
+    for _ in 0..3 {
+        run.advance().unwrap();
+    }
+    assert!(run.time() > 0.3);
+    assert_eq!(run.advance_to(0.3).unwrap().index, 3);
+    let view = run.advance().unwrap();
+    assert!((view.time - 0.4).abs() < 1e-15 && view.index == 4);
+}
+
+/// λ and MEGNO are of the time covered, which a run back at its start has none less of.
+#[test]
+fn indicators_of_a_run_led_back_to_its_start_are_numbers() {
+    let h = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let options = Equip::stages(6).step(0.1);
+    let mut run = options.start(&h, &[1.0], &[0.0], 0.0).unwrap();
+    let mut chaos = Chaos::new(&h, &mut run, &[1.0, 0.5]);
+    chaos.advance_to(&mut run, 20.0).unwrap();
+    chaos.advance_to(&mut run, 0.0).unwrap();
+    chaos.advance_to(&mut run, 5.0).unwrap();
+    assert!(chaos.lyapunov().abs() < 0.1 && chaos.megno().abs() < 10.0);
+}

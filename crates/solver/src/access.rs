@@ -213,11 +213,6 @@ impl<T: Float> Constraint<T> {
         self.floor.max(self.late)
     }
 
-    /// |g| in floors of the end of the step.
-    pub fn in_floors(&self) -> T {
-        self.defect.abs() / self.floor
-    }
-
     /// |g| in the largest floors of late.
     pub fn in_late_floors(&self) -> T {
         self.defect.abs() / self.floor()

@@ -16,7 +16,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 8;
+pub(crate) const FORMAT: u32 = 9;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
@@ -247,24 +247,17 @@ impl Checkpoint {
             }
         }
         if let Some(chaos) = &self.chaos {
-            sum.numbers(std::iter::once(&chaos.start).chain(&chaos.sums));
+            sum.numbers(std::iter::once(&chaos.elapsed).chain(&chaos.sums));
             sum.numbers(&chaos.deviation);
         }
         sum.hexadecimal()
     }
 
-    /// Positions and momenta, rounded; without time, where H depends on it.
-    pub(crate) fn state<T: Float>(
-        &self,
-        has_time: bool,
-    ) -> Result<(Vec<T>, Vec<T>), IntegrateError<T>> {
-        let mut q = vec![T::int(0); self.high.len()];
-        Exact::read_all(&self.high, &mut q, "the state")?;
-        let mut p = q.split_off(q.len() / 2);
-        if has_time {
-            q.pop();
-            p.pop();
-        }
+    /// Positions and momenta at the start of the run, without time, where H depends on it.
+    pub(crate) fn start_state<T: Float>(&self) -> Result<(Vec<T>, Vec<T>), IntegrateError<T>> {
+        let mut q = vec![T::int(0); self.start_state.len()];
+        Exact::read_all(&self.start_state, &mut q, "the start")?;
+        let p = q.split_off(q.len() / 2);
         Ok((q, p))
     }
 

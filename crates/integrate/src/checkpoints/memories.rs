@@ -35,7 +35,7 @@ pub(crate) struct SwitchMemory {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub(crate) struct ChaosMemory {
-    pub(crate) start: Exact,
+    pub(crate) elapsed: Exact,
     pub(crate) sums: [Exact; 3],
     pub(crate) deviation: Vec<Exact>,
 }

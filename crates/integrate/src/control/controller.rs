@@ -25,9 +25,7 @@
 //! Sizes are f64 in every float type: a step is a choice, not a result, and a size of 53 bits is exact.
 
 use crate::control::estimate::Estimate;
-use crate::control::policy::{
-    ACCEPTED, CHEAPEST, MOST_CHANGE, MOST_PREDICTED, MOST_SHRINKAGE, NEWTON, SAFETY,
-};
+use crate::control::policy::{ACCEPTED, CHEAPEST, MOST_CHANGE, NEWTON, SAFETY};
 
 /// What control remembers between steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,12 +82,12 @@ impl Control {
     ) -> Judgement {
         let ratio = self.ratio(estimate);
         if !(ratio >= self.accepted) {
-            return Judgement::Refuse(h * (SAFETY * ratio).max(MOST_SHRINKAGE));
+            return Judgement::Refuse(h * (SAFETY * ratio).max(1.0 / MOST_CHANGE));
         }
         let growth = ratio.min(MOST_CHANGE);
         let near = estimate.nearness;
         let predicted = (1.0 - near) / (1.0 + growth * near).max(f64::MIN_POSITIVE);
-        let predicted = predicted.clamp(1.0 / MOST_PREDICTED, MOST_PREDICTED);
+        let predicted = predicted.clamp(1.0 / MOST_CHANGE, MOST_CHANGE);
         let mut share = SAFETY * growth * predicted;
         let cheapest = Self::cheapest(ratio, contraction);
         let least = if is_retried { 1.0 } else { 0.0 };
@@ -139,9 +137,7 @@ impl Control {
     ) -> Option<f64> {
         let ratio = self.ratio(estimate);
         let longer = (SAFETY * ratio).min(Self::cheapest(ratio, contraction));
-        let longer = (h * longer.min(1.0 / MOST_SHRINKAGE))
-            .min(self.most)
-            .min(longest);
+        let longer = (h * longer.min(MOST_CHANGE)).min(self.most).min(longest);
         (longer > 2.0 * h).then_some(longer)
     }
 }

@@ -64,7 +64,8 @@ impl<T: Float> Flow<T> {
 
     /// No less than that, by the contraction of the sweeps of the step.
     pub(crate) fn most(&self, contraction: f64) -> f64 {
-        self.of(3.0 * self.s as f64 * contraction)
+        let s = self.s as f64;
+        self.of(2.0 * (1.33 * s + 0.7) * contraction)
     }
 
     /// Φ_s^{1/s}, at most 1: faster motion is passed over.

@@ -90,7 +90,7 @@ fn error_of<T: Float, E: Evaluate<T>>(
             correction,
         },
         Failure::NoAlpha => {
-            let beyond = |c: &&Constraint<T>| c.in_floors() > T::int(1);
+            let beyond = |c: &&Constraint<T>| c.in_late_floors() > T::int(1);
             let last = core.constraints().iter().rfind(beyond);
             let (defect, floor) = match last {
                 Some(constraint) => (constraint.defect(), constraint.floor()),

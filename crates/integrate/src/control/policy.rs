@@ -7,28 +7,28 @@ pub(crate) const SAFETY: f64 = 0.9;
 /// should be. // ratio; with 10 80 of 2480 steps are refused in place of 118 (Kepler, e = 0.9, s = 8, 1e-12),
 /// and the error after 100 revolutions is 1.2e-11 in place of 3.8e-12.
 pub(crate) const ACCEPTED: f64 = 4.0;
-/// A size is foretold from an error at most so many times as long as it was, and the first step is at most so
-/// many times as long as the motion takes to turn. // ratio
+/// A size is foretold from an error, and from what limits the motion, at most so many times as long or as
+/// short, and the first step is at most so many times as long as the motion takes to turn. // ratio; 7100
+/// runs of 30 systems from random starts take as many gradients to 1 %, and have errors as small, with 2 to
+/// 1000
 pub(crate) const MOST_CHANGE: f64 = 4.0;
-/// … and from what limits the motion, so many times as long or as short. // ratio
-pub(crate) const MOST_PREDICTED: f64 = 2.0;
-/// A refused step is shortened to this share of it at least. // ratio
-pub(crate) const MOST_SHRINKAGE: f64 = 0.1;
 /// Contraction, per power of the step size, at which sweeps cost least for the time they cover: twice the
 /// size takes three times the sweeps, as the start is foretold worse, and the α's that remove a larger defect
 /// disturb the stages more. // ratio; 228 runs of 19 systems take as many gradients to 5 % from 0.041 to
 /// 0.058; docs/adr/0005
 pub(crate) const CHEAPEST: f64 = 0.045;
 /// A tolerance that allows steps so many times as long as sweeps are made for asks for Newton's method. //
-/// ratio
+/// ratio; the same runs are alike with 32 to 1e6, and have 2.4 times the error for as many gradients with 8;
+/// with 128 fast motion below `atol` takes 24 times the gradients
 pub(crate) const NEWTON: f64 = 32.0;
 /// Coefficients of so many ε of the largest are rounding, and no end of a decay. // ε; with 0 runs of 5 of 10
 /// scenes do not come on with 12 stages and a tolerance of 1e-15.
 pub(crate) const NOISE: f64 = 1024.0;
 /// Tries of whatever is tried again: of a first step, of a step up to switches, of a size that meets a rule
-/// or a target, of a root. // tries
+/// or a target, of a root. // tries; 7100 runs of 30 systems from random starts are the same with 12 and 50
 pub(crate) const MOST_TRIES: u32 = 25;
-/// A small part of a step is one over this. // ratio
+/// A small part of a step is one over this. // ratio; the same runs take as many gradients to .1 % with 64;
+/// with 4 they do not come on
 pub(crate) const PART: i64 = 16;
 /// Sizes and times within so many units of the last place are the same, and slopes within so many times the
 /// running error bound of ∇H. // ε; 24 runs of stiff springs and of bodies 10⁸ from the origin, with 0, 1, 4
@@ -51,7 +51,7 @@ pub(crate) const MOST_FLOOR: i64 = 1_000_000;
 /// A trial whose error is the target over no more than this will do. // ratio
 pub(crate) const GOOD_ENOUGH: i64 = 8;
 /// Parts of a step shorter than one over this may have event functions that are noise, and the first try is
-/// at least such a part of the time in which the motion turns. // ratio
+/// at least such a part of the time in which the motion turns. // ratio; the same runs alike with 16 and 256
 pub(crate) const SHORT: i64 = 64;
 /// H is compared on both sides of a switch at one over this of a step from it. // ratio; at tolerance 1e-4
 /// the end of a step is 1e-7 of it from the switch; jumps are told that are 1e-5 of what H bends by in one.

@@ -33,7 +33,7 @@ impl<T: Float> TooSmall<T> {
         (start, y): (&[T], &[T]),
         cause: Option<IntegrateError<T>>,
     ) -> IntegrateError<T> {
-        let (time, step) = (self.time, self.h.abs());
+        let (time, step) = (self.time, self.h);
         let growth = growth(energy, start, y);
         if growth >= T::int(GROWN)
             && let Some(size) = escapes(energy, y, self.h * T::int(GROWN))
@@ -42,7 +42,7 @@ impl<T: Float> TooSmall<T> {
         }
         cause.unwrap_or(IntegrateError::StepBelowMinimum {
             time,
-            step,
+            step: step.abs(),
             min: self.min,
             tolerance: self.tolerance,
             growth,

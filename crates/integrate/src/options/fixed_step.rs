@@ -17,7 +17,8 @@ pub struct Fixed<T> {
 
 impl Method {
     /// An integrator with the fixed step `h`, in the float type of `h`. A run over an interval goes its way
-    /// with steps of |h|; one that is started and made step by step goes back in time if h < 0.
+    /// with steps of |h|, back in time too, and with h < 0 back only; one that is started and made step by
+    /// step goes back in time if h < 0.
     pub fn step<T: Float>(self, h: T) -> FixedStep<T> {
         Integrator::new(self, Fixed { h })
     }

@@ -11,7 +11,8 @@ pub struct Equip;
 impl Equip {
     /// EQUIP with s stages, order 2s, s ≥ 2; s ≥ 3 is the sensible choice, since s = 2 has a single α.
     ///
-    /// All α_1 … α_{s−1} are free by default; [`Method::alphas`] selects the single α of the paper.
+    /// The first three of α_1 … α_{s−1} move by default, or as many as there is to keep; [`Method::alphas`]
+    /// selects the single α of the paper.
     pub fn stages(stages: usize) -> Method {
         Method {
             stages,

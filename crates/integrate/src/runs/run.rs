@@ -91,6 +91,15 @@ impl<T: Float> Run<T> {
 
     /// A terminal event ends the run within the step made last.
     pub(crate) fn end_at<E: Evaluate<T>>(&mut self, time: T, y: &[T], stepper: &Stepper<T, E>) {
+        // Outputs within a step are there before the step is made.
+        while self
+            .output_times
+            .last()
+            .is_some_and(|&t| stepper.direction.is_before(time, t))
+        {
+            self.output_times.pop();
+            self.outputs.truncate(2 * self.m * self.output_times.len());
+        }
         let (q, p) = y.split_at(self.m);
         self.keep(&StepView {
             time,

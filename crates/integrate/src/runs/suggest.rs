@@ -26,7 +26,7 @@ use crate::runs::run::{Run, RunFailure};
 use crate::steppers::view::StepView;
 use equip_autodiff::System;
 use equip_scalar::Float;
-use equip_solver::{Family, Reach};
+use equip_solver::Family;
 use std::ops::RangeInclusive;
 
 /// Most steps of a trial, and most numbers of its states.
@@ -244,7 +244,8 @@ impl<T: Float, H: System, O: Observer<T>> Trials<'_, T, H, O> {
                 _ => gauss,
             };
             let run = self.run(method, steps, Record::Ends)?;
-            return Ok(run.and_then(|run| run.certificate().energy.as_ref().map(|e| e.max)));
+            let worst = run.and_then(|run| run.certificate().energy.as_ref().map(|e| e.max));
+            return Ok(worst.filter(|worst| worst.is_finite()));
         }
         let coarse = self.run(self.method, steps, Record::All)?;
         let Some(coarse) = coarse else {
@@ -274,7 +275,6 @@ impl<T: Float, H: System, O: Observer<T>> Trials<'_, T, H, O> {
             return Ok(None);
         }
         let options = method.step(self.size(steps)).record(record);
-        let options = options.reach(Reach::WithinError);
         let (q, p) = self.start;
         let (observer, is_ended) = (&mut *self.observer, &mut self.is_ended);
         let mut watched = |view: &StepView<'_, T>| {
@@ -297,7 +297,7 @@ impl<T: Float> Adaptive<T> {
     /// steps that the tolerance asks for there.
     ///
     /// # Errors
-    /// Those of [`integrate`](Self::integrate).
+    /// Those of [`integrate`](Self::integrate), and an interval without length.
     pub fn suggest_step<H: System>(
         &self,
         system: &H,
@@ -305,6 +305,13 @@ impl<T: Float> Adaptive<T> {
         p0: &[T],
         interval: RangeInclusive<T>,
     ) -> Result<T, IntegrateError<T>> {
+        if interval.start() == interval.end() {
+            return Err(IntegrateError::Option {
+                option: "length of the interval",
+                value: T::int(0),
+                expected: "more than zero, for a step to be suggested",
+            });
+        }
         let mut integrator = self.clone();
         integrator.options.record = Record::Ends;
         let run = integrator

@@ -89,7 +89,12 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for Stepper<T, E> {
     }
 
     fn step_towards(&mut self, t: T) -> Result<bool, IntegrateError<T>> {
-        if self.has_passed(t)? {
+        let has_passed = self.has_passed(t)?;
+        if self.is_at(t) {
+            self.time = t;
+            return Ok(false);
+        }
+        if has_passed {
             self.turn_back();
         }
         if !self.is_on_grid() {

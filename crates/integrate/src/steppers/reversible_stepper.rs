@@ -10,7 +10,7 @@ use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
-use equip_solver::Outcome;
+use equip_solver::{Counts, Outcome};
 
 /// A run with reversible steps that is made step by step.
 #[derive(Debug)]
@@ -53,6 +53,10 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         let direction = self.inner.direction;
         let mut density = self.density + self.change()?;
         let (now, low) = (self.inner.time(), self.time_low);
+        if !(density > T::int(0)) {
+            let step = direction.signed(self.epsilon / density);
+            return Err(IntegrateError::StepBelowTimeResolution { step, time: now });
+        }
         let left = end.map_or(T::INFINITY, |end| direction.signed((end - now) - low));
         let mut size = self.epsilon / density;
         let mut made = None;
@@ -71,7 +75,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
                 T::two_sum(sum, lost + low)
             }
         };
-        if !(density > T::int(0)) || !direction.is_before(now, time) {
+        if !direction.is_before(now, time) {
             return Err(IntegrateError::StepBelowTimeResolution { step: h, time: now });
         }
         let outcome = match made {
@@ -187,6 +191,9 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         t0: T,
         towards: Option<T>,
     ) -> Result<(), IntegrateError<T>> {
+        if t0.is_finite() {
+            self.check_density(start, t0)?;
+        }
         self.inner.start_at(start, t0, towards)?;
         (self.time_low, self.end) = (T::int(0), None);
         self.inner.variable = Some(VariableSteps::new(self.epsilon));
@@ -199,8 +206,27 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     /// # Errors
     /// Faults of the values, an H that is not finite there, and a σ that is not positive.
     pub fn set_state(&mut self, q: &[T], p: &[T]) -> Result<(), IntegrateError<T>> {
+        self.check_density((q, p), self.inner.time())?;
         self.inner.set_state(q, p)?;
         self.begin_density()
+    }
+
+    /// Whether a run can go on from this state.
+    ///
+    /// # Errors
+    /// If it cannot; it stays where it is.
+    fn check_density(&mut self, (q, p): (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>> {
+        self.inner.look_at(q, p, t)?;
+        let Stepper {
+            core,
+            next,
+            direction,
+            ..
+        } = &mut self.inner;
+        let (energy, uncounted) = (core.energy_mut(), &mut Counts::default());
+        self.sigma.at(&next.hi, energy, uncounted)?;
+        self.sigma.rate(&next.hi, *direction, energy, uncounted)?;
+        Ok(())
     }
 
     /// z half a change behind the present state, so that the first whole one leads to z_{1/2}.

@@ -72,7 +72,8 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
         checkpoint.check::<T>(&self.words())?;
         let mut stepper = S::stepper(self, system)?;
-        let (q, p) = checkpoint.state(system.has_time())?;
+        // H(t, q, p) may be none at another pair of time and state.
+        let (q, p) = checkpoint.start_state()?;
         let t0 = checkpoint.start.read_finite("the start")?;
         stepper.begin((&q, &p), t0, None)?;
         stepper.inner_mut().check_functions(checkpoint)?;
@@ -133,7 +134,7 @@ pub trait Advance<T: Float, E: Evaluate<T>> {
         t0: T,
         towards: Option<T>,
     ) -> Result<(), IntegrateError<T>>;
-    /// Goes on where the run of `checkpoint` was; it has begun at its state.
+    /// Goes on where the run of `checkpoint` was; it has begun where that began.
     ///
     /// # Errors
     /// When the checkpoint is damaged.

@@ -202,6 +202,29 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// Puts the run at another state, at the time `t` it has reached: the references of energy and invariants
     /// are those of this state from now on, and nothing of the steps before is prolonged into the next one.
     pub(super) fn move_to(&mut self, q: &[T], p: &[T], t: T) -> Result<(), IntegrateError<T>> {
+        let h_ref = self.look_at(q, p, t)?;
+        self.next.lo.fill(T::int(0));
+        std::mem::swap(&mut self.y, &mut self.next);
+        self.h_ref = h_ref;
+        self.floor = None;
+        if let Some(seen) = &mut self.energy_floor {
+            seen.scale = seen.scale.max(h_ref.abs());
+        }
+        self.core.begin(h_ref, &self.y.hi);
+        if let Some(energy) = &mut self.energy {
+            energy.begin(h_ref);
+        }
+        for watched in &mut self.watched {
+            watched.begin(t, &self.y.hi);
+        }
+        Ok(())
+    }
+
+    /// The state (`q`, `p`) at `t` into `next`. Returns H there.
+    ///
+    /// # Errors
+    /// Faults of the values, and an H that is not finite there.
+    pub(super) fn look_at(&mut self, q: &[T], p: &[T], t: T) -> Result<T, IntegrateError<T>> {
         let m = self.m;
         check_initial(m, q, p)?;
         let y = &mut self.next.hi;
@@ -220,21 +243,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         if self.check_gradient {
             check_gradient(self.core.energy_mut(), t, &self.next.hi)?;
         }
-        self.next.lo.fill(T::int(0));
-        std::mem::swap(&mut self.y, &mut self.next);
-        self.h_ref = h_ref;
-        self.floor = None;
-        if let Some(seen) = &mut self.energy_floor {
-            seen.scale = seen.scale.max(h_ref.abs());
-        }
-        self.core.begin(h_ref, &self.y.hi);
-        if let Some(energy) = &mut self.energy {
-            energy.begin(h_ref);
-        }
-        for watched in &mut self.watched {
-            watched.begin(t, &self.y.hi);
-        }
-        Ok(())
+        Ok(h_ref)
     }
 }
 

@@ -134,9 +134,13 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
 
     /// Whether the run is at a point of its grid, within the rounding of time.
     pub(super) fn is_on_grid(&self) -> bool {
-        let miss = self.grid_start + T::int(self.place) * self.grid_step() - self.time;
+        self.is_at(self.grid_start + T::int(self.place) * self.grid_step())
+    }
+
+    /// Whether `t` is the time reached, within the rounding of the grid.
+    pub(super) fn is_at(&self, t: T) -> bool {
         let largest = self.grid_start.abs().max(self.time.abs());
-        miss.abs() <= T::int(2) * T::EPSILON * largest
+        (t - self.time).abs() <= T::int(2) * T::EPSILON * largest
     }
 
     /// The grid begins anew at the time reached.

@@ -9,7 +9,7 @@ use equip_solver::Outcome;
 pub struct StepView<'a, T> {
     /// Number of the step, from 1; 0 is the initial state.
     pub index: u64,
-    /// Time at its end: t0 + index · h.
+    /// Time at its end.
     pub time: T,
     /// Its size, negative if it went back in time.
     pub step: T,

@@ -7,7 +7,7 @@
 //!   mean over time, which tends to 2 for quasi-periodic motion and to λt/2 for chaotic motion: it decides
 //!   much earlier than λ(t).
 //!
-//! t is the time since the deviation began, also of a run that goes back in time.
+//! t is the time that the run has covered since the deviation began, forward and back.
 //!
 //! The integral is a sum over the steps, the growth of each at its middle: an error of O(h²) of the growth,
 //! which does not matter here.
@@ -40,8 +40,9 @@ use equip_scalar::Float;
 pub struct Chaos<T: Float, E> {
     tangent: TangentMap<T, E>,
     deviation: Vec<T>,
-    start: T,
+    /// Time of the run, and how much of it was covered since the deviation began.
     time: T,
+    elapsed: T,
     /// ln|δ(t)|/|δ(0)|, ∫ s d ln|δ|, ∫ Y ds.
     growth: T,
     weighted: T,
@@ -66,8 +67,8 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
         let mut chaos = Chaos {
             tangent: TangentMap::new(system, run),
             deviation: whole,
-            start: time,
             time,
+            elapsed: zero,
             growth: zero,
             weighted: zero,
             sum: zero,
@@ -83,12 +84,13 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
     pub fn see(&mut self, run: &impl Steps<T, E>) -> Result<(), IntegrateError<T>> {
         self.tangent.carry(run, &mut self.deviation)?;
         let growth = self.normalise().ln();
-        let [before, now] = [self.time, run.time_reached()].map(|t| (t - self.start).abs());
+        let (before, step) = (self.elapsed, (run.time_reached() - self.time).abs());
+        let now = before + step;
         self.growth += growth;
         self.weighted += growth * (before + now) / T::int(2);
         // Y at the end of the step stands for the step.
-        self.sum += T::int(2) * self.weighted / now * (now - before);
-        self.time = run.time_reached();
+        self.sum += T::int(2) * self.weighted / now * step;
+        (self.time, self.elapsed) = (run.time_reached(), now);
         Ok(())
     }
 
@@ -117,12 +119,12 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
 
     /// λ(t), per unit of time.
     pub fn lyapunov(&self) -> T {
-        self.growth / (self.time - self.start).abs()
+        self.growth / self.elapsed
     }
 
     /// The mean of MEGNO over time.
     pub fn megno(&self) -> T {
-        self.sum / (self.time - self.start).abs()
+        self.sum / self.elapsed
     }
 
     /// λ(t) and MEGNO.
@@ -152,7 +154,7 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
         if self.deviation.iter().any(|x| !x.is_finite()) {
             return Err(IntegrateError::CheckpointDamaged { what });
         }
-        self.start = memory.start.read_finite(what)?;
+        self.elapsed = memory.elapsed.read_finite(what)?;
         let [growth, weighted, sum] = &memory.sums;
         self.growth = growth.read_finite(what)?;
         self.weighted = weighted.read_finite(what)?;
@@ -162,7 +164,7 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
 
     pub(crate) fn memory(&self) -> ChaosMemory {
         ChaosMemory {
-            start: Exact::of(self.start),
+            elapsed: Exact::of(self.elapsed),
             sums: [self.growth, self.weighted, self.sum].map(Exact::of),
             deviation: Exact::all(&self.deviation),
         }

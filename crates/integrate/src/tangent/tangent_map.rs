@@ -8,7 +8,7 @@ use crate::error::IntegrateError;
 use crate::tangent::steps::Steps;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::StepTangent;
+use equip_solver::{Failure, StepTangent};
 
 /// The tangent map along a run.
 ///
@@ -92,10 +92,18 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
             self.step.linearise(part);
             for deviation in deviations.chunks_exact_mut(n) {
                 let carried = self.step.carry(deviation);
-                carried.map_err(|_| IntegrateError::Singular {
-                    time: part.time,
-                    step: part.h,
-                    halvings: 0,
+                let (time, step, halvings) = (part.time, part.h, 0);
+                carried.map_err(|failure| match failure {
+                    Failure::NotFinite => IntegrateError::NotFinite {
+                        time,
+                        step,
+                        halvings,
+                    },
+                    _ => IntegrateError::Singular {
+                        time,
+                        step,
+                        halvings,
+                    },
                 })?;
             }
         }
