@@ -10,9 +10,9 @@ pub(crate) const MOST_STALLS: u32 = 4;
 /// The largest floor of late loses 1 over this a step. // steps; floors swing by 30 within an oscillation of
 /// some 10 to 50 steps; 16 to 256 alike.
 pub(crate) const FADING: i64 = 64;
-/// α's that move, at most. // α's; further ones disturb the stages the more for the same displacement of the
-/// end point. Grid: errors are .71, .68, .67 and .74 of Gauss's with 2, 3, 5 and all of them, work 1.42,
-/// 1.44, 1.46, 1.48; with all 1.4 % of the steps more are carried.
+/// α's that move, at most, unless there are more constraints. // α's; further ones disturb the stages the
+/// more for the same displacement of the end point. Grid: errors are .71, .68, .67 and .74 of Gauss's with 2,
+/// 3, 5 and all of them, work 1.42, 1.44, 1.46, 1.48; with all 1.4 % of the steps more are carried.
 pub(crate) const LEADING: usize = 3;
 /// The end point may move so many times as far as the defect of the step itself is worth, or as its local
 /// error. // ratio; with 4 times the local error 9 % of the steps of 14 systems are carried, with 16 4 %;
