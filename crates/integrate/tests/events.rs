@@ -215,24 +215,50 @@ fn a_terminal_event_ends_the_run_there() {
     let run = fixed
         .clone()
         .event(terminal)
-        .output_at(&[0.5, 1.57, 1.58, 5.0])
         .integrate(&oscillator(), &[0.0], &[1.0], 0.0..=100.0)
         .unwrap();
     assert!(ulps(run.last().0, PI / 2.0) <= 4.0);
-    // What lies beyond it in the same step is none of the run.
-    let outputs: Vec<f64> = run
-        .outputs()
-        .map(|(t, q, _)| t + (q[0] - t.sin()))
-        .collect();
-    assert!(
-        outputs.len() == 2 && (outputs[1] - 1.57).abs() < 1e-11,
-        "{outputs:?}"
-    );
     let plain = fixed
         .integrate(&oscillator(), &[0.0], &[1.0], 0.0..=100.0)
         .unwrap();
     assert_eq!(run.len(), 5);
     assert!((0..4).all(|i| run.q(i) == plain.q(i) && run.p(i) == plain.p(i)));
+}
+
+/// Steps to output times are made ahead of the step of the grid they lie in: those beyond the end of a run
+/// are none of it, whichever way it goes and whatever ends it.
+#[test]
+fn no_output_lies_beyond_the_end_of_a_run() {
+    // q = sin t turns at ±π/2, within the step from ±1.2 to ±1.6.
+    let with_time =
+        Hamiltonian::with_time(1, |t, q, p| 0.5 * (q[0] * q[0] + p[0] * p[0]) + 0.0 * t);
+    for h in [oscillator(), with_time.unwrap()] {
+        for sign in [1.0, -1.0] {
+            let times = [0.5, 1.0, 1.57, 1.58, 5.0].map(|t: f64| sign * t);
+            let run = Equip::stages(6)
+                .step(0.4)
+                .event(Event::new("top", |_, _: &[f64], p: &[f64]| p[0]).terminal())
+                .output_at(&times)
+                .integrate(&h, &[0.0], &[1.0], 0.0..=sign * 100.0)
+                .unwrap();
+            let outputs: Vec<_> = run.outputs().collect();
+            assert_eq!(outputs.len(), 3);
+            for (&(t, q, p), time) in outputs.iter().zip(times) {
+                assert_eq!((t, q.len(), p.len()), (time, 1, 1));
+                assert!((q[0] - t.sin()).abs() < 1e-10 && (p[0] - t.cos()).abs() < 1e-10);
+            }
+        }
+    }
+    // q = t up to the edge of H at 1.
+    let edge = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + 0.0 * (1.0 - q[0]).sqrt());
+    let failure = Equip::stages(2)
+        .step(0.4)
+        .max_halvings(0)
+        .output_at(&[0.5, 0.85, 0.9, 2.0])
+        .integrate(&edge.unwrap(), &[0.0], &[1.0], 0.0..=2.0)
+        .unwrap_err();
+    let partial = failure.partial.unwrap();
+    assert_eq!((partial.last().0, partial.outputs().count()), (0.8, 1));
 }
 
 #[test]

@@ -31,20 +31,16 @@ pub(crate) fn drive<T: Float, E: Evaluate<T>>(
     observer: &mut impl Observer<T>,
 ) -> Result<Run<T>, RunFailure<T>> {
     let mut run = Run::new(steps.inner());
-    match watch(steps, &mut watchers, observer, &mut run) {
+    let made = watch(steps, &mut watchers, observer, &mut run);
+    if let Some(dense) = watchers.dense {
+        dense.finish(&mut run);
+    }
+    match made {
         Ok(()) => {
-            if let Some(dense) = watchers.dense {
-                dense.finish(&mut run);
-            }
             run.finish(steps.inner());
             Ok(run)
         }
-        Err(error) => {
-            if let Some(dense) = watchers.dense {
-                dense.finish(&mut run);
-            }
-            Err(run.fail(error, steps.inner()))
-        }
+        Err(error) => Err(run.fail(error, steps.inner())),
     }
 }
 

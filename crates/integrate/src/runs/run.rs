@@ -91,15 +91,6 @@ impl<T: Float> Run<T> {
 
     /// A terminal event ends the run within the step made last.
     pub(crate) fn end_at<E: Evaluate<T>>(&mut self, time: T, y: &[T], stepper: &Stepper<T, E>) {
-        // Outputs within a step are there before the step is made.
-        while self
-            .output_times
-            .last()
-            .is_some_and(|&t| stepper.direction.is_before(time, t))
-        {
-            self.output_times.pop();
-            self.outputs.truncate(2 * self.m * self.output_times.len());
-        }
         let (q, p) = y.split_at(self.m);
         self.keep(&StepView {
             time,
@@ -112,13 +103,18 @@ impl<T: Float> Run<T> {
     }
 
     pub(crate) fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
+        let end = self.ended.unwrap_or(stepper.time());
+        // Outputs within a step are there before the step is made, or fails.
+        let is_within = |&t: &T| !stepper.direction.is_before(end, t);
+        let within = self.output_times.partition_point(is_within);
+        self.output_times.truncate(within);
+        self.outputs.truncate(2 * self.m * within);
         let (output_steps, chaos) = (self.certificate.output_steps, self.certificate.chaos);
-        let certificate = stepper.certificate();
         self.certificate = Certificate {
             output_steps,
             chaos,
-            end: self.ended.unwrap_or(certificate.end),
-            ..certificate
+            end,
+            ..stepper.certificate()
         };
     }
 
