@@ -4,7 +4,7 @@
 use equip_autodiff::{
     Energy, Evaluate, Hamiltonian, Kinetic, RecordedEvaluator, Structure, System,
 };
-use equip_integrate::{Equip, Gauss, IntegrateError};
+use equip_integrate::{Equip, Gauss, IntegrateError, Stepper};
 use equip_scalar::{Float, InstructionSet, Num, Scalar};
 
 fn pendulum() -> Hamiltonian {
@@ -272,4 +272,55 @@ fn a_system_given_by_hand_is_checked_by_differences() {
         wide(0.0)..=wide(1.0),
     );
     assert!(run.is_ok());
+}
+
+/// A step of two parts, up to a kink and from there, whose second part fails leaves the largest floor of late
+/// as it was: that of the well from which the run came.
+#[test]
+fn a_step_that_fails_in_its_second_part_forgets_no_floor() {
+    let energy = |kink: f64| {
+        let h = Hamiltonian::new(1, |q, p| {
+            let well = 100.0 / (1.0 + 100.0 * q[0] * q[0]);
+            0.5 * p[0] * p[0] - well + (q[0] - kink).max(0.0).powi(2)
+        });
+        h.unwrap()
+    };
+    fn after_128_steps<H: System>(h: &H) -> Stepper<f64, H::Evaluator<f64>> {
+        let options = Equip::stages(4).step(0.002).max_halvings(0);
+        let run = options.start(h, &[0.0], &[201_f64.sqrt()], 0.0);
+        let mut run = run.unwrap();
+        for _ in 0..128 {
+            run.advance().unwrap();
+        }
+        run
+    }
+    fn floor_back<E: Evaluate<f64>>(run: &mut Stepper<f64, E>) -> f64 {
+        run.turn_back();
+        run.advance().unwrap().energy_floor.unwrap()
+    }
+    let mut smooth = after_128_steps(&energy(9.0));
+    let from = smooth.view().q[0];
+    let step = smooth.advance().unwrap().q[0] - from;
+    let kink = from + 0.5 * step;
+    // The third of four stages from the kink on, at 0.5 + 0.67/2, is beside those of the whole step.
+    let hole = from + 0.835 * step;
+    let holed = energy(kink).with_gradient(move |q, p, dq, dp| {
+        let slope = 2e4 * q[0] / (1.0 + 100.0 * q[0] * q[0]).powi(2);
+        dq[0] = slope + 2.0 * (q[0] - kink).max(0.0);
+        if (q[0] - hole).abs() < 0.01 * step {
+            dq[0] = f64::NAN;
+        }
+        dp[0] = p[0];
+    });
+    let mut run = after_128_steps(&holed);
+    let error = run.advance().unwrap_err();
+    let IntegrateError::NotFinite { time, .. } = error else {
+        panic!("{error}");
+    };
+    // It began at the kink.
+    assert!((time - 0.257).abs() < 1e-5, "{error}");
+    let mut smooth = after_128_steps(&energy(9.0));
+    let (floor, of_late) = (floor_back(&mut run), floor_back(&mut smooth));
+    println!("{floor:e} {of_late:e}");
+    assert!(floor > 0.9 * of_late);
 }

@@ -62,7 +62,7 @@ impl<T: Float, E: Evaluate<T>> InParts<T, E> for Substeps<T> {
         if made.is_err() && self.is_split {
             run.y.copy_from(&self.start);
             (run.switches_crossed, run.energy_jumps) = before;
-            run.core.forget();
+            run.core.refuse();
         }
         run.time = time;
         made
