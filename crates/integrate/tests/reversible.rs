@@ -313,6 +313,22 @@ fn a_hundred_thousand_revolutions() {
     beside_the_tolerance(1e5, 1);
 }
 
+/// σ grows so fast along the motion that the density is negative after half a step: both rules say so.
+#[test]
+fn a_density_that_is_not_positive_is_told_by_both_rules() {
+    let h = Hamiltonian::new(1, |_, p| 0.5 * p[0] * p[0]).unwrap();
+    let sigma = Hamiltonian::new(1, |q, _| 1.0 + 100.0 * q[0]).unwrap();
+    for rule in [StepRule::Explicit, StepRule::Integral] {
+        let options = Equip::stages(4).reversible(0.1, sigma.clone()).rule(rule);
+        let mut run = options.start(&h, &[0.0], &[1.0], 0.0).unwrap();
+        let error = run.advance().unwrap_err();
+        let is_told =
+            matches!(error, IntegrateError::StepBelowTimeResolution { step, .. } if step < 0.0);
+        assert!(is_told, "{rule:?}: {error}");
+        assert_eq!(run.view().index, 0);
+    }
+}
+
 /// A σ that is none at a new state is found before the run is moved there.
 #[test]
 fn a_start_without_density_leaves_the_run_as_it_was() {
