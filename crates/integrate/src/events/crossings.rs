@@ -30,6 +30,8 @@ pub(crate) enum Meeting<T> {
     End,
     /// It comes so near to one there that only the end of a step can tell.
     Touch(T),
+    /// It was over one, and no try has ended there.
+    Missed,
 }
 
 /// The switches along the steps of a run.
@@ -223,15 +225,14 @@ impl<T: Float> Crossings<T> {
     ) -> Option<Meeting<T>> {
         self.looks += 1;
         let aim = self.aim.take();
-        if self.looks > MOST_TRIES {
-            self.is_among_knots = false;
-            return None;
-        }
         self.path.follow(core, y, end);
         let may_meet = |j: usize| !self.is_passed[j] && self.path.may_meet(j, self.begins(j));
         let meets_none = aim.is_none() && !(0..self.path.len()).any(may_meet);
         if meets_none && !self.is_among_knots {
             return None;
+        }
+        if self.looks > MOST_TRIES {
+            return Some(Meeting::Missed);
         }
         self.path.take_polynomial(core, y);
         let (j, place) = self.first(aim)?;

@@ -191,7 +191,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             match substeps.crossings.look(core, y, next) {
                 Some(Meeting::End) => return Ok(Some(size)),
                 Some(Meeting::At(root, _)) => size *= root,
-                Some(Meeting::Touch(_)) | None => return Ok(None),
+                Some(Meeting::Touch(_) | Meeting::Missed) | None => return Ok(None),
             }
         }
         Ok(None)

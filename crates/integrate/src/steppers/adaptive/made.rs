@@ -29,7 +29,7 @@ pub(super) enum EndIs {
     /// There was no switch on its way.
     Smooth,
     OnSwitch,
-    /// Beyond one that the tolerance allows it to pass over.
+    /// Beyond one that the tolerance allows it to pass over, or at which no try has ended.
     BeyondSwitch,
 }
 

@@ -33,7 +33,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let is_last = end == Some(place.time);
         let meeting = meeting.filter(|meeting| match meeting {
             Meeting::At(root, _) => *root <= T::int(1) || !is_last,
-            Meeting::End | Meeting::Touch(_) => true,
+            Meeting::End | Meeting::Touch(_) | Meeting::Missed => true,
         });
         let end_is = match meeting {
             Some(Meeting::End) => EndIs::OnSwitch,
@@ -56,6 +56,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 }
                 EndIs::Smooth
             }
+            Some(Meeting::Missed) => EndIs::BeyondSwitch,
             None if crossings.is_among_knots() => {
                 if self.is_rough(h, [T::ratio(1, 2); 2]) && self.may_halve() {
                     return Ok(Made::OverKnots);
