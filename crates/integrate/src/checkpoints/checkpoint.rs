@@ -16,7 +16,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 9;
+pub(crate) const FORMAT: u32 = 10;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
@@ -177,41 +177,67 @@ impl Checkpoint {
     }
 
     fn sum(&self) -> String {
+        // A field that is not named here is an error.
+        let Checkpoint {
+            format,
+            precision,
+            options,
+            energy,
+            invariants,
+            start,
+            start_state,
+            time,
+            time_low,
+            index,
+            goes_back,
+            grid_start,
+            place,
+            high,
+            low,
+            energy_reference,
+            defects,
+            in_floors,
+            energy_floor,
+            phase_per_step,
+            floor,
+            alpha_range,
+            last_step,
+            last_outcome,
+            counts,
+            switches_crossed,
+            energy_jumps,
+            seconds,
+            solver,
+            control,
+            chaos,
+            checksum: _,
+        } = self;
         let mut sum = Checksum::new();
-        sum.count(self.format.into());
-        sum.text(&self.precision);
-        sum.text(&self.energy);
-        for (name, value) in self.options.iter().chain(&self.invariants) {
+        sum.count((*format).into());
+        sum.text(precision);
+        sum.text(energy);
+        for (name, value) in options.iter().chain(invariants) {
             sum.text(name);
             sum.text(value);
         }
-        let [time, now, low] = [&self.start, &self.time, &self.time_low];
-        sum.numbers([
-            time,
-            now,
-            low,
-            &self.energy_reference,
-            &self.last_step,
-            &self.seconds,
-        ]);
-        for numbers in [&self.start_state, &self.high, &self.low] {
+        sum.numbers([start, time, time_low, grid_start]);
+        sum.numbers([energy_reference, last_step, seconds]);
+        for numbers in [start_state, high, low] {
             sum.numbers(numbers);
         }
-        sum.count(self.index);
-        sum.count(self.goes_back.into());
-        sum.count(self.switches_crossed);
-        sum.count(self.energy_jumps.as_ref().map_or(0, |jumps| jumps.0));
-        sum.numbers(self.energy_jumps.iter().map(|jumps| &jumps.1));
-        sum.numbers([&self.grid_start]);
-        sum.count(self.place.cast_unsigned());
-        sum.numbers(self.defects.iter().flatten());
-        sum.numbers(&self.in_floors);
-        sum.numbers(self.energy_floor.iter().flatten());
-        sum.numbers(self.phase_per_step.iter().flatten());
-        sum.numbers(&self.floor);
-        sum.numbers(self.alpha_range.iter().flatten());
-        sum.text(self.last_outcome.label());
-        let counts = &self.counts;
+        sum.count(*index);
+        sum.count((*goes_back).into());
+        sum.count(place.cast_unsigned());
+        sum.count(*switches_crossed);
+        sum.count(energy_jumps.as_ref().map_or(0, |jumps| jumps.0));
+        sum.numbers(energy_jumps.iter().map(|jumps| &jumps.1));
+        sum.numbers(defects.iter().flatten());
+        sum.numbers(in_floors);
+        sum.numbers(energy_floor.iter().flatten());
+        sum.numbers(phase_per_step.iter().flatten());
+        sum.numbers(floor);
+        sum.numbers(alpha_range.iter().flatten());
+        sum.text(last_outcome.label());
         for count in [
             counts.steps,
             counts.sweeps,
@@ -232,24 +258,12 @@ impl Checkpoint {
         for outcome in Outcome::ALL {
             sum.count(counts.outcome(outcome));
         }
-        for (name, numbers) in &self.solver {
+        for (name, numbers) in solver {
             sum.text(name);
             sum.numbers(numbers);
         }
-        if let Some(control) = &self.control {
-            sum.numbers([&control.next, &control.smallest, &control.largest]);
-            sum.count(control.tries.into());
-            sum.count(control.rejected);
-            sum.count(control.failed);
-            sum.count(control.switches.is_among_knots.into());
-            for side in &control.switches.sides {
-                sum.count(side.map_or(0, |side| (i64::from(side) + 2).cast_unsigned()));
-            }
-        }
-        if let Some(chaos) = &self.chaos {
-            sum.numbers(std::iter::once(&chaos.elapsed).chain(&chaos.sums));
-            sum.numbers(&chaos.deviation);
-        }
+        control.iter().for_each(|control| control.add_to(&mut sum));
+        chaos.iter().for_each(|chaos| chaos.add_to(&mut sum));
         sum.hexadecimal()
     }
 
