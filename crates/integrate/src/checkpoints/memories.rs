@@ -12,7 +12,7 @@ use equip_scalar::Float;
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub(crate) struct ControlMemory {
     pub(crate) next: Exact,
-    pub(crate) tries: u32,
+    pub(crate) tries: Option<u32>,
     pub(crate) smallest: Exact,
     pub(crate) largest: Exact,
     pub(crate) rejected: u64,
@@ -58,7 +58,7 @@ impl ControlMemory {
                 },
         } = self;
         sum.numbers([next, smallest, largest]);
-        sum.count((*tries).into());
+        sum.count(tries.map_or(0, |tries| 1 + u64::from(tries)));
         sum.count(*rejected);
         sum.count(*failed);
         sum.count((*is_among_knots).into());
@@ -71,7 +71,7 @@ impl ControlMemory {
     /// switches.
     pub(crate) fn of<T: Float>(
         steps: &VariableSteps<T>,
-        (next, tries): (Exact, u32),
+        (next, tries): (Exact, Option<u32>),
         switches: SwitchMemory,
     ) -> Self {
         ControlMemory {

@@ -116,7 +116,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     pub(super) fn variable_checkpoint(
         &mut self,
         time_low: T,
-        size: (Exact, u32),
+        size: (Exact, Option<u32>),
         switches: SwitchMemory,
     ) -> Checkpoint {
         let mut checkpoint = self.checkpoint();

@@ -142,6 +142,6 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     pub fn checkpoint(&mut self) -> Checkpoint {
         let next = Exact::of(self.density);
         self.inner
-            .variable_checkpoint(self.time_low, (next, 0), SwitchMemory::default())
+            .variable_checkpoint(self.time_low, (next, None), SwitchMemory::default())
     }
 }

@@ -48,8 +48,8 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) end: Option<T>,
     pub(super) min_step: T,
     pub(super) max_steps: u64,
-    /// Tries of the first step made so far; all of them once it is made.
-    pub(super) tries: u32,
+    /// Tries of the first step so far; none once its size is settled.
+    pub(super) tries: Option<u32>,
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
@@ -98,12 +98,12 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             let h = place.size.to_f64();
             match self.make_up_to_switches(place, end) {
                 Ok(Made::OverSwitch(shorter)) => {
-                    self.tries = MOST_TRIES;
+                    self.tries = None;
                     self.inner.core.refuse();
                     (to_switch, is_retried) = (Some(shorter), true);
                 }
                 Ok(Made::OverKnots) => {
-                    self.tries = MOST_TRIES;
+                    self.tries = None;
                     self.inner.core.refuse();
                     (size, is_retried) = (self.control.shorter(h), true);
                     longest = size;
@@ -112,12 +112,12 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                 Ok(Made::Step(outcome, estimate, end_is)) => {
                     let contraction = self.inner.core.contraction();
                     let limits = (contraction, self.longest_first);
-                    if self.tries < MOST_TRIES
+                    if let Some(tries) = self.tries.filter(|&tries| tries < MOST_TRIES)
                         && !place.cut
                         && end_is == EndIs::Smooth
                         && let Some(longer) = self.control.first_is_timid(h, &estimate, limits)
                     {
-                        self.tries += 1;
+                        self.tries = Some(tries + 1);
                         self.inner.core.refuse();
                         (size, is_retried) = (longer, true);
                         continue;
@@ -131,7 +131,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                             return Ok(self.inner.view());
                         }
                         Judgement::Refuse(shorter) => {
-                            self.tries = MOST_TRIES;
+                            self.tries = None;
                             self.inner.core.refuse();
                             self.count(|steps| &mut steps.rejected);
                             cause = None;
@@ -145,7 +145,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     if error.stays_in_shorter_steps() {
                         return Err(error);
                     }
-                    self.tries = MOST_TRIES;
+                    self.tries = None;
                     self.count(|steps| &mut steps.failed);
                     size = self.control.shorter(h);
                     proposed = size;
@@ -218,7 +218,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     }
 
     fn accept(&mut self, place: Place<T>, outcome: Outcome) {
-        self.tries = MOST_TRIES;
+        self.tries = None;
         self.time_low = place.time_low;
         if let Some(steps) = &mut self.inner.variable {
             steps.largest = steps.largest.max(place.size);
@@ -258,10 +258,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         };
         self.longest_first = longest;
         self.control.begin(first.max(shortest_at(t0).to_f64()));
-        self.tries = match self.first_step {
-            Some(_) => MOST_TRIES,
-            None => 0,
-        };
+        self.tries = self.first_step.is_none().then_some(0);
         self.inner.variable = Some(VariableSteps::new(self.tolerance));
         Ok(())
     }

@@ -6,7 +6,6 @@ use crate::control::controller::{Control, Memory};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::control::flow::Flow;
-use crate::control::policy::MOST_TRIES;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
 use crate::options::adaptive::Tolerance;
@@ -51,7 +50,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
             end: None,
             min_step: sizes.min_step,
             max_steps: sizes.max_steps,
-            tries: MOST_TRIES,
+            tries: None,
             inner,
         })
     }
