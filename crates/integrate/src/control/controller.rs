@@ -27,13 +27,6 @@
 use crate::control::estimate::Estimate;
 use crate::control::policy::{ACCEPTED, CHEAPEST, MOST_CHANGE, NEWTON, SAFETY};
 
-/// What control remembers between steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Memory {
-    /// Size proposed for the next step.
-    pub(crate) next: f64,
-}
-
 #[derive(Debug)]
 pub(crate) struct Control {
     /// tol^{1/(2s)}, to be had by the ϱ of the estimate.
@@ -42,7 +35,8 @@ pub(crate) struct Control {
     accepted: f64,
     /// Largest step.
     pub(crate) most: f64,
-    pub(crate) memory: Memory,
+    /// Size proposed for the next step: all that is remembered between steps.
+    pub(crate) next: f64,
 }
 
 /// What to do with a step that was made.
@@ -60,15 +54,13 @@ impl Control {
             wanted: root(tolerance),
             accepted: root(1.0 / ACCEPTED),
             most,
-            memory: Memory { next: most },
+            next: most,
         }
     }
 
     /// A run begins, with a step of the size `first` if that is allowed.
     pub(crate) fn begin(&mut self, first: f64) {
-        self.memory = Memory {
-            next: first.min(self.most),
-        };
+        self.next = first.min(self.most);
     }
 
     /// Judges a step of size `h` by its estimate, and if it is accepted proposes the next. `contraction` is
@@ -92,7 +84,7 @@ impl Control {
         let cheapest = Self::cheapest(ratio, contraction);
         let least = if is_retried { 1.0 } else { 0.0 };
         share = share.min((cheapest * predicted.min(1.0)).max(least));
-        self.memory.next = (h * share).min(self.most);
+        self.next = (h * share).min(self.most);
         Judgement::Accept
     }
 

@@ -14,6 +14,7 @@ use crate::control::make::make_step;
 use crate::dense::piece::Piece;
 use crate::dense::polynomial::Polynomial;
 use crate::error::IntegrateError;
+use crate::options::common::gauss_with;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_solver::{Core, Family, MAX_STAGES, Part, State, StepOptions};
@@ -36,11 +37,7 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
     ) -> Result<Self, IntegrateError<T>> {
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let fine = (2 * s).min(MAX_STAGES);
-        let rule = Gauss::<T>::new(fine).map_err(|_| IntegrateError::StagesOutOfRange {
-            stages: fine,
-            min: 1,
-            max: MAX_STAGES,
-        })?;
+        let rule = gauss_with::<T>(fine)?;
         let mut prolongation = Vec::with_capacity(fine * s);
         let mut values = vec![T::int(0); s];
         for (&c, &b) in rule.nodes().iter().zip(rule.weights()) {
@@ -50,7 +47,6 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
             }));
         }
         let options = StepOptions {
-            alpha_bound: T::int(1),
             max_halvings: 0,
             ..StepOptions::new(fine, Family::Gauss)
         };

@@ -2,6 +2,7 @@
 
 use crate::control::estimate::Allowed;
 use crate::error::IntegrateError;
+use crate::options::common::check;
 use crate::options::integrator::Integrator;
 use crate::options::method::Method;
 use equip_scalar::Float;
@@ -135,14 +136,6 @@ impl<T: Float> Tolerance<T> {
         }
         let zero = T::int(0);
         let finite = |x: T| x > zero && x.is_finite();
-        let check = |ok: bool, option, value, expected| {
-            let error = IntegrateError::Option {
-                option,
-                value,
-                expected,
-            };
-            if ok { Ok(()) } else { Err(error) }
-        };
         let relative = |name, error| {
             check(
                 error >= T::EPSILON && error <= T::ratio(1, 100),

@@ -7,6 +7,7 @@ use crate::options::record::Record;
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOptions};
+use equip_tableau::Gauss;
 
 /// What has to be the same again for a checkpoint to fit: names and values.
 pub(crate) type Words = Vec<(&'static str, String)>;
@@ -18,6 +19,32 @@ pub(crate) fn in_digits<T: Float>(x: T) -> String {
     } else {
         x.to_string()
     }
+}
+
+/// The rule with so many stages.
+pub(crate) fn gauss_with<T: Float>(stages: usize) -> Result<Gauss<T>, IntegrateError<T>> {
+    Gauss::new(stages).map_err(|_| IntegrateError::StagesOutOfRange {
+        stages,
+        min: 1,
+        max: MAX_STAGES,
+    })
+}
+
+/// The error of an `option` that has this `value`, unless it is `ok`.
+pub(crate) fn check<T: Float>(
+    ok: bool,
+    option: &'static str,
+    value: T,
+    expected: &'static str,
+) -> Result<(), IntegrateError<T>> {
+    if ok {
+        return Ok(());
+    }
+    Err(IntegrateError::Option {
+        option,
+        value,
+        expected,
+    })
 }
 
 /// The options that do not concern the size of the steps.
@@ -70,17 +97,6 @@ impl<T: Float> Options<T> {
                 max: MAX_STAGES,
             });
         }
-        let check = |ok: bool, option, value, expected| {
-            if ok {
-                Ok(())
-            } else {
-                Err(IntegrateError::Option {
-                    option,
-                    value,
-                    expected,
-                })
-            }
-        };
         let bound = self.alpha_bound;
         check(
             bound > T::int(0) && bound.is_finite(),

@@ -18,6 +18,7 @@
 //! default, made from ∇²H ([`crate::control::step_density`]).
 
 use crate::error::IntegrateError;
+use crate::options::common::check;
 use crate::options::integrator::Integrator;
 use crate::options::method::Method;
 use equip_autodiff::Hamiltonian;
@@ -111,14 +112,7 @@ impl<T: Float> Symmetric<T> {
 
     pub(crate) fn validate(&self) -> Result<(), IntegrateError<T>> {
         let epsilon = self.epsilon;
-        if epsilon > T::int(0) && epsilon.is_finite() {
-            Ok(())
-        } else {
-            Err(IntegrateError::Option {
-                option: "epsilon",
-                value: epsilon,
-                expected: "positive and finite",
-            })
-        }
+        let ok = epsilon > T::int(0) && epsilon.is_finite();
+        check(ok, "epsilon", epsilon, "positive and finite")
     }
 }

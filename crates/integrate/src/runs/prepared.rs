@@ -94,9 +94,4 @@ impl<T: Float, S: StepSizes<T>, H: System> Prepared<T, S, H> {
         let (system, stepper) = (&self.system, &mut self.stepper);
         self.integrator.run(system, stepper, t1, None, observer)
     }
-
-    /// The Hamiltonian.
-    pub fn system(&self) -> &H {
-        &self.system
-    }
 }

@@ -5,7 +5,6 @@ use crate::control::step_density::StepDensity;
 use crate::error::IntegrateError;
 use crate::options::reversible::StepRule;
 use crate::report::certificate::Certificate;
-use crate::report::variable_steps::VariableSteps;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
 use equip_autodiff::Evaluate;
@@ -177,29 +176,6 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         Ok(())
     }
 
-    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
-    ///
-    /// # Errors
-    /// Faults of the initial values, an H that is not finite there, and a σ that is not positive.
-    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        self.begin_at((q0, p0), t0, None)
-    }
-
-    pub(super) fn begin_at(
-        &mut self,
-        start: (&[T], &[T]),
-        t0: T,
-        towards: Option<T>,
-    ) -> Result<(), IntegrateError<T>> {
-        if t0.is_finite() {
-            self.check_density(start, t0)?;
-        }
-        self.inner.start_at(start, t0, towards)?;
-        (self.time_low, self.end) = (T::int(0), None);
-        self.inner.variable = Some(VariableSteps::new(self.epsilon));
-        self.begin_density()
-    }
-
     /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`].
     /// The step density begins anew there.
     ///
@@ -215,7 +191,11 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     ///
     /// # Errors
     /// If it cannot; it stays where it is.
-    fn check_density(&mut self, (q, p): (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>> {
+    pub(super) fn check_density(
+        &mut self,
+        (q, p): (&[T], &[T]),
+        t: T,
+    ) -> Result<(), IntegrateError<T>> {
         self.inner.look_at(q, p, t)?;
         let Stepper {
             core,
@@ -230,7 +210,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
     }
 
     /// z half a change behind the present state, so that the first whole one leads to z_{1/2}.
-    fn begin_density(&mut self) -> Result<(), IntegrateError<T>> {
+    pub(super) fn begin_density(&mut self) -> Result<(), IntegrateError<T>> {
         let (energy, counts) = self.inner.core.energy_and_counts();
         let density = (self.sigma).at(&self.inner.y.hi, energy, counts)?;
         self.density = density - self.change()? / T::int(2);

@@ -8,6 +8,7 @@ use crate::error::IntegrateError;
 use crate::options::common::{Words, in_digits};
 use crate::options::integrator::Integrator;
 use crate::options::reversible::Symmetric;
+use crate::report::variable_steps::VariableSteps;
 use crate::steppers::reversible_stepper::ReversibleStepper;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
@@ -68,7 +69,13 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
         t0: T,
         towards: Option<T>,
     ) -> Result<(), IntegrateError<T>> {
-        self.begin_at(start, t0, towards)
+        if t0.is_finite() {
+            self.check_density(start, t0)?;
+        }
+        self.inner.start_at(start, t0, towards)?;
+        (self.time_low, self.end) = (T::int(0), None);
+        self.inner.variable = Some(VariableSteps::new(self.epsilon));
+        self.begin_density()
     }
 
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
@@ -116,6 +123,14 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
 }
 
 impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
+    ///
+    /// # Errors
+    /// Faults of the initial values, an H that is not finite there, and a σ that is not positive.
+    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.begin((q0, p0), t0, None)
+    }
+
     /// Goes to the time `t`, forward or back, which the last step meets exactly: a shorter one, so that the
     /// steps back from there are other ones. At `t` already, no step is made.
     ///

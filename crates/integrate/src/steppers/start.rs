@@ -3,7 +3,7 @@
 use crate::control::frequency::Frequency;
 use crate::control::make::check_gradient;
 use crate::error::IntegrateError;
-use crate::options::common::{Options, Words};
+use crate::options::common::{Options, Words, gauss_with};
 use crate::options::event::Event;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
@@ -14,8 +14,7 @@ use crate::time::direction::TimeDirection;
 use crate::time::visible::visible;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
-use equip_solver::{Constraint, Core, Counts, Invariant, MAX_STAGES, Outcome, State};
-use equip_tableau::Gauss;
+use equip_solver::{Constraint, Core, Counts, Invariant, Outcome, State};
 use std::time::Instant;
 
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
@@ -32,11 +31,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         let (all, zero) = (system.degrees_of_freedom(), T::int(0));
         let m = all - usize::from(system.has_time());
         let stages = settings.stages;
-        let gauss = Gauss::new(stages).map_err(|_| IntegrateError::StagesOutOfRange {
-            stages,
-            min: 1,
-            max: MAX_STAGES,
-        })?;
+        let gauss = gauss_with(stages)?;
         check_functions(options, m, all)?;
         let has_target = settings.first_alpha.is_some() && !system.structure().is_quadratic();
         let mut constraints = Vec::new();

@@ -16,7 +16,7 @@ use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
 use crate::report::certificate::Certificate;
 use crate::report::variable_steps::VariableSteps;
-use crate::steppers::adaptive::made::{EndIs, Made, Place, shortest_at};
+use crate::steppers::adaptive::made::{EndIs, Made, Place};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
 use equip_autodiff::Evaluate;
@@ -80,7 +80,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
             let (steps, time) = (self.max_steps, self.time());
             return Err(IntegrateError::StepLimit { steps, time });
         }
-        let mut size = self.control.memory.next;
+        let mut size = self.control.next;
         // The size that nothing but switches speaks against, and the one that knots allow.
         let (mut proposed, mut longest) = (size, f64::INFINITY);
         let (mut cause, mut is_retried) = (None, false);
@@ -126,7 +126,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                         Judgement::Accept => {
                             self.accept(place, outcome);
                             self.accept_switches(end_is, (h, proposed));
-                            let next = &mut self.control.memory.next;
+                            let next = &mut self.control.next;
                             *next = next.min(longest);
                             return Ok(self.inner.view());
                         }
@@ -231,38 +231,6 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         self.slopes.swap(0, 1);
     }
 
-    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
-    ///
-    /// # Errors
-    /// Faults of the initial values, and an H that is not finite there.
-    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        self.begin_at((q0, p0), t0, None)
-    }
-
-    pub(super) fn begin_at(
-        &mut self,
-        start: (&[T], &[T]),
-        t0: T,
-        towards: Option<T>,
-    ) -> Result<(), IntegrateError<T>> {
-        self.inner.start_at(start, t0, towards)?;
-        self.take_slope();
-        self.crossings.iter_mut().for_each(Crossings::begin);
-        (self.time_low, self.end) = (T::int(0), None);
-        let [first, longest] = match self.first_step {
-            Some(h) => [h.to_f64(); 2],
-            None => {
-                let Stepper { core, y, .. } = &mut self.inner;
-                self.first.sizes(core.energy_mut(), &y.hi)
-            }
-        };
-        self.longest_first = longest;
-        self.control.begin(first.max(shortest_at(t0).to_f64()));
-        self.tries = self.first_step.is_none().then_some(0);
-        self.inner.variable = Some(VariableSteps::new(self.tolerance));
-        Ok(())
-    }
-
     /// Puts the run at (`q`, `p`), each of length m, at the time it has reached; see [`Stepper::set_state`].
     /// The size proposed for the next step stays, and is tried at shorter ones where it does not fit.
     ///
@@ -287,7 +255,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
 
     /// Size proposed for the next step.
     pub fn next_step(&self) -> T {
-        T::exact(self.control.memory.next)
+        T::exact(self.control.next)
     }
 
     /// Counts so far.

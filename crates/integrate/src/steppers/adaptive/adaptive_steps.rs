@@ -2,7 +2,7 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::exact::Exact;
-use crate::control::controller::{Control, Memory};
+use crate::control::controller::Control;
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::control::flow::Flow;
@@ -11,7 +11,9 @@ use crate::events::crossings::Crossings;
 use crate::options::adaptive::Tolerance;
 use crate::options::common::{Words, in_digits};
 use crate::options::integrator::Integrator;
+use crate::report::variable_steps::VariableSteps;
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
+use crate::steppers::adaptive::made::shortest_at;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
@@ -80,6 +82,14 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
 }
 
 impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
+    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
+    ///
+    /// # Errors
+    /// Faults of the initial values, and an H that is not finite there.
+    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
+        self.begin((q0, p0), t0, None)
+    }
+
     /// Goes to the time `t`, forward or back, which the last step meets exactly. At `t` already, no step is
     /// made.
     ///
@@ -106,9 +116,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
 
     /// The present state of the run, to be resumed by the same options.
     pub fn checkpoint(&mut self) -> Checkpoint {
-        let Memory { next } = self.control.memory;
         let switches = self.crossings.as_ref().map(Crossings::memory);
-        let size = (Exact::of(next), self.tries);
+        let size = (Exact::of(self.control.next), self.tries);
         self.inner
             .variable_checkpoint(self.time_low, size, switches.unwrap_or_default())
     }
@@ -129,7 +138,22 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
         t0: T,
         towards: Option<T>,
     ) -> Result<(), IntegrateError<T>> {
-        self.begin_at(start, t0, towards)
+        self.inner.start_at(start, t0, towards)?;
+        self.take_slope();
+        self.crossings.iter_mut().for_each(Crossings::begin);
+        (self.time_low, self.end) = (T::int(0), None);
+        let [first, longest] = match self.first_step {
+            Some(h) => [h.to_f64(); 2],
+            None => {
+                let Stepper { core, y, .. } = &mut self.inner;
+                self.first.sizes(core.energy_mut(), &y.hi)
+            }
+        };
+        self.longest_first = longest;
+        self.control.begin(first.max(shortest_at(t0).to_f64()));
+        self.tries = self.first_step.is_none().then_some(0);
+        self.inner.variable = Some(VariableSteps::new(self.tolerance));
+        Ok(())
     }
 
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
@@ -138,10 +162,7 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
         let memory = checkpoint.control()?;
         self.time_low = checkpoint.time_low.read_finite("the time")?;
         let what = "the memory of step control";
-        let float = |x: &Exact| x.read_finite::<T>(what).map(Float::to_f64);
-        self.control.memory = Memory {
-            next: float(&memory.next)?,
-        };
+        self.control.next = memory.next.read_finite::<T>(what)?.to_f64();
         self.tries = memory.tries;
         self.inner.variable = Some(memory.variable_steps(self.tolerance)?);
         let fits = match &mut self.crossings {
@@ -182,11 +203,11 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
             return Ok(false);
         }
         let refused = |run: &Self| (run.inner.variable).map(|steps| steps.rejected + steps.failed);
-        let (proposed, before) = (self.control.memory.next, refused(self));
+        let (proposed, before) = (self.control.next, refused(self));
         self.advance_within(Some(t))?;
         // A step that was cut says nothing against the size that was proposed.
         if refused(self) == before && self.inner.last.0.abs().to_f64() < proposed {
-            self.control.memory.next = self.control.memory.next.max(proposed);
+            self.control.next = self.control.next.max(proposed);
         }
         Ok(true)
     }

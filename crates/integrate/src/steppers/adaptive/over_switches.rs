@@ -114,7 +114,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
         let is_on_switch = end_is == EndIs::OnSwitch;
         crossings.accept((end_is != EndIs::Smooth, is_on_switch));
         if is_on_switch || crossings.has_touched() {
-            let next = &mut self.control.memory.next;
+            let next = &mut self.control.next;
             if *next >= h {
                 *next = proposed.max(h);
             }
