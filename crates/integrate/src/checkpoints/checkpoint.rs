@@ -7,7 +7,6 @@
 //! what the solver and step control remember of the steps so far, and the certificate so far. What is not: H,
 //! and what only watches a run (observers, events, output times).
 
-use crate::checkpoints::checksum::Checksum;
 use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memories::{ChaosMemory, ControlMemory};
 use crate::error::IntegrateError;
@@ -174,97 +173,6 @@ impl Checkpoint {
     /// Puts the checksum of the content on it.
     pub(crate) fn seal(&mut self) {
         self.checksum = self.sum();
-    }
-
-    fn sum(&self) -> String {
-        // A field that is not named here is an error.
-        let Checkpoint {
-            format,
-            precision,
-            options,
-            energy,
-            invariants,
-            start,
-            start_state,
-            time,
-            time_low,
-            index,
-            goes_back,
-            grid_start,
-            place,
-            high,
-            low,
-            energy_reference,
-            defects,
-            in_floors,
-            energy_floor,
-            phase_per_step,
-            floor,
-            alpha_range,
-            last_step,
-            last_outcome,
-            counts,
-            switches_crossed,
-            energy_jumps,
-            seconds,
-            solver,
-            control,
-            chaos,
-            checksum: _,
-        } = self;
-        let mut sum = Checksum::new();
-        sum.count((*format).into());
-        sum.text(precision);
-        sum.text(energy);
-        for (name, value) in options.iter().chain(invariants) {
-            sum.text(name);
-            sum.text(value);
-        }
-        sum.numbers([start, time, time_low, grid_start]);
-        sum.numbers([energy_reference, last_step, seconds]);
-        for numbers in [start_state, high, low] {
-            sum.numbers(numbers);
-        }
-        sum.count(*index);
-        sum.count((*goes_back).into());
-        sum.count(place.cast_unsigned());
-        sum.count(*switches_crossed);
-        sum.count(energy_jumps.as_ref().map_or(0, |jumps| jumps.0));
-        sum.numbers(energy_jumps.iter().map(|jumps| &jumps.1));
-        sum.numbers(defects.iter().flatten());
-        sum.numbers(in_floors);
-        sum.numbers(energy_floor.iter().flatten());
-        sum.numbers(phase_per_step.iter().flatten());
-        sum.numbers(floor);
-        sum.numbers(alpha_range.iter().flatten());
-        sum.text(last_outcome.label());
-        for count in [
-            counts.steps,
-            counts.sweeps,
-            counts.newton_iterations,
-            counts.taken_over,
-            counts.factorisations,
-            counts.simplified_factorisations,
-            counts.gradients,
-            counts.energies,
-            counts.hessians,
-            counts.directions,
-            counts.alpha_moves,
-            counts.local_errors,
-            counts.halvings,
-        ] {
-            sum.count(count);
-        }
-        for outcome in Outcome::ALL {
-            sum.count(counts.outcome(outcome));
-        }
-        for (name, numbers) in solver {
-            sum.text(name);
-            sum.numbers(numbers);
-        }
-        control.iter().for_each(|control| control.add_to(&mut sum));
-        chaos.iter().for_each(|chaos| chaos.add_to(&mut sum));
-        sum.hexadecimal()
     }
 
     /// Positions and momenta at the start of the run, without time, where H depends on it.

@@ -1,6 +1,5 @@
 //! What step control and a deviation remember in a checkpoint.
 
-use crate::checkpoints::checksum::Checksum;
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
 use crate::report::variable_steps::VariableSteps;
@@ -42,31 +41,6 @@ pub(crate) struct ChaosMemory {
 }
 
 impl ControlMemory {
-    /// Adds all of it to the checksum of a checkpoint.
-    pub(crate) fn add_to(&self, sum: &mut Checksum) {
-        let ControlMemory {
-            next,
-            tries,
-            smallest,
-            largest,
-            rejected,
-            failed,
-            switches:
-                SwitchMemory {
-                    sides,
-                    is_among_knots,
-                },
-        } = self;
-        sum.numbers([next, smallest, largest]);
-        sum.count(tries.map_or(0, |tries| 1 + u64::from(tries)));
-        sum.count(*rejected);
-        sum.count(*failed);
-        sum.count((*is_among_knots).into());
-        for side in sides {
-            sum.count(side.map_or(0, |side| (i64::from(side) + 2).cast_unsigned()));
-        }
-    }
-
     /// The steps so far; what sizes the next one, and how often it may still be tried; what is known of
     /// switches.
     pub(crate) fn of<T: Float>(
@@ -97,18 +71,5 @@ impl ControlMemory {
             rejected: self.rejected,
             failed: self.failed,
         })
-    }
-}
-
-impl ChaosMemory {
-    /// Adds all of it to the checksum of a checkpoint.
-    pub(crate) fn add_to(&self, sum: &mut Checksum) {
-        let ChaosMemory {
-            elapsed,
-            sums,
-            deviation,
-        } = self;
-        sum.numbers(std::iter::once(elapsed).chain(sums));
-        sum.numbers(deviation);
     }
 }
