@@ -307,3 +307,18 @@ fn a_rough_function_is_refused() {
         IntegrateError::EventTooRough { .. }
     ));
 }
+
+/// Steps of 0.7/11 end at 0.7 but for rounding, on either side of it; the output there is one of the run.
+#[test]
+fn an_output_at_the_end_is_there_whatever_rounding_says() {
+    for n in 1..60 {
+        for end in [0.7, 1.1, 2.3] {
+            let run = Gauss::stages(2)
+                .step(end / f64::from(n))
+                .output_at(&[end])
+                .integrate(&oscillator(), &[0.0], &[1.0], 0.0..=end)
+                .unwrap();
+            assert_eq!(run.outputs().count(), 1, "{end} in {n}");
+        }
+    }
+}

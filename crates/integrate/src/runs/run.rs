@@ -91,6 +91,7 @@ impl<T: Float> Run<T> {
 
     /// A terminal event ends the run within the step made last.
     pub(crate) fn end_at<E: Evaluate<T>>(&mut self, time: T, y: &[T], stepper: &Stepper<T, E>) {
+        self.drop_outputs_beyond(time, stepper);
         let (q, p) = y.split_at(self.m);
         self.keep(&StepView {
             time,
@@ -103,19 +104,22 @@ impl<T: Float> Run<T> {
     }
 
     pub(crate) fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
-        let end = self.ended.unwrap_or(stepper.time());
-        // Outputs within a step are there before the step is made, or fails.
-        let is_within = |&t: &T| !stepper.direction.is_before(end, t);
-        let within = self.output_times.partition_point(is_within);
-        self.output_times.truncate(within);
-        self.outputs.truncate(2 * self.m * within);
         let (output_steps, chaos) = (self.certificate.output_steps, self.certificate.chaos);
         self.certificate = Certificate {
             output_steps,
             chaos,
-            end,
+            end: self.ended.unwrap_or(stepper.time()),
             ..stepper.certificate()
         };
+    }
+
+    /// Drops outputs beyond `end`: those within a step are there before the step is made, or fails. A run
+    /// that has come to its end has them all, also where its last step ends short of them by rounding.
+    fn drop_outputs_beyond<E: Evaluate<T>>(&mut self, end: T, stepper: &Stepper<T, E>) {
+        let is_within = |&t: &T| !stepper.direction.is_before(end, t);
+        let within = self.output_times.partition_point(is_within);
+        self.output_times.truncate(within);
+        self.outputs.truncate(2 * self.m * within);
     }
 
     pub(crate) fn fail<E: Evaluate<T>>(
@@ -126,6 +130,7 @@ impl<T: Float> Run<T> {
         if self.times.last() != Some(&stepper.time()) {
             self.keep(&stepper.view());
         }
+        self.drop_outputs_beyond(stepper.time(), stepper);
         self.finish(stepper);
         RunFailure {
             error,
