@@ -198,6 +198,8 @@ fn a_start_that_is_refused_leaves_the_run_as_it_was() {
     let refused = run.restart(&q[..1], &p, 0.0).unwrap_err();
     assert!(matches!(refused, IntegrateError::WrongLength { .. }));
     let refused = run.restart(&q, &p, f64::INFINITY).unwrap_err();
+    assert!(matches!(refused, IntegrateError::Interval { .. }));
+    let refused = run.restart(&q, &p, 1e30).unwrap_err();
     assert!(matches!(
         refused,
         IntegrateError::StepBelowTimeResolution { .. }

@@ -67,11 +67,12 @@ pub(crate) struct Options<T: Float> {
 
 impl<T: Float> Default for Options<T> {
     fn default() -> Self {
+        let step = StepOptions::new(1, Family::Gauss);
         Options {
-            reach: Reach::default(),
-            alpha_bound: T::ratio(1, 20),
-            max_halvings: 10,
-            preconditioner: Preconditioner::default(),
+            reach: step.reach,
+            alpha_bound: step.alpha_bound,
+            max_halvings: step.max_halvings,
+            preconditioner: step.preconditioner,
             measure_energy: true,
             check_gradient: true,
             invariants: Vec::new(),

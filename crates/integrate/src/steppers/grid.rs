@@ -14,6 +14,12 @@ pub(crate) struct Grid<T> {
     rest: bool,
 }
 
+/// Whether two times are the same within the rounding of a grid that begins at `start`.
+pub(super) fn is_same_time<T: Float>(a: T, b: T, start: T) -> bool {
+    let largest = start.abs().max(b.abs()).max((b - start).abs());
+    (a - b).abs() <= T::int(2) * T::EPSILON * largest
+}
+
 impl<T: Float> Grid<T> {
     pub(crate) fn new(t0: T, t1: T, h: T) -> Result<Self, IntegrateError<T>> {
         let ratio = (t1 - t0) / h;
@@ -32,8 +38,7 @@ impl<T: Float> Grid<T> {
         }
         // h divides the interval if the rounded number of steps meets t1 within the rounding of the time.
         let nearest = ratio.round();
-        let miss = (t0 + nearest * h - t1).abs();
-        let divides = miss <= T::int(2) * T::EPSILON * largest.max((t1 - t0).abs());
+        let divides = is_same_time(t0 + nearest * h, t1, t0);
         let whole = if divides { nearest } else { ratio.floor() };
         Ok(Grid {
             t0,

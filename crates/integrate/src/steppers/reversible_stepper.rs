@@ -53,8 +53,11 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
         let mut density = self.density + self.change()?;
         let (now, low) = (self.inner.time(), self.time_low);
         if !(density > T::int(0)) {
-            let step = direction.signed(self.epsilon / density);
-            return Err(IntegrateError::StepBelowTimeResolution { step, time: now });
+            return Err(IntegrateError::Option {
+                option: "epsilon",
+                value: self.epsilon,
+                expected: "so small that σ does not grow by more than itself in a step",
+            });
         }
         let left = end.map_or(T::INFINITY, |end| direction.signed((end - now) - low));
         let mut size = self.epsilon / density;

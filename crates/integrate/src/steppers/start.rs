@@ -125,11 +125,12 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         t0: T,
         towards: Option<T>,
     ) -> Result<(), IntegrateError<T>> {
-        if !t0.is_finite() || self.size.is_some_and(|h| t0 + h == t0) {
-            return Err(IntegrateError::StepBelowTimeResolution {
-                step: self.size.unwrap_or(T::int(1)),
-                time: t0,
-            });
+        if !t0.is_finite() {
+            let (start, end) = (t0, towards.unwrap_or(t0));
+            return Err(IntegrateError::Interval { start, end });
+        }
+        if let Some(step) = self.size.filter(|&h| t0 + h == t0) {
+            return Err(IntegrateError::StepBelowTimeResolution { step, time: t0 });
         }
         let to_end = towards.and_then(|end| TimeDirection::between(t0, end));
         let direction = to_end.unwrap_or(self.first_direction);

@@ -11,7 +11,7 @@ use crate::report::energy_floor::{EnergyFloor, kinetic_energy};
 use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::report::variable_steps::VariableSteps;
-use crate::steppers::grid::Grid;
+use crate::steppers::grid::{Grid, is_same_time};
 use crate::steppers::view::{Step, StepView};
 use crate::time::direction::TimeDirection;
 use crate::time::visible::visible;
@@ -139,8 +139,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
 
     /// Whether `t` is the time reached, within the rounding of the grid.
     pub(super) fn is_at(&self, t: T) -> bool {
-        let largest = self.grid_start.abs().max(self.time.abs());
-        (t - self.time).abs() <= T::int(2) * T::EPSILON * largest
+        is_same_time(t, self.time, self.grid_start)
     }
 
     /// The grid begins anew at the time reached.
