@@ -322,8 +322,12 @@ fn a_density_that_is_not_positive_is_told_by_both_rules() {
         let options = Equip::stages(4).reversible(0.1, sigma.clone()).rule(rule);
         let mut run = options.start(&h, &[0.0], &[1.0], 0.0).unwrap();
         let error = run.advance().unwrap_err();
-        let is_told = matches!(error, IntegrateError::Option { option: "epsilon", value, .. } if value == 0.1);
-        assert!(is_told, "{rule:?}: {error}");
+        match error {
+            IntegrateError::Option { option, value, .. } => {
+                assert_eq!((option, value), ("epsilon", 0.1));
+            }
+            other => panic!("{rule:?}: {other}"),
+        }
         assert_eq!(run.view().index, 0);
     }
 }
