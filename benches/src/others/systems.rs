@@ -13,9 +13,10 @@ pub(crate) struct System {
 
 /// One of them, of random parameters, at a random start.
 type Drawn = Result<System, BuildError>;
+type Draw = fn(&mut Seeded) -> Drawn;
 
 /// All of them, by name.
-pub(crate) const SYSTEMS: [(&str, fn(&mut Seeded) -> Drawn); 30] = [
+pub(crate) const SYSTEMS: [(&str, Draw); 30] = [
     ("three Toda particles", toda),
     ("Morse oscillators", morse),
     ("spring and rod", spring),
