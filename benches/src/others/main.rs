@@ -1,6 +1,6 @@
 //! Runs by tolerance of Hamiltonians from the literature, from random starts, EQUIP beside Gauss: what
-//! constants of step control are judged by. Nothing was tuned on these starts; some of the systems (DNLS, three
-//! bodies, a stiff spring) have a relative among the scenes.
+//! constants of step control are judged by. Nothing was tuned on these starts; some of the systems (DNLS,
+//! three bodies, a stiff spring) have a relative among the scenes.
 //!
 //! `cargo run --release -p equip-benches --bin others -- 12`
 //!
