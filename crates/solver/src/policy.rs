@@ -33,7 +33,8 @@ pub(crate) const TURNS: i64 = 64;
 /// the steps more are carried, with 32 0.2 % fewer, errors and work alike.
 pub(crate) const STALLED: i64 = 8;
 /// The ridge of the least-squares problem for the direction is the diagonal over this. // ratio; 1e2 to 1e4
-/// alike on the grid.
+/// alike on the grid; with 10 1000 reversible steps of Kepler's problem, e = 0.6, return to 7.5e-6 in place
+/// of 3e-10.
 pub(crate) const RIDGE: i64 = 1000;
 /// Steps for which a cheaper preconditioner that has failed is not tried again: 1, 2, 4, … up to this. //
 /// steps; a trial costs some 10 sweeps, less than 2 % of those of so many steps; 8 to 512 alike.

@@ -8,7 +8,8 @@
 //! | V, ∂I_a/∂α_k, the mean over both ends | ∇I_a(y1)·u_k and −∇I_a(y0)·u'_k |
 //! | D | [`crate::alpha::least_displacement`] |
 //!
-//! Only the first [`LEADING`] of the free α's move, or as many as there are constraints.
+//! Only the first [`LEADING`] of the free α's move, or as many as there are constraints; then the constraints
+//! alone say what they are, D = I, and nothing is solved with the end held.
 //!
 //! Cost: ∇²H at the stages, and some 6 linear sweeps of two right-hand sides for each of them.
 //! Nothing is allocated.
@@ -113,7 +114,7 @@ impl<T: Float> Direction<T> {
             rows: vec![zeros(2 * n); free],
             v: DMatrix::zeros(free, constraints),
             v_end: DMatrix::zeros(free, constraints),
-            d: DMatrix::zeros(free, constraints),
+            d: DMatrix::identity(free, constraints),
             least: LeastDisplacement::new(free),
             before: zeros(constraints),
             predicted: zeros(constraints),
@@ -182,6 +183,11 @@ impl<T: Float> Direction<T> {
         self.linear.is_within(self.s as f64)
     }
 
+    /// Whether there are more α's than constraints. If not, the constraints alone say what they are: D = I.
+    pub(crate) fn is_free(&self) -> bool {
+        self.d.nrows() > self.d.ncols()
+    }
+
     /// Takes the directions where it was linearised, to a relative `tolerance` of their displacements; from
     /// those of before if these are of this step. Returns whether there are any.
     pub(crate) fn take(
@@ -191,7 +197,7 @@ impl<T: Float> Direction<T> {
         mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
         let solved = self.solve_forward(iterate, tolerance, m.as_deref_mut())
-            && self.solve_back(iterate, tolerance, m);
+            && (!self.is_free() || self.solve_back(iterate, tolerance, m));
         self.is_near = solved;
         if !solved {
             return false;
@@ -208,7 +214,7 @@ impl<T: Float> Direction<T> {
                 self.v[(k, a)] = at_end - dot(&constraint.start_gradient, start);
             }
         }
-        if !self.least.solve(&self.rows, &self.v, &mut self.d) {
+        if self.is_free() && !self.least.solve(&self.rows, &self.v, &mut self.d) {
             return false;
         }
         self.factor_slopes();

@@ -4,7 +4,7 @@
 //!    follows, and is iterated to rest.
 //! 2. The same from the new stages, until the constraints are at their floors.
 //! 3. D is taken anew at the solution, and t with it, until that moves the end point by rounding only: α =
-//!    D(Z) t then.
+//!    D(Z) t then. With no more α's than constraints (s = 2) D is I, and taken once for its slopes.
 //!
 //! *Admissible* (project note, section 8). The step resolves its fastest motion, hω ≤ s; |α_k| is within its
 //! bound; and the end point is within [`FARTHEST`] times the displacement that the step's own defect is worth
@@ -85,7 +85,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let mut turns_left = T::MANTISSA_BITS / TURNS.ilog2();
         for moves in 0..=MOST_ITERATIONS {
             let turns = progress.turns();
-            let is_kept = turns.is_some_and(|turns| turns <= rounding) || turns_left == 0;
+            let is_free = solver.direction.is_free();
+            let is_kept =
+                turns.is_some_and(|turns| !is_free || turns <= rounding) || turns_left == 0;
             if !is_kept {
                 turns_left -= 1;
                 self.stages.iterate.keep_momenta(y);
