@@ -8,10 +8,11 @@
 //! | V, ∂I_a/∂α_k, the mean over both ends | ∇I_a(y1)·u_k and −∇I_a(y0)·u'_k |
 //! | D | [`crate::alpha::least_displacement`] |
 //!
-//! Only the first [`LEADING`] of the free α's move, or as many as there are constraints; then the constraints
-//! alone say what they are, D = I, and nothing is solved with the end held.
+//! Only the first [`LEADING`] of the free α's move, or as many as there are constraints. Where these are no
+//! more than the constraints, the constraints alone say what they are: D = I, and nothing is solved with the
+//! end held.
 //!
-//! Cost: ∇²H at the stages, and some 6 linear sweeps of two right-hand sides for each of them.
+//! Cost: ∇²H at the stages, and some 6 linear sweeps for each of them and each end.
 //! Nothing is allocated.
 
 use crate::alpha::least_displacement::{LeastDisplacement, dot};
@@ -184,7 +185,7 @@ impl<T: Float> Direction<T> {
     }
 
     /// Whether there are more α's than constraints. If not, the constraints alone say what they are: D = I.
-    pub(crate) fn is_free(&self) -> bool {
+    pub(crate) fn has_choice(&self) -> bool {
         self.d.nrows() > self.d.ncols()
     }
 
@@ -197,7 +198,7 @@ impl<T: Float> Direction<T> {
         mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
         let solved = self.solve_forward(iterate, tolerance, m.as_deref_mut())
-            && (!self.is_free() || self.solve_back(iterate, tolerance, m));
+            && (!self.has_choice() || self.solve_back(iterate, tolerance, m));
         self.is_near = solved;
         if !solved {
             return false;
@@ -214,7 +215,7 @@ impl<T: Float> Direction<T> {
                 self.v[(k, a)] = at_end - dot(&constraint.start_gradient, start);
             }
         }
-        if self.is_free() && !self.least.solve(&self.rows, &self.v, &mut self.d) {
+        if self.has_choice() && !self.least.solve(&self.rows, &self.v, &mut self.d) {
             return false;
         }
         self.factor_slopes();

@@ -85,9 +85,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let mut turns_left = T::MANTISSA_BITS / TURNS.ilog2();
         for moves in 0..=MOST_ITERATIONS {
             let turns = progress.turns();
-            let is_free = solver.direction.is_free();
+            let has_choice = solver.direction.has_choice();
             let is_kept =
-                turns.is_some_and(|turns| !is_free || turns <= rounding) || turns_left == 0;
+                turns.is_some_and(|turns| !has_choice || turns <= rounding) || turns_left == 0;
             if !is_kept {
                 turns_left -= 1;
                 self.stages.iterate.keep_momenta(y);
