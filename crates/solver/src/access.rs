@@ -239,6 +239,9 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         }
         let gradients = self.constraints.iter().flat_map(|c| &c.start_gradient);
         memory.put("gradients", self.start.iter().chain(gradients).copied());
+        let handed_on = self.alpha_solver.iter().flat_map(|solver| solver.handed_on);
+        memory.put("handed on", handed_on);
+        memory.put("noise", [T::exact(self.noise_expected)]);
         memory.put("contraction", [T::exact(self.stages.contraction.rate())]);
         self.stages.choice.save(&mut memory);
         memory
@@ -276,6 +279,11 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         for (constraint, gradient) in self.constraints.iter_mut().zip(gradients.chunks_exact(n)) {
             constraint.start_gradient.copy_from_slice(gradient);
         }
+        if let Some(solver) = &mut self.alpha_solver {
+            memory.read("handed on", &mut solver.handed_on)?;
+        }
+        let [noise] = memory.numbers("noise")?;
+        self.noise_expected = noise.to_f64();
         let [rate] = memory.numbers("contraction")?;
         self.stages.contraction.set_rate(rate.to_f64());
         self.stages

@@ -25,10 +25,12 @@ pub(crate) const SMALL: i64 = 16;
 /// error is of that size: of 20 000 of Kepler's problem 45 % are carried without it or with 16, none with it;
 /// with s ≥ 4, and on the grid, it is alike from 0 to 64.
 pub(crate) const STATE_ROUNDING: i64 = 64;
-/// A direction turns by so many times the share that the stages move, as its leading terms cancel, and comes
-/// to rest by one over this a turn or better, or not at all. // ratio; 300 at a pericentre, s = 4; 1/50 a
-/// turn where slopes nearly vanish; 16 to 256 alike.
-pub(crate) const TURNS: i64 = 64;
+/// Noise of y1 that changes a constraint by one over this of its error is not seen in an update of t. // ratio;
+/// 100 to 10000 alike
+pub(crate) const SHARE: i64 = 1000;
+/// The local error is estimated to one over this. // ratio; it decides whether a change of y1 is admissible, by
+/// [`FARTHEST`]
+pub(crate) const ESTIMATE: i64 = 16;
 /// A defect of so many floors that moves of the α's do not bring down is rounding. // floors; with 1 0.5 % of
 /// the steps more are carried, with 32 0.2 % fewer, errors and work alike.
 pub(crate) const STALLED: i64 = 8;

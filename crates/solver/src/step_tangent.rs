@@ -120,6 +120,6 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         let to_rest = (self.iterate.inverse_scale(), T::int(4) * T::EPSILON);
         let m = self.choice.operator();
         self.linear
-            .solve((Held::Start, false), sides, to_rest, &self.iterate, m)
+            .solve(Held::Start, sides, to_rest, &self.iterate, m)
     }
 }

@@ -1,18 +1,18 @@
-//! Directions α = D t in which the α's move: a function of the solution of the stage equations, not of the
-//! way to it.
+//! The search direction D of a step: α = D t, one column for each constraint.
 //!
-//! | needed | from |
+//! D is a function of the step with α = 0, that is of (y0, h). It does not change within the step.
+//!
+//! | quantity | computed from |
 //! |---|---|
-//! | X_k, by which the stages follow α_k, and u_k = ∂y1/∂α_k | [`equip_sweeps::LinearSweeps`] with r = T_k L |
-//! | u'_k = −Ψ⁻¹u_k, Ψ the tangent map of the step | the same with the end held and r = u_k |
-//! | V, ∂I_a/∂α_k, the mean over both ends | ∇I_a(y1)·u_k and −∇I_a(y0)·u'_k |
+//! | X_k = ∂Z/∂α_k and u_k = ∂y1/∂α_k | the linearised stage equations with r = T_k L ([`equip_sweeps::LinearSweeps`]) |
+//! | u'_k = −Ψ⁻¹u_k, Ψ the tangent map of the step | the same equations with y1 held and r = u_k |
+//! | V, ∂I_a/∂α_k as the mean over both ends | ∇I_a(y1)·u_k and −∇I_a(y0)·u'_k |
 //! | D | [`crate::alpha::least_displacement`] |
 //!
-//! Only the first [`LEADING`] of the free α's move, or as many as there are constraints. Where these are no
-//! more than the constraints, the constraints alone say what they are: D = I, and nothing is solved with the
-//! end held.
+//! Only the first [`LEADING`] of the free parameters α_k change, or as many as there are constraints. If there
+//! are no more parameters than constraints, D = I and the equations with y1 held are not solved.
 //!
-//! Cost: ∇²H at the stages, and some 6 linear sweeps for each of them and each end.
+//! Cost: ∇²H at the stages, and some 6 linearised iterations for each of the parameters and each end.
 //! Nothing is allocated.
 
 use crate::alpha::least_displacement::{LeastDisplacement, dot};
@@ -25,52 +25,46 @@ use equip_sweeps::{Held, Iterate, LinearSweeps, Preconditioner, State};
 use equip_tableau::Gauss;
 use nalgebra::{DMatrix, DVector};
 
-/// Directions of the free α's.
+/// D, and t as far as it has been solved for.
 #[derive(Debug)]
 pub(crate) struct Direction<T: Float> {
     s: usize,
     n: usize,
     stride: usize,
-    /// Number of the first α that moves, from 0, and how many do.
+    /// Number of the first parameter that changes, from 0, and how many change.
     first: usize,
     free: usize,
-    linear: LinearSweeps<T>,
+    pub(crate) linear: LinearSweeps<T>,
     /// T_k column by column.
     t_columns: Vec<Vec<T>>,
-    /// Right-hand sides, X_k side by side, the solutions with the end held, and one T_k L.
+    /// Right-hand sides, X_k one after the other, and the solutions with y1 held.
     rhs: Vec<T>,
     x: Vec<T>,
     back: Vec<T>,
-    t_l: Vec<T>,
-    /// The solutions are those of other stages of the same step.
-    is_near: bool,
-    /// Motion of each component in the step with α = 0, and that of the component of its group (positions,
-    /// momenta) that moves most.
+    /// Change of each component over the step with α = 0, and that of the component of its group (positions,
+    /// momenta) that changes most.
     pub(crate) motion: [Vec<T>; 2],
-    /// Motion of each component in the step as it is, 1 over it, and 1 over the size of the component.
-    moved: Vec<T>,
-    weights: Vec<T>,
-    state_weights: Vec<T>,
-    /// u_k and u'_k, and both weighted one after the other.
+    /// 1 over the change of each component.
+    pub(crate) weights: Vec<T>,
+    /// u_k, u'_k, and both weighted one after the other.
     ends: Vec<Vec<T>>,
     starts: Vec<Vec<T>>,
     rows: Vec<Vec<T>>,
-    /// V as the mean over both ends, and as it is at the end; D.
+    /// V, and ∂I_a/∂α_k at y1.
     v: DMatrix<T>,
     v_end: DMatrix<T>,
     d: DMatrix<T>,
     least: LeastDisplacement<T>,
-    /// What the constraints were before the last move and what it was to change them by; what slopes have
-    /// been found to be off since.
-    before: Vec<T>,
-    predicted: Vec<T>,
-    correction: DMatrix<T>,
-    /// V_endᵀ D, and t.
-    slopes: DenseLu<T>,
+    /// ∂Z/∂t_a, one after the other.
+    response: Vec<T>,
+    /// ∂I_a/∂t_b, and its factorisation.
+    slopes: DMatrix<T>,
+    factorised: DenseLu<T>,
     has_slopes: bool,
-    t: DVector<T>,
-    /// By how much the α's are to move.
-    pub(crate) delta: Vec<T>,
+    /// Square of the displacement by t_b = 1, over both ends.
+    displacements: Vec<T>,
+    /// The change of t by the last update.
+    delta: DVector<T>,
 }
 
 impl<T: Float> Direction<T> {
@@ -104,12 +98,8 @@ impl<T: Float> Direction<T> {
             rhs: zeros(n * free * stride),
             x: zeros(n * free * stride),
             back: zeros(n * free * stride),
-            t_l: zeros(n * stride),
-            is_near: false,
             motion: [zeros(n), zeros(n)],
-            moved: zeros(n),
             weights: zeros(n),
-            state_weights: zeros(n),
             ends: vec![zeros(n); free],
             starts: vec![zeros(n); free],
             rows: vec![zeros(2 * n); free],
@@ -117,51 +107,38 @@ impl<T: Float> Direction<T> {
             v_end: DMatrix::zeros(free, constraints),
             d: DMatrix::identity(free, constraints),
             least: LeastDisplacement::new(free),
-            before: zeros(constraints),
-            predicted: zeros(constraints),
-            correction: DMatrix::zeros(free, constraints),
-            slopes: DenseLu::new(constraints),
+            response: zeros(n * constraints * stride),
+            slopes: DMatrix::zeros(constraints, constraints),
+            factorised: DenseLu::new(constraints),
             has_slopes: false,
-            t: DVector::zeros(constraints),
-            delta: zeros(s - 1),
+            displacements: zeros(constraints),
+            delta: DVector::zeros(constraints),
         }
     }
 
-    /// A step begins its α's, at the solution in `iterate` from `y` to `next` with α = 0.
+    /// Measures the change of each component over the step with α = 0 from `y` to `next`, no less than √ε of
+    /// its size: the unit of displacements.
     pub(crate) fn begin(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
-        self.correction.fill(T::int(0));
-        self.is_near = false;
-        self.weigh(iterate, y, next);
+        let rows = iterate.points().chunks_exact(self.stride);
+        let ends = y.hi.iter().zip(&next.hi);
+        let root = T::EPSILON.sqrt();
         let [own, group] = &mut self.motion;
-        own.copy_from_slice(&self.moved);
+        for (c, (row, (&from, &to))) in rows.zip(ends).enumerate() {
+            let (mut least, mut most) = (from.min(to), from.max(to));
+            for &x in &row[..self.s] {
+                (least, most) = (least.min(x), most.max(x));
+            }
+            own[c] = (most - least) + root * least.abs().max(most.abs());
+            let inverse = T::int(1) / own[c];
+            self.weights[c] = if inverse.is_finite() { inverse } else { T::int(0) };
+        }
         let m = self.n / 2;
         for (group, own) in group.chunks_exact_mut(m).zip(own.chunks_exact(m)) {
             group.fill(own.iter().fold(T::int(0), |most, &x| most.max(x)));
         }
     }
 
-    /// Measures how far each component moves in the step from `y` to `next`, no less than √ε of its size, by
-    /// which displacements are weighed.
-    pub(crate) fn weigh(&mut self, iterate: &Iterate<T>, y: &State<T>, next: &State<T>) {
-        let rows = iterate.points().chunks_exact(self.stride);
-        let ends = y.hi.iter().zip(&next.hi);
-        let root = T::EPSILON.sqrt();
-        let inverse = |x: T| {
-            let x = T::int(1) / x;
-            if x.is_finite() { x } else { T::int(0) }
-        };
-        for (c, (row, (&from, &to))) in rows.zip(ends).enumerate() {
-            let (mut least, mut most) = (from.min(to), from.max(to));
-            for &x in &row[..self.s] {
-                (least, most) = (least.min(x), most.max(x));
-            }
-            let size = least.abs().max(most.abs());
-            self.moved[c] = (most - least) + root * size;
-            (self.weights[c], self.state_weights[c]) = (inverse(self.moved[c]), inverse(size));
-        }
-    }
-
-    /// The largest |y_c| in units of the motion.
+    /// The largest |y_c| in units of the change of the component.
     pub(crate) fn largest_size(&self, y: &State<T>) -> T {
         let sizes = y.hi.iter().zip(&self.weights);
         sizes.fold(T::int(0), |most, (&y, &weight)| {
@@ -169,7 +146,7 @@ impl<T: Float> Direction<T> {
         })
     }
 
-    /// Linearises at the solution in `iterate`, with all its stages. Returns whether that is finite.
+    /// Linearises at the stages in `iterate`. Returns whether the result is finite.
     pub(crate) fn linearise<E: Evaluate<T>>(
         &mut self,
         iterate: &Iterate<T>,
@@ -178,29 +155,29 @@ impl<T: Float> Direction<T> {
         self.linear.linearise(iterate, energy)
     }
 
-    /// Whether the step resolves its fastest oscillation, hω ≤ s, at the solution that was linearised: there
-    /// Gauss turns it by .04, .01, 5e-4 of an angle too far with s = 2, 4, 8 (docs/adr/0020).
+    /// Whether the step resolves its fastest oscillation, hω ≤ s, ω that of the linearisation. At hω = s the
+    /// phase error of Gauss is .04, .01 and 5e-4 with s = 2, 4 and 8 (docs/adr/0020).
     pub(crate) fn is_resolved(&mut self) -> bool {
         self.linear.is_within(self.s as f64)
     }
 
-    /// Whether there are more α's than constraints. If not, the constraints alone say what they are: D = I.
+    /// Whether there are more parameters than constraints.
     pub(crate) fn has_choice(&self) -> bool {
         self.d.nrows() > self.d.ncols()
     }
 
-    /// Takes the directions where it was linearised, to a relative `tolerance` of their displacements; from
-    /// those of before if these are of this step. Returns whether there are any.
-    pub(crate) fn take(
+    /// Computes D at the linearisation, to a relative `tolerance` of the displacements. Returns whether there
+    /// is a direction along which the constraints change.
+    pub(crate) fn compute(
         &mut self,
         (iterate, constraints): (&Iterate<T>, &[Constraint<T>]),
         tolerance: T,
         mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
-        let solved = self.solve_forward(iterate, tolerance, m.as_deref_mut())
-            && (!self.has_choice() || self.solve_back(iterate, tolerance, m));
-        self.is_near = solved;
-        if !solved {
+        let has_choice = self.has_choice();
+        if !self.solve_forward(iterate, tolerance, m.as_deref_mut())
+            || has_choice && !self.solve_back(iterate, tolerance, m)
+        {
             return false;
         }
         for (k, row) in self.rows.iter_mut().enumerate() {
@@ -211,115 +188,94 @@ impl<T: Float> Direction<T> {
             }
             for (a, constraint) in constraints.iter().enumerate() {
                 let at_end = dot(&constraint.gradient, end);
-                self.v_end[(k, a)] = at_end + self.correction[(k, a)];
+                self.v_end[(k, a)] = at_end;
                 self.v[(k, a)] = at_end - dot(&constraint.start_gradient, start);
             }
         }
-        if self.has_choice() && !self.least.solve(&self.rows, &self.v, &mut self.d) {
+        if has_choice && !self.least.solve(&self.rows, &self.v, &mut self.d) {
             return false;
         }
-        self.factor_slopes();
+        self.respond();
+        self.factorise();
         self.has_slopes
     }
 
-    /// From `alphas` to α = D t with the constraints, to first order, at zero, into `delta`. Returns whether
-    /// that is finite.
-    pub(crate) fn aim(&mut self, alphas: &[T], constraints: &[Constraint<T>]) -> bool {
-        let moving = &alphas[self.first..][..self.free];
-        for (a, (t, constraint)) in self.t.iter_mut().zip(constraints).enumerate() {
-            let terms = moving.iter().enumerate();
-            *t = terms.fold(-constraint.defect, |sum, (k, &alpha)| {
-                sum + self.v_end[(k, a)] * alpha
-            });
-        }
-        self.slopes.solve(&mut self.t);
-        let mut is_finite = self.has_slopes;
-        for (k, &alpha) in moving.iter().enumerate() {
-            let terms = self.t.iter().enumerate();
-            let aim = terms.fold(T::int(0), |sum, (a, &t)| sum + self.d[(k, a)] * t);
-            let delta = aim - alpha;
-            is_finite &= delta.is_finite();
-            self.delta[self.first + k] = delta;
-        }
-        for (a, constraint) in constraints.iter().enumerate() {
-            let moves = self.delta[self.first..][..self.free].iter().enumerate();
-            self.predicted[a] = moves.fold(T::int(0), |sum, (k, &delta)| {
-                sum + self.v_end[(k, a)] * delta
-            });
-            self.before[a] = constraint.defect;
-        }
-        is_finite
-    }
-
-    /// A move was made: slopes are those of K(0), and are corrected by what they have promised too much
-    /// (Broyden 1965), each α in units of its displacement.
-    pub(crate) fn learn(&mut self, constraints: &[Constraint<T>]) {
-        let weighed = |k: usize| {
-            let weight = dot(&self.rows[k], &self.rows[k]);
-            weight * self.delta[self.first + k]
-        };
-        let square = (0..self.free).fold(T::int(0), |sum, k| {
-            sum + weighed(k) * self.delta[self.first + k]
-        });
-        for (a, constraint) in constraints.iter().enumerate() {
-            let off = (constraint.defect - self.before[a]) - self.predicted[a];
-            if !(off.abs() > T::int(4) * constraint.floor) {
-                continue;
-            }
-            for k in 0..self.free {
-                let by = off * weighed(k) / square;
-                if by.is_finite() {
-                    self.correction[(k, a)] += by;
-                    self.v_end[(k, a)] += by;
-                }
+    /// ∂Z/∂t = Σ_k X_k D_k, and ∂I/∂t at y1.
+    fn respond(&mut self) {
+        let (side, r) = (self.n * self.stride, self.d.ncols());
+        let unknown = self.unknowns() * self.stride;
+        for (out, d) in self.response.chunks_exact_mut(side).zip(self.d.column_iter()) {
+            let out = &mut out[..unknown];
+            out.fill(T::int(0));
+            for (x, &d) in self.x.chunks_exact(side).zip(&d) {
+                out.iter_mut().zip(x).for_each(|(out, &x)| *out += d * x);
             }
         }
-        self.factor_slopes();
-    }
-
-    /// V_endᵀ D, factorised.
-    fn factor_slopes(&mut self) {
-        let matrix = self.slopes.matrix_mut();
-        for (a, v) in self.v_end.column_iter().enumerate() {
-            for (b, d) in self.d.column_iter().enumerate() {
-                matrix[(a, b)] = v.dot(&d);
+        self.v_end.tr_mul_to(&self.d, &mut self.slopes);
+        for (square, d) in self.displacements.iter_mut().zip(self.d.column_iter()) {
+            // Of one constraint only the ratio to itself counts.
+            *square = T::int(1);
+            if r > 1 {
+                let moved = (0..2 * self.n).map(|c| {
+                    let terms = self.rows.iter().zip(&d);
+                    terms.fold(T::int(0), |sum, (row, &d)| sum + d * row[c])
+                });
+                *square = moved.fold(T::int(0), |sum, x| sum + x * x);
             }
         }
-        self.has_slopes = self.slopes.factor().is_ok();
     }
 
-    /// How far `delta` moves the stages, in units of the motion, and the end point, in units of the state.
-    pub(crate) fn displacement(&self) -> [T; 2] {
-        let (free, stride) = (self.free, self.stride);
-        let delta = &self.delta[self.first..][..free];
-        let unknown = if self.linear.knows_momenta() {
+    fn unknowns(&self) -> usize {
+        if self.linear.knows_momenta() {
             self.n / 2
         } else {
             self.n
-        };
-        let (mut stages, mut end) = (T::int(0), T::int(0));
-        for c in 0..self.n {
-            let terms = self.ends.iter().zip(delta);
-            let moved = terms.fold(T::int(0), |sum, (u, &delta)| sum + delta * u[c]);
-            end = end.max((moved * self.state_weights[c]).abs());
-            for i in 0..if c < unknown { self.s } else { 0 } {
-                let rows = self.x[c * free * stride + i..].iter().step_by(stride);
-                let moved = rows
-                    .zip(delta)
-                    .fold(T::int(0), |sum, (&x, &delta)| sum + delta * x);
-                stages = stages.max((moved * self.weights[c]).abs());
-            }
         }
-        [stages, end]
     }
 
-    /// Moves Z with `delta`.
+    /// One Newton or Broyden update of t towards constraints that are zero: adds D δt to `alphas`. Returns
+    /// whether it is finite.
+    pub(crate) fn update(&mut self, constraints: &[Constraint<T>], alphas: &mut [T]) -> bool {
+        for (a, constraint) in constraints.iter().enumerate() {
+            self.delta[a] = -constraint.defect;
+        }
+        self.factorised.solve(&mut self.delta);
+        for (k, alpha) in alphas[self.first..][..self.free].iter_mut().enumerate() {
+            let terms = self.delta.iter().enumerate();
+            *alpha += terms.fold(T::int(0), |sum, (a, &t)| sum + self.d[(k, a)] * t);
+        }
+        self.has_slopes && self.delta.iter().all(|t| t.is_finite())
+    }
+
+    /// Corrects ∂I/∂t by what the last update has changed (Broyden 1965; the secant method for one
+    /// constraint).
+    pub(crate) fn learn(&mut self, constraints: &[Constraint<T>]) {
+        let weighted = |b: usize, delta: T| self.displacements[b] * delta;
+        let terms = self.delta.iter().enumerate();
+        let square = terms.fold(T::int(0), |sum, (b, &delta)| sum + weighted(b, delta) * delta);
+        for (a, constraint) in constraints.iter().enumerate() {
+            // With the update t was to make the constraint zero: what is there now was not predicted.
+            if constraint.defect.abs() > T::int(4) * constraint.floor {
+                for (b, &delta) in self.delta.iter().enumerate() {
+                    let by = constraint.defect * weighted(b, delta) / square;
+                    self.slopes[(a, b)] += if by.is_finite() { by } else { T::int(0) };
+                }
+            }
+        }
+        self.factorise();
+    }
+
+    fn factorise(&mut self) {
+        self.factorised.matrix_mut().copy_from(&self.slopes);
+        self.has_slopes = self.factorised.factor().is_ok();
+    }
+
+    /// Moves Z by ∂Z/∂t δt.
     pub(crate) fn follow(&self, iterate: &mut Iterate<T>, y: &State<T>) {
-        let (free, stride) = (self.free, self.stride);
-        let delta = &self.delta[self.first..][..free];
+        let (n, stride) = (self.n, self.stride);
         iterate.displace(y, |c, z| {
-            for (k, &delta) in delta.iter().enumerate() {
-                let x = &self.x[(c * free + k) * stride..][..stride];
+            for (a, &delta) in self.delta.iter().enumerate() {
+                let x = &self.response[(a * n + c) * stride..][..stride];
                 z.iter_mut().zip(x).for_each(|(z, &x)| *z += delta * x);
             }
         });
@@ -332,41 +288,35 @@ impl<T: Float> Direction<T> {
         tolerance: T,
         m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
-        let (s, stride) = (self.s, self.stride);
-        for (k, t) in self.t_columns.iter().enumerate() {
+        let sides = self.rhs.chunks_exact_mut(self.n * self.stride);
+        for (r, t) in sides.zip(&self.t_columns) {
             let (set, l) = (iterate.instruction_set(), iterate.increments());
-            mix_stages(set, t, l, &mut self.t_l, s, stride);
-            for (c, t_l) in self.t_l.chunks_exact(stride).enumerate() {
-                self.rhs[(c * self.free + k) * stride..][..stride].copy_from_slice(t_l);
-            }
+            mix_stages(set, t, l, r, self.s, self.stride);
         }
         let solved = self.solve(Held::Start, iterate, tolerance, m);
-        for (k, end) in self.ends.iter_mut().enumerate() {
-            for (c, u) in end.iter_mut().enumerate() {
-                *u = self.linear.sums()[c * self.free + k];
-            }
-        }
+        let sums = self.linear.sums().chunks_exact(self.n);
+        self.ends.iter_mut().zip(sums).for_each(|(u, sum)| u.copy_from_slice(sum));
         solved
     }
 
-    /// The same with the end held and r = u_k, and u'_k.
+    /// The same with y1 held and r = u_k, and u'_k.
     fn solve_back(
         &mut self,
         iterate: &Iterate<T>,
         tolerance: T,
         m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
-        for (k, end) in self.ends.iter().enumerate() {
-            for (c, &u) in end.iter().enumerate() {
-                let row = &mut self.rhs[(c * self.free + k) * self.stride..][..self.stride];
-                row.fill(T::int(0));
-                row[..self.s].fill(u);
+        let rows = self.rhs.chunks_exact_mut(self.stride);
+        for (row, &u) in rows.zip(self.ends.iter().flatten()) {
+            for (i, r) in row.iter_mut().enumerate() {
+                *r = if i < self.s { u } else { T::int(0) };
             }
         }
         let solved = self.solve(Held::End, iterate, tolerance, m);
-        for (k, (start, end)) in self.starts.iter_mut().zip(&self.ends).enumerate() {
-            for (c, (start, &u)) in start.iter_mut().zip(end).enumerate() {
-                *start = self.linear.sums()[c * self.free + k] - u;
+        let sums = self.linear.sums().chunks_exact(self.n);
+        for ((start, sum), end) in self.starts.iter_mut().zip(sums).zip(&self.ends) {
+            for ((start, &sum), &u) in start.iter_mut().zip(sum).zip(end) {
+                *start = sum - u;
             }
         }
         solved
@@ -383,7 +333,7 @@ impl<T: Float> Direction<T> {
             Held::Start => &mut self.x,
             Held::End => &mut self.back,
         };
-        let (how, to_rest) = ((held, self.is_near), (self.weights.as_slice(), tolerance));
-        self.linear.solve(how, (&self.rhs, x), to_rest, iterate, m)
+        let to_rest = (self.weights.as_slice(), tolerance);
+        self.linear.solve(held, (&self.rhs, x), to_rest, iterate, m)
     }
 }

@@ -69,7 +69,15 @@ impl<T: Float> LeastDisplacement<T> {
     }
 }
 
-/// Scalar product.
+/// Scalar product, in eight sums side by side.
 pub(crate) fn dot<T: Float>(a: &[T], b: &[T]) -> T {
-    a.iter().zip(b).fold(T::int(0), |sum, (&x, &y)| sum + x * y)
+    let ((eights_a, rest_a), (eights_b, rest_b)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut sums = [T::int(0); 8];
+    for (a, b) in eights_a.iter().zip(eights_b) {
+        for (sum, (&x, &y)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += x * y;
+        }
+    }
+    let terms = rest_a.iter().zip(rest_b).map(|(&x, &y)| x * y);
+    sums.into_iter().chain(terms).fold(T::int(0), |sum, x| sum + x)
 }

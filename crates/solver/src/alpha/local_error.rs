@@ -1,110 +1,147 @@
-//! The local error of the step with α = 0: how far the method with two stages more comes from the same start,
+//! The local error of the step with α = 0, by the method with two stages more, linearised:
 //!
-//! $$ e = y_1^{(s+2)} - y_1^{(s)} . $$
+//! $$ e = \sum_j \tilde L_j - \sum_i L_i + \sum_i \delta L_i(X), \qquad X = K\,\delta L + R, \qquad
+//!    R_i = \sum_j E_{ij} \tilde L_j - \sum_j K_{ij} L_j . $$
 //!
-//! One stage more would not do: the stability function of s stages is (−1)^s at infinity, so that fast
-//! motion which a step passes over differs in sign between s and s + 1, and e would be that motion instead
-//! of the error of the slow one.
+//! L̃_j = h b̃_j J∇H(u(c̃_j)) at the nodes c̃ of s + 2 stages along the collocation polynomial u of the step, and
+//! E_ij = Σ_{k<s+2} (∫_0^{c_i} P_k) P_k(c̃_j): R is the integral of the residual J∇H(u) − u' up to c_i. X is the
+//! response of the stages to it, of the equations that D was computed from.
 //!
-//! Cost: about s/2 + 2 iterations with s + 2 stages, from the polynomial of the stages that are there.
+//! The number of further stages is even: the stability function of s stages is (−1)^s at infinity, and motion
+//! that the step does not resolve would count as an error of the slow motion otherwise.
+//!
+//! Cost: s + 2 gradients, and linearised iterations of one side. No stage equation is solved.
 
-use crate::options::step_options::Preconditioner;
+use crate::alpha::direction::Direction;
 use crate::outcome::outcome::Counts;
-use crate::step::stages::Stages;
-use equip_autodiff::{Evaluate, Kinetic, Structure};
-use equip_scalar::Float;
-use equip_sweeps::State;
+use crate::policy::ESTIMATE;
+use equip_autodiff::Evaluate;
+use equip_scalar::{Float, mix_stages};
+use equip_sweeps::{Held, Iterate, Preconditioner, State, stride_for, turned};
 use equip_tableau::{Gauss, legendre_integrals_at};
 
-/// Stages of the finer method beyond those of the method itself: an even number.
+/// Further stages.
 const MORE: usize = 2;
 
-/// The method with [`MORE`] stages more.
+/// The nodes of s + [`MORE`] stages, and room.
+///
+/// All rows have the places of s + [`MORE`] stages.
 #[derive(Debug)]
 pub(crate) struct LocalError<T: Float> {
-    stages: Stages<T>,
-    /// Σ_k (∫_0^{c_i} P_k) P_k(c_j): from the L_j of s stages to the Z_i of the finer method, row by row.
+    finer: Gauss<T>,
+    stride: usize,
+    /// ∫_0^{c̃_j} along the polynomial of L_i, E, and K(0): column by column.
     prolongation: Vec<T>,
+    integration: Vec<T>,
+    k: Vec<T>,
+    /// L; the points u(c̃_j), then E L̃; ∇H there; L̃; K L.
+    coarse: Vec<T>,
+    points: Vec<T>,
+    gradients: Vec<T>,
+    fine: Vec<T>,
+    mixed: Vec<T>,
+    /// R and X, as the stages lie.
+    r: Vec<T>,
+    x: Vec<T>,
 }
 
 impl<T: Float> LocalError<T> {
-    /// `None` if no method has so many stages more than `gauss`.
-    pub(crate) fn new(
-        gauss: &Gauss<T>,
-        structure: &Structure,
-        kinetic: Option<Kinetic<T>>,
-        preconditioner: Preconditioner,
-    ) -> Option<Self> {
+    /// `None` if there is no method with so many stages.
+    pub(crate) fn new(gauss: &Gauss<T>, iterate: &Iterate<T>) -> Option<Self> {
         let s = gauss.stages();
         if s + MORE > equip_sweeps::MAX_STAGES {
             return None;
         }
         let finer = Gauss::new(s + MORE).ok()?;
-        let mut prolongation = vec![T::int(0); finer.stages() * s];
-        let mut integrals = vec![T::int(0); s];
-        for (row, &c) in prolongation.chunks_exact_mut(s).zip(finer.nodes()) {
-            legendre_integrals_at(c, &mut integrals);
-            for (k, &integral) in integrals.iter().enumerate() {
-                let terms = row.iter_mut().zip(gauss.legendre(k));
-                terms.for_each(|(x, &p)| *x += integral * p);
-            }
-        }
+        let (n, stride) = (iterate.components(), stride_for::<T>(s + MORE));
+        let zeros = |len: usize| vec![T::int(0); len];
+        let rows = || zeros(n * stride);
         Some(LocalError {
-            stages: Stages::new(
-                finer,
-                structure,
-                kinetic,
-                &vec![T::int(0); s + MORE - 1],
-                preconditioner,
-            ),
-            prolongation,
+            prolongation: integrals(finer.nodes(), gauss, stride),
+            integration: integrals(gauss.nodes(), &finer, stride),
+            k: integrals(gauss.nodes(), gauss, stride),
+            finer,
+            stride,
+            coarse: rows(),
+            points: rows(),
+            gradients: rows(),
+            fine: rows(),
+            mixed: rows(),
+            r: zeros(n * iterate.stride()),
+            x: zeros(n * iterate.stride()),
         })
     }
 
-    /// The largest component of e in each of these units, of a step of size `h` from `y` whose stages have
-    /// these L, component by component with this `stride`. `None` if it was not found.
+    /// The largest component of e in the units of each of [`Direction::motion`], of a step of size `h` from `y`
+    /// with these L at α = 0, by component; `direction` is linearised there. `None` if e is not finite.
     pub(crate) fn estimate<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
         (y, h): (&State<T>, T),
-        (l, stride): (&[T], usize),
-        units: &[Vec<T>; 2],
+        (iterate, l): (&Iterate<T>, &[T]),
+        (direction, m): (&mut Direction<T>, Option<&mut (dyn Preconditioner<T> + '_)>),
         counts: &mut Counts,
     ) -> Option<[T; 2]> {
-        let stages = &mut self.stages;
-        let s = stages.gauss.stages() - MORE;
-        // Nothing is remembered: what is estimated depends on the step alone.
-        stages.forget();
-        stages.iterate.begin(&stages.gauss, (y, h));
-        let rows = &self.prolongation;
-        stages.iterate.displace(y, |c, z| {
-            let l = &l[c * stride..][..s];
-            for (z, row) in z.iter_mut().zip(rows.chunks_exact(s)) {
-                *z = row
-                    .iter()
-                    .zip(l)
-                    .fold(T::int(0), |sum, (&e, &l)| sum + e * l);
+        let (n, s, stride) = (iterate.components(), iterate.stages(), self.stride);
+        let (set, finer) = (iterate.instruction_set(), s + MORE);
+        for (to, from) in rows(&mut self.coarse, stride).zip(l.chunks_exact(iterate.stride())) {
+            to[..s].copy_from_slice(&from[..s]);
+        }
+        mix_stages(set, &self.prolongation, &self.coarse, &mut self.points, s, stride);
+        for ((row, &hi), &lo) in rows(&mut self.points, stride).zip(&y.hi).zip(&y.lo) {
+            row.iter_mut().for_each(|x| *x = hi + (*x + lo));
+        }
+        energy.gradients_by_component(&self.points, &mut self.gradients, stride, finer);
+        counts.gradients += finer as u64;
+        for (c, gradient) in self.gradients.chunks_exact(stride).enumerate() {
+            let (row, sign) = turned::<T>(c, n);
+            let l = self.fine[row * stride..][..finer].iter_mut();
+            for ((l, &b), &g) in l.zip(self.finer.weights()).zip(gradient) {
+                *l = sign * (h * b) * g;
             }
-        });
-        stages.contraction.begin(!stages.choice.is_identity());
-        if stages.iterate_to_rest(energy, (y, h), counts).is_err() {
-            if !stages.choice.escalate() {
-                return None;
+        }
+        mix_stages(set, &self.integration, &self.fine, &mut self.points, finer, stride);
+        mix_stages(set, &self.k, &self.coarse, &mut self.mixed, s, stride);
+        let both = self.points.chunks_exact(stride).zip(self.mixed.chunks_exact(stride));
+        for (r, (fine, coarse)) in rows(&mut self.r, iterate.stride()).zip(both) {
+            for (r, (&fine, &coarse)) in r[..s].iter_mut().zip(fine.iter().zip(coarse)) {
+                *r = fine - coarse;
             }
-            stages.solve(energy, (y, h), None, counts).ok()?;
+        }
+        let sides = (self.r.as_slice(), self.x.as_mut_slice());
+        let to = (direction.weights.as_slice(), T::ratio(1, ESTIMATE));
+        if !direction.linear.solve(Held::Start, sides, to, iterate, m) {
+            return None;
         }
         let sum = |l: &[T]| l.iter().fold(T::int(0), |sum, &l| sum + l);
-        let finer = stages
-            .iterate
-            .increments()
-            .chunks_exact(stages.iterate.stride());
+        let both = self.fine.chunks_exact(stride).zip(self.coarse.chunks_exact(stride));
         let mut largest = [T::int(0); 2];
-        for (c, (finer, l)) in finer.zip(l.chunks_exact(stride)).enumerate() {
-            let e = (sum(&finer[..s + MORE]) - sum(&l[..s])).abs();
-            for (largest, units) in largest.iter_mut().zip(units) {
+        for (c, ((fine, coarse), &response)) in both.zip(direction.linear.sums()).enumerate() {
+            let e = (sum(&fine[..finer]) - sum(&coarse[..s]) + response).abs();
+            for (largest, units) in largest.iter_mut().zip(&direction.motion) {
                 *largest = largest.max(e / units[c]);
             }
         }
         largest.iter().all(|x| x.is_finite()).then_some(largest)
     }
+}
+
+fn rows<T>(x: &mut [T], stride: usize) -> impl Iterator<Item = &mut [T]> {
+    x.chunks_exact_mut(stride)
+}
+
+/// Σ_k (∫_0^c P_k) P_k(c_j) for these c and the nodes c_j of `gauss`, column by column.
+fn integrals<T: Float>(at: &[T], gauss: &Gauss<T>, stride: usize) -> Vec<T> {
+    let s = gauss.stages();
+    let mut matrix = vec![T::int(0); stride * stride];
+    let mut integrals = vec![T::int(0); s];
+    for (i, &c) in at.iter().enumerate() {
+        legendre_integrals_at(c, &mut integrals);
+        for (k, &integral) in integrals.iter().enumerate() {
+            for (j, &p) in gauss.legendre(k).iter().enumerate() {
+                matrix[j * stride + i] += integral * p;
+            }
+        }
+    }
+    matrix
 }

@@ -142,6 +142,11 @@ impl<T: Float> Constraint<T> {
         self.defect.abs() <= self.floor.max(self.late)
     }
 
+    /// The noise of y1, relative to these sizes of the components, that would change I by as much as g.
+    pub(crate) fn noise_equivalent(&self, sizes: &[T]) -> T {
+        self.defect.abs() / worth(&self.gradient, sizes)
+    }
+
     /// A change `of` I over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement that is smaller, in units
     /// of σ, makes or removes it.
     pub(crate) fn least_displacement(&self, of: T, sizes: &[T]) -> T {
@@ -151,8 +156,16 @@ impl<T: Float> Constraint<T> {
     }
 }
 
-/// Σ_i |∂_iI| σ_i.
+/// Σ_i |∂_iI| σ_i, in eight sums side by side.
 fn worth<T: Float>(gradient: &[T], sizes: &[T]) -> T {
-    let terms = gradient.iter().zip(sizes);
-    terms.fold(T::int(0), |sum, (&g, &size)| sum + (g * size).abs())
+    let (gradients, rest) = gradient.as_chunks::<8>();
+    let mut sums = [T::int(0); 8];
+    for (gradients, sizes) in gradients.iter().zip(sizes.as_chunks::<8>().0) {
+        for (sum, (&g, &size)) in sums.iter_mut().zip(gradients.iter().zip(sizes)) {
+            *sum += (g * size).abs();
+        }
+    }
+    let sizes = &sizes[gradient.len() - rest.len()..];
+    let terms = rest.iter().zip(sizes).map(|(&g, &size)| (g * size).abs());
+    sums.into_iter().chain(terms).fold(T::int(0), |sum, x| sum + x)
 }

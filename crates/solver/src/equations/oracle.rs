@@ -1,17 +1,17 @@
 //! System (7) and the step of which every path of this crate finds the solution, of the energy alone and all
-//! α's: plain loops, full Newton for Z, and for t around it.
+//! parameters α_k: plain loops, full Newton for Z, and the secant method for t around it.
 //!
 //! With the stage increments Z_i = Y_i − y0 and L_i = h b_i J∇H(Y_i) the unknowns are Z and α:
 //!
-//! $$ Z_i = \sum_j K_{ij}(\alpha) L_j, \qquad \alpha = D(Z)\, t, \qquad H\Big(y_0 + \sum_i L_i\Big) = H_{ref} . \tag{7} $$
+//! $$ Z_i = \sum_j K_{ij}(\alpha) L_j, \qquad \alpha = D\, t, \qquad H\Big(y_0 + \sum_i L_i\Big) = H_{ref} . \tag{7} $$
 //!
 //! | part | in the paper | here |
 //! |---|---|---|
 //! | K(α) = ½ 1 1ᵀ + Σ (ξ_k + α_k) T_k | (3)–(6), A = K B | [`equip_tableau::Gauss::skew_into`] |
 //! | residual Z − K L | (7), first line | [`stages`] |
 //! | g = H(y1) − H_ref and its floor | (7), second line | [`Oracle::step`] |
-//! | D, the α's of least displacement | project note, section 8 | [`direction`] |
-//! | admissible α's | project note, section 8 | [`Oracle::step`] |
+//! | D at α = 0, the direction of least displacement | project note, section 10 | [`direction`] |
+//! | admissible α | project note, section 10 | [`Oracle::step`] |
 //!
 //! Cost: dense matrices of size s·2m, made and allocated anew in every iteration. Tests compare the solver
 //! with it; nothing else calls it.
@@ -74,7 +74,7 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         let mut alphas = vec![T::int(0); s - 1];
         let unperturbed = self.stages(gauss, (y, h), &alphas, None)?;
         let (mut g, gradient, floor) = self.defect(&unperturbed.end);
-        let carried = |outcome| {
+        let uncorrected = |outcome| {
             Some(Solution {
                 end: unperturbed.end.clone(),
                 alphas: vec![T::int(0); s - 1],
@@ -82,10 +82,10 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
             })
         };
         if g.abs() <= floor {
-            return carried(Outcome::AtFloor);
+            return uncorrected(Outcome::AtFloor);
         }
         if self.fastest(gauss, (y, h), &unperturbed) > T::int(s as i64) {
-            return carried(Outcome::Unresolved);
+            return uncorrected(Outcome::Unresolved);
         }
         let mut start_gradient = y.to_vec();
         self.energy.gradient(y, &mut start_gradient);
@@ -101,41 +101,28 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
             let most = T::int(FARTHEST) * own.max(error);
             most.min(T::ratio(1, SMALL))
         });
+        let gradients = [&start_gradient, &gradient];
+        let Some((d, mut slope)) =
+            self.direction(gauss, (y, h), &unperturbed, gradients, &units[0])
+        else {
+            return uncorrected(Outcome::NoSlope);
+        };
         let mut at = self.stages(gauss, (y, h), &alphas, None)?;
+        let mut t = T::int(0);
         for _ in 0..30 {
-            let (_, end_gradient, _) = self.defect(&at.end);
-            let gradients = [&start_gradient, &end_gradient];
-            let [own, _] = motion(y, &at);
-            let Some((d, slope)) = self.direction(gauss, (y, h), &at, gradients, &own) else {
-                return carried(Outcome::NoSlope);
-            };
-            let along = slope
-                .iter()
-                .zip(&alphas)
-                .fold(T::int(0), |sum, (&v, &alpha)| sum + v * alpha);
-            let t = (along - g)
-                / slope
-                    .iter()
-                    .zip(&d)
-                    .fold(T::int(0), |sum, (&v, &d)| sum + v * d);
-            let change = alphas
-                .iter()
-                .zip(&d)
-                .fold(T::int(0), |a, (&alpha, &d)| a.max((d * t - alpha).abs()));
-            alphas
-                .iter_mut()
-                .zip(&d)
-                .for_each(|(alpha, &d)| *alpha = d * t);
+            let (change, before) = (-g / slope, g);
+            t += change;
+            let along = alphas.iter_mut().zip(&d);
+            along.for_each(|(alpha, &d)| *alpha = d * t);
             if !alphas.iter().all(|alpha| alpha.abs() <= self.alpha_bound) {
-                return carried(Outcome::BeyondBound);
+                return uncorrected(Outcome::BeyondBound);
             }
             at = self.stages(gauss, (y, h), &alphas, Some(at.z))?;
             g = self.defect(&at.end).0;
-            if change
-                <= T::int(64) * T::EPSILON * alphas.iter().fold(T::int(0), |a, x| a.max(x.abs()))
-            {
+            if g.abs() <= floor / T::int(4) {
                 break;
             }
+            slope = (g - before) / change;
         }
         let moved = |c: usize| (at.end[c] - unperturbed.end[c]).abs();
         let is_within = units
@@ -149,7 +136,7 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
                 outcome: Outcome::Solved,
             })
         } else {
-            carried(Outcome::TooFar)
+            uncorrected(Outcome::TooFar)
         }
     }
 
@@ -242,8 +229,8 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         square.sqrt()
     }
 
-    /// D for the energy alone, with 1 as its largest number, and ∂g/∂α; as long as α, zero for the α's that
-    /// do not move.
+    /// D for the energy alone, with 1 as its largest number and zero for the parameters that do not change, and
+    /// ∂g/∂t.
     fn direction(
         &mut self,
         gauss: &Gauss<T>,
@@ -251,7 +238,7 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         at: &Stages<T>,
         [start_gradient, gradient]: [&Vec<T>; 2],
         units: &[T],
-    ) -> Option<(Vec<T>, Vec<T>)> {
+    ) -> Option<(Vec<T>, T)> {
         let (s, n) = (gauss.stages(), y.len());
         let free = (s - 1).min(LEADING);
         let b = self.linearise(gauss, (y, h), &at.z);
@@ -306,7 +293,8 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
             .iter_mut()
             .zip(d.iter())
             .for_each(|(to, &d)| *to = d / largest);
-        (largest > T::int(0)).then_some((direction, slope))
+        let along = dot(&slope, &direction);
+        (largest > T::int(0)).then_some((direction, along))
     }
 
     /// How far the method with two stages more comes from the same start.

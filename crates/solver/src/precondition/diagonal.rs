@@ -110,27 +110,25 @@ fn spring_constant<T: Float>(pattern: &Pattern, hessian: &[T], w: &[T], c: usize
 }
 
 impl<T: Float> Preconditioner<T> for Diagonal {
-    fn apply(&mut self, held: Held, rows: &mut [T], sides: usize) {
+    fn apply(&mut self, held: Held, rows: &mut [T]) {
         let (s, stride) = (self.s, self.stride);
         // The step made backwards has its stages in reverse; of −h the square is that of h.
         let is_reversed = held == Held::End;
         let mut x = [T::int(0); equip_sweeps::MAX_STAGES];
         let x = &mut x[..s];
         for spring in &self.springs {
-            for side in 0..sides {
-                let q = &mut rows[(spring.c * sides + side) * stride..][..s];
-                if is_reversed {
-                    q.reverse();
-                }
-                x.fill(T::int(0));
-                for (column, &q) in spring.inverse.column_iter().zip(&*q) {
-                    let terms = x.iter_mut().zip(column.iter());
-                    terms.for_each(|(x, &m)| *x += T::exact(m) * q);
-                }
-                q.copy_from_slice(x);
-                if is_reversed {
-                    q.reverse();
-                }
+            let q = &mut rows[spring.c * stride..][..s];
+            if is_reversed {
+                q.reverse();
+            }
+            x.fill(T::int(0));
+            for (column, &q) in spring.inverse.column_iter().zip(&*q) {
+                let terms = x.iter_mut().zip(column.iter());
+                terms.for_each(|(x, &m)| *x += T::exact(m) * q);
+            }
+            q.copy_from_slice(x);
+            if is_reversed {
+                q.reverse();
             }
         }
     }

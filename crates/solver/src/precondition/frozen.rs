@@ -162,7 +162,7 @@ impl Frozen {
 }
 
 impl<T: Float> Preconditioner<T> for Frozen {
-    fn apply(&mut self, held: Held, rows: &mut [T], sides: usize) {
+    fn apply(&mut self, held: Held, rows: &mut [T]) {
         let which = held as usize;
         if held == Held::End
             && !std::mem::replace(&mut self.has_backward, true)
@@ -172,16 +172,9 @@ impl<T: Float> Preconditioner<T> for Frozen {
             self.has_backward = false;
             return;
         }
-        for side in 0..sides {
-            let Some(size) = self
-                .rows
-                .gather(held, rows, (side, sides), &mut self.solution)
-            else {
-                continue;
-            };
+        if let Some(size) = self.rows.gather(held, rows, &mut self.solution) {
             self.solve(which);
-            self.rows
-                .scatter(held, &self.solution, size, rows, (side, sides));
+            self.rows.scatter(held, &self.solution, size, rows);
         }
     }
 }

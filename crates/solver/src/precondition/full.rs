@@ -140,18 +140,14 @@ impl Full {
 }
 
 impl<T: Float> Preconditioner<T> for Full {
-    fn apply(&mut self, held: Held, rows: &mut [T], sides: usize) {
+    fn apply(&mut self, held: Held, rows: &mut [T]) {
         if !self.is_factored[held as usize] && self.factor(held).is_err() {
             // The iteration goes on with M = 1, and tells by its contraction.
             return;
         }
-        for side in 0..sides {
-            let x = self.x.as_mut_slice();
-            if let Some(size) = self.rows.gather(held, rows, (side, sides), x) {
-                self.lus[held as usize].solve(&mut self.x);
-                self.rows
-                    .scatter(held, self.x.as_slice(), size, rows, (side, sides));
-            }
+        if let Some(size) = self.rows.gather(held, rows, self.x.as_mut_slice()) {
+            self.lus[held as usize].solve(&mut self.x);
+            self.rows.scatter(held, self.x.as_slice(), size, rows);
         }
     }
 }

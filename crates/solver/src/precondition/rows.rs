@@ -22,13 +22,12 @@ impl Rows {
         &self,
         held: Held,
         rows: &[T],
-        (side, sides): (usize, usize),
         out: &mut [f64],
     ) -> Option<T> {
-        let unknown = rows.len() / (sides * self.stride);
+        let unknown = rows.len() / self.stride;
         let mut size = T::int(0);
         for c in 0..unknown {
-            let row = &rows[(c * sides + side) * self.stride..][..self.s];
+            let row = &rows[c * self.stride..][..self.s];
             let unit = T::exact(self.units[c]);
             size = row.iter().fold(size, |a, &x| a.max((x / unit).abs()));
         }
@@ -37,7 +36,7 @@ impl Rows {
         }
         out.fill(0.0);
         for c in 0..unknown {
-            let row = &rows[(c * sides + side) * self.stride..][..self.s];
+            let row = &rows[c * self.stride..][..self.s];
             let unit = T::exact(self.units[c]);
             for (i, &x) in row.iter().enumerate() {
                 out[self.place(held, i) * self.n + c] = (x / unit / size).to_f64();
@@ -53,12 +52,11 @@ impl Rows {
         from: &[f64],
         size: T,
         rows: &mut [T],
-        (side, sides): (usize, usize),
     ) {
-        let unknown = rows.len() / (sides * self.stride);
+        let unknown = rows.len() / self.stride;
         for c in 0..unknown {
             let unit = size * T::exact(self.units[c]);
-            let row = &mut rows[(c * sides + side) * self.stride..][..self.s];
+            let row = &mut rows[c * self.stride..][..self.s];
             for (i, x) in row.iter_mut().enumerate() {
                 *x = T::exact(from[self.place(held, i) * self.n + c]) * unit;
             }

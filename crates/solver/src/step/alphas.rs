@@ -1,59 +1,70 @@
-//! The α's of a step whose stages are solved with α = 0 and whose constraints are not at their floors.
+//! System (7) from the solution with α = 0 on: Z and t are iterated together,
 //!
-//! 1. α = D t with t from the constraints, D of [`crate::alpha::direction`] at the stages as they are; Z
-//!    follows, and is iterated to rest.
-//! 2. The same from the new stages, until the constraints are at their floors.
-//! 3. D is taken anew at the solution, and t with it, until that moves the end point by rounding only: α =
-//!    D(Z) t then. With no more α's than constraints (s = 2) D is I, and taken once for its slopes.
+//! $$ Z = K(\alpha) L(Z), \qquad \alpha = D\,t, \qquad I(y_1) = I_{ref} . $$
 //!
-//! *Admissible* (project note, section 8). The step resolves its fastest motion, hω ≤ s; |α_k| is within its
-//! bound; and the end point is within [`FARTHEST`] times the displacement that the step's own defect is worth
-//! at least, and 1/[`SMALL`] of the motion, each component in units of its motion, or moved by rounding.
-//! Otherwise the step with α = 0 stands, and its defect is carried.
+//! 1. D is computed once, at α = 0 ([`crate::alpha::direction`]).
+//! 2. t is updated by Newton's method with the slope that D brings along, then by the secant method; Z follows
+//!    by ∂Z/∂t. The iteration for Z continues with K(α) until its noise no longer shows in I(y1), and t is
+//!    updated again.
+//! 3. At the round-off level of I the iteration for Z ends as that of Gauss does.
+//!
+//! If no α is admissible ([`crate::alpha::admissible`]), or the step does not resolve its fastest oscillation
+//! (hω > s), the step with α = 0 is accepted. It is *uncorrected*: its energy error is left to a later step.
 
-use crate::alpha::progress::{Bounds, Progress, direction_tolerance};
+use crate::alpha::admissible::Bounds;
 use crate::equations::constraint::Constraint;
 use crate::options::step_options::Reach;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
-use crate::policy::{FARTHEST, MOST_STALLS, SMALL, STALLED, STATE_ROUNDING, TURNS};
+use crate::policy::{FARTHEST, MOST_STALLS, SHARE, STALLED, STATE_ROUNDING};
 use crate::step::core::{AlphaSolver, Core};
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_sweeps::{MOST_ITERATIONS, State};
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {
-    /// Solves for the α's, or puts the stages with α = 0 back. `next` is the end point, before and after.
-    pub(crate) fn keep_constraints(
+    /// Solves for α, or restores the stages with α = 0. `next` is y1, before and after; the stages have
+    /// converged if `is_converged`.
+    pub(crate) fn solve_alphas(
         &mut self,
         (y, h): (&State<T>, T),
         next: &mut State<T>,
+        is_converged: bool,
     ) -> Result<Outcome, Failure<T>> {
-        // Without α's that are free there are no constraints.
+        // Without free parameters there are no constraints.
         let Some(mut solver) = self.alpha_solver.take() else {
             return Err(Failure::NoAlpha);
         };
         self.stages.iterate.keep_momenta(y);
         self.stages.iterate.keep(&mut solver.kept);
         solver.unperturbed.copy_from(next);
-        let noise = self.stages.contraction.noise();
-        let moved = self.move_alphas(&mut solver, (y, h), next);
-        if moved.is_err() {
+        let mut noise = self.stages.contraction.noise();
+        let solved = self.update_alphas(&mut solver, (y, h), next, is_converged);
+        if solved.is_err() {
             self.alphas.copy_from_slice(&self.start_alphas);
             self.stages.iterate.put_back(&solver.kept);
             next.copy_from(&solver.unperturbed);
         }
-        self.alpha_solver = Some(solver);
-        let reason = match moved {
-            Ok(()) => return Ok(Outcome::Solved),
+        let reason = match solved {
+            Ok(()) => {
+                solver.handed_on = [T::int(0); 2];
+                self.alpha_solver = Some(solver);
+                return Ok(Outcome::Solved);
+            }
             Err(reason) => reason,
         };
+        self.alpha_solver = Some(solver);
+        if !is_converged {
+            self.stages.contraction.disturb();
+            self.converge((y, h), next, 0.0)?;
+            noise = self.stages.contraction.noise();
+        }
         self.evaluate_constraints(next, noise)?;
-        // What no α's bring down near the floors is rounding.
+        // A remainder of a few round-off levels that α does not reduce is rounding.
         if self.in_late_floors() <= T::int(STALLED) {
             return Ok(Outcome::AtFloor);
         }
-        // A defect beyond the energy itself is that of a solution which does not follow the motion.
+        // An energy error larger than the energy itself is that of a wrong root of the stage equations.
         if let Some(energy) = self.energy_constraint() {
             let sizes = self.stages.iterate.scale();
             let (defect, scale) = (energy.defect, energy.start_scale(sizes));
@@ -67,75 +78,79 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         Ok(reason)
     }
 
-    /// Moves the α's until the constraints are at their floors; an error is the reason why there are no such
-    /// α's.
-    ///
-    /// A direction turns with the stages, by the share that these move: it is taken anew unless that is worth
-    /// less than rounding, and to the digits that show in the end point.
-    fn move_alphas(
+    /// The joint iteration. An error is the reason why there is no admissible α.
+    fn update_alphas(
         &mut self,
         solver: &mut AlphaSolver<T>,
         (y, h): (&State<T>, T),
         next: &mut State<T>,
+        mut is_converged: bool,
     ) -> Result<(), Outcome> {
         let mut bounds = self.bounds(solver, (y, h), next)?;
-        let rounding = T::int(STATE_ROUNDING) * T::EPSILON;
-        let mut progress = Progress::<T>::new();
-        // A direction that turns faster than it comes to rest is kept as it is.
-        let mut turns_left = T::MANTISSA_BITS / TURNS.ilog2();
-        for moves in 0..=MOST_ITERATIONS {
-            let turns = progress.turns();
-            let has_choice = solver.direction.has_choice();
-            let is_kept =
-                turns.is_some_and(|turns| !has_choice || turns <= rounding) || turns_left == 0;
-            if !is_kept {
-                turns_left -= 1;
-                self.stages.iterate.keep_momenta(y);
-                let tolerance = match turns {
-                    None => bounds.tolerance,
-                    Some(turns) => {
-                        self.linearise(solver)?;
-                        let far = progress.farthest.max(T::int(4) * bounds.needed);
-                        direction_tolerance(turns, far)
-                    }
-                };
-                self.take_direction(solver, (y, next), tolerance)?;
-                progress.direction_taken(tolerance);
-            }
-            if !solver.direction.aim(&self.alphas, &self.constraints) {
-                return Err(Outcome::NoSlope);
-            }
-            let [of_stages, of_state] = solver.direction.displacement();
-            let floors = self.in_late_floors();
-            let is_settled = of_state <= rounding || moves > 0 && is_kept;
-            if is_settled && floors <= T::int(1) {
+        self.compute_direction(solver, &bounds)?;
+        let (mut last, mut stalls) = (T::INFINITY, 0);
+        for _ in 0..=MOST_ITERATIONS {
+            let level = self.in_late_floors();
+            let is_done = level <= T::int(1) || stalls > 0 && level <= T::int(STALLED);
+            if is_done && is_converged {
                 return Ok(());
             }
-            // What no longer shrinks is rounding near the floor, and hopeless elsewhere.
-            let stalls = progress.stalls(floors, of_state);
-            if stalls > 0 && floors <= T::int(STALLED) {
-                return Ok(());
+            let mut noise = 0.0;
+            if !is_done {
+                if stalls > MOST_STALLS {
+                    break;
+                }
+                // Below so many round-off levels the error left by one update is round-off.
+                if level > T::int(SHARE) {
+                    noise = self.noise_allowed(SHARE);
+                }
+                self.update_once(solver, y)?;
             }
-            if stalls > MOST_STALLS || moves == MOST_ITERATIONS {
-                break;
+            let converged = self.converge((y, h), next, noise);
+            is_converged = converged.map_err(|_| Outcome::BeyondBound)?;
+            self.evaluate_constraints(next, self.stages.contraction.noise())
+                .map_err(|_| Outcome::BeyondBound)?;
+            if !is_done {
+                solver.direction.learn(&self.constraints);
+                let level = self.in_late_floors();
+                stalls += u32::from(last.is_finite() && T::int(2) * level > last);
+                last = level;
+                self.check_displacement(solver, (y, h), next, &mut bounds)?;
             }
-            progress.moves(of_stages, of_state);
-            self.move_once(solver, (y, h), next)?;
-            solver.direction.learn(&self.constraints);
-            self.check_displacement(solver, (y, h), next, &mut bounds)?;
         }
         Err(Outcome::NoSlope)
     }
 
-    /// The farthest that the end point may be moved. An error if no α's that stay within it can keep the
-    /// constraints.
+    /// Iterates Z with the α as they are until it has converged, or until its noise at y1 is at most `noise`.
+    /// Returns whether it has converged.
+    pub(crate) fn converge(
+        &mut self,
+        (y, h): (&State<T>, T),
+        next: &mut State<T>,
+        noise: f64,
+    ) -> Result<bool, Failure<T>> {
+        let stages = &mut self.stages;
+        let converged = stages.converge(&mut self.energy, (y, h), noise, &mut self.counts)?;
+        stages.iterate.end_point(y, next);
+        Ok(converged)
+    }
+
+    /// The noise of y1 that is one over `share` of every constraint.
+    pub(crate) fn noise_allowed(&self, share: i64) -> f64 {
+        let sizes = self.stages.iterate.scale();
+        let allowed = self.constraints.iter().map(|c| c.noise_equivalent(sizes));
+        let least = allowed.fold(T::INFINITY, |least, noise| least.min(noise));
+        (least / T::int(share)).to_f64()
+    }
+
+    /// The bounds on the change of y1. An error if no admissible α can satisfy the constraints.
     fn bounds(
         &mut self,
         solver: &mut AlphaSolver<T>,
-        step: (&State<T>, T),
+        (y, h): (&State<T>, T),
         next: &State<T>,
     ) -> Result<Bounds<T>, Outcome> {
-        solver.direction.begin(&self.stages.iterate, step.0, next);
+        solver.direction.begin(&self.stages.iterate, y, next);
         let direction = &solver.direction;
         let least = |units: &[T], of: fn(&Constraint<T>) -> T| {
             let worth = |c: &Constraint<T>| c.least_displacement(of(c), units);
@@ -147,93 +162,74 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let needed = units.map(|units| least(units, |c| c.defect));
         let own = units.map(|units| least(units, |c| c.defect - c.start_defect));
         let is_free = self.options.reach == Reach::Always;
-        let mut bounds = Bounds {
-            needed: needed[0],
-            tolerance: direction_tolerance(needed[0], T::int(4) * needed[0]),
-            most: own.map(|own| {
-                if is_free {
-                    T::INFINITY
-                } else {
-                    T::int(FARTHEST) * own
-                }
-            }),
-            small: if is_free {
-                T::INFINITY
-            } else {
-                T::ratio(1, SMALL)
-            },
-            has_error: is_free,
-        };
+        let mut bounds = Bounds::new(needed, own, solver.handed_on, is_free);
+        solver.handed_on = bounds.to_hand_on();
         let rounding = T::int(STATE_ROUNDING) * T::EPSILON * direction.largest_size(next);
         let is_rounding = needed[0] <= rounding;
         if !is_rounding && !bounds.is_small(needed) {
             return Err(Outcome::TooFar);
         }
-        self.linearise(solver)?;
+        self.counts.hessians += self.stages.iterate.stages() as u64;
+        if !(solver.direction).linearise(&self.stages.iterate, &mut self.energy) {
+            return Err(Outcome::NoSlope);
+        }
         if !is_free && !solver.direction.is_resolved() {
             return Err(Outcome::Unresolved);
         }
-        if is_rounding || bounds.holds(needed) || self.extend(solver, step, &mut bounds, needed) {
+        if is_rounding || self.is_admissible(solver, (y, h), &mut bounds, needed) {
             Ok(bounds)
         } else {
             Err(Outcome::TooFar)
         }
     }
 
-    /// Estimates the local error, once in a step. Returns whether the end point may be moved so `far` by it.
-    fn extend(
+    /// Whether this `change` of y1 is admissible. The local error is estimated if it decides, once in a step.
+    fn is_admissible(
         &mut self,
         solver: &mut AlphaSolver<T>,
         step: (&State<T>, T),
         bounds: &mut Bounds<T>,
-        far: [T; 2],
+        change: [T; 2],
     ) -> bool {
-        if !bounds.is_small(far) || std::mem::replace(&mut bounds.has_error, true) {
-            return false;
+        if bounds.holds(change) || !bounds.is_small(change) {
+            return bounds.holds(change);
         }
-        if let Some(local_error) = &mut solver.local_error {
-            let l = (solver.kept.increments(), self.stages.iterate.stride());
-            let counts = &mut self.counts;
-            counts.local_errors += 1;
-            let units = &solver.direction.motion;
-            let error = local_error.estimate(&mut self.energy, step, l, units, counts);
-            for (most, error) in bounds.most.iter_mut().zip(error.unwrap_or([T::int(0); 2])) {
-                *most = most.max(T::int(FARTHEST) * error);
+        if let Some(local_error) = &mut solver.local_error
+            && !std::mem::replace(&mut bounds.has_error, true)
+        {
+            self.counts.local_errors += 1;
+            let at = (&self.stages.iterate, solver.kept.increments());
+            let linear = (&mut solver.direction, self.stages.choice.operator());
+            let (energy, counts) = (&mut self.energy, &mut self.counts);
+            if let Some(error) = local_error.estimate(energy, step, at, linear, counts) {
+                bounds.extend(error);
             }
+            solver.handed_on = bounds.to_hand_on();
         }
-        bounds.holds(far)
+        bounds.holds(change)
     }
 
-    fn linearise(&mut self, solver: &mut AlphaSolver<T>) -> Result<(), Outcome> {
-        let iterate = &self.stages.iterate;
-        self.counts.hessians += iterate.stages() as u64;
-        let is_finite = solver.direction.linearise(iterate, &mut self.energy);
-        is_finite.then_some(()).ok_or(Outcome::NoSlope)
-    }
-
-    fn take_direction(
+    /// D, to the digits that show in y1, and to 64√ε at least: the tangents turn with the displacement.
+    fn compute_direction(
         &mut self,
         solver: &mut AlphaSolver<T>,
-        (y, next): (&State<T>, &State<T>),
-        tolerance: T,
+        bounds: &Bounds<T>,
     ) -> Result<(), Outcome> {
-        let (direction, iterate) = (&mut solver.direction, &self.stages.iterate);
-        direction.weigh(iterate, y, next);
+        let rounding = T::int(STATE_ROUNDING) * T::EPSILON;
+        let coarsest = T::ratio(1, SHARE);
+        let finest = T::int(STATE_ROUNDING) * T::EPSILON.sqrt();
+        let tolerance = (rounding / bounds.needed[0]).max(finest).min(coarsest);
         self.counts.directions += 1;
-        let of = (iterate, self.constraints.as_slice());
-        let is_taken = direction.take(of, tolerance, self.stages.choice.operator());
-        is_taken.then_some(()).ok_or(Outcome::NoSlope)
+        let at = (&self.stages.iterate, self.constraints.as_slice());
+        let operator = self.stages.choice.operator();
+        let is_computed = solver.direction.compute(at, tolerance, operator);
+        is_computed.then_some(()).ok_or(Outcome::NoSlope)
     }
 
-    /// Moves the α's, lets Z follow and iterates it to rest.
-    fn move_once(
-        &mut self,
-        solver: &AlphaSolver<T>,
-        (y, h): (&State<T>, T),
-        next: &mut State<T>,
-    ) -> Result<(), Outcome> {
-        for (alpha, &delta) in self.alphas.iter_mut().zip(&solver.direction.delta) {
-            *alpha += delta;
+    /// Updates t, and lets Z follow.
+    fn update_once(&mut self, solver: &mut AlphaSolver<T>, y: &State<T>) -> Result<(), Outcome> {
+        if !solver.direction.update(&self.constraints, &mut self.alphas) {
+            return Err(Outcome::NoSlope);
         }
         let bound = self.options.alpha_bound;
         if !self.alphas.iter().all(|alpha| alpha.abs() <= bound) {
@@ -244,21 +240,16 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         stages.iterate.set_alphas(&self.alphas);
         solver.direction.follow(&mut stages.iterate, y);
         stages.contraction.disturb();
-        let solved = stages.iterate_to_rest(&mut self.energy, (y, h), &mut self.counts);
-        solved.map_err(|_| Outcome::BeyondBound)?;
-        stages.iterate.end_point(y, next);
-        self.evaluate_constraints(next, self.stages.contraction.noise())
-            .map_err(|_| Outcome::BeyondBound)
+        Ok(())
     }
 
-    /// The largest defect in its floors of late.
+    /// The largest constraint in multiples of its round-off level.
     fn in_late_floors(&self) -> T {
         let defects = self.constraints.iter().map(Constraint::in_late_floors);
-        defects.fold(T::int(0), |most, floors| most.max(floors))
+        defects.fold(T::int(0), |most, level| most.max(level))
     }
 
-    /// Evaluates the constraints at the end point, which the iteration for the stages has left with this
-    /// `noise`.
+    /// Evaluates the constraints at y1, which the iteration for the stages has left with this `noise`.
     pub(crate) fn evaluate_constraints(
         &mut self,
         next: &State<T>,
@@ -275,7 +266,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         Ok(())
     }
 
-    /// Whether the end point is within bounds of the one with α = 0, but for rounding.
+    /// Whether y1 is within bounds of that with α = 0, but for rounding.
     fn check_displacement(
         &mut self,
         solver: &mut AlphaSolver<T>,
@@ -284,17 +275,17 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         bounds: &mut Bounds<T>,
     ) -> Result<(), Outcome> {
         let rounding = T::int(FARTHEST * STATE_ROUNDING) * T::EPSILON;
-        let mut far = [T::int(0); 2];
+        let mut change = [T::int(0); 2];
         let ends = next.hi.iter().zip(&solver.unperturbed.hi);
         for (c, (&end, &before)) in ends.enumerate() {
             let moved = (end - before).abs();
             if moved > rounding * end.abs() {
-                for (far, units) in far.iter_mut().zip(&solver.direction.motion) {
-                    *far = far.max(moved / units[c]);
+                for (change, units) in change.iter_mut().zip(&solver.direction.motion) {
+                    *change = change.max(moved / units[c]);
                 }
             }
         }
-        if bounds.holds(far) || self.extend(solver, step, bounds, far) {
+        if self.is_admissible(solver, step, bounds, change) {
             Ok(())
         } else {
             Err(Outcome::TooFar)

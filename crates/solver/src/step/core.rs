@@ -7,7 +7,7 @@ use crate::options::step_options::StepOptions;
 use crate::outcome::outcome::{Counts, Outcome};
 use crate::outcome::parts::Parts;
 use crate::step::stages::Stages;
-use equip_autodiff::{Evaluate, Kinetic, Structure, System};
+use equip_autodiff::{Evaluate, Structure, System};
 use equip_scalar::Float;
 use equip_sweeps::{Kept, State};
 use equip_tableau::Gauss;
@@ -32,6 +32,9 @@ pub struct Core<T: Float, E> {
     pub(crate) start: Vec<T>,
     /// Whether the α's of a step wait until it is [completed](Self::complete).
     pub(crate) is_deferred: bool,
+    /// The noise of y1 that is not seen in the constraints, as the last step had it: the stages with α = 0 need
+    /// not be solved further where α follows.
+    pub(crate) noise_expected: f64,
     /// Outcome of a step without constraints.
     pub(crate) unconstrained: Outcome,
     /// Mid points of halved steps, one for each level.
@@ -52,23 +55,25 @@ pub(crate) struct AlphaSolver<T: Float> {
     /// The stages and the end point with the α's that a step starts from.
     pub(crate) kept: Kept<T>,
     pub(crate) unperturbed: State<T>,
+    /// The bound that the last uncorrected step hands on, zero after one that is not.
+    pub(crate) handed_on: [T; 2],
 }
 
 impl<T: Float> AlphaSolver<T> {
     /// For α_`first` and those after it, from 1, and these constraints.
     pub(crate) fn new(
         stages: &Stages<T>,
-        (structure, kinetic): (&Structure, Option<Kinetic<T>>),
-        options: &StepOptions<T>,
+        structure: &Structure,
         (first, constraints): (usize, &[Constraint<T>]),
     ) -> Self {
         let (gauss, iterate) = (&stages.gauss, &stages.iterate);
         let of = (first, constraints.len());
         AlphaSolver {
             direction: Direction::new(gauss, iterate, &structure.hessian, of),
-            local_error: LocalError::new(gauss, structure, kinetic, options.preconditioner),
+            local_error: LocalError::new(gauss, iterate),
             kept: Kept::new(iterate),
             unperturbed: State::new(&vec![T::int(0); iterate.components()], &[]),
+            handed_on: [T::int(0); 2],
         }
     }
 }
@@ -91,26 +96,16 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let kinetic = energy.kinetic();
         let preconditioner = options.preconditioner;
         let free = options.first_alpha.filter(|_| !constraints.is_empty());
-        let stages = Stages::new(
-            gauss,
-            structure,
-            kinetic.clone(),
-            &start_alphas,
-            preconditioner,
-        );
+        let stages = Stages::new(gauss, structure, kinetic, &start_alphas, preconditioner);
         let alpha_solver = free.map(|first| {
             let of = (first, constraints.as_slice());
-            Box::new(AlphaSolver::new(
-                &stages,
-                (structure, kinetic),
-                &options,
-                of,
-            ))
+            Box::new(AlphaSolver::new(&stages, structure, of))
         });
         let zero = State::new(&vec![T::int(0); n], &[]);
         Core {
             parts: Parts::new(),
             is_deferred: false,
+            noise_expected: 0.0,
             unconstrained: if options.first_alpha.is_some() {
                 Outcome::Quadratic
             } else {
@@ -137,6 +132,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 
     /// Forgets how the last step was made, which the next is not to be guessed from.
     pub(crate) fn forget_step(&mut self) {
+        self.noise_expected = 0.0;
+        if let Some(solver) = &mut self.alpha_solver {
+            solver.handed_on = [T::int(0); 2];
+        }
         self.stages.forget();
         self.start.fill(T::NAN);
     }

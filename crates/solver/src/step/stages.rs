@@ -51,7 +51,7 @@ impl<T: Float> Stages<T> {
     }
 
     /// Z of a step of size `h` from `y`, from the polynomial of the last step, or, of M ≠ 1, from Z = 0;
-    /// `known` is ∇H at `y`.
+    /// `known` is ∇H at `y`. Ends as [`converge`](Self::converge) does.
     ///
     /// From the polynomial M ≠ 1 takes as many iterations in the mean over the grid (1.01 of Gauss, 1.04 of
     /// EQUIP), and up to 3 times as many where the step does not resolve the motion.
@@ -60,8 +60,9 @@ impl<T: Float> Stages<T> {
         energy: &mut E,
         (y, h): (&State<T>, T),
         known: Option<&[T]>,
+        noise: f64,
         counts: &mut Counts,
-    ) -> Result<(), Failure<T>> {
+    ) -> Result<bool, Failure<T>> {
         let mut last = self.last.take();
         loop {
             match last.take().filter(|_| self.choice.is_identity()) {
@@ -72,7 +73,7 @@ impl<T: Float> Stages<T> {
                 None => self.iterate.begin(&self.gauss, (y, h)),
             }
             self.contraction.begin(!self.choice.is_identity());
-            let solved = self.iterate_to_rest(energy, (y, h), counts);
+            let solved = self.converge(energy, (y, h), noise, counts);
             if solved.is_ok() || !self.choice.escalate() {
                 return solved;
             }
@@ -80,15 +81,18 @@ impl<T: Float> Stages<T> {
         }
     }
 
-    /// Iterates with the α's as they are, from Z as it is.
-    pub(crate) fn iterate_to_rest<E: Evaluate<T>>(
+    /// Iterates with the α as they are, from Z as it is, until Z has converged to round-off or its noise at y1
+    /// is at most `noise`. Returns whether it has converged.
+    pub(crate) fn converge<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
         (y, h): (&State<T>, T),
+        noise: f64,
         counts: &mut Counts,
-    ) -> Result<(), Failure<T>> {
+    ) -> Result<bool, Failure<T>> {
         let s = self.iterate.stages() as u64;
         let (mut iterations, mut is_made) = (0, false);
+        self.contraction.set_target(noise);
         while iterations < MOST_ITERATIONS {
             let is_old = self.choice.follows_stages() && !self.contraction.is_near();
             if is_old || !is_made {
@@ -114,7 +118,10 @@ impl<T: Float> Stages<T> {
             };
             *of += u64::from(made);
             match progress {
-                Progress::Settled => return Ok(()),
+                Progress::Settled => return Ok(true),
+                Progress::Contracts if self.contraction.is_at_target() && self.iterate.has_increments() => {
+                    return Ok(false);
+                }
                 Progress::Contracts => {}
                 Progress::Diverges => break,
             }

@@ -1,6 +1,6 @@
 //! One step, as the paper reads: initial guess → stages → α → accept → update.
 //!
-//! The equations are those of [`crate::equations::oracle`]: Z = K(α) L(Z), α = D(Z) t, H(y0 + Σ L_i) = H_ref.
+//! The equations are those of [`crate::equations::oracle`]: Z = K(α) L(Z), α = D t, H(y0 + Σ L_i) = H_ref.
 //! How their solution is found is no part of what it is.
 
 use crate::equations::constraint::Constraint;
@@ -8,6 +8,7 @@ use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
 use crate::step::core::Core;
 use equip_autodiff::Evaluate;
+use crate::policy::SHARE;
 use equip_scalar::Float;
 use equip_sweeps::State;
 
@@ -42,7 +43,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if self.constraints.is_empty() {
             return Ok(self.unconstrained);
         }
-        let kept = self.keep((y, h), next);
+        let kept = self.keep((y, h), next, true);
         match kept {
             Ok(_) => {
                 self.constraints.iter_mut().for_each(Constraint::accept);
@@ -101,22 +102,37 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.alphas.copy_from_slice(&self.start_alphas);
         let energy = self.constraints.first().filter(|c| c.is_energy());
         let known = energy.map(|c| c.start_gradient.as_slice());
-        self.stages
-            .solve(&mut self.energy, (y, h), known, &mut self.counts)?;
+        let is_last = self.constraints.is_empty() || self.is_deferred;
+        let noise = if is_last { 0.0 } else { self.noise_expected };
+        let is_converged =
+            (self.stages).solve(&mut self.energy, (y, h), known, noise, &mut self.counts)?;
         self.stages.iterate.end_point(y, next);
-        if self.constraints.is_empty() || self.is_deferred {
+        if is_last {
             return Ok(self.unconstrained);
         }
-        self.keep((y, h), next)
+        self.keep((y, h), next, is_converged)
     }
 
-    /// Constraints at the end point `next` of the stages with α = 0, and the α's if they need any.
-    fn keep(&mut self, (y, h): (&State<T>, T), next: &mut State<T>) -> Result<Outcome, Failure<T>> {
-        self.evaluate_constraints(next, self.stages.contraction.noise())?;
-        if self.constraints.iter().all(Constraint::is_at_floor) {
+    /// Constraints at the end point `next` of the stages with α = 0, and α if a constraint needs it.
+    fn keep(
+        &mut self,
+        (y, h): (&State<T>, T),
+        next: &mut State<T>,
+        mut is_converged: bool,
+    ) -> Result<Outcome, Failure<T>> {
+        let noise = self.stages.contraction.noise();
+        self.evaluate_constraints(next, noise)?;
+        let is_at_floor = |core: &Self| core.constraints.iter().all(Constraint::is_at_floor);
+        if !is_converged && (is_at_floor(self) || noise > 10.0 * self.noise_allowed(SHARE)) {
+            is_converged = self.converge((y, h), next, 0.0)?;
+            self.evaluate_constraints(next, self.stages.contraction.noise())?;
+        }
+        if is_at_floor(self) {
+            self.noise_expected = 0.0;
             return Ok(Outcome::AtFloor);
         }
-        self.keep_constraints((y, h), next)
+        self.noise_expected = self.noise_allowed(SHARE);
+        self.solve_alphas((y, h), next, is_converged)
     }
 
     /// The end point `next` is accepted, and the constraints have been evaluated there, unless that waits.

@@ -2,7 +2,7 @@
 //! inside one kernel, which asks here whether to go on.
 
 use crate::convergence::contraction::{Contraction, Progress};
-use crate::policy::{MOST_ITERATIONS, NOISY};
+use crate::policy::MOST_ITERATIONS;
 
 /// Whether sweeps of a series go on.
 pub(crate) trait Again {
@@ -47,7 +47,7 @@ impl<'a> Series<'a> {
     /// Whether the next sweep leaves others to come.
     #[inline(always)]
     pub(crate) fn is_next(&self) -> bool {
-        self.contraction.next_change() > NOISY * self.contraction.epsilon()
+        self.contraction.next_change() > self.contraction.last_change()
     }
 }
 

@@ -46,6 +46,8 @@ pub struct Contraction {
     /// Δ_n, and the same without its rounding.
     change: f64,
     left: f64,
+    /// Noise at y1 that is low enough; zero where the iteration goes to round-off.
+    target: f64,
     /// The next change is not to be compared with the last.
     skips_comparison: bool,
     slow: u32,
@@ -67,6 +69,7 @@ impl Contraction {
             last: 0.0,
             change: f64::INFINITY,
             left: f64::INFINITY,
+            target: 0.0,
             skips_comparison: true,
             slow: 0,
             still: 0,
@@ -89,6 +92,21 @@ impl Contraction {
     pub fn set_amplification(&mut self, amplification: f64) {
         let eps = self.epsilon;
         self.rounding = (STAGE_ROUNDING * eps * amplification.max(1.0)).min(eps.sqrt());
+    }
+
+    /// Noise at y1 that is low enough; zero where the iteration goes to round-off.
+    pub fn set_target(&mut self, noise: f64) {
+        self.target = noise;
+    }
+
+    /// Whether the noise at y1 is that low, by a contraction that was seen in the step.
+    pub fn is_at_target(&self) -> bool {
+        self.worst > 0.0 && self.noise() <= self.target
+    }
+
+    /// A change that the next iteration leaves as rounding, or as noise that is low enough.
+    pub(crate) fn last_change(&self) -> f64 {
+        (NOISY * self.epsilon).max(self.target)
     }
 
     /// Something else has moved Z: the next change is not to be compared with the last.
@@ -141,11 +159,6 @@ impl Contraction {
         } else {
             Progress::Contracts
         }
-    }
-
-    /// ε of the floats.
-    pub(crate) fn epsilon(&self) -> f64 {
-        self.epsilon
     }
 
     /// Error of the end point that the last sweep has left.

@@ -143,6 +143,11 @@ impl<T: Float> Iterate<T> {
         self.kinetic.as_ref().and_then(Kinetic::diagonal)
     }
 
+    /// Whether L is that of the last iteration.
+    pub fn has_increments(&self) -> bool {
+        !self.is_incremental
+    }
+
     /// L of the last sweep, h b_i B∇H(Y_i), component by component.
     pub fn increments(&self) -> &[T] {
         &self.l

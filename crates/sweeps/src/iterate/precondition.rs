@@ -17,7 +17,6 @@ pub enum Held {
 /// M changes how the solution is found and not the solution.
 pub trait Preconditioner<T: Float> {
     /// rows ← M⁻¹ rows. Component c of stage i stands at `c·stride + i`, for all unknown components of the
-    /// iteration, and more rows than one for each component where there are several right-hand sides: side k
-    /// of component c stands at `(c·sides + k)·stride`.
-    fn apply(&mut self, held: Held, rows: &mut [T], sides: usize);
+    /// iteration.
+    fn apply(&mut self, held: Held, rows: &mut [T]);
 }

@@ -110,7 +110,7 @@ impl<T: Float> Iterate<T> {
         (ready.keep_z)(self);
         self.evaluate(energy);
         (ready.mix)(self, y);
-        m.apply(Held::Start, self.subtract_kept(), 1);
+        m.apply(Held::Start, self.subtract_kept());
         let change = (ready.add_kept)(self, y);
         let was_measured = self.is_measured;
         if !was_measured || contraction.is_far() {
@@ -132,7 +132,7 @@ impl<T: Float> Iterate<T> {
                 signs = signs.rotate_right(1);
             }
         }
-        m.apply(Held::Start, rows, 1);
+        m.apply(Held::Start, rows);
         let rows = rows.chunks_exact(stride).zip(&self.inverse_scale);
         let worst = |most: T, (row, &inverse): (&[T], &T)| {
             let sizes = row[..self.s].iter().map(|z| (*z * inverse).abs());

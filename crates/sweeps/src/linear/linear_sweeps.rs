@@ -9,8 +9,8 @@
 //! H = T(p) + U(q) the momenta are put in ([`crate::linear::positions`]). With a preconditioner M the change
 //! that a sweep makes is multiplied by M⁻¹.
 //!
-//! *Layout.* As of the stages, with several right-hand sides: component c of side k of stage i stands at
-//! `(c·sides + k)·stride + i`.
+//! *Layout.* As of the stages, one right-hand side after the other: component c of side k of stage i stands at
+//! `(k·n + c)·stride + i`.
 //!
 //! Cost: a sweep of one side nnz·s + 2m s² products, of positions alone less than half of that. Nothing is
 //! allocated.
@@ -19,7 +19,7 @@ use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
 use crate::linear::positions::{Positions, Sides};
 use crate::linear::stage_hessians::StageHessians;
-use crate::policy::{MOST_ITERATIONS, STILL};
+use crate::policy::{MOST_ITERATIONS, STEEPEST, STILL};
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, mix_stages};
 use equip_tableau::Gauss;
@@ -35,9 +35,11 @@ pub struct LinearSweeps<T: Float> {
     dl: Vec<T>,
     /// X before a sweep.
     before: Vec<T>,
-    /// Σ_i δL_i: component c of side k at `c·sides + k`; and of the sweep before.
+    /// Σ_i δL_i: component c of side k at `k·n + c`; and of the sweep before.
     sums: Vec<T>,
     sums_before: Vec<T>,
+    /// The relative change of the sums of each side by the last sweep.
+    changes: Vec<T>,
     /// What sweeps of positions alone need, if there are any.
     positions: Option<Positions<T>>,
 }
@@ -53,19 +55,20 @@ impl<T: Float> LinearSweeps<T> {
             *back = -k[at % stride * stride + at / stride];
         }
         let k = [k, back];
-        let rows = n / 2 * sides;
+        let positions = n / 2 * sides;
         let len = n * sides * stride;
         LinearSweeps {
             hessians: StageHessians::new(iterate, pattern),
             positions: iterate
                 .is_twofold()
-                .then(|| Positions::new(gauss, &k, rows)),
+                .then(|| Positions::new(gauss, &k, positions)),
             k,
             mixed: zeros(len),
             dl: zeros(len),
             before: zeros(len),
             sums: zeros(n * sides),
             sums_before: zeros(n * sides),
+            changes: zeros(sides),
         }
     }
 
@@ -96,58 +99,60 @@ impl<T: Float> LinearSweeps<T> {
         self.positions.is_some()
     }
 
-    /// Σ_i δL_i of side k, component c at `c·sides + k`.
+    /// Σ_i δL_i of side k, component c at `k·n + c`.
     pub fn sums(&self) -> &[T] {
         &self.sums
     }
 
-    /// Solves for all sides, from X as it is if that `is_near`, until their sums of δL, each component
-    /// weighed with `weights`, change by less than `tolerance`. Returns whether they do.
+    /// Solves for all sides until the error of their sums of δL, each component weighed with `weights`, is less
+    /// than `tolerance`, by how their changes shrink. Returns whether it is.
     pub fn solve(
         &mut self,
-        (held, is_near): (Held, bool),
+        held: Held,
         (r, x): (&[T], &mut [T]),
         (weights, tolerance): (&[T], T),
         iterate: &Iterate<T>,
         mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
         let sides = x.len() / (iterate.n * iterate.stride);
-        if !is_near {
-            x.copy_from_slice(r);
-        }
+        x.copy_from_slice(r);
         if self.knows_momenta() {
             self.by_positions(held, |positions, of| {
                 positions.begin(of, r, iterate);
-                if !is_near {
-                    positions.rest_into(x);
-                }
+                positions.rest_into(x, iterate);
             });
         }
         for made in 0..MOST_ITERATIONS {
             std::mem::swap(&mut self.sums, &mut self.sums_before);
-            let unknown = if self.knows_momenta() {
-                x.len() / 2
-            } else {
-                x.len()
-            };
-            self.before[..unknown].copy_from_slice(&x[..unknown]);
+            if m.is_some() {
+                self.before[..x.len()].copy_from_slice(x);
+            }
             if self.knows_momenta() {
-                self.by_positions(held, |positions, of| positions.sweep(of, x, iterate));
+                let before = std::mem::take(&mut self.before);
+                let from = m.is_some().then_some(before.as_slice());
+                self.by_positions(held, |positions, of| {
+                    positions.sweep(of, (x, from), iterate);
+                });
+                self.before = before;
+                if made + 2 >= STILL {
+                    self.by_positions(held, |positions, of| positions.sum(of, sides, iterate));
+                }
             } else {
                 self.sweep(held, (r, x), iterate, m.is_some());
             }
             if let Some(m) = m.as_deref_mut() {
-                let (x, before) = (&mut x[..unknown], &self.before[..unknown]);
-                x.iter_mut()
-                    .zip(before)
-                    .for_each(|(x, &before)| *x -= before);
-                m.apply(held, x, sides);
-                x.iter_mut()
-                    .zip(before)
-                    .for_each(|(x, &before)| *x += before);
+                let unknown = iterate.unknowns() * iterate.stride;
+                let side = iterate.n * iterate.stride;
+                let before = self.before.chunks_exact(side);
+                for (x, before) in x.chunks_exact_mut(side).zip(before) {
+                    let (x, before) = (&mut x[..unknown], &before[..unknown]);
+                    x.iter_mut().zip(before).for_each(|(x, &before)| *x -= before);
+                    m.apply(held, x);
+                    x.iter_mut().zip(before).for_each(|(x, &before)| *x += before);
+                }
             }
-            if made + 1 >= STILL {
-                match self.rests(sides, weights, tolerance) {
+            if made + 1 >= STILL - 1 {
+                match self.rests(sides, weights, tolerance, made + 1 >= STILL) {
                     Some(true) => return true,
                     Some(false) => {}
                     None => return false,
@@ -183,43 +188,54 @@ impl<T: Float> LinearSweeps<T> {
         from_same: bool,
     ) {
         let (s, stride, m) = (iterate.s, iterate.stride, iterate.n / 2);
-        let half = x.len() / 2;
-        let sides = half / (m * stride);
+        let (side, half) = (iterate.n * stride, m * stride);
         let k = &self.k[held as usize];
         for (rows, at) in [(0, half), (m, 0)] {
-            let dl = &mut self.dl[at..at + half];
             let from = if from_same {
-                &self.before[..2 * half]
+                &self.before[..x.len()]
             } else {
                 &*x
             };
-            self.hessians.times((rows, m), 2 * m, (from, sides), dl);
-            let mixed = &mut self.mixed[at..at + half];
-            mix_stages(iterate.set, k, dl, mixed, s, stride);
-            for ((x, &r), &z) in x[at..].iter_mut().zip(&r[at..at + half]).zip(&*mixed) {
-                *x = r + z;
+            self.hessians.times((rows, m), from, &mut self.dl);
+            for at in (at..x.len()).step_by(side) {
+                let (dl, mixed) = (&self.dl[at..][..half], &mut self.mixed[..half]);
+                mix_stages(iterate.set, k, dl, mixed, s, stride);
+                for ((x, &r), &z) in x[at..].iter_mut().zip(&r[at..]).zip(&*mixed) {
+                    *x = r + z;
+                }
             }
         }
-        let rows = self.dl[..2 * half].chunks_exact(stride);
+        let rows = self.dl[..x.len()].chunks_exact(stride);
         for (sum, dl) in self.sums.iter_mut().zip(rows) {
             *sum = dl[..s].iter().fold(T::int(0), |sum, &x| sum + x);
         }
     }
 
-    /// Whether the sums of all sides have come to rest; `None` if they are not finite.
-    fn rests(&self, sides: usize, weights: &[T], tolerance: T) -> Option<bool> {
-        let mut all = true;
-        for k in 0..sides {
-            let (mut change, mut size) = (T::int(0), T::int(0));
-            for (c, &w) in weights.iter().enumerate() {
-                let (new, old) = (self.sums[c * sides + k], self.sums_before[c * sides + k]);
-                change += ((new - old) * w).abs();
-                size += (new * w).abs();
+    /// Whether the sums of all sides have converged; `None` if they are not finite. The changes before the last
+    /// are known if it `can_compare`.
+    fn rests(
+        &mut self,
+        sides: usize,
+        weights: &[T],
+        tolerance: T,
+        can_compare: bool,
+    ) -> Option<bool> {
+        let mut all = can_compare;
+        let n = weights.len();
+        let sums = self.sums.chunks_exact(n).zip(self.sums_before.chunks_exact(n));
+        for ((new, old), last) in sums.zip(&mut self.changes).take(sides) {
+            let (mut changes, mut sizes) = ([T::int(0); 4], [T::int(0); 4]);
+            for (c, ((&new, &old), &w)) in new.iter().zip(old).zip(weights).enumerate() {
+                changes[c % 4] += ((new - old) * w).abs();
+                sizes[c % 4] += (new * w).abs();
             }
+            let of = |sums: [T; 4]| (sums[0] + sums[1]) + (sums[2] + sums[3]);
+            let (change, size) = (of(changes), of(sizes));
             if !size.is_finite() {
                 return None;
             }
-            all &= change <= tolerance * size;
+            let ratio = (change / std::mem::replace(last, change)).max(T::ratio(1, STEEPEST));
+            all &= change * ratio.min(T::int(1)) <= tolerance * size || change == T::int(0);
         }
         Some(all)
     }

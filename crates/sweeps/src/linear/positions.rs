@@ -8,9 +8,10 @@
 
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::Held;
-use crate::layout::row::{add, by_groups, fused, fused_each, scaled, stride_for, times};
-use crate::linear::stage_hessians::StageHessians;
+use crate::layout::row::{add, by_groups, dot, fused, fused_each, scaled, stride_for, times};
+use crate::linear::stage_hessians::{StageHessians, row_times};
 use crate::matrix::twofold::add_product;
+use equip_autodiff::Pattern;
 use equip_scalar::{Float, InstructionSet, Kernel, Pack, mix_stages};
 use equip_tableau::Gauss;
 
@@ -66,49 +67,69 @@ pub(crate) struct Sides<'a, T: Float> {
 }
 
 impl<T: Float> Positions<T> {
-    /// R.
+    /// R, from r of `sides`.
     pub(crate) fn begin(&mut self, of: Sides<'_, T>, r: &[T], iterate: &Iterate<T>) {
-        let (r_q, r_p) = r.split_at(r.len() / 2);
-        let (dl, mixed) = (&mut of.dl[..r_p.len()], &mut of.mixed[..r_p.len()]);
-        let rest = &mut self.rest[..r_q.len()];
-        iterate.set.run(&mut Drift {
-            hb: &iterate.hb,
-            w: iterate.inverse_masses().unwrap_or_default(),
-            r_p,
-            dl,
-            sums: &mut self.drift,
-        });
-        mix_stages(iterate.set, of.k, dl, mixed, iterate.s, iterate.stride);
-        for ((x, &r), &z) in rest.iter_mut().zip(r_q).zip(&*mixed) {
-            *x = r + z;
+        let half = iterate.n / 2 * iterate.stride;
+        let drifts = self.drift.chunks_exact_mut(iterate.n / 2);
+        let rests = self.rest.chunks_exact_mut(half);
+        for ((r, rest), drift) in r.chunks_exact(2 * half).zip(rests).zip(drifts) {
+            let (r_q, r_p) = r.split_at(half);
+            let (dl, mixed) = (&mut of.dl[..half], &mut of.mixed[..half]);
+            iterate.set.run(&mut Drift {
+                hb: &iterate.hb,
+                w: iterate.inverse_masses().unwrap_or_default(),
+                r_p,
+                dl,
+                sums: drift,
+            });
+            mix_stages(iterate.set, of.k, dl, mixed, iterate.s, iterate.stride);
+            for ((x, &r), &z) in rest.iter_mut().zip(r_q).zip(&*mixed) {
+                *x = r + z;
+            }
         }
     }
 
     /// X_q as it is before the forces change.
-    pub(crate) fn rest_into(&self, x: &mut [T]) {
-        let half = x.len() / 2;
-        x[..half].copy_from_slice(&self.rest[..half]);
+    pub(crate) fn rest_into(&self, x: &mut [T], iterate: &Iterate<T>) {
+        let half = iterate.n / 2 * iterate.stride;
+        for (x, rest) in x.chunks_exact_mut(2 * half).zip(self.rest.chunks_exact(half)) {
+            x[..half].copy_from_slice(rest);
+        }
     }
 
-    /// X_q of one sweep more, and the sums of its δL.
-    pub(crate) fn sweep(&self, of: Sides<'_, T>, x: &mut [T], iterate: &Iterate<T>) {
-        let (half, m) = (x.len() / 2, iterate.n / 2);
-        let sides = half / (m * iterate.stride);
-        let dl = &mut of.dl[half..2 * half];
-        of.hessians.times((0, m), m, (x, sides), dl);
-        let mixed = &mut of.mixed[..half];
-        let twofold = &self.twofold[of.held as usize];
-        mix_stages(iterate.set, twofold, dl, mixed, iterate.s, iterate.stride);
-        iterate.set.run(&mut Place {
+    /// X_q of one iteration more, with its δL. Row by row, each from the rows as they are: those before it are
+    /// new already, unless all are computed `from` another X.
+    pub(crate) fn sweep(
+        &self,
+        of: Sides<'_, T>,
+        (x, from): (&mut [T], Option<&[T]>),
+        iterate: &Iterate<T>,
+    ) {
+        iterate.set.run(&mut Row {
+            pattern: &of.hessians.pattern,
+            entries: &of.hessians.entries,
+            twofold: &self.twofold[of.held as usize],
             h: iterate.h,
             w: iterate.inverse_masses().unwrap_or_default(),
             rest: &self.rest,
-            mixed,
-            x: &mut x[..half],
-            dl,
+            x,
+            from,
+            dl: of.dl,
+            s: iterate.s,
+            stride: iterate.stride,
+        });
+    }
+
+    /// The sums of δL of the last iteration.
+    pub(crate) fn sum(&self, of: Sides<'_, T>, sides: usize, iterate: &Iterate<T>) {
+        iterate.set.run(&mut Sums {
+            h: iterate.h,
+            w: iterate.inverse_masses().unwrap_or_default(),
+            dl: of.dl,
             kappa: &self.kappa[of.held as usize],
             drift: &self.drift,
             sums: of.sums,
+            sides,
         });
     }
 }
@@ -136,10 +157,8 @@ impl<T: Float> Drift<'_, T> {
     fn groups<const N: usize>(&mut self, groups: usize) {
         let (hb, r_p) = (self.hb.as_chunks::<N>().0, self.r_p.as_chunks::<N>().0);
         let dl = self.dl.as_chunks_mut::<N>().0;
-        let sides = r_p.len() / (groups * self.w.len());
-        let w = self.w.iter().flat_map(|w| std::iter::repeat_n(w, sides));
         let rows = dl.chunks_exact_mut(groups).zip(r_p.chunks_exact(groups));
-        for (((dl, r_p), sum), &w) in rows.zip(&mut *self.sums).zip(w) {
+        for (((dl, r_p), sum), &w) in rows.zip(&mut *self.sums).zip(self.w) {
             let mut total = [T::int(0); N];
             for g in 0..groups {
                 dl[g] = scaled(&times(&hb[g], &r_p[g]), w);
@@ -150,22 +169,92 @@ impl<T: Float> Drift<'_, T> {
     }
 }
 
-/// X_q = R + h w Z, and the sums of δL.
-struct Place<'a, T> {
+/// δL_p = −h B ∇²U X_q and X_q = R + h w (K B K) δL_p of one row after the other.
+struct Row<'a, T> {
+    pattern: &'a Pattern,
+    /// h b ∇²H.
+    entries: &'a [T],
+    twofold: &'a [T],
     h: T,
     w: &'a [T],
     rest: &'a [T],
-    /// Z.
-    mixed: &'a [T],
     x: &'a mut [T],
-    /// Of the momenta.
+    from: Option<&'a [T]>,
+    dl: &'a mut [T],
+    s: usize,
+    stride: usize,
+}
+
+impl<T: Float> Kernel for Row<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        by_groups!(T, self.stride, self);
+    }
+}
+
+impl<T: Float> Row<'_, T> {
+    #[inline(always)]
+    fn groups<const N: usize>(&mut self, groups: usize) {
+        let m = self.w.len();
+        let sides = self.x.len() / (2 * m * self.stride);
+        for row in 0..m {
+            let mut side = 0;
+            while side < sides {
+                side += match sides - side {
+                    1 => self.block::<N, 1>((row, side), groups),
+                    2 => self.block::<N, 2>((row, side), groups),
+                    _ => self.block::<N, 3>((row, side), groups),
+                };
+            }
+        }
+    }
+
+    /// S sides of a row. Returns S.
+    #[inline(always)]
+    fn block<const N: usize, const S: usize>(
+        &mut self,
+        (row, side): (usize, usize),
+        groups: usize,
+    ) -> usize {
+        let m = self.w.len();
+        let dl = self.dl.as_chunks_mut::<N>().0;
+        for g in 0..groups {
+            let x = self.from.unwrap_or(self.x);
+            let at = (side, groups, g);
+            let sums = row_times::<T, N, S>(self.pattern, self.entries, (row, m), x, at);
+            for (k, sum) in sums.iter().enumerate() {
+                dl[((side + k) * 2 * m + m + row) * groups + g] = scaled(sum, -T::int(1));
+            }
+        }
+        let by = self.h * self.w[row];
+        let (twofold, rest) = (self.twofold.as_chunks::<N>().0, self.rest.as_chunks::<N>().0);
+        let x = self.x.as_chunks_mut::<N>().0;
+        for side in side..side + S {
+            let dl = &dl[(side * 2 * m + m + row) * groups..][..groups];
+            for g in 0..groups {
+                let moved = dot(self.s, |j| &twofold[j * groups + g], dl.as_flattened());
+                let rest = &rest[(side * m + row) * groups + g];
+                x[(side * 2 * m + row) * groups + g] = fused(&moved, by, rest);
+            }
+        }
+        S
+    }
+}
+
+/// The sums of δL.
+struct Sums<'a, T> {
+    h: T,
+    w: &'a [T],
     dl: &'a [T],
     kappa: &'a [T],
     drift: &'a [T],
     sums: &'a mut [T],
+    sides: usize,
 }
 
-impl<T: Float> Kernel for Place<'_, T> {
+impl<T: Float> Kernel for Sums<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -174,30 +263,24 @@ impl<T: Float> Kernel for Place<'_, T> {
     }
 }
 
-impl<T: Float> Place<'_, T> {
+impl<T: Float> Sums<'_, T> {
     #[inline(always)]
     fn groups<const N: usize>(&mut self, groups: usize) {
-        let kappa = self.kappa.as_chunks::<N>().0;
-        let (rest, mixed) = (self.rest.as_chunks::<N>().0, self.mixed.as_chunks::<N>().0);
-        let (x, dl) = (self.x.as_chunks_mut::<N>().0, self.dl.as_chunks::<N>().0);
-        let sides = x.len() / (groups * self.w.len());
-        let (by_q, by_p) = self.sums.split_at_mut(x.len() / groups);
-        let to = x.chunks_exact_mut(groups).zip(by_q.iter_mut().zip(by_p));
-        let from = (rest.chunks_exact(groups).zip(mixed.chunks_exact(groups)))
-            .zip(dl.chunks_exact(groups).zip(self.drift));
-        let w = self.w.iter().flat_map(|w| std::iter::repeat_n(w, sides));
-        for (((x, (by_q, by_p)), ((rest, mixed), (dl, &drift))), &w) in to.zip(from).zip(w) {
-            let by = self.h * w;
-            let (mut moved, mut pushed) = (times(&kappa[0], &dl[0]), dl[0]);
-            for g in 1..groups {
-                moved = fused_each(&kappa[g], &dl[g], &moved);
-                add(&mut pushed, &dl[g]);
+        let m = self.w.len();
+        let (kappa, dl) = (self.kappa.as_chunks::<N>().0, self.dl.as_chunks::<N>().0);
+        let sides = self.sums.chunks_exact_mut(2 * m).zip(self.drift.chunks_exact(m));
+        for (side, (sums, drift)) in sides.enumerate().take(self.sides) {
+            let (by_q, by_p) = sums.split_at_mut(m);
+            let dl = dl[(side * 2 + 1) * m * groups..].chunks_exact(groups);
+            for (c, dl) in dl.enumerate().take(m) {
+                let (mut moved, mut pushed) = (times(&kappa[0], &dl[0]), dl[0]);
+                for g in 1..groups {
+                    moved = fused_each(&kappa[g], &dl[g], &moved);
+                    add(&mut pushed, &dl[g]);
+                }
+                by_q[c] = drift[c] + self.h * self.w[c] * folded(&moved);
+                by_p[c] = folded(&pushed);
             }
-            for g in 0..groups {
-                x[g] = fused(&mixed[g], by, &rest[g]);
-            }
-            *by_q = drift + by * folded(&moved);
-            *by_p = folded(&pushed);
         }
     }
 }
@@ -272,14 +355,14 @@ mod tests {
                     let weights = (vec![T::int(1); 4], T::exact(tolerance));
                     let sides = (r.as_slice(), x.as_mut_slice());
                     assert!(linear.solve(
-                        (held, false),
+                        held,
                         sides,
                         (&weights.0, weights.1),
                         &iterate,
                         None
                     ));
-                    x.truncate(r.len() / 2);
-                    [linear.sums().to_vec(), x].concat()
+                    let found = x.chunks_exact(4 * stride).flat_map(|x| x[..2 * stride].to_vec());
+                    linear.sums().iter().copied().chain(found).collect::<Vec<_>>()
                 });
                 assert_eq!(together.len(), alone.len());
                 for (a, b) in together.into_iter().zip(alone) {

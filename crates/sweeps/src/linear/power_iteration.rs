@@ -42,13 +42,22 @@ impl PowerIteration {
 
     /// ω; 0 if nothing bends the motion or ∇²H is not finite.
     pub fn fastest(&mut self, pattern: &Pattern) -> f64 {
+        self.fastest_up_to(pattern, f64::INFINITY)
+    }
+
+    /// ω, or what is found of it as soon as that is beyond `most`.
+    fn fastest_up_to(&mut self, pattern: &Pattern, most: f64) -> f64 {
         // Every direction has a part in it, and no symmetry of a system is its own.
         for (i, x) in self.x.iter_mut().enumerate() {
             *x = 1.0 + 0.5 * (1.0 + 7.3 * i as f64).sin();
         }
         // Two in a row, since an oscillation and a saddle of one rate take turns.
-        let (mut before, mut square) = (0.0, 0.0);
-        for _ in 0..ITERATIONS {
+        let (mut before, mut square) = (0.0_f64, 0.0_f64);
+        for made in 0..ITERATIONS {
+            let found = (before.sqrt() * square.sqrt()).sqrt();
+            if made >= BOUNDS && found > most {
+                return found;
+            }
             before = square;
             square = self.twice(pattern, |x| x);
             if !(square > 0.0 && square.is_finite()) {
@@ -73,11 +82,11 @@ impl PowerIteration {
             let scaled = self.x.iter_mut().zip(&self.twice);
             scaled.for_each(|(x, twice)| *x = twice / size);
         }
-        self.fastest(pattern) <= most
+        self.fastest_up_to(pattern, most) <= most
     }
 
     /// A²x, or |A|²x. Returns its largest component.
-    fn twice(&mut self, pattern: &Pattern, of: fn(f64) -> f64) -> f64 {
+    fn twice(&mut self, pattern: &Pattern, of: impl Fn(f64) -> f64 + Copy) -> f64 {
         turn(pattern, &self.entries, of, (&self.x, &mut self.once));
         turn(pattern, &self.entries, of, (&self.once, &mut self.twice));
         self.twice.iter().fold(0.0, |most, x| most.max(x.abs()))
@@ -85,7 +94,12 @@ impl PowerIteration {
 }
 
 /// `out` = J∇²H `x`, of its entries and of J what `of` makes of them.
-fn turn(pattern: &Pattern, entries: &[f64], of: fn(f64) -> f64, (x, out): (&[f64], &mut [f64])) {
+fn turn(
+    pattern: &Pattern,
+    entries: &[f64],
+    of: impl Fn(f64) -> f64,
+    (x, out): (&[f64], &mut [f64]),
+) {
     let n = x.len();
     for c in 0..n {
         let terms = pattern.row(c);

@@ -4,7 +4,7 @@
 
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
-use crate::layout::row::{by_groups, fused_each, scaled, stride_for};
+use crate::layout::row::{by_groups, fused, fused_each, scaled, stride_for};
 use crate::linear::power_iteration::PowerIteration;
 use equip_autodiff::{Evaluate, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel};
@@ -17,8 +17,9 @@ pub(crate) struct StageHessians<T: Float> {
     set: InstructionSet,
     pub(crate) pattern: Pattern,
     /// Entry e at `e·stride + i`; the padding is zero.
-    entries: Vec<T>,
+    pub(crate) entries: Vec<T>,
     fastest: PowerIteration,
+    sizes: Vec<T>,
 }
 
 impl<T: Float> StageHessians<T> {
@@ -32,6 +33,7 @@ impl<T: Float> StageHessians<T> {
             set: iterate.set,
             entries: vec![T::int(0); pattern.len() * stride],
             fastest,
+            sizes: vec![T::int(0); pattern.dimension()],
             pattern,
         }
     }
@@ -39,20 +41,24 @@ impl<T: Float> StageHessians<T> {
     /// Takes ∇²H at the stages of an iterate that has converged. Returns whether it is finite.
     pub(crate) fn take<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> bool {
         energy.hessians_by_component(&iterate.points, &mut self.entries, self.stride, self.s);
-        let mut sum = T::int(0);
-        for entry in self.entries.chunks_exact_mut(self.stride) {
-            let (stages, padding) = entry.split_at_mut(self.s);
-            for (x, &hb) in stages.iter_mut().zip(&iterate.hb) {
-                *x = hb * *x;
-                sum += *x;
-            }
-            padding.fill(T::int(0));
-        }
-        sum.is_finite()
+        self.set.run(&mut Weigh {
+            entries: &mut self.entries,
+            hb: &iterate.hb,
+            s: self.s,
+        })
     }
 
     /// Whether the fastest motion, ∇²H being the mean over the step, turns by an angle hω of at most `most`.
     pub(crate) fn is_within(&mut self, most: f64) -> bool {
+        let mut bound = Bound {
+            pattern: &self.pattern,
+            entries: &self.entries,
+            stride: self.stride,
+            x: &mut self.sizes,
+        };
+        if self.set.run(&mut bound).to_f64() <= most * most {
+            return true;
+        }
         let places = self.entries.chunks_exact(self.stride);
         let mean = places.map(|entry| {
             let sum = entry[..self.s].iter().fold(T::int(0), |sum, &x| sum + x);
@@ -62,22 +68,14 @@ impl<T: Float> StageHessians<T> {
         self.fastest.is_within(&self.pattern, most)
     }
 
-    /// δL of these rows of ∇²H, of which the first `columns` count, from X of several sides.
-    pub(crate) fn times(
-        &self,
-        rows: (usize, usize),
-        columns: usize,
-        (x, sides): (&[T], usize),
-        dl: &mut [T],
-    ) {
+    /// δL of these rows of ∇²H, from X, of as many sides as X has.
+    pub(crate) fn times(&self, rows: (usize, usize), x: &[T], dl: &mut [T]) {
         self.set.run(&mut Times {
             pattern: &self.pattern,
             entries: &self.entries,
             rows,
-            columns,
             x,
             dl,
-            sides,
             stride: self.stride,
         });
     }
@@ -85,16 +83,13 @@ impl<T: Float> StageHessians<T> {
 
 /// δL from X: rows of h b ∇²H times X, the sign being that of J.
 struct Times<'a, T> {
-    pub(crate) pattern: &'a Pattern,
-    pub(crate) entries: &'a [T],
+    pattern: &'a Pattern,
+    entries: &'a [T],
     /// First row and number of rows.
     rows: (usize, usize),
-    /// Columns that are looked at.
-    columns: usize,
     x: &'a [T],
-    pub(crate) dl: &'a mut [T],
-    sides: usize,
-    pub(crate) stride: usize,
+    dl: &'a mut [T],
+    stride: usize,
 }
 
 impl<T: Float> Kernel for Times<'_, T> {
@@ -109,46 +104,144 @@ impl<T: Float> Kernel for Times<'_, T> {
 impl<T: Float> Times<'_, T> {
     #[inline(always)]
     fn groups<const N: usize>(&mut self, groups: usize) {
-        for (place, row) in (self.rows.0..).take(self.rows.1).enumerate() {
+        let sides = self.x.len() / (self.pattern.dimension() * self.stride);
+        for row in (self.rows.0..).take(self.rows.1) {
             let mut side = 0;
-            while side < self.sides {
-                side += match self.sides - side {
-                    1 => self.block::<N, 1>((place, row, side), groups),
-                    2 => self.block::<N, 2>((place, row, side), groups),
-                    _ => self.block::<N, 3>((place, row, side), groups),
+            while side < sides {
+                side += match sides - side {
+                    1 => self.block::<N, 1>((row, side), groups),
+                    2 => self.block::<N, 2>((row, side), groups),
+                    _ => self.block::<N, 3>((row, side), groups),
                 };
             }
         }
     }
 
-    /// S sides of a row, whose sums stay in registers. Returns S.
+    /// S sides of a row. Returns S.
     #[inline(always)]
     fn block<const N: usize, const S: usize>(
         &mut self,
-        (place, row, side): (usize, usize, usize),
+        (row, side): (usize, usize),
         groups: usize,
     ) -> usize {
-        let (entries, x) = (self.entries.as_chunks::<N>().0, self.x.as_chunks::<N>().0);
-        let dl = self.dl.as_chunks_mut::<N>().0;
-        let (_, sign) = turned::<T>(row, self.pattern.dimension());
-        let range = self.pattern.row_starts[row]..self.pattern.row_starts[row + 1];
-        let columns = &self.pattern.columns[range.clone()];
+        let n = self.pattern.dimension();
+        let (to, sign) = turned::<T>(row, n);
         for g in 0..groups {
-            let mut sums = [[T::int(0); N]; S];
-            for (e, &column) in range.clone().zip(columns) {
-                if column >= self.columns {
-                    break;
-                }
-                let entry = &entries[e * groups + g];
-                let x = &x[(column * self.sides + side) * groups..][..S * groups];
-                for (k, sum) in sums.iter_mut().enumerate() {
-                    *sum = fused_each(entry, &x[k * groups + g], sum);
-                }
-            }
+            let at = (side, groups, g);
+            let sums = row_times::<T, N, S>(self.pattern, self.entries, (row, n), self.x, at);
+            let dl = self.dl.as_chunks_mut::<N>().0;
             for (k, sum) in sums.iter().enumerate() {
-                dl[(place * self.sides + side + k) * groups + g] = scaled(sum, sign);
+                dl[((side + k) * n + to) * groups + g] = scaled(sum, sign);
             }
         }
         S
+    }
+}
+
+/// Σ_e entry_e X of one row and one group of stages, of the columns before `end`, for S sides from `side` on.
+#[inline(always)]
+pub(crate) fn row_times<T: Float, const N: usize, const S: usize>(
+    pattern: &Pattern,
+    entries: &[T],
+    (row, end): (usize, usize),
+    x: &[T],
+    (side, groups, g): (usize, usize, usize),
+) -> [[T; N]; S] {
+    let (entries, x) = (entries.as_chunks::<N>().0, x.as_chunks::<N>().0);
+    let n = pattern.dimension();
+    let range = pattern.row_starts[row]..pattern.row_starts[row + 1];
+    let mut sums = [[T::int(0); N]; S];
+    for (e, &column) in range.clone().zip(&pattern.columns[range]) {
+        if column >= end {
+            break;
+        }
+        let entry = &entries[e * groups + g];
+        for (k, sum) in sums.iter_mut().enumerate() {
+            *sum = fused_each(entry, &x[((side + k) * n + column) * groups + g], sum);
+        }
+    }
+    sums
+}
+
+/// (hω)² ≤ max_c (|A|² 1)_c, A = J Σ_i |h b_i ∇²H(Y_i)|: a bound that mostly tells at once that hω is small, in
+/// one reading of the entries for each product.
+struct Bound<'a, T> {
+    pattern: &'a Pattern,
+    entries: &'a [T],
+    stride: usize,
+    /// Room for x.
+    x: &'a mut [T],
+}
+
+impl<T: Float> Kernel for Bound<'_, T> {
+    type Output = T;
+
+    #[inline(always)]
+    fn run(&mut self) -> T {
+        by_groups!(T, self.stride, self)
+    }
+}
+
+impl<T: Float> Bound<'_, T> {
+    #[inline(always)]
+    fn groups<const N: usize>(&mut self, groups: usize) -> T {
+        let n = self.pattern.dimension();
+        for c in 0..n {
+            self.x[turned::<T>(c, n).0] = self.row::<N>(groups, c, |_| T::int(1));
+        }
+        let (x, mut most) = (&*self.x, T::int(0));
+        for c in 0..n {
+            most = most.max(self.row::<N>(groups, c, |column| x[column]));
+        }
+        most
+    }
+
+    /// Σ |entry| x over a row of ∇²H.
+    #[inline(always)]
+    fn row<const N: usize>(&self, groups: usize, c: usize, x: impl Fn(usize) -> T) -> T {
+        let entries = self.entries.as_chunks::<N>().0;
+        let mut sums = [T::int(0); N];
+        for (e, column) in self.pattern.row(c) {
+            let x = x(column);
+            for entry in &entries[e * groups..][..groups] {
+                let sizes = std::array::from_fn(|i| entry[i].abs());
+                sums = fused(&sizes, x, &sums);
+            }
+        }
+        sums.iter().fold(T::int(0), |sum, &x| sum + x)
+    }
+}
+
+/// Multiplies the entries by h b_i, and clears the padding. Gives whether they are finite.
+struct Weigh<'a, T> {
+    entries: &'a mut [T],
+    hb: &'a [T],
+    s: usize,
+}
+
+impl<T: Float> Kernel for Weigh<'_, T> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn run(&mut self) -> bool {
+        by_groups!(T, self.hb.len(), self)
+    }
+}
+
+impl<T: Float> Weigh<'_, T> {
+    #[inline(always)]
+    fn groups<const N: usize>(&mut self, groups: usize) -> bool {
+        let hb = self.hb.as_chunks::<N>().0;
+        let mut sums = [T::int(0); N];
+        for row in self.entries.as_chunks_mut::<N>().0.chunks_exact_mut(groups) {
+            for (g, (row, hb)) in row.iter_mut().zip(hb).enumerate() {
+                for (i, (x, &hb)) in row.iter_mut().zip(hb).enumerate() {
+                    let is_stage = g * N + i < self.s;
+                    *x = if is_stage { hb * *x } else { T::int(0) };
+                    sums[i] += *x;
+                }
+            }
+        }
+        sums.iter().fold(T::int(0), |a, &b| a + b).is_finite()
     }
 }
