@@ -3,10 +3,13 @@
 //! *Admissible* (project note, section 10). A change of y1 caused by α is admissible up to [`FARTHEST`] times the
 //! larger of the local error of the step and the change that the step's own energy error is equivalent to,
 //! *plus the bound of the last uncorrected step*: the error that such a step has left may be removed by the next
-//! one. Each component counts in units of its change over the step, and so does the component of its group
-//! (positions, momenta) that changes most. At most 1/[`SMALL`] of these units.
+//! one. Where there is no choice of α (as many parameters as constraints) every step hands on its bound, and the
+//! bound fades by 1/[`FADING`] a step: the constraints are what such a method is chosen for.
+//!
+//! Each component counts in units of its change over the step, and so does the component of its group (positions,
+//! momenta) that changes most. At most 1/[`SMALL`] of these units.
 
-use crate::policy::{FARTHEST, SMALL};
+use crate::policy::{FADING, FARTHEST, SMALL};
 use equip_scalar::Float;
 
 /// Bounds on the change of y1, in both units.
@@ -16,7 +19,7 @@ pub(crate) struct Bounds<T> {
     pub(crate) needed: [T; 2],
     /// The bound of this step.
     own: [T; 2],
-    /// The bound that the last uncorrected step hands on.
+    /// The bound that earlier steps hand on.
     handed_on: [T; 2],
     /// Every α is admissible.
     is_free: bool,
@@ -56,8 +59,15 @@ impl<T: Float> Bounds<T> {
                 && bounds.zip(change).all(|((&own, &more), change)| change <= own + more)
     }
 
-    /// What is handed on if the step is uncorrected.
-    pub(crate) fn to_hand_on(&self) -> [T; 2] {
-        self.own
+    /// The bound that is handed on to the next step.
+    pub(crate) fn to_hand_on(&self, has_choice: bool, is_corrected: bool) -> [T; 2] {
+        if !has_choice {
+            let fading = |k: usize| self.handed_on[k] * T::ratio(FADING - 1, FADING);
+            [0, 1].map(|k| self.own[k].max(fading(k)))
+        } else if is_corrected {
+            [T::int(0); 2]
+        } else {
+            self.own
+        }
     }
 }

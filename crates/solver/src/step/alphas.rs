@@ -39,21 +39,22 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.stages.iterate.keep(&mut solver.kept);
         solver.unperturbed.copy_from(next);
         let mut noise = self.stages.contraction.noise();
-        let solved = self.update_alphas(&mut solver, (y, h), next, is_converged);
+        let mut bounds = self.bounds(&mut solver, next, y);
+        let solved = self.update_alphas(&mut solver, (y, h), next, (&mut bounds, is_converged));
+        let has_choice = solver.direction.has_choice();
+        solver.handed_on = bounds.to_hand_on(has_choice, solved.is_ok());
+        self.alpha_solver = Some(solver);
         if solved.is_err() {
             self.alphas.copy_from_slice(&self.start_alphas);
-            self.stages.iterate.put_back(&solver.kept);
-            next.copy_from(&solver.unperturbed);
+            if let Some(solver) = &self.alpha_solver {
+                self.stages.iterate.put_back(&solver.kept);
+                next.copy_from(&solver.unperturbed);
+            }
         }
         let reason = match solved {
-            Ok(()) => {
-                solver.handed_on = [T::int(0); 2];
-                self.alpha_solver = Some(solver);
-                return Ok(Outcome::Solved);
-            }
+            Ok(()) => return Ok(Outcome::Solved),
             Err(reason) => reason,
         };
-        self.alpha_solver = Some(solver);
         if !is_converged {
             self.stages.contraction.disturb();
             self.converge((y, h), next, 0.0)?;
@@ -84,10 +85,10 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         solver: &mut AlphaSolver<T>,
         (y, h): (&State<T>, T),
         next: &mut State<T>,
-        mut is_converged: bool,
+        (bounds, mut is_converged): (&mut Bounds<T>, bool),
     ) -> Result<(), Outcome> {
-        let mut bounds = self.bounds(solver, (y, h), next)?;
-        self.compute_direction(solver, &bounds)?;
+        self.linearise(solver, (y, h), next, bounds)?;
+        self.compute_direction(solver, bounds)?;
         let (mut last, mut stalls) = (T::INFINITY, 0);
         for _ in 0..=MOST_ITERATIONS {
             let level = self.in_late_floors();
@@ -115,7 +116,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
                 let level = self.in_late_floors();
                 stalls += u32::from(last.is_finite() && T::int(2) * level > last);
                 last = level;
-                self.check_displacement(solver, (y, h), next, &mut bounds)?;
+                self.check_displacement(solver, (y, h), next, bounds)?;
             }
         }
         Err(Outcome::NoSlope)
@@ -143,13 +144,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         (least / T::int(share)).to_f64()
     }
 
-    /// The bounds on the change of y1. An error if no admissible α can satisfy the constraints.
-    fn bounds(
-        &mut self,
-        solver: &mut AlphaSolver<T>,
-        (y, h): (&State<T>, T),
-        next: &State<T>,
-    ) -> Result<Bounds<T>, Outcome> {
+    /// The bounds on the change of y1, without the local error.
+    fn bounds(&self, solver: &mut AlphaSolver<T>, next: &State<T>, y: &State<T>) -> Bounds<T> {
         solver.direction.begin(&self.stages.iterate, y, next);
         let direction = &solver.direction;
         let least = |units: &[T], of: fn(&Constraint<T>) -> T| {
@@ -162,10 +158,20 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let needed = units.map(|units| least(units, |c| c.defect));
         let own = units.map(|units| least(units, |c| c.defect - c.start_defect));
         let is_free = self.options.reach == Reach::Always;
-        let mut bounds = Bounds::new(needed, own, solver.handed_on, is_free);
-        solver.handed_on = bounds.to_hand_on();
-        let rounding = T::int(STATE_ROUNDING) * T::EPSILON * direction.largest_size(next);
-        let is_rounding = needed[0] <= rounding;
+        Bounds::new(needed, own, solver.handed_on, is_free)
+    }
+
+    /// Linearises the stage equations. An error if no admissible α can satisfy the constraints.
+    fn linearise(
+        &mut self,
+        solver: &mut AlphaSolver<T>,
+        step: (&State<T>, T),
+        next: &State<T>,
+        bounds: &mut Bounds<T>,
+    ) -> Result<(), Outcome> {
+        let (needed, is_free) = (bounds.needed, self.options.reach == Reach::Always);
+        let size = solver.direction.largest_size(next);
+        let is_rounding = needed[0] <= T::int(STATE_ROUNDING) * T::EPSILON * size;
         if !is_rounding && !bounds.is_small(needed) {
             return Err(Outcome::TooFar);
         }
@@ -176,8 +182,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         if !is_free && !solver.direction.is_resolved() {
             return Err(Outcome::Unresolved);
         }
-        if is_rounding || self.is_admissible(solver, (y, h), &mut bounds, needed) {
-            Ok(bounds)
+        if is_rounding || self.is_admissible(solver, step, bounds, needed) {
+            Ok(())
         } else {
             Err(Outcome::TooFar)
         }
@@ -204,7 +210,6 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
             if let Some(error) = local_error.estimate(energy, step, at, linear, counts) {
                 bounds.extend(error);
             }
-            solver.handed_on = bounds.to_hand_on();
         }
         bounds.holds(change)
     }
