@@ -130,7 +130,11 @@ impl<T: Float> Direction<T> {
             }
             own[c] = (most - least) + root * least.abs().max(most.abs());
             let inverse = T::int(1) / own[c];
-            self.weights[c] = if inverse.is_finite() { inverse } else { T::int(0) };
+            self.weights[c] = if inverse.is_finite() {
+                inverse
+            } else {
+                T::int(0)
+            };
         }
         let m = self.n / 2;
         for (group, own) in group.chunks_exact_mut(m).zip(own.chunks_exact(m)) {
@@ -204,7 +208,11 @@ impl<T: Float> Direction<T> {
     fn respond(&mut self) {
         let (side, r) = (self.n * self.stride, self.d.ncols());
         let unknown = self.unknowns() * self.stride;
-        for (out, d) in self.response.chunks_exact_mut(side).zip(self.d.column_iter()) {
+        for (out, d) in self
+            .response
+            .chunks_exact_mut(side)
+            .zip(self.d.column_iter())
+        {
             let out = &mut out[..unknown];
             out.fill(T::int(0));
             for (x, &d) in self.x.chunks_exact(side).zip(&d) {
@@ -252,7 +260,9 @@ impl<T: Float> Direction<T> {
     pub(crate) fn learn(&mut self, constraints: &[Constraint<T>]) {
         let weighted = |b: usize, delta: T| self.displacements[b] * delta;
         let terms = self.delta.iter().enumerate();
-        let square = terms.fold(T::int(0), |sum, (b, &delta)| sum + weighted(b, delta) * delta);
+        let square = terms.fold(T::int(0), |sum, (b, &delta)| {
+            sum + weighted(b, delta) * delta
+        });
         for (a, constraint) in constraints.iter().enumerate() {
             // With the update t was to make the constraint zero: what is there now was not predicted.
             if constraint.defect.abs() > T::int(4) * constraint.floor {
@@ -295,7 +305,10 @@ impl<T: Float> Direction<T> {
         }
         let solved = self.solve(Held::Start, iterate, tolerance, m);
         let sums = self.linear.sums().chunks_exact(self.n);
-        self.ends.iter_mut().zip(sums).for_each(|(u, sum)| u.copy_from_slice(sum));
+        self.ends
+            .iter_mut()
+            .zip(sums)
+            .for_each(|(u, sum)| u.copy_from_slice(sum));
         solved
     }
 

@@ -79,5 +79,7 @@ pub(crate) fn dot<T: Float>(a: &[T], b: &[T]) -> T {
         }
     }
     let terms = rest_a.iter().zip(rest_b).map(|(&x, &y)| x * y);
-    sums.into_iter().chain(terms).fold(T::int(0), |sum, x| sum + x)
+    sums.into_iter()
+        .chain(terms)
+        .fold(T::int(0), |sum, x| sum + x)
 }

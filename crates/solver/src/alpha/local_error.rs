@@ -87,7 +87,14 @@ impl<T: Float> LocalError<T> {
         for (to, from) in rows(&mut self.coarse, stride).zip(l.chunks_exact(iterate.stride())) {
             to[..s].copy_from_slice(&from[..s]);
         }
-        mix_stages(set, &self.prolongation, &self.coarse, &mut self.points, s, stride);
+        mix_stages(
+            set,
+            &self.prolongation,
+            &self.coarse,
+            &mut self.points,
+            s,
+            stride,
+        );
         for ((row, &hi), &lo) in rows(&mut self.points, stride).zip(&y.hi).zip(&y.lo) {
             row.iter_mut().for_each(|x| *x = hi + (*x + lo));
         }
@@ -100,9 +107,19 @@ impl<T: Float> LocalError<T> {
                 *l = sign * (h * b) * g;
             }
         }
-        mix_stages(set, &self.integration, &self.fine, &mut self.points, finer, stride);
+        mix_stages(
+            set,
+            &self.integration,
+            &self.fine,
+            &mut self.points,
+            finer,
+            stride,
+        );
         mix_stages(set, &self.k, &self.coarse, &mut self.mixed, s, stride);
-        let both = self.points.chunks_exact(stride).zip(self.mixed.chunks_exact(stride));
+        let both = self
+            .points
+            .chunks_exact(stride)
+            .zip(self.mixed.chunks_exact(stride));
         for (r, (fine, coarse)) in rows(&mut self.r, iterate.stride()).zip(both) {
             for (r, (&fine, &coarse)) in r[..s].iter_mut().zip(fine.iter().zip(coarse)) {
                 *r = fine - coarse;
@@ -114,7 +131,10 @@ impl<T: Float> LocalError<T> {
             return None;
         }
         let sum = |l: &[T]| l.iter().fold(T::int(0), |sum, &l| sum + l);
-        let both = self.fine.chunks_exact(stride).zip(self.coarse.chunks_exact(stride));
+        let both = self
+            .fine
+            .chunks_exact(stride)
+            .zip(self.coarse.chunks_exact(stride));
         let mut largest = [T::int(0); 2];
         for (c, ((fine, coarse), &response)) in both.zip(direction.linear.sums()).enumerate() {
             let e = (sum(&fine[..finer]) - sum(&coarse[..s]) + response).abs();

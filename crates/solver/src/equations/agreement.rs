@@ -76,10 +76,13 @@ fn compare<T: Float>(
         );
         for (&found, &wanted) in next.hi.iter().zip(&expected.end) {
             // D has an error of 64√ε.
-            let allowed = T::exact(most) * T::EPSILON * size
-                + T::int(256) * T::EPSILON.sqrt() * displacement;
+            let allowed =
+                T::exact(most) * T::EPSILON * size + T::int(256) * T::EPSILON.sqrt() * displacement;
             let off = ((found - wanted).abs() / allowed).to_f64();
-            assert!(off <= 1.0, "{name}, s = {s}, {preconditioner:?}: {off} times what is allowed");
+            assert!(
+                off <= 1.0,
+                "{name}, s = {s}, {preconditioner:?}: {off} times what is allowed"
+            );
         }
         for (&found, &wanted) in core.alphas().iter().zip(&expected.alphas) {
             // An α is known as well as the end point over what it does to that.

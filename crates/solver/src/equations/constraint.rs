@@ -167,5 +167,7 @@ fn worth<T: Float>(gradient: &[T], sizes: &[T]) -> T {
     }
     let sizes = &sizes[gradient.len() - rest.len()..];
     let terms = rest.iter().zip(sizes).map(|(&g, &size)| (g * size).abs());
-    sums.into_iter().chain(terms).fold(T::int(0), |sum, x| sum + x)
+    sums.into_iter()
+        .chain(terms)
+        .fold(T::int(0), |sum, x| sum + x)
 }

@@ -18,12 +18,7 @@ impl Rows {
     /// Component c of stage i at `i·n + c` in units of the state, divided by the largest, which is returned;
     /// zero where a component is not unknown. Where the end is held the stages stand in reverse order: −Kᵀ is
     /// K of the step made backwards. `None` leaves nothing to solve.
-    pub(crate) fn gather<T: Float>(
-        &self,
-        held: Held,
-        rows: &[T],
-        out: &mut [f64],
-    ) -> Option<T> {
+    pub(crate) fn gather<T: Float>(&self, held: Held, rows: &[T], out: &mut [f64]) -> Option<T> {
         let unknown = rows.len() / self.stride;
         let mut size = T::int(0);
         for c in 0..unknown {
@@ -46,13 +41,7 @@ impl Rows {
     }
 
     /// What [`gather`](Self::gather) has taken, put back.
-    pub(crate) fn scatter<T: Float>(
-        &self,
-        held: Held,
-        from: &[f64],
-        size: T,
-        rows: &mut [T],
-    ) {
+    pub(crate) fn scatter<T: Float>(&self, held: Held, from: &[f64], size: T, rows: &mut [T]) {
         let unknown = rows.len() / self.stride;
         for c in 0..unknown {
             let unit = size * T::exact(self.units[c]);

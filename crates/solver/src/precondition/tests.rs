@@ -59,8 +59,15 @@ fn one_solution<T: Float>(energy: &Hamiltonian, tolerance: f64, most: f64) {
                 let tolerance = (weights.as_slice(), T::exact(tolerance));
                 assert!(linear.solve(held, (&r, &mut x), tolerance, &iterate, m));
                 let unknown = iterate.unknowns() * stride;
-                let found = x.chunks_exact(4 * stride).flat_map(|x| x[..unknown].to_vec());
-                linear.sums().iter().copied().chain(found).collect::<Vec<_>>()
+                let found = x
+                    .chunks_exact(4 * stride)
+                    .flat_map(|x| x[..unknown].to_vec());
+                linear
+                    .sums()
+                    .iter()
+                    .copied()
+                    .chain(found)
+                    .collect::<Vec<_>>()
             };
             let plain = solve(None);
             for wanted in [Wanted::Diagonal, Wanted::Frozen, Wanted::Full] {

@@ -55,7 +55,7 @@ pub(crate) struct AlphaSolver<T: Float> {
     /// The stages and the end point with the α's that a step starts from.
     pub(crate) kept: Kept<T>,
     pub(crate) unperturbed: State<T>,
-    /// The bound that the last uncorrected step hands on, zero after one that is not.
+    /// The bound on the change of y1 that earlier steps hand on.
     pub(crate) handed_on: [T; 2],
 }
 

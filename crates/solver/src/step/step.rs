@@ -6,9 +6,9 @@
 use crate::equations::constraint::Constraint;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
+use crate::policy::SHARE;
 use crate::step::core::Core;
 use equip_autodiff::Evaluate;
-use crate::policy::SHARE;
 use equip_scalar::Float;
 use equip_sweeps::State;
 

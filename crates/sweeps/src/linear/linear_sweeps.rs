@@ -146,9 +146,13 @@ impl<T: Float> LinearSweeps<T> {
                 let before = self.before.chunks_exact(side);
                 for (x, before) in x.chunks_exact_mut(side).zip(before) {
                     let (x, before) = (&mut x[..unknown], &before[..unknown]);
-                    x.iter_mut().zip(before).for_each(|(x, &before)| *x -= before);
+                    x.iter_mut()
+                        .zip(before)
+                        .for_each(|(x, &before)| *x -= before);
                     m.apply(held, x);
-                    x.iter_mut().zip(before).for_each(|(x, &before)| *x += before);
+                    x.iter_mut()
+                        .zip(before)
+                        .for_each(|(x, &before)| *x += before);
                 }
             }
             if made + 1 >= STILL - 1 {
@@ -222,7 +226,10 @@ impl<T: Float> LinearSweeps<T> {
     ) -> Option<bool> {
         let mut all = can_compare;
         let n = weights.len();
-        let sums = self.sums.chunks_exact(n).zip(self.sums_before.chunks_exact(n));
+        let sums = self
+            .sums
+            .chunks_exact(n)
+            .zip(self.sums_before.chunks_exact(n));
         for ((new, old), last) in sums.zip(&mut self.changes).take(sides) {
             let (mut changes, mut sizes) = ([T::int(0); 4], [T::int(0); 4]);
             for (c, ((&new, &old), &w)) in new.iter().zip(old).zip(weights).enumerate() {

@@ -92,7 +92,10 @@ impl<T: Float> Positions<T> {
     /// X_q as it is before the forces change.
     pub(crate) fn rest_into(&self, x: &mut [T], iterate: &Iterate<T>) {
         let half = iterate.n / 2 * iterate.stride;
-        for (x, rest) in x.chunks_exact_mut(2 * half).zip(self.rest.chunks_exact(half)) {
+        for (x, rest) in x
+            .chunks_exact_mut(2 * half)
+            .zip(self.rest.chunks_exact(half))
+        {
             x[..half].copy_from_slice(rest);
         }
     }
@@ -229,7 +232,10 @@ impl<T: Float> Row<'_, T> {
             }
         }
         let by = self.h * self.w[row];
-        let (twofold, rest) = (self.twofold.as_chunks::<N>().0, self.rest.as_chunks::<N>().0);
+        let (twofold, rest) = (
+            self.twofold.as_chunks::<N>().0,
+            self.rest.as_chunks::<N>().0,
+        );
         let x = self.x.as_chunks_mut::<N>().0;
         for side in side..side + S {
             let dl = &dl[(side * 2 * m + m + row) * groups..][..groups];
@@ -268,7 +274,10 @@ impl<T: Float> Sums<'_, T> {
     fn groups<const N: usize>(&mut self, groups: usize) {
         let m = self.w.len();
         let (kappa, dl) = (self.kappa.as_chunks::<N>().0, self.dl.as_chunks::<N>().0);
-        let sides = self.sums.chunks_exact_mut(2 * m).zip(self.drift.chunks_exact(m));
+        let sides = self
+            .sums
+            .chunks_exact_mut(2 * m)
+            .zip(self.drift.chunks_exact(m));
         for (side, (sums, drift)) in sides.enumerate().take(self.sides) {
             let (by_q, by_p) = sums.split_at_mut(m);
             let dl = dl[(side * 2 + 1) * m * groups..].chunks_exact(groups);
@@ -354,15 +363,16 @@ mod tests {
                     let mut x = vec![T::int(0); r.len()];
                     let weights = (vec![T::int(1); 4], T::exact(tolerance));
                     let sides = (r.as_slice(), x.as_mut_slice());
-                    assert!(linear.solve(
-                        held,
-                        sides,
-                        (&weights.0, weights.1),
-                        &iterate,
-                        None
-                    ));
-                    let found = x.chunks_exact(4 * stride).flat_map(|x| x[..2 * stride].to_vec());
-                    linear.sums().iter().copied().chain(found).collect::<Vec<_>>()
+                    assert!(linear.solve(held, sides, (&weights.0, weights.1), &iterate, None));
+                    let found = x
+                        .chunks_exact(4 * stride)
+                        .flat_map(|x| x[..2 * stride].to_vec());
+                    linear
+                        .sums()
+                        .iter()
+                        .copied()
+                        .chain(found)
+                        .collect::<Vec<_>>()
                 });
                 assert_eq!(together.len(), alone.len());
                 for (a, b) in together.into_iter().zip(alone) {
