@@ -21,9 +21,11 @@ class Defect:
 
 @dataclass(frozen=True)
 class EnergyFloor:
-    """What rounding alone makes of H, where it is largest, and the energies to hold it against."""
+    """The largest round-off level of H over the steps that conserved it, and the energies to compare it with."""
 
     floor: float
+    #: Time of the step at whose end it was largest.
+    time: float
     #: abs(H), or the kinetic energy where that is larger and the floor is beyond 1e-6 of abs(H).
     scale: float
 
@@ -88,18 +90,23 @@ class Counts:
     halvings: int
     #: Steps made for outputs between two steps, which are counted in no other number.
     output_steps: int
+    #: Steps whose outputs are of order s only: the stages of a finer polynomial were not found.
+    coarse_outputs: int
     #: Crossings of kinks and jumps of H at which a step, or a part of a fixed one, ended.
     switches_crossed: int
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
+    """The measured record of a run: errors of energy and invariants, outcomes of the steps, counts of work.
 
-    Times are in the unit of time of H, defects in that of their quantity, `seconds` are those of the wall
+    Times are in the unit of time of H, errors in that of their quantity, `seconds` are those of the wall
     clock. `str` is the text that the command line program prints; notebooks show a table.
     """
 
+    #: What the first line says: "yes, on every step", "NO: " with the reasons, or "not requested" with the
+    #: largest error, as of Gauss's method. `energy_kept_on_every_step` is the same as a boolean.
+    energy_conserved_to_round_off: str
     method: str
     #: "f64" or "dd".
     precision: str
@@ -110,7 +117,7 @@ class Certificate:
     end: float
     #: H at the start, H - H(start) over the run; None if it was not measured.
     energy: Optional[Defect]
-    #: Largest defect in units of its round-off floor, over the steps that solved for the energy.
+    #: Largest error in units of its round-off level, over all steps, if they solve for the energy.
     energy_in_floors: Optional[float]
     #: None if the energy was not measured.
     energy_floor: Optional[EnergyFloor]
@@ -129,8 +136,8 @@ class Certificate:
     counts: Counts
     #: Steps by outcome.
     outcomes: dict[str, int]
-    #: Whether every step kept the energy to round-off, which is at most 1e-6 of abs(H) or the kinetic energy,
-    #: and H has jumped nowhere.
+    #: Whether every step conserved the energy to round-off, and neither the round-off level nor the error at
+    #: the end is large compared with the energies.
     energy_kept_on_every_step: bool
     seconds: float
     text: str
@@ -152,7 +159,9 @@ class Certificate:
             cells = (f"<td>{html.escape(text.strip())}</td>" for text in (label, value))
             return f"<tr>{''.join(cells)}</tr>"
 
-        return f"<table>{''.join(row(line) for line in self.text.splitlines())}</table>"
+        verdict, *lines = self.text.splitlines()
+        first = f'<tr><th colspan="2">{html.escape(verdict)}</th></tr>'
+        return f"<table>{first}{''.join(row(line) for line in lines)}</table>"
 
     @classmethod
     def _of(cls, found: dict[str, Any]) -> Certificate:
@@ -171,6 +180,7 @@ class Certificate:
             **{
                 name: found[name]
                 for name in (
+                    "energy_conserved_to_round_off",
                     "method",
                     "precision",
                     "step",

@@ -33,8 +33,8 @@ class Table:
     """A cubic spline through data, of one or two variables: `equip.table` and `equip.table2` make it.
 
     Called with q or p within H it is recorded as one operation, whatever the number of points. Called with
-    numbers it has its values. Beyond the first and last knot the polynomials of the end intervals go on, so
-    that a motion which leaves the table meets no edge, and nothing that was measured.
+    numbers it has its values. Beyond the first and last knot there is no data: a run whose motion leaves the
+    table ends with an error, unless the table was made with `extrapolate=True`.
     """
 
     def __init__(self, native: _native.Table, made_of: tuple[Any, ...]) -> None:
@@ -94,7 +94,7 @@ def _orders(ends: Any) -> set[Any]:
     return {end[0] for end in ends}
 
 
-def table(x: Any, y: Any, bc_type: Ends = "not-a-knot") -> Table:
+def table(x: Any, y: Any, bc_type: Ends = "not-a-knot", extrapolate: bool = False) -> Table:
     """The cubic spline through the points (x_i, y_i), for use within H: `v = equip.table(x, y)`, `v(q[0])`.
 
     It is that of `scipy.interpolate.CubicSpline`, computed with 31 digits.
@@ -108,6 +108,10 @@ def table(x: Any, y: Any, bc_type: Ends = "not-a-knot") -> Table:
     bc_type
         At the ends: "not-a-knot" (4 points or more), "natural" (second derivatives are 0), "clamped" (first
         derivatives are 0), or ((1, a), (1, b)) and ((2, a), (2, b)) with first or second derivatives.
+    extrapolate
+        Whether the polynomials of the end intervals continue beyond the first and the last knot. Otherwise a
+        run whose motion leaves the table ends with an error that has the time and the place, and calls with
+        numbers beyond raise.
 
     Raises
     ------
@@ -137,11 +141,11 @@ def table(x: Any, y: Any, bc_type: Ends = "not-a-knot") -> Table:
             )
         kind, numbers = kinds[orders.pop()], (ends[0][1], ends[1][1])
     both = (pair(numbers[0], "bc_type"), pair(numbers[1], "bc_type"))
-    native = _native.Table.one(_flat(x, "x", 1), _flat(y, "y", 1), kind, both)
-    return Table(native, (table, x, y, bc_type))
+    native = _native.Table.one(_flat(x, "x", 1), _flat(y, "y", 1), kind, both, bool(extrapolate))
+    return Table(native, (table, x, y, bc_type, extrapolate))
 
 
-def table2(x: Any, y: Any, z: Any, bc_type: str = "not-a-knot") -> Table:
+def table2(x: Any, y: Any, z: Any, bc_type: str = "not-a-knot", extrapolate: bool = False) -> Table:
     """The bicubic spline through values on a grid, for use within H: `v(q[0], q[1])`.
 
     Parameters
@@ -152,6 +156,8 @@ def table2(x: Any, y: Any, z: Any, bc_type: str = "not-a-knot") -> Table:
         Values, (n, k).
     bc_type
         At the edges: "not-a-knot" (4 knots or more each way), or "natural".
+    extrapolate
+        As of `table`.
 
     Raises
     ------
@@ -163,5 +169,6 @@ def table2(x: Any, y: Any, z: Any, bc_type: str = "not-a-knot") -> Table:
     expected: Optional[tuple[int, int]] = (len(x), len(y))
     if np.shape(z) != expected:
         raise ValueError(f"z has shape {np.shape(z)}; for these x and y it must have {expected}")
-    native = _native.Table.two(_flat(x, "x", 1), _flat(y, "y", 1), _flat(z, "z", 2), bc_type)
-    return Table(native, (table2, x, y, z, bc_type))
+    numbers = (_flat(x, "x", 1), _flat(y, "y", 1), _flat(z, "z", 2))
+    native = _native.Table.two(*numbers, bc_type, bool(extrapolate))
+    return Table(native, (table2, x, y, z, bc_type, extrapolate))

@@ -16,7 +16,7 @@ from ._hamiltonian import Hamiltonian
 from ._numbers import Floats, Shape
 
 #: Of files.
-FORMAT = "equip solution 3"
+FORMAT = "equip solution 4"
 #: What `Solution.save` writes as it is.
 _ARRAYS = ("t", "y", "energy_defect", "outcome", "t_low", "y_low")
 

@@ -31,6 +31,7 @@ pub(crate) fn of_run<T: Float>(error: &IntegrateError<T>) -> PyErr {
         | IntegrateError::NoConvergence { .. }
         | IntegrateError::Astray { .. }
         | IntegrateError::Escape { .. }
+        | IntegrateError::OutsideOfTable { .. }
         | IntegrateError::Singular { .. }
         | IntegrateError::NoAdmissibleAlpha { .. } => IntegrationError::new_err(error.to_string()),
         _ => value_error(error),

@@ -39,7 +39,10 @@ def test_certificate(sol):
     assert certificate.variable_steps.tolerance == 1e-12
     assert len(certificate.alpha_range) in (0, 7) and certificate.lyapunov is not None
     assert certificate.energy.max == np.abs(sol.energy_defect).max()
-    assert str(certificate).startswith("method") and "energy defect" in str(certificate)
+    assert str(certificate).startswith("energy conserved to round-off: yes, on every step\n")
+    assert certificate.energy_conserved_to_round_off == "yes, on every step"
+    assert next(iter(certificate.to_dict())) == "energy_conserved_to_round_off"
+    assert "energy error" in str(certificate)
     with pytest.raises(AttributeError):
         certificate.step = 1
 
@@ -53,6 +56,9 @@ def test_certificate_as_a_dict_and_a_table(sol):
     assert equip.Certificate._from_dict(stored) == sol.certificate
     table = sol.certificate._repr_html_()
     assert table.count("<tr>") == len(str(sol.certificate).splitlines())
+    assert table.startswith(
+        '<table><tr><th colspan="2">energy conserved to round-off: yes, on every step</th></tr>'
+    )
     assert "<td>method</td><td>EQUIP, 8 stages, order 16 in f64</td>" in table
 
 

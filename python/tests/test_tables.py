@@ -16,7 +16,7 @@ Y = np.sin(X) + 0.1 * X**2
     "ends", ["not-a-knot", "natural", "clamped", ((1, 0.4), (1, -0.3)), ((2, 1.0), (2, 0.5))]
 )
 def test_as_scipy(ends):
-    table, spline = equip.table(X, Y, ends), CubicSpline(X, Y, bc_type=ends)
+    table, spline = equip.table(X, Y, ends, extrapolate=True), CubicSpline(X, Y, bc_type=ends)
     x = np.linspace(-3, 4, 50)
     assert np.allclose(table(x), spline(x), rtol=0, atol=1e-13) and isinstance(table(0.3), float)
     h = equip.Hamiltonian(lambda q, p: p @ p / 2 + table(q).sum() + 2 * table(q[0] * p[1]), 2)
@@ -52,6 +52,30 @@ def test_runs_keep_the_energy_of_a_table():
     again = pickle.loads(pickle.dumps(swing))
     assert np.array_equal(equip.solve(again, [1.0], [0.0], (0, 20), step=0.1).y, runs[0].y)
     assert pickle.loads(pickle.dumps(well))(0.3) == well(0.3)
+
+
+def test_a_run_that_leaves_a_table_ends_with_an_error():
+    hill = equip.table(X, Y)
+    h = equip.Hamiltonian(lambda q, p: p[0] ** 2 / 2 + hill(q[0]), 1)
+    for options in ({"step": 0.05}, {"tolerance": 1e-9}, {"step": 0.05, "method": equip.Gauss(4)}):
+        sol = equip.solve(h, [0.0], [3.0], (0, 20), **options)
+        assert not sol.success and "outside of a table of H" in sol.message and "ends at 3.5" in sol.message
+        # Up to the edge the run is there.
+        assert 3.2 < sol.q[-1, 0] <= 3.5 and sol.t[-1] < 2
+    further = equip.table(X, Y, extrapolate=True)
+    h = equip.Hamiltonian(lambda q, p: p[0] ** 2 / 2 + further(q[0]), 1)
+    again = pickle.loads(pickle.dumps(h))
+    for h in (h, again):
+        assert equip.solve(h, [0.0], [3.0], (0, 2), step=0.05).success
+    with pytest.raises(ValueError, match="4e0 is outside of the table, which begins at -2e0 and ends at 3.5"):
+        hill(4.0)
+    assert further(4.0) == pytest.approx(float(CubicSpline(X, Y)(4.0)), abs=1e-13)
+    with pytest.raises(equip.IntegrationError, match="outside of a table of H"):
+        equip.steps(equip.Hamiltonian(lambda q, p: p[0] ** 2 / 2 + hill(q[0]), 1), [5.0], [0.0], step=0.1)
+    two = equip.table2(X, X, np.outer(X, X))
+    with pytest.raises(ValueError, match="outside of the table"):
+        two(0.0, 4.0)
+    assert equip.table2(X, X, np.outer(X, X), extrapolate=True)(0.0, 4.0) == pytest.approx(0.0)
 
 
 def test_refusals():

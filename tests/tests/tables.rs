@@ -3,7 +3,7 @@
 
 use cpu_time::ThreadTime;
 use equip_autodiff::{Hamiltonian, System};
-use equip_integrate::{Equip, Gauss, Run};
+use equip_integrate::{Equip, Gauss, IntegrateError, Run};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tables::{Custom, Table, Table2};
 
@@ -216,4 +216,74 @@ fn closures_are_the_function() {
     let [q, exact] = runs.each_ref().map(end);
     println!("{:e}", q - exact);
     assert!((q - exact).abs() < 1e-12);
+}
+
+fn flight(v: &Table) -> Hamiltonian {
+    Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 + v.at(q[0])).unwrap()
+}
+
+/// A table ends a run where it ends, also if only a stage of the step is beyond.
+#[test]
+fn the_motion_leaves_a_table() {
+    let v = Table::natural(&[-1.0, 0.0, 1.0], &[0.0, -0.1, 0.0]).unwrap();
+    let h = flight(&v);
+    for method in [Equip::stages(4), Gauss::stages(4)] {
+        let fixed = method.step(0.25).integrate(&h, &[0.0], &[1.0], 0.0..=5.0);
+        let chosen = method
+            .tolerance(1e-9)
+            .integrate(&h, &[0.0], &[1.0], 0.0..=5.0);
+        let back = method
+            .tolerance(1e-9)
+            .integrate(&h, &[0.0], &[1.0], 0.0..=-5.0);
+        for (made, side) in [(fixed, 1.0), (chosen, 1.0), (back, -1.0)] {
+            let failure = made.unwrap_err();
+            let text = failure.to_string();
+            let IntegrateError::OutsideOfTable {
+                time,
+                argument,
+                first,
+                last,
+            } = failure.error
+            else {
+                panic!("{text}");
+            };
+            assert!(text.contains("outside of a table of H"), "{text}");
+            assert!(
+                first == -1.0 && last == 1.0 && argument * side > 1.0,
+                "{text}"
+            );
+            // At about the speed 1, a step later at most.
+            assert!(time * side > 1.0 && time * side < 2.0, "{text}");
+            let (_, q, _) = failure.partial.as_ref().unwrap().last();
+            assert!(q[0].abs() <= 1.0 && q[0] * side > 0.3, "{q:?}");
+        }
+        let start = method.step(0.25).integrate(&h, &[2.0], &[1.0], 0.0..=5.0);
+        let error = start.unwrap_err().error;
+        assert!(
+            matches!(error, IntegrateError::OutsideOfTable { argument: 2.0, .. }),
+            "{error}"
+        );
+        let further = v.extrapolated();
+        let h = flight(&further);
+        assert!(
+            method
+                .step(0.25)
+                .integrate(&h, &[0.0], &[1.0], 0.0..=5.0)
+                .is_ok()
+        );
+    }
+    // Between two steps: up to 1.01 and back, with stages beyond.
+    let ball = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 + q[0] + 1e-30 * v.at(q[0])).unwrap();
+    let over = Equip::stages(4).step(2.0 * 2.02_f64.sqrt());
+    let made = over.integrate(
+        &ball,
+        &[0.0],
+        &[2.02_f64.sqrt()],
+        0.0..=2.0 * 2.02_f64.sqrt(),
+    );
+    let error = made.unwrap_err().error;
+    assert!(
+        matches!(error, IntegrateError::OutsideOfTable { .. }),
+        "{error}"
+    );
 }

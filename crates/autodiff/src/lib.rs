@@ -48,7 +48,9 @@ pub use routes::recorded_evaluator::RecordedEvaluator;
 pub use routes::state_function::StateFunction;
 pub use routes::statics::{Static, StaticEvaluator};
 pub use routes::supplied::{Supplied, SuppliedEvaluator};
-pub use routes::switches::{SwitchEvaluator, SwitchKind, Switches};
+pub use routes::switches::{
+    DomainEvaluator, Domains, OutsideDomain, SwitchEvaluator, SwitchKind, Switches,
+};
 pub use structure::facts::{HessianPattern, Structure};
 pub use structure::kinetic::Kinetic;
 pub use structure::pattern::Pattern;

@@ -316,15 +316,15 @@ fn report<T: Float>(args: &RunArgs, finished: &Finished<'_, T>) -> Result<(), Fa
             .parameters()
             .map(|(name, value)| format!(" {name}={value}"))
             .collect();
+        let certificate = finished.run.certificate().to_string();
+        let certificate = without_long_numbers(&certificate);
+        let (verdict, lines) = certificate.split_once('\n').unwrap_or_default();
+        let (scene, parameters) = (finished.instance.scene().name, parameters.concat());
         writeln!(
             out,
-            "{:<24}{}{}",
-            "scene",
-            finished.instance.scene().name,
-            parameters.concat()
+            "{verdict}\n{:<24}{scene}{parameters}\n{lines}",
+            "scene"
         )?;
-        let certificate = finished.run.certificate().to_string();
-        writeln!(out, "{}", without_long_numbers(&certificate))?;
         if let Some(EndError { against, q, p }) = &finished.end_error {
             writeln!(
                 out,

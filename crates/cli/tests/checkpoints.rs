@@ -268,7 +268,7 @@ fn a_long_table_is_gone_on_with_in_little_memory() {
     });
     std::fs::write(
         home.join("c"),
-        format!("equip checkpoint 1 {checksum:016x}\n{json}"),
+        format!("equip checkpoint 2 {checksum:016x}\n{json}"),
     )
     .unwrap();
     // No more address space than the program needs without a table, and less than the table.

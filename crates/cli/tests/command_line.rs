@@ -304,6 +304,15 @@ fn steps_that_resolve_nothing_are_named() {
     );
     let json = text(equip(&[&run[..], &["--json"]].concat()).stdout);
     let document: serde_json::Value = serde_json::from_str(&json).unwrap();
+    // The same verdict comes first in both.
+    let verdict = document["energy_conserved_to_round_off"].as_str().unwrap();
+    assert!(verdict.starts_with("NO: ") && verdict.contains("steps uncorrected, largest error "));
+    let first = format!("energy conserved to round-off: {verdict}\n");
+    assert!(printed.starts_with(&first), "{printed}");
+    assert!(
+        json.starts_with("{\n  \"energy_conserved_to_round_off\": \"NO: "),
+        "{json}"
+    );
     assert_eq!(document["motion_is_resolved"], false);
     let angle = document["phase_per_step"]["angle"].as_f64().unwrap();
     assert!((angle - 50.0).abs() < 1.0, "{angle}");

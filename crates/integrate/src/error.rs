@@ -1,6 +1,7 @@
 //! Everything that can go wrong, each with what to change.
 
 use crate::control::policy::GROWN;
+use crate::report::shown::plain;
 use equip_scalar::Float;
 
 /// What stopped the steps and what helps: a singularity is named where something has grown, and `min_step`
@@ -46,16 +47,16 @@ pub enum IntegrateError<T: Float> {
     },
     /// The step is zero, infinite or NaN.
     #[error(
-        "the step is {step}; it must be finite and not zero (a negative one goes back in time)"
-    )]
+        "the step is {step}; it must be finite and not zero (a negative one goes back in time)",
+        step = plain(*step))]
     StepOutOfRange {
         /// The step given.
         step: T,
     },
     /// The steps lead away from where the run is to end.
     #[error(
-        "steps of {step} lead from {start} away from {end}; give a step without a sign, which goes the way of the interval, or an end on the other side; a resumed run goes on the way it went"
-    )]
+        "steps of {step} lead from {start} away from {end}; give a step without a sign, which goes the way of the interval, or an end on the other side; a resumed run goes on the way it went",
+        step = plain(*step), start = plain(*start), end = plain(*end))]
     StepsLeadAway {
         /// A step, with its sign.
         step: T,
@@ -66,8 +67,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// The step is lost in the rounding of the time.
     #[error(
-        "the step {step} does not change the time {time}; take a larger step or let time start at 0"
-    )]
+        "the step {step} does not change the time {time}; take a larger step or let time start at 0",
+        time = plain(*time), step = plain(*step))]
     StepBelowTimeResolution {
         /// The step given.
         step: T,
@@ -83,7 +84,8 @@ pub enum IntegrateError<T: Float> {
         steps: f64,
     },
     /// The interval is not finite.
-    #[error("the interval {start} to {end} must be finite; give two finite times, in either order")]
+    #[error("the interval {start} to {end} must be finite; give two finite times, in either order",
+        start = plain(*start), end = plain(*end))]
     Interval {
         /// Start of the interval.
         start: T,
@@ -128,8 +130,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// A gradient written by hand is not that of H.
     #[error(
-        "at t = {time} the gradient given by hand has {given:e} for ∂H/∂{what}[{index}], where H has {expected:e}; correct it, leave it out (H is differentiated then), or take it as it is with `check_gradient(false)`"
-    )]
+        "at t = {time} the gradient given by hand has {given:e} for ∂H/∂{what}[{index}], where H has {expected:e}; correct it, leave it out (H is differentiated then), or take it as it is with `check_gradient(false)`",
+        time = plain(*time))]
     WrongGradient {
         /// Time of the state.
         time: T,
@@ -162,8 +164,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// An output time lies outside the interval or before the one ahead of it.
     #[error(
-        "output time {time} (number {index}) must lie in {start} to {end} and not before the one ahead of it, in the order in which the run goes"
-    )]
+        "output time {time} (number {index}) must lie in {start} to {end} and not before the one ahead of it, in the order in which the run goes",
+        time = plain(*time), start = plain(*start), end = plain(*end))]
     OutputTime {
         /// The time given.
         time: T,
@@ -188,8 +190,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// A checkpoint was made with another H.
     #[error(
-        "H is not what it was when the checkpoint was made at t = {time}: give the same Hamiltonian with the same parameters, or start anew"
-    )]
+        "H is not what it was when the checkpoint was made at t = {time}: give the same Hamiltonian with the same parameters, or start anew",
+        time = plain(*time))]
     CheckpointOtherEnergy {
         /// Time of the checkpoint.
         time: T,
@@ -202,16 +204,16 @@ pub enum IntegrateError<T: Float> {
     },
     /// A checkpoint was made after the shorter last step of a run.
     #[error(
-        "the checkpoint was made at t = {time}, which is not on the grid of its steps (the last step of a run may be shorter); resume from an earlier one, or start anew from there"
-    )]
+        "the checkpoint was made at t = {time}, which is not on the grid of its steps (the last step of a run may be shorter); resume from an earlier one, or start anew from there",
+        time = plain(*time))]
     CheckpointOffGrid {
         /// Time of the checkpoint.
         time: T,
     },
     /// An event function changes sign too often, or its noise does.
     #[error(
-        "the event `{event}` has more structure in the step at t = {time}, h = {step:e} than can be told from noise; give a smooth function whose rounding is small beside its changes"
-    )]
+        "the event `{event}` has more structure in the step at t = {time}, h = {step:e} than can be told from noise; give a smooth function whose rounding is small beside its changes",
+        time = plain(*time))]
     EventTooRough {
         /// Name of the event.
         event: String,
@@ -246,8 +248,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// No step of which the integral rule of reversible control holds was found.
     #[error(
-        "no size was found at t = {time} for which h Σ b_i/σ(Y_i) = ε, the last one {step:e} misses it by {miss:e}; take a smaller ε, a smoother σ, or `StepRule::Explicit`"
-    )]
+        "no size was found at t = {time} for which h Σ b_i/σ(Y_i) = ε, the last one {step:e} misses it by {miss:e}; take a smaller ε, a smoother σ, or `StepRule::Explicit`",
+        time = plain(*time))]
     StepRuleNotMet {
         /// Start of the step.
         time: T,
@@ -256,11 +258,25 @@ pub enum IntegrateError<T: Float> {
         /// By how much of ε it misses the rule.
         miss: T,
     },
+    /// The motion leaves a table of H that does not extrapolate.
+    #[error(
+        "at t = {time} the motion is at {argument:e}, outside of a table of H that begins at {first:e} and ends at {last:e}; end the run before, measure further, or extrapolate the table",
+        time = plain(*time))]
+    OutsideOfTable {
+        /// Time of a stage or of the end of a step that is outside.
+        time: T,
+        /// The argument of the table there.
+        argument: T,
+        /// First knot.
+        first: T,
+        /// Last knot.
+        last: T,
+    },
     /// Step control wants a step below the smallest one allowed, or below the resolution of time.
     #[error(
         "the tolerance {tolerance:e} asks for a step below {step:e} at t = {time}{}",
-        below_minimum(*step, *min, *growth)
-    )]
+        below_minimum(*step, *min, *growth),
+        time = plain(*time))]
     StepBelowMinimum {
         /// Start of the step.
         time: T,
@@ -276,8 +292,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// The run has made all the steps it may.
     #[error(
-        "{steps} steps were made and t = {time} is reached; raise `max_steps`, loosen the tolerance or shorten the interval"
-    )]
+        "{steps} steps were made and t = {time} is reached; raise `max_steps`, loosen the tolerance or shorten the interval",
+        time = plain(*time))]
     StepLimit {
         /// Steps allowed.
         steps: u64,
@@ -286,8 +302,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// H became infinite or NaN inside a step, also after all halvings.
     #[error(
-        "H or its derivatives are not finite inside the step at t = {time}, h = {step}, also after halving it {halvings} times; the trajectory leaves the domain of H there, or the step is too large"
-    )]
+        "H or its derivatives are not finite inside the step at t = {time}, h = {step}, also after halving it {halvings} times; the trajectory leaves the domain of H there, or the step is too large",
+        time = plain(*time), step = plain(*step))]
     NotFinite {
         /// Start of the step.
         time: T,
@@ -298,8 +314,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// The stage equations were not solved, also after all halvings.
     #[error(
-        "the stage equations did not converge in the step at t = {time}, h = {step}, also after halving it {halvings} times ({iterations} iterations, last correction {correction:e} relative to the state); take a smaller step"
-    )]
+        "the stage equations did not converge in the step at t = {time}, h = {step}, also after halving it {halvings} times ({iterations} iterations, last correction {correction:e} relative to the state); take a smaller step",
+        time = plain(*time), step = plain(*step))]
     NoConvergence {
         /// Start of the step.
         time: T,
@@ -314,8 +330,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// The step has a solution, which has nothing to do with the motion.
     #[error(
-        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy is off by {defect:e}, more than all terms of the energy ({scale:e}): the step is too large for them to have the solution that follows the motion; take a smaller step"
-    )]
+        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy is off by {defect:e}, more than all terms of the energy ({scale:e}): the step is too large for them to have the solution that follows the motion; take a smaller step",
+        time = plain(*time), step = plain(*step))]
     Astray {
         /// Start of the step.
         time: T,
@@ -328,8 +344,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// The motion runs away to infinity, which it reaches in finite time.
     #[error(
-        "the motion runs away to infinity: at t = {time} the position has the size {size:e} and grows by a factor within h = {step}; end the run before that time, or start where the energy is too low to escape"
-    )]
+        "the motion runs away to infinity: at t = {time} the position has the size {size:e} and grows by a factor within h = {step}; end the run before that time, or start where the energy is too low to escape",
+        time = plain(*time), step = plain(*step))]
     Escape {
         /// Start of the step.
         time: T,
@@ -340,8 +356,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// The Newton matrix is singular, also after all halvings.
     #[error(
-        "the Newton matrix is singular in the step at t = {time}, h = {step}, also after halving it {halvings} times; take a slightly different step"
-    )]
+        "the Newton matrix is singular in the step at t = {time}, h = {step}, also after halving it {halvings} times; take a slightly different step",
+        time = plain(*time), step = plain(*step))]
     Singular {
         /// Start of the step.
         time: T,
@@ -352,8 +368,8 @@ pub enum IntegrateError<T: Float> {
     },
     /// No admissible α keeps the energy, and the user asked to refuse such steps.
     #[error(
-        "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller step, more stages, all α's, or allow the defect to be carried to the next step"
-    )]
+        "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller step, more stages, all α's, or allow the defect to be carried to the next step",
+        time = plain(*time), step = plain(*step))]
     NoAdmissibleAlpha {
         /// Start of the step.
         time: T,

@@ -8,6 +8,7 @@ mod checkpoint;
 mod checkpoint_file;
 mod dense;
 mod encounters;
+mod energy_verdict;
 #[cfg(feature = "rayon")]
 mod ensemble;
 mod events;
@@ -15,6 +16,7 @@ mod extended;
 mod force_rounding;
 mod gradients;
 mod memory;
+mod outputs_end_no_run;
 mod preconditioners;
 mod restart;
 mod reversible;
@@ -22,6 +24,7 @@ mod silent_switches;
 mod suggest;
 mod tangent;
 mod there_and_back;
+mod thin_obstacles;
 mod verdicts;
 mod with_time;
 

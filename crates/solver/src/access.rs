@@ -213,6 +213,11 @@ impl<T: Float> Constraint<T> {
         self.floor.max(self.late)
     }
 
+    /// The round-off level of g at the end of the step itself.
+    pub fn momentary_floor(&self) -> T {
+        self.floor
+    }
+
     /// |g| in the largest floors of late.
     pub fn in_late_floors(&self) -> T {
         self.defect.abs() / self.floor()

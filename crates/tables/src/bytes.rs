@@ -1,4 +1,4 @@
-//! Tables as bytes: number of axes, two ends, lengths of the axes, then knots and values as pairs of doubles.
+//! Tables as bytes: number of axes, and 16 more if the table is extrapolated, two ends, lengths of the axes, then knots and values as pairs of doubles.
 //! The least significant byte is the first.
 
 use crate::error::TableError;
@@ -8,12 +8,21 @@ use equip_scalar::DoubleDouble;
 /// What a table is made of.
 pub(crate) struct Content {
     pub(crate) ends: [End; 2],
+    pub(crate) is_extrapolated: bool,
     pub(crate) axes: Vec<Vec<DoubleDouble>>,
     pub(crate) values: Vec<DoubleDouble>,
 }
 
-pub(crate) fn write(ends: [End; 2], axes: &[&[DoubleDouble]], values: &[DoubleDouble]) -> Vec<u8> {
-    let mut bytes = vec![axes.len() as u8];
+/// Added to the number of axes.
+const EXTRAPOLATED: u8 = 16;
+
+pub(crate) fn write(
+    (ends, is_extrapolated): ([End; 2], bool),
+    axes: &[&[DoubleDouble]],
+    values: &[DoubleDouble],
+) -> Vec<u8> {
+    let flag = if is_extrapolated { EXTRAPOLATED } else { 0 };
+    let mut bytes = vec![axes.len() as u8 | flag];
     let number = |bytes: &mut Vec<u8>, x: &DoubleDouble| {
         bytes.extend(x.hi().to_le_bytes());
         bytes.extend(x.lo().to_le_bytes());
@@ -38,7 +47,8 @@ pub(crate) fn write(ends: [End; 2], axes: &[&[DoubleDouble]], values: &[DoubleDo
 
 pub(crate) fn read(bytes: &[u8]) -> Result<Content, TableError> {
     let mut rest = bytes;
-    let axes = byte(&mut rest)?;
+    let head = byte(&mut rest)?;
+    let (axes, is_extrapolated) = (head & !EXTRAPOLATED, head & EXTRAPOLATED != 0);
     if !(1..=2).contains(&axes) {
         return Err(TableError::Damaged);
     }
@@ -62,7 +72,12 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Content, TableError> {
     if !rest.is_empty() {
         return Err(TableError::Damaged);
     }
-    Ok(Content { ends, axes, values })
+    Ok(Content {
+        ends,
+        is_extrapolated,
+        axes,
+        values,
+    })
 }
 
 fn take<const N: usize>(rest: &mut &[u8]) -> Result<[u8; N], TableError> {

@@ -1,6 +1,6 @@
 //! [`from_bytes`]: a table from its bytes.
 
-use crate::bytes::{Content, read};
+use crate::bytes::read;
 use crate::error::TableError;
 use crate::{Table, Table2};
 use equip_scalar::Outside;
@@ -12,10 +12,13 @@ use std::sync::Arc;
 /// # Errors
 /// [`TableError`] if they are no table.
 pub fn from_bytes(bytes: &[u8]) -> Result<Arc<dyn Outside>, TableError> {
-    let Content { ends, axes, values } = read(bytes)?;
-    match &axes[..] {
-        [x] => Ok(Table::new(x, &values, ends)?.outside()),
-        [x, y] => Ok(Table2::new(x, y, &values, ends[0])?.outside()),
+    let content = read(bytes)?;
+    let (ends, values) = (content.ends, &content.values[..]);
+    match (&content.axes[..], content.is_extrapolated) {
+        ([x], false) => Ok(Table::new(x, values, ends)?.outside()),
+        ([x], true) => Ok(Table::new(x, values, ends)?.extrapolated().outside()),
+        ([x, y], false) => Ok(Table2::new(x, y, values, ends[0])?.outside()),
+        ([x, y], true) => Ok(Table2::new(x, y, values, ends[0])?.extrapolated().outside()),
         _ => Err(TableError::Damaged),
     }
 }

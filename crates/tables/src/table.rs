@@ -12,9 +12,10 @@ use std::sync::Arc;
 
 /// The cubic spline y(x) through the points (x_i, y_i), x ascending, uniform or not.
 ///
-/// y, y′ and y″ are continuous; y‴ jumps at the knots, where it is that of the interval above. **Beyond the
-/// first and the last knot the polynomials of the end intervals go on**, so a motion that leaves the table
-/// meets no edge, and nothing that was measured: watch [`range`](Self::range) with an event if it may.
+/// y, y′ and y″ are continuous; y‴ jumps at the knots, where it is that of the interval above. **A run whose
+/// motion leaves the table ends in an error** with the time and the argument, as there is no data beyond the
+/// first and the last knot. [`extrapolated`](Self::extrapolated) continues the polynomials of the end
+/// intervals instead; so does the value of H at a state beyond, outside of runs.
 ///
 /// x and y are doubles or double-doubles; the spline is computed in double-double, so in a double-double run
 /// it is the spline through the given numbers to 31 digits. Between smooth y with knots h apart its error is
@@ -113,11 +114,39 @@ impl Table {
             values: y,
             ends,
             knots,
+            is_extrapolated: false,
         });
         Ok(Table {
             outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
             interpolant,
         })
+    }
+
+    /// The same table, continued beyond its ends with the polynomials of its end intervals: runs go on there,
+    /// without data.
+    ///
+    /// ```
+    /// use equip_autodiff::{Hamiltonian, System};
+    /// use equip_tables::Table;
+    ///
+    /// let v = Table::natural(&[0.0, 1.0, 2.0], &[0.0, -0.5, 0.0])?;
+    /// let may_leave = |v: &Table| {
+    ///     let h = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 + v.at(q[0])).unwrap();
+    ///     h.switches().domains().is_empty()
+    /// };
+    /// assert!(!may_leave(&v) && may_leave(&v.extrapolated()));
+    /// # Ok::<(), equip_tables::TableError>(())
+    /// ```
+    #[must_use]
+    pub fn extrapolated(&self) -> Self {
+        let interpolant = Arc::new(Interpolant {
+            is_extrapolated: true,
+            ..(*self.interpolant).clone()
+        });
+        Table {
+            outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
+            interpolant,
+        }
     }
 
     pub(crate) fn outside(&self) -> Arc<dyn Outside> {
@@ -180,13 +209,15 @@ pub(crate) fn finite_values<X: Into<DoubleDouble> + Copy>(
 }
 
 /// Polynomials between knots.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Interpolant {
     knots: Arc<Knots>,
     kinks: Option<Arc<dyn Outside>>,
     /// What the polynomials are made of.
     values: Vec<DoubleDouble>,
     ends: [End; 2],
+    /// Whether runs may leave the table.
+    is_extrapolated: bool,
     /// Coefficients of each interval.
     pieces: Vec<[DoubleDouble; 4]>,
     /// Its first knot and its coefficients, as doubles.
@@ -232,7 +263,13 @@ impl Outside for Interpolant {
     }
 
     fn to_bytes(&self) -> Option<Vec<u8>> {
-        Some(bytes::write(self.ends, &[&self.knots.pairs], &self.values))
+        let flag = self.is_extrapolated;
+        let knots = &self.knots.pairs[..];
+        Some(bytes::write((self.ends, flag), &[knots], &self.values))
+    }
+
+    fn domain(&self, _axis: usize) -> Option<[f64; 2]> {
+        (!self.is_extrapolated).then(|| [self.knots.first(), self.knots.last()])
     }
 
     fn kinks(&self) -> Vec<Arc<dyn Outside>> {

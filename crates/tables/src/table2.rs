@@ -14,8 +14,9 @@ use std::sync::Arc;
 /// The bicubic spline z(x, y) through values on a rectangular grid: the spline in x of the splines in y.
 ///
 /// z and its derivatives up to ∂⁴z/∂x²∂y² are continuous; third ones in one variable jump at the lines of the
-/// grid. **Beyond the grid the polynomials of the cells at its edge go on.** Ends, numbers and errors are
-/// those of [`Table`](crate::Table). Memory: 400 bytes a cell.
+/// grid. **A run whose motion leaves the grid ends in an error**, unless the table is
+/// [`extrapolated`](Self::extrapolated). Ends, numbers and errors are those of [`Table`](crate::Table).
+/// Memory: 400 bytes a cell.
 ///
 /// ```
 /// use equip_tables::Table2;
@@ -85,6 +86,7 @@ impl Table2 {
             knots,
             values,
             end,
+            is_extrapolated: false,
             cells,
             rounded,
         });
@@ -92,6 +94,20 @@ impl Table2 {
             outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
             interpolant,
         })
+    }
+
+    /// The same table, continued beyond the grid with the polynomials of the cells at its edge: runs go on
+    /// there, without data.
+    #[must_use]
+    pub fn extrapolated(&self) -> Self {
+        let interpolant = Arc::new(Interpolant {
+            is_extrapolated: true,
+            ..(*self.interpolant).clone()
+        });
+        Table2 {
+            outside: Arc::clone(&interpolant) as Arc<dyn Outside>,
+            interpolant,
+        }
     }
 
     pub(crate) fn outside(&self) -> Arc<dyn Outside> {
@@ -150,13 +166,15 @@ fn cells(
 }
 
 /// Polynomials in the cells of a grid.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Interpolant {
     knots: [Arc<Knots>; 2],
     kinks: [Option<Arc<dyn Outside>>; 2],
     /// What the polynomials are made of.
     values: Vec<DoubleDouble>,
     end: End,
+    /// Whether runs may leave the table.
+    is_extrapolated: bool,
     cells: Vec<[[DoubleDouble; 4]; 4]>,
     rounded: Vec<[[f64; 4]; 4]>,
 }
@@ -202,7 +220,13 @@ impl Outside for Interpolant {
 
     fn to_bytes(&self) -> Option<Vec<u8>> {
         let [x, y] = self.knots.each_ref().map(|knots| &knots.pairs[..]);
-        Some(bytes::write([self.end; 2], &[x, y], &self.values))
+        let flag = self.is_extrapolated;
+        Some(bytes::write(([self.end; 2], flag), &[x, y], &self.values))
+    }
+
+    fn domain(&self, axis: usize) -> Option<[f64; 2]> {
+        let knots = &self.knots[axis];
+        (!self.is_extrapolated).then(|| [knots.first(), knots.last()])
     }
 
     fn kinks(&self) -> Vec<Arc<dyn Outside>> {

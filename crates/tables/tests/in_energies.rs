@@ -241,3 +241,36 @@ fn switches() {
     let h = Hamiltonian::new(1, |q, _| line.at(q[0])).unwrap();
     assert!(h.switches().is_empty());
 }
+
+/// The domain of an energy is that of the arguments of its tables, of those that do not extrapolate.
+#[test]
+fn tables_end_unless_they_are_extrapolated() {
+    let v = Table::natural(&[-1.0, 0.0, 2.0], &[1.0, 0.0, 4.0]).unwrap();
+    let two = Table2::natural(&[0.0, 1.0], &[0.0, 3.0], &[0.0; 4]).unwrap();
+    let argument = |h: &Hamiltonian, y: &[f64]| {
+        let mut domains = h.switches().domains().evaluator();
+        domains.check(y).err().map(|outside| outside.argument)
+    };
+    let h = Hamiltonian::new(1, |q, p| v.at(2 * q[0]) + v.extrapolated().at(q[0]) + p[0]).unwrap();
+    for (q, outside) in [
+        (0.3, None),
+        (1.0, None),
+        (1.1, Some(2.2)),
+        (-0.6, Some(-1.2)),
+    ] {
+        assert_eq!(argument(&h, &[q, 0.0]), outside, "{q}");
+    }
+    let read = |bytes: &[u8]| equip_tables::from_bytes(bytes).ok();
+    let again = Hamiltonian::from_bytes_with(&h.to_bytes().unwrap(), read);
+    assert_eq!(argument(&again.unwrap(), &[1.1, 0.0]), Some(2.2));
+    let h = Hamiltonian::new(1, |q, p| two.at(q[0], p[0])).unwrap();
+    assert_eq!(argument(&h, &[0.5, 3.5]), Some(3.5));
+    assert_eq!(argument(&h, &[0.5, 2.5]), None);
+    let h = Hamiltonian::new(1, |q, p| two.extrapolated().at(q[0], p[0])).unwrap();
+    assert_eq!(argument(&h, &[7.0, 3.5]), None);
+    // Beyond it is the same polynomial.
+    let same = Hamiltonian::new(1, |q, p| v.extrapolated().at(q[0]) + p[0]).unwrap();
+    let table = Hamiltonian::new(1, |q, p| v.at(q[0]) + p[0]).unwrap();
+    let [a, b] = [same, table].map(|h| h.evaluator::<f64>().value(&[5.0, 0.0]));
+    assert_eq!(a.to_bits(), b.to_bits());
+}

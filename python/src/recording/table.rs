@@ -2,7 +2,7 @@
 
 use crate::faults::value_error;
 use crate::recording::variable::{Variable, number};
-use equip::prelude::{DoubleDouble, Table as Spline, Table2 as Surface, Var};
+use equip::prelude::{DoubleDouble, Table as Spline, Table2 as Surface, TableError, Var};
 use equip::scalar::Num;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
@@ -25,6 +25,8 @@ enum Kind {
 #[pyclass(frozen, module = "equip._native")]
 pub(crate) struct Table {
     kind: Kind,
+    /// Whether it has values beyond its ends.
+    extrapolate: bool,
 }
 
 #[pymethods]
@@ -32,7 +34,13 @@ impl Table {
     /// Through the points (x, y); `ends` is "natural", "not-a-knot", or "slopes" or "curvatures" with two
     /// numbers.
     #[staticmethod]
-    fn one(x: Pairs, y: Pairs, ends: &str, numbers: [(f64, f64); 2]) -> PyResult<Self> {
+    fn one(
+        x: Pairs,
+        y: Pairs,
+        ends: &str,
+        numbers: [(f64, f64); 2],
+        extrapolate: bool,
+    ) -> PyResult<Self> {
         let (x, y) = (read(x), read(y));
         let numbers = numbers.map(|(hi, lo)| DoubleDouble::new(hi, lo));
         let spline = match ends {
@@ -41,20 +49,30 @@ impl Table {
             "slopes" => Spline::clamped(&x, &y, numbers),
             _ => Spline::with_curvatures(&x, &y, numbers),
         };
-        let kind = Kind::One(spline.map_err(value_error)?);
-        Ok(Table { kind })
+        let spline = spline.map_err(value_error)?;
+        let kind = Kind::One(if extrapolate {
+            spline.extrapolated()
+        } else {
+            spline
+        });
+        Ok(Table { kind, extrapolate })
     }
 
     /// Through the values z, row by row, on the grid (x, y).
     #[staticmethod]
-    fn two(x: Pairs, y: Pairs, z: Pairs, ends: &str) -> PyResult<Self> {
+    fn two(x: Pairs, y: Pairs, z: Pairs, ends: &str, extrapolate: bool) -> PyResult<Self> {
         let (x, y, z) = (read(x), read(y), read(z));
         let surface = match ends {
             "natural" => Surface::natural(&x, &y, &z),
             _ => Surface::not_a_knot(&x, &y, &z),
         };
-        let kind = Kind::Two(surface.map_err(value_error)?);
-        Ok(Table { kind })
+        let surface = surface.map_err(value_error)?;
+        let kind = Kind::Two(if extrapolate {
+            surface.extrapolated()
+        } else {
+            surface
+        });
+        Ok(Table { kind, extrapolate })
     }
 
     /// The value at variables, within H.
@@ -74,13 +92,21 @@ impl Table {
         Ok(variable.get().of(value))
     }
 
-    /// Values at numbers; beyond the table what runs would have there.
+    /// Values at numbers; beyond a table that does not extrapolate an error.
     fn values<'py>(
         &self,
         x: PyReadonlyArray1<'py, f64>,
         y: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Doubles<'py>> {
-        let points = x.as_slice()?.iter().zip(y.as_slice()?);
+        let axes = [x.as_slice()?, y.as_slice()?];
+        let ranges = self.range();
+        for (values, &(first, last)) in axes.into_iter().zip(&ranges) {
+            let is_outside = |x: &&f64| **x < first || **x > last;
+            if let Some(&x) = values.iter().find(is_outside).filter(|_| !self.extrapolate) {
+                return Err(value_error(TableError::OutsideOfTable { x, first, last }));
+            }
+        }
+        let points = axes[0].iter().zip(axes[1]);
         let values: Vec<f64> = match &self.kind {
             Kind::One(spline) => points.map(|(&x, _)| spline.at(Num(x)).0).collect(),
             Kind::Two(surface) => points

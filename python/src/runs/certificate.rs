@@ -13,6 +13,8 @@ pub(crate) fn certificate<'py, T: Float>(
     let dict = PyDict::new(py);
     let set = |name: &str, x: T| dict.set_item(name, x.to_f64());
     dict.set_item("text", certificate.to_string())?;
+    let verdict = &certificate.energy_conserved_to_round_off;
+    dict.set_item("energy_conserved_to_round_off", verdict)?;
     dict.set_item("precision", T::NAME)?;
     dict.set_item("method", certificate.method.to_string())?;
     set("step", certificate.step)?;
@@ -24,7 +26,7 @@ pub(crate) fn certificate<'py, T: Float>(
         certificate.energy_in_floors.map(T::to_f64),
     )?;
     let floor = certificate.energy_floor;
-    let floor = floor.map(|of| (of.floor.to_f64(), of.scale.to_f64()));
+    let floor = floor.map(|of| [of.floor, of.time, of.scale].map(T::to_f64));
     dict.set_item("energy_floor", floor)?;
     let jumps = certificate.energy_jumps;
     let jumps = jumps.map(|of| (of.count, of.largest.to_f64()));
@@ -69,6 +71,7 @@ pub(crate) fn certificate<'py, T: Float>(
         ("local_errors", counts.local_errors),
         ("halvings", counts.halvings),
         ("output_steps", certificate.output_steps),
+        ("coarse_outputs", certificate.coarse_outputs),
         ("switches_crossed", certificate.switches_crossed),
     ];
     for (name, count) in all {

@@ -1,7 +1,8 @@
 //! [`Switches`]: where H or a derivative of it jumps, as functions of the state.
 //!
 //! Every piecewise operation of a recording has a function g(q, p) whose sign says which piece is taken. They
-//! are recorded behind H, all in one recording, so that what they share is computed once.
+//! are recorded behind H, all in one recording, so that what they share is computed once. So are the arguments
+//! of functions that have a domain ([`Domains`]).
 
 use super::one::One;
 use super::results::Results;
@@ -48,6 +49,8 @@ pub enum SwitchKind {
 #[derive(Debug, Clone)]
 pub struct Switches {
     kinds: Vec<SwitchKind>,
+    bends: Vec<bool>,
+    domains: Domains,
     /// None without switches.
     results: Option<Arc<Results>>,
 }
@@ -57,6 +60,8 @@ impl Switches {
     pub fn none() -> Self {
         Switches {
             kinds: Vec::new(),
+            bends: Vec::new(),
+            domains: Domains::none(),
             results: None,
         }
     }
@@ -68,6 +73,8 @@ impl Switches {
         Switches {
             results: (!found.nodes.is_empty()).then(|| Arc::new(results())),
             kinds: found.kinds,
+            bends: found.bends,
+            domains: Domains::of(recording),
         }
     }
 
@@ -84,6 +91,17 @@ impl Switches {
     /// What each of them belongs to.
     pub fn kinds(&self) -> &[SwitchKind] {
         &self.kinds
+    }
+
+    /// Whether the function of each of them bends or jumps itself, at roots of others, as that of the maximum
+    /// in max(1 − |x|, 0) does at x = 0.
+    pub fn bends(&self) -> &[bool] {
+        &self.bends
+    }
+
+    /// The arguments of functions of H that have a domain, as tables that do not extrapolate.
+    pub fn domains(&self) -> &Domains {
+        &self.domains
     }
 
     /// An evaluator in float type `T`.
@@ -122,6 +140,7 @@ impl<T: Float> SwitchEvaluator<T> {
 #[derive(Default)]
 struct Found {
     kinds: Vec<SwitchKind>,
+    bends: Vec<bool>,
     nodes: Vec<u32>,
     seen: HashSet<u32>,
 }
@@ -129,24 +148,27 @@ struct Found {
 impl Found {
     fn in_recording(recorder: &mut Recorder, root: u32) -> Self {
         let mut found = Found::default();
+        let bent = bent(recorder, root);
         for node in live(recorder, root) {
             let Node { op, a, b } = recorder.nodes[node as usize];
+            let mut operands = [a, b].into_iter().take(op.arity());
+            let bends = operands.any(|x| bent[x as usize]);
             match op {
-                Op::Abs => found.push(SwitchKind::Absolute, a),
-                Op::Sign => found.push(SwitchKind::Sign, a),
+                Op::Abs => found.push(SwitchKind::Absolute, a, bends),
+                Op::Sign => found.push(SwitchKind::Sign, a, bends),
                 Op::Min | Op::Max => {
                     let g = recorder.apply(Op::Sub, a, b);
-                    found.push(SwitchKind::Extremum, g);
+                    found.push(SwitchKind::Extremum, g, bends);
                 }
                 Op::AtMost => {
                     let g = recorder.apply(Op::Sub, b, a);
-                    found.push(SwitchKind::Selection, g);
+                    found.push(SwitchKind::Selection, g, bends);
                 }
                 Op::Outside { function, .. } => {
                     for kink in recorder.functions[function as usize].kinks() {
                         let kink: Arc<dyn Outside> = kink;
                         let g = recorder.outside(&kink, [0, 0], [a, b]);
-                        found.push(SwitchKind::Knots, g);
+                        found.push(SwitchKind::Knots, g, bends);
                     }
                 }
                 _ => {}
@@ -155,12 +177,26 @@ impl Found {
         found
     }
 
-    fn push(&mut self, kind: SwitchKind, node: u32) {
+    fn push(&mut self, kind: SwitchKind, node: u32, bends: bool) {
         if self.seen.insert(node) {
             self.kinds.push(kind);
+            self.bends.push(bends);
             self.nodes.push(node);
         }
     }
+}
+
+/// Of each operation up to `root` whether it, or one that it depends on, is piecewise. Tables are smooth
+/// enough not to be.
+fn bent(recorder: &Recorder, root: u32) -> Vec<bool> {
+    let nodes = &recorder.nodes[..(root as usize + 1).max(recorder.inputs)];
+    let mut bent = vec![false; nodes.len()];
+    for (i, &Node { op, a, b }) in nodes.iter().enumerate() {
+        let is_piecewise = matches!(op, Op::Abs | Op::Sign | Op::Min | Op::Max | Op::AtMost);
+        let mut operands = [a, b].into_iter().take(op.arity());
+        bent[i] = is_piecewise || operands.any(|x| bent[x as usize]);
+    }
+    bent
 }
 
 /// Operations that depend on the state and that H depends on, in their order.
@@ -182,4 +218,112 @@ fn live(recorder: &Recorder, root: u32) -> Vec<u32> {
     let all = 0..nodes.len() as u32;
     all.filter(|&i| depends[i as usize] && reaches[i as usize])
         .collect()
+}
+
+// Where H has data: a table that does not extrapolate has values between its first and its last knot only.
+// Beyond, its formula has numbers, but they mean nothing.
+
+/// An argument of a function of H that is not within its domain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OutsideDomain<T> {
+    /// The argument.
+    pub argument: T,
+    /// The domain.
+    pub first: T,
+    /// The domain.
+    pub last: T,
+}
+
+/// The arguments of functions of H that have a domain, as tables that do not extrapolate; made by
+/// [`Switches::domains`].
+#[derive(Debug, Clone)]
+pub struct Domains {
+    /// First and last argument.
+    ranges: Vec<[f64; 2]>,
+    /// None without such functions.
+    results: Option<Arc<Results>>,
+}
+
+impl Domains {
+    fn none() -> Self {
+        Domains {
+            ranges: Vec::new(),
+            results: None,
+        }
+    }
+
+    fn of(recording: &Recording) -> Self {
+        let recorder = recording.resume();
+        let (mut nodes, mut ranges): (Vec<u32>, Vec<[f64; 2]>) = (Vec::new(), Vec::new());
+        for node in live(&recorder, recording.root) {
+            let Node { op, a, b } = recorder.nodes[node as usize];
+            let Op::Outside { function, .. } = op else {
+                continue;
+            };
+            let function = &recorder.functions[function as usize];
+            for (axis, argument) in [a, b].into_iter().enumerate().take(function.variables()) {
+                let Some(range) = function.domain(axis) else {
+                    continue;
+                };
+                let known = nodes.iter().zip(&ranges);
+                if !known.into_iter().any(|known| known == (&argument, &range)) {
+                    nodes.push(argument);
+                    ranges.push(range);
+                }
+            }
+        }
+        let results = || Results::new(Arc::new(Graph::new(&recorder, &nodes)));
+        Domains {
+            results: (!nodes.is_empty()).then(|| Arc::new(results())),
+            ranges,
+        }
+    }
+
+    /// Whether H has values everywhere as far as is known.
+    pub fn is_empty(&self) -> bool {
+        self.ranges.is_empty()
+    }
+
+    /// An evaluator in float type `T`.
+    pub fn evaluator<T: Float>(&self) -> DomainEvaluator<T> {
+        DomainEvaluator {
+            domains: self.clone(),
+            values: One::new(),
+            arguments: vec![T::int(0); self.ranges.len()],
+        }
+    }
+}
+
+/// Tells in the float type `T` whether states are within the domains of an energy.
+#[derive(Debug, Clone)]
+pub struct DomainEvaluator<T> {
+    domains: Domains,
+    values: One<T>,
+    arguments: Vec<T>,
+}
+
+impl<T: Float> DomainEvaluator<T> {
+    /// Whether all arguments are within their domains at the state y = (q, p). Allocates at its first call
+    /// only.
+    ///
+    /// # Errors
+    /// The first argument that is not.
+    pub fn check(&mut self, y: &[T]) -> Result<(), OutsideDomain<T>> {
+        let Some(results) = &self.domains.results else {
+            return Ok(());
+        };
+        let set = InstructionSet::best();
+        self.values.run(set, results, y, &mut self.arguments);
+        for (&argument, range) in self.arguments.iter().zip(&self.domains.ranges) {
+            let [first, last] = range.map(T::exact);
+            if argument < first || argument > last {
+                return Err(OutsideDomain {
+                    argument,
+                    first,
+                    last,
+                });
+            }
+        }
+        Ok(())
+    }
 }

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 /// What the first line begins with.
 const NAME: &str = "equip checkpoint";
 /// The version of what is behind the first line.
-const VERSION: &str = "1";
+const VERSION: &str = "2";
 
 /// What the file holds.
 #[derive(Debug, Serialize, Deserialize)]

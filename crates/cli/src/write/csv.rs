@@ -5,13 +5,14 @@
 //! Where a deviation is followed there are two more columns, `lyapunov,megno`, empty in the first row.
 
 use crate::fault::Fault;
+use crate::write::checksum::{checksum, continued};
 use crate::write::lock;
 use equip_integrate::ChaosIndicators;
 use equip_scalar::Float;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::{self, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// The word in the outcome column of the initial state, which no step made.
@@ -33,8 +34,9 @@ pub(crate) struct Mark {
     /// Number of the step of the last row.
     index: u64,
     last_row: String,
-    /// Length of the file.
+    /// Length of the file, and the checksum of all of it.
     bytes: u64,
+    checksum: u64,
 }
 
 impl Mark {
@@ -57,6 +59,7 @@ impl Mark {
             index: 0,
             last_row: String::new(),
             bytes: 0,
+            checksum: checksum(&[]),
         }
     }
 
@@ -117,7 +120,29 @@ impl Mark {
                 time(&self.last_row)
             )));
         }
+        file.seek(SeekFrom::Start(0)).map_err(io)?;
+        if checksum_of(&mut file, self.bytes).map_err(io)? != self.checksum {
+            return Err(wrong(format!(
+                "a row up to t = {} is not the one that was written",
+                time(&self.last_row)
+            )));
+        }
         Ok(file)
+    }
+}
+
+/// The checksum of the next `count` bytes.
+fn checksum_of(file: &mut File, count: u64) -> io::Result<u64> {
+    let mut reader = BufReader::new(file.take(count));
+    let mut sum = checksum(&[]);
+    loop {
+        let bytes = reader.fill_buf()?;
+        let length = bytes.len();
+        if length == 0 {
+            return Ok(sum);
+        }
+        sum = continued(sum, bytes);
+        reader.consume(length);
     }
 }
 
@@ -225,6 +250,7 @@ impl Rows {
     fn put(&mut self, text: String) -> io::Result<()> {
         self.out.write_all(text.as_bytes())?;
         self.mark.bytes += text.len() as u64;
+        self.mark.checksum = continued(self.mark.checksum, text.as_bytes());
         self.mark.last_row = text;
         Ok(())
     }
@@ -243,6 +269,7 @@ pub(crate) fn digits<T: Float>(x: T) -> String {
 #[cfg(test)]
 mod tests {
     use super::{Mark, Row, Rows, digits};
+    use crate::fault::Fault;
     use crate::write::lock;
     use equip_scalar::{DoubleDouble, Float};
 
@@ -280,8 +307,21 @@ mod tests {
         assert_eq!(text(), expected);
         // From the mark on the last row is written again.
         let file = at.open(&path, &mark).unwrap();
-        Rows::go_on(file, at).unwrap().finish(row(3)).unwrap();
+        Rows::go_on(file, at.clone())
+            .unwrap()
+            .finish(row(3))
+            .unwrap();
         assert_eq!(text(), expected);
+        // Any digit that is not as it was written is told, not only in the last row.
+        for place in [8, 31, 40, 55] {
+            let mut bytes = expected.as_bytes().to_vec();
+            bytes[place] ^= 1;
+            std::fs::write(&path, bytes).unwrap();
+            assert!(
+                matches!(at.open(&path, &mark), Err(Fault::Table { .. })),
+                "{place}"
+            );
+        }
         std::fs::remove_file(&path).unwrap();
     }
 }

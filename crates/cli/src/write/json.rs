@@ -47,6 +47,7 @@ struct Work {
     local_errors: u64,
     halvings: u64,
     output_steps: u64,
+    coarse_outputs: u64,
 }
 
 #[derive(Debug, Serialize)]
@@ -61,6 +62,7 @@ struct Sizes {
 #[derive(Debug, Serialize)]
 struct Floor {
     floor: Number,
+    time: Number,
     scale: Number,
     is_small: bool,
 }
@@ -98,6 +100,7 @@ struct Against {
 
 #[derive(Debug, Serialize)]
 struct Document<'a> {
+    energy_conserved_to_round_off: &'a str,
     scene: &'a str,
     parameters: BTreeMap<&'a str, &'a str>,
     precision: &'static str,
@@ -136,6 +139,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
     let counts = &certificate.counts;
     let (_, q, p) = finished.run.last();
     let document = Document {
+        energy_conserved_to_round_off: &certificate.energy_conserved_to_round_off,
         scene: finished.instance.scene().name,
         parameters: finished.instance.parameters().collect(),
         precision: T::NAME,
@@ -157,6 +161,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         energy_in_floors: certificate.energy_in_floors.map(Number::new),
         energy_floor: certificate.energy_floor.map(|floor| Floor {
             floor: Number::new(floor.floor),
+            time: Number::new(floor.time),
             scale: Number::new(floor.scale),
             is_small: floor.is_small(),
         }),
@@ -200,6 +205,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             local_errors: counts.local_errors,
             halvings: counts.halvings,
             output_steps: certificate.output_steps,
+            coarse_outputs: certificate.coarse_outputs,
         },
         end_state: AtEnd {
             q: Number::all(q),

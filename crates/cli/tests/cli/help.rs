@@ -51,7 +51,9 @@ fn every_scene_makes_a_few_steps_and_a_picture() {
         );
         let plot = plot.to_str().unwrap();
         let printed = stdout(&["run", scene.name, "--until", &until, "--plot", plot]);
-        assert!(printed.contains("energy defect"), "{}", scene.name);
+        assert!(printed.contains("energy error"), "{}", scene.name);
+        let first = "energy conserved to round-off: ";
+        assert!(printed.starts_with(first), "{}: {printed}", scene.name);
         well_formed(&std::fs::read_to_string(plot).unwrap());
     }
 }

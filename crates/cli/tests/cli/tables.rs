@@ -198,7 +198,7 @@ fn variable_steps_follow_a_tolerance() {
         "10",
     ]);
     assert!(
-        text.contains("tolerance") && text.contains("steps refused"),
+        text.contains("tolerance") && text.contains("steps rejected"),
         "{text}"
     );
     failure(

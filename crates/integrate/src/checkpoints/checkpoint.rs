@@ -15,7 +15,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 10;
+pub(crate) const FORMAT: u32 = 11;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
@@ -62,8 +62,8 @@ pub struct Checkpoint {
     /// Energy if it is measured, then the invariants: start, max, end of each.
     pub(crate) defects: Vec<[Exact; 3]>,
     pub(crate) in_floors: Option<Exact>,
-    /// Floor and scale; angle and step of the largest phase per step.
-    pub(crate) energy_floor: Option<[Exact; 2]>,
+    /// What is known of the round-off level of the energy; angle and step of the largest phase per step.
+    pub(crate) energy_floor: Option<[Exact; 6]>,
     pub(crate) phase_per_step: Option<[Exact; 2]>,
     pub(crate) floor: Option<Exact>,
     pub(crate) alpha_range: Vec<[Exact; 2]>,

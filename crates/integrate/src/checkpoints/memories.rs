@@ -2,6 +2,7 @@
 
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
+use crate::report::energy_floor::EnergyFloor;
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
 
@@ -72,4 +73,31 @@ impl ControlMemory {
             failed: self.failed,
         })
     }
+}
+
+/// What is known of the round-off level of the energy, as numbers.
+pub(crate) fn floor_memory<T: Float>(of: EnergyFloor<T>) -> [Exact; 6] {
+    let underflows = T::int(i64::from(of.underflows));
+    [
+        of.floor,
+        of.time,
+        of.scale,
+        of.last,
+        of.recent_kinetic,
+        underflows,
+    ]
+    .map(Exact::of)
+}
+
+/// The same from these numbers.
+pub(crate) fn read_floor<T: Float>(from: &[Exact; 6]) -> Result<EnergyFloor<T>, IntegrateError<T>> {
+    let [floor, time, scale, last, recent_kinetic, underflows] = from;
+    Ok(EnergyFloor {
+        floor: floor.read()?,
+        time: time.read()?,
+        scale: scale.read()?,
+        last: last.read()?,
+        recent_kinetic: recent_kinetic.read()?,
+        underflows: underflows.read::<T>()? != T::int(0),
+    })
 }

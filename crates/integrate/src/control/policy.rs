@@ -56,3 +56,9 @@ pub(crate) const SHORT: i64 = 64;
 /// H is compared on both sides of a switch at one over this of a step from it. // ratio; at tolerance 1e-4
 /// the end of a step is 1e-7 of it from the switch; jumps are told that are 1e-5 of what H bends by in one.
 pub(crate) const BESIDE: i64 = 1 << 16;
+/// In the mean over time of an energy the last part of a run counts so many times as much as in the plain
+/// mean. // ratio; the first half of a run has 1/256 of the weight, with 4 in its place 1/16
+pub(crate) const RECENT: i64 = 8;
+/// An error of the energy at the end of a run of so many round-off levels of its last step is of that level.
+/// // levels; errors of steps just conserved are at most 8
+pub(crate) const STALE_FLOORS: i64 = 64;

@@ -1,22 +1,60 @@
-//! The refined polynomial of one step, and its values.
+//! The polynomial of one step, refined unless its stages are not found, and its values.
 
 use crate::dense::polynomial::Polynomial;
 use crate::time::visible;
 use equip_scalar::Float;
+use equip_solver::{Part, State};
+use equip_tableau::Gauss;
 
-/// The refined polynomial of one step (or part of a halved one).
+/// The polynomial of one step (or part of a halved one).
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Piece<T> {
     pub(crate) time: T,
     pub(crate) time_low: T,
     pub(crate) h: T,
-    /// Of M stages.
+    /// Of M stages, or of those of the step.
     pub(super) polynomial: Polynomial<T>,
     /// y1, which the polynomial meets but for rounding.
     pub(super) end: Vec<T>,
 }
 
 impl<T: Float> Piece<T> {
+    /// The piece of a part of a step, which ends in `end`, by the h γ_k of as many stages as `coefficients`
+    /// has rows. The linear term leads to y1.
+    pub(super) fn new(
+        part: &Part<T>,
+        time_low: T,
+        mut coefficients: Vec<T>,
+        end: &State<T>,
+    ) -> Self {
+        let start = &part.start;
+        for (j, out) in coefficients[..start.hi.len()].iter_mut().enumerate() {
+            *out = (end.hi[j] - start.hi[j]) + (end.lo[j] - start.lo[j]);
+        }
+        Piece {
+            time: part.time,
+            time_low,
+            h: part.h,
+            polynomial: Polynomial {
+                start: start.clone(),
+                coefficients,
+            },
+            end: end.hi.clone(),
+        }
+    }
+
+    /// The polynomial of the stages of that part themselves, of order s.
+    pub(crate) fn of_stages(gauss: &Gauss<T>, part: &Part<T>, time_low: T, end: &State<T>) -> Self {
+        let n = part.start.hi.len();
+        let mut coefficients = vec![T::int(0); part.l.len()];
+        for (k, out) in coefficients.chunks_exact_mut(n).enumerate() {
+            for (&p, l) in gauss.legendre(k).iter().zip(part.l.chunks_exact(n)) {
+                out.iter_mut().zip(l).for_each(|(sum, &l)| *sum += p * l);
+            }
+        }
+        Self::new(part, time_low, coefficients, end)
+    }
+
     /// Where in the piece time `t` is: 0 at its start, 1 at its end.
     pub(crate) fn place_of(&self, t: T) -> T {
         let place = ((t - self.time) - self.time_low) / self.h;

@@ -8,11 +8,13 @@
 //! linear term changed so that it ends in y1. Its error is that of the step, order 2s, throughout the step
 //! (local error h^{2s+1}); the steps do not know of it.
 //!
+//! A step has been made before it is refined, and no output ends a run: where the stages of the refined
+//! polynomial are not found, the stage polynomial takes its place, led to y1 in the same way. The certificate
+//! counts such steps.
+//!
 //! Cost: one solve of 2s stages without α per refined step; s n multiplications per value.
 
-use crate::control::make::make_step;
 use crate::dense::piece::Piece;
-use crate::dense::polynomial::Polynomial;
 use crate::error::IntegrateError;
 use crate::options::common::gauss_with;
 use equip_autodiff::{Evaluate, System};
@@ -59,13 +61,14 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
         })
     }
 
-    /// The refined polynomial of `part`, which ends in `end`.
+    /// The refined polynomial of `part`, a part of a step by the method with the nodes of `gauss`, which ends
+    /// in `end`; if its stages are not found the one of the stages of the step. Whether it is refined.
     pub(crate) fn refine(
         &mut self,
-        part: &Part<T>,
+        (gauss, part): (&Gauss<T>, &Part<T>),
         time_low: T,
         end: &State<T>,
-    ) -> Result<Piece<T>, IntegrateError<T>> {
+    ) -> (Piece<T>, bool) {
         let n = part.start.hi.len();
         let s = part.l.len() / n;
         let rows = self.prolongation.chunks_exact(s);
@@ -77,23 +80,13 @@ impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
         }
         let core = &mut self.core;
         core.guess_from(&self.guess, part.h);
-        make_step(core, (&part.start, part.time, part.h), &mut self.end)?;
+        let found = core.step(&part.start, part.time, part.h, &mut self.end);
+        if found.is_err() {
+            return (Piece::of_stages(gauss, part, time_low, end), false);
+        }
         let fine = core.gauss().stages();
         let mut coefficients = vec![T::int(0); fine * n];
         core.legendre_coefficients(&mut coefficients);
-        // The linear term leads to y1.
-        for (j, out) in coefficients[..n].iter_mut().enumerate() {
-            *out = (end.hi[j] - part.start.hi[j]) + (end.lo[j] - part.start.lo[j]);
-        }
-        Ok(Piece {
-            time: part.time,
-            time_low,
-            h: part.h,
-            polynomial: Polynomial {
-                start: part.start.clone(),
-                coefficients,
-            },
-            end: end.hi.clone(),
-        })
+        (Piece::new(part, time_low, coefficients, end), true)
     }
 }

@@ -207,6 +207,7 @@ impl<T: Float> Crossings<T> {
         } = self;
         // Nor if it is not a number.
         !(roughness.of_step(core, path, (h, roots), decay) <= 1.0)
+            || !(roughness.between_pairs(core, path, h, decay.0) <= 1.0)
     }
 
     /// Whether a step is to be halved before it is made to end on a switch: H has tables, whose knots may lie
@@ -226,6 +227,10 @@ impl<T: Float> Crossings<T> {
         self.looks += 1;
         let aim = self.aim.take();
         self.path.follow(core, y, end);
+        if self.path.may_hide(&self.is_passed, &self.sides) {
+            self.path.take_polynomial(core, y);
+            self.path.look_for_hidden(&self.is_passed, &self.sides);
+        }
         let may_meet = |j: usize| !self.is_passed[j] && self.path.may_meet(j, self.begins(j));
         let meets_none = aim.is_none() && !(0..self.path.len()).any(may_meet);
         if meets_none && !self.is_among_knots {

@@ -2,12 +2,16 @@
 //!
 //! A sign that differs between neighbours of these s + 2 places encloses a root, and so does a dip towards
 //! zero whose lowest place, by parabolas through three places, lies beyond it. Two roots between neighbours
-//! that no dip shows are not found.
+//! are looked for where lines through the values on either side meet beyond zero, and, of a
+//! function that bends itself, at the roots of the others: an obstacle max(1 − |x|/w, 0) much thinner than
+//! the step shows in none of the s + 2 values, but x changes its sign. Two roots of a smooth function that
+//! no value foretells are not found.
 
 use crate::control::policy::{MOST_TRIES, PART};
 use crate::dense::polynomial::Polynomial;
+use crate::events::narrow::{Hidden, MOST_PAIRS, vertex};
 use crate::events::roots::{Interval, enclose};
-use equip_autodiff::{Evaluate, SwitchEvaluator, Switches};
+use equip_autodiff::{Evaluate, SwitchEvaluator, SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
 
@@ -32,8 +36,16 @@ impl<T: Float> Place<T> {
 #[derive(Debug)]
 pub(crate) struct Path<T: Float> {
     switches: SwitchEvaluator<T>,
+    /// Of each of them whether it bends itself, and whether it belongs to knots.
+    pub(super) bends: Vec<bool>,
+    pub(super) is_of_knots: Vec<bool>,
+    /// Roots that values at the places do not show.
+    pub(super) hidden: Vec<Hidden<T>>,
+    /// Neighbouring roots without a place between them.
+    pub(crate) pairs: Vec<[T; 2]>,
+    pub(super) roots: Vec<T>,
     /// 0, c_1, …, c_s, 1.
-    places: Vec<T>,
+    pub(super) places: Vec<T>,
     /// g of all switches at each of these.
     values: Vec<T>,
     polynomial: Polynomial<T>,
@@ -51,6 +63,13 @@ impl<T: Float> Path<T> {
         let ends = [[T::int(0)], [T::int(1)]];
         Path {
             switches: switches.evaluator(),
+            bends: switches.bends().to_vec(),
+            is_of_knots: (switches.kinds().iter())
+                .map(|&kind| kind == SwitchKind::Knots)
+                .collect(),
+            hidden: Vec::with_capacity(MOST_PAIRS),
+            pairs: Vec::with_capacity(2 * MOST_PAIRS),
+            roots: Vec::with_capacity(2 * MOST_PAIRS),
             places: [&ends[0][..], nodes, &ends[1][..]].concat(),
             values: zeros((nodes.len() + 2) * switches.len()),
             polynomial: Polynomial {
@@ -95,6 +114,8 @@ impl<T: Float> Path<T> {
         for (point, g) in points.zip(self.values.chunks_exact_mut(count)) {
             self.switches.values(point, g);
         }
+        self.hidden.clear();
+        self.pairs.clear();
     }
 
     /// Takes over the polynomial of the step just made from `y`.
@@ -125,7 +146,7 @@ impl<T: Float> Path<T> {
     }
 
     /// Switch j at the i-th of the places.
-    fn value(&self, j: usize, i: usize) -> T {
+    pub(super) fn value(&self, j: usize, i: usize) -> T {
         self.values[i * self.g.len() + j]
     }
 
@@ -149,7 +170,9 @@ impl<T: Float> Path<T> {
     pub(crate) fn may_meet(&self, j: usize, begins: i8) -> bool {
         let last = self.places.len() - 1;
         let differs = |i: usize| side(self.value(j, i)) != begins;
-        (1..=last).any(differs) || (1..last).any(|i| self.dips(j, i))
+        (1..=last).any(differs)
+            || (1..last).any(|i| self.dips(j, i))
+            || self.hidden.iter().any(|hidden| hidden.j == j)
     }
 
     /// Whether the parabola through place i and its neighbours turns between them, beyond zero or half as far
@@ -158,7 +181,7 @@ impl<T: Float> Path<T> {
         let [a, b, c] = [i - 1, i, i + 1].map(|i| (self.places[i], self.value(j, i)));
         let [x, y, z] = [a, b, c].map(|point| point.1.abs());
         let (least, most) = (x.min(y).min(z), x.max(y).max(z));
-        vertex(a, b, c).is_some_and(|(_, lowest)| {
+        vertex([a, b, c]).is_some_and(|(_, lowest)| {
             side(lowest) != side(b.1)
                 || T::int(2) * lowest.abs() < least
                 || T::int(PART) * least < most
@@ -192,6 +215,8 @@ impl<T: Float> Path<T> {
                     return Some(Place::Root(root, None));
                 }
                 before = here;
+            } else if let Some(hidden) = self.hidden_between(j, i) {
+                return Some(Place::Root(hidden.first, Some(hidden.second)));
             } else if i < last && self.dips(j, i) && !(starts_on_it && i == 1) {
                 let root = self.within_dip(j, i, before);
                 if root.is_some() {
@@ -202,8 +227,13 @@ impl<T: Float> Path<T> {
         None
     }
 
+    fn hidden_between(&self, j: usize, i: usize) -> Option<Hidden<T>> {
+        let is_there = |hidden: &&Hidden<T>| hidden.j == j && hidden.i == i;
+        self.hidden.iter().find(is_there).copied()
+    }
+
     /// A place before the first stage where switch j, on which the step begins, has the sign `wanted`.
-    fn leaving(&mut self, j: usize, wanted: i8) -> Option<T> {
+    pub(super) fn leaving(&mut self, j: usize, wanted: i8) -> Option<T> {
         let mut place = self.places[1];
         (0..MOST_TRIES).find_map(|_| {
             place /= T::int(2);
@@ -211,7 +241,7 @@ impl<T: Float> Path<T> {
         })
     }
 
-    fn enclosed(&mut self, j: usize, a: T, b: T) -> T {
+    pub(super) fn enclosed(&mut self, j: usize, a: T, b: T) -> T {
         let [at_a, at_b] = [a, b].map(|place| self.value_at(j, place));
         if at_b == T::int(0) || side(at_a) == side(at_b) {
             return b;
@@ -227,7 +257,7 @@ impl<T: Float> Path<T> {
         let sizes = (0..self.places.len()).map(|i| self.value(j, i).abs());
         let vague = self.vague * sizes.fold(T::int(0), |most, size| most.max(size));
         for _ in 0..MOST_TRIES {
-            let Some((x, _)) = vertex(a, b, c) else {
+            let Some((x, _)) = vertex([a, b, c]) else {
                 break;
             };
             let here = (x, self.value_at(j, x));
@@ -276,15 +306,6 @@ impl<T: Float> Path<T> {
 }
 
 /// −1, 0 or 1; 0 of NaN.
-fn side<T: Float>(g: T) -> i8 {
+pub(super) fn side<T: Float>(g: T) -> i8 {
     i8::from(g > T::int(0)) - i8::from(g < T::int(0))
-}
-
-/// Where the parabola through three points has its vertex, if that is between them, and its value there.
-fn vertex<T: Float>(a: (T, T), b: (T, T), c: (T, T)) -> Option<(T, T)> {
-    let [first, second] = [(a, b), (b, c)].map(|(a, b)| (b.1 - a.1) / (b.0 - a.0));
-    let bend = (second - first) / (c.0 - a.0);
-    let x = (a.0 + b.0 - first / bend) / T::int(2);
-    let value = a.1 + (x - a.0) * (first + bend * (x - b.0));
-    (x > a.0 && x < c.0 && x != b.0).then_some((x, value))
 }

@@ -8,7 +8,10 @@
 //! switch, and between it and another one close behind: of 2s nodes on the longest piece, where there may
 //! be more roots, and of s on the others.
 //!
-//! Cost: ∇H at 3s points, 4s with two roots.
+//! Neighbouring roots without a stage between them, or an end of the step and a root, may hide an obstacle that neither the stages nor these
+//! rules see: there J∇H(u) − u' is evaluated at two places.
+//!
+//! Cost: ∇H at 3s points, 4s with two roots, and at two more for each such pair.
 
 use crate::control::estimate::Decay;
 use crate::events::path::Path;
@@ -26,6 +29,8 @@ pub(crate) struct Roughness<T: Float> {
     /// Of s nodes, and of 2s.
     rules: [Gauss<T>; 2],
     slope: Vec<T>,
+    /// P_k at a place.
+    values: Vec<T>,
     /// h γ̃_k of component c at c·COMPARED + k.
     coefficients: Vec<T>,
 }
@@ -37,6 +42,7 @@ impl<T: Float> Roughness<T> {
         Some(Roughness {
             rules: [gauss.clone(), fine],
             slope: vec![T::int(0); n],
+            values: vec![T::int(0); gauss.stages()],
             coefficients: vec![T::int(0); n * COMPARED],
         })
     }
@@ -71,6 +77,42 @@ impl<T: Float> Roughness<T> {
                 let defect = decay.in_tolerances(c, sum - path.coefficient(k, c));
                 most = most.max(share * defect);
                 share *= rho.min(1.0);
+            }
+        }
+        most
+    }
+
+    /// The largest that J∇H(u) − u' makes of the step of size `h` between neighbouring roots without a stage
+    /// between them: its value at two places times their distance, as `decay` measures errors. Between the
+    /// sides of a smooth obstacle the force vanishes in the middle.
+    pub(crate) fn between_pairs<E: Evaluate<T>>(
+        &mut self,
+        core: &mut Core<T, E>,
+        path: &mut Path<T>,
+        h: T,
+        decay: &Decay<T>,
+    ) -> f64 {
+        let half = self.slope.len() / 2;
+        let mut most = 0.0_f64;
+        for pair in 0..path.pairs.len() {
+            let [first, second] = path.pairs[pair];
+            core.counts_mut().gradients += 2;
+            for place in [1, 4].map(|fifths| first + (second - first) * T::ratio(fifths, 5)) {
+                let y = path.state_at(place);
+                core.energy_mut().gradient(y, &mut self.slope);
+                legendre_at(place, &mut self.values);
+                for c in 0..self.slope.len() {
+                    let force = if c < half {
+                        self.slope[c + half]
+                    } else {
+                        -self.slope[c - half]
+                    };
+                    let terms = self.values.iter().enumerate();
+                    let known =
+                        terms.fold(T::int(0), |sum, (k, &p)| sum + p * path.coefficient(k, c));
+                    let defect = decay.in_tolerances(c, (second - first) * (h * force - known));
+                    most = if defect <= most { most } else { defect };
+                }
             }
         }
         most

@@ -6,15 +6,20 @@ use crate::report::defect::Defect;
 use crate::report::energy_floor::EnergyFloor;
 use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
+use crate::report::shown::{LARGE, shown};
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 use std::fmt;
 
-/// The measured record of a run: defects of energy and invariants, outcomes of the steps, counts of work.
+/// The measured record of a run: errors of energy and invariants, outcomes of the steps, counts of work.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Certificate<T> {
+    /// What the first line says: `yes, on every step`, `NO: ` with the reasons, or `not requested` with the
+    /// largest error, as of Gauss's method.
+    /// [`energy_kept_on_every_step`](Certificate::energy_kept_on_every_step) is the same as a boolean.
+    pub energy_conserved_to_round_off: String,
     /// The method.
     pub method: Method,
     /// The fixed step; with variable steps their mean. Negative of a run back in time.
@@ -34,10 +39,11 @@ pub struct Certificate<T> {
     /// H at the start, H − H_ref over the run, less the energy that has gone in where H depends on time.
     /// `None` if it was not measured.
     pub energy: Option<Defect<T>>,
-    /// Largest |H − H_ref| in units of its round-off floor, over the steps that solved for the energy.
+    /// Largest |H − H_ref| in units of its round-off level, over all steps, if they solve for the energy:
+    /// corrected or not.
     pub energy_in_floors: Option<T>,
-    /// The largest of these floors beside the energies. `None` where no step can keep the energy or it was
-    /// not measured.
+    /// The largest round-off level over the steps that conserved the energy, and the energies. `None` where no
+    /// step can conserve the energy or it was not measured.
     pub energy_floor: Option<EnergyFloor<T>>,
     /// hω of the fastest motion, where it was largest. `None` if it was not looked at: after steps 1, 2, 4,
     /// 8, … it is, but where the iteration contracts without ∇²H, which it does only if hω is small.
@@ -53,21 +59,14 @@ pub struct Certificate<T> {
     pub counts: Counts,
     /// Extra steps made for output times; their work is not in `counts`.
     pub output_steps: u64,
+    /// Steps whose outputs, dense output and events are those of the polynomial of their own stages, of order
+    /// s: the stages of a finer polynomial, of the order 2s of the step, were not found.
+    pub coarse_outputs: u64,
     /// Wall-clock time in seconds.
     pub seconds: f64,
 }
 
 impl<T: Float> Certificate<T> {
-    /// Whether every step kept the energy: solved, at the floor, quadratic, or halved and then solved, and
-    /// the floor was at most 1e-6 of |H| or of the kinetic energy, so that the word means something. An
-    /// energy that was infinite or NaN anywhere, or has jumped, was not kept.
-    pub fn energy_kept_on_every_step(&self) -> bool {
-        let is_finite = self.energy.as_ref().is_none_or(|e| e.max.is_finite());
-        let is_small = self.energy_floor.is_none_or(|floor| floor.is_small());
-        let asked = self.counts.carried() == 0 && self.counts.outcome(Outcome::NotAsked) == 0;
-        is_finite && is_small && asked && self.energy_jumps.is_none()
-    }
-
     /// Whether the steps resolve the fastest motion: hω ≤ s wherever it was looked at.
     pub fn motion_is_resolved(&self) -> bool {
         let stages = self.method.stage_count();
@@ -77,6 +76,8 @@ impl<T: Float> Certificate<T> {
 
 impl<T: Float> fmt::Display for Certificate<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let verdict = &self.energy_conserved_to_round_off;
+        writeln!(f, "energy conserved to round-off: {verdict}")?;
         let lines = self.lines();
         let width = lines
             .iter()
@@ -111,7 +112,7 @@ impl<T: Float> Certificate<T> {
                 line("tolerance", format!("{:.1e}", steps.tolerance));
                 let (rejected, failed) = (steps.rejected, steps.failed);
                 line(
-                    "steps refused",
+                    "steps rejected",
                     format!("{rejected} for their error, {failed} unsolved"),
                 );
             }
@@ -139,18 +140,21 @@ impl<T: Float> Certificate<T> {
                     format!("{start:e}")
                 },
             );
-            line(
-                "energy defect",
-                format!("max {:.2e}, end {:.2e}", energy.max, energy.end),
-            );
+            line("energy error", range_of(energy));
         }
         if let Some(floors) = self.energy_in_floors {
-            line("  in round-off floors", format!("max {floors:.2}"));
+            let text = if floors < T::int(100) {
+                format!("max {floors:.2}")
+            } else {
+                format!("max {floors:.1e}")
+            };
+            line("  in round-off levels", text);
         }
-        if let Some(EnergyFloor { floor, scale }) = self.energy_floor.filter(|f| !f.is_small()) {
+        if let Some(EnergyFloor { floor, scale, .. }) = self.energy_floor.filter(|f| !f.is_small())
+        {
             line(
-                "  kept to a floor",
-                format!("of {floor:.2e}; |H| and the kinetic energy are at most {scale:.2e}"),
+                "  round-off level",
+                format!("up to {floor:.2e}; |H| and the kinetic energy are at most {scale:.2e}"),
             );
             let helps = "H without cancellation, smaller angles, an earlier end, double-double";
             line("  what helps", helps.to_owned());
@@ -171,11 +175,7 @@ impl<T: Float> Certificate<T> {
             );
         }
         for defect in &self.invariants {
-            let label = format!("{} defect", defect.name);
-            line(
-                &label,
-                format!("max {:.2e}, end {:.2e}", defect.max, defect.end),
-            );
+            line(&format!("{} error", defect.name), range_of(defect));
         }
         if let Some(ChaosIndicators { lyapunov, megno }) = self.chaos {
             line(
@@ -242,19 +242,20 @@ impl<T: Float> Certificate<T> {
         if self.output_steps > 0 {
             line("steps for output", self.output_steps.to_string());
         }
+        if self.coarse_outputs > 0 {
+            let count = self.coarse_outputs;
+            line("outputs of order s", format!("of {count} steps"));
+        }
         line("wall-clock time", format!("{:.3} s", self.seconds));
         lines
     }
 }
 
-/// From here on numbers are printed with an exponent.
-const LARGE: i64 = 1_000_000_000_000;
-
-/// A time: six decimals, and as many digits where they would be zeros or none of them would be significant.
-fn shown<T: Float>(x: T) -> String {
-    if x == T::int(0) || (T::ratio(1, 100)..T::int(LARGE)).contains(&x.abs()) {
-        format!("{x:.6}")
+/// Largest and last error of a quantity.
+fn range_of<T: Float>(defect: &Defect<T>) -> String {
+    if defect.max.is_finite() {
+        format!("max {:.2e}, end {:.2e}", defect.max, defect.end)
     } else {
-        format!("{x:.6e}")
+        "infinite or NaN after a step".to_owned()
     }
 }

@@ -6,4 +6,6 @@ pub(crate) mod defect;
 pub(crate) mod energy_floor;
 pub(crate) mod energy_jumps;
 pub(crate) mod phase_per_step;
+pub(crate) mod shown;
 pub(crate) mod variable_steps;
+pub(crate) mod verdict;

@@ -69,7 +69,9 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
                 continue;
             }
             let end_state = next.map_or(&stepper.y, |next| &next.start);
-            let piece = self.refiner.refine(part, time_low, end_state)?;
+            let part = (stepper.core.gauss(), part);
+            let (piece, is_refined) = self.refiner.refine(part, time_low, end_state);
+            run.certificate.coarse_outputs += u64::from(!is_refined);
             let stop = match &mut self.events {
                 Some(events) => events.see(&piece, &mut run.occurrences)?,
                 None => None,

@@ -52,11 +52,14 @@ fn watch<T: Float, E: Evaluate<T>>(
 ) -> Result<(), IntegrateError<T>> {
     while !steps.is_done() {
         if let (Some(outputs), Some(end)) = (&mut watchers.outputs, steps.next_time()) {
-            outputs.up_to(steps.inner(), Some(end), run)?;
+            outputs.up_to(steps.inner(), Some(end), run);
         }
         let time_low = steps.time_low();
         steps.step()?;
         let stepper = steps.inner();
+        if let Some(outputs) = &mut watchers.outputs {
+            outputs.within(stepper, run);
+        }
         if let Some(chaos) = &mut watchers.chaos {
             chaos.see(stepper)?;
             run.certificate.chaos = Some(chaos.indicators());
@@ -89,7 +92,7 @@ fn watch<T: Float, E: Evaluate<T>>(
     }
     let stepper = steps.inner();
     if let Some(outputs) = &mut watchers.outputs {
-        outputs.up_to(stepper, None, run)?;
+        outputs.up_to(stepper, None, run);
     }
     if let Some(dense) = &mut watchers.dense {
         dense.last_outputs(stepper, run);

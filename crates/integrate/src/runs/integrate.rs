@@ -108,6 +108,9 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         };
         let by_polynomial = if by_steps { &[] } else { times };
         let inner = stepper.inner_mut();
+        if outputs.is_some() {
+            inner.core.keep_parts();
+        }
         let watchers = Watchers {
             record: self.options.record,
             outputs,

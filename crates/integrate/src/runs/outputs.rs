@@ -1,12 +1,14 @@
 //! Output between the points of a grid.
 
-use crate::error::IntegrateError;
+use crate::dense::piece::Piece;
 use crate::runs::run::Run;
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
+use equip_solver::Part;
 
-/// States at chosen times: one step of the same method from the last grid point, to each.
+/// States at chosen times: one step of the same method from the last grid point, to each. Where no such step
+/// can be made, the polynomial of the stages of the step that goes on from there, once it is made.
 #[derive(Debug)]
 pub(crate) struct Outputs<'a, T: Float, E> {
     stepper: Stepper<T, E>,
@@ -24,26 +26,51 @@ impl<'a, T: Float, E: Evaluate<T>> Outputs<'a, T, E> {
         }
     }
 
-    /// Makes the outputs before `end`, or all that are left, starting from the state that `main` has now.
-    pub(crate) fn up_to(
-        &mut self,
-        main: &Stepper<T, E>,
-        end: Option<T>,
-        run: &mut Run<T>,
-    ) -> Result<(), IntegrateError<T>> {
+    /// Makes the outputs before `end`, or all that are left, starting from the state that `main` has now, up
+    /// to one that no step leads to.
+    pub(crate) fn up_to(&mut self, main: &Stepper<T, E>, end: Option<T>, run: &mut Run<T>) {
         let is_due = |time: T| end.is_none_or(|end| main.direction.is_before(time, end));
         while let Some(&time) = self.times.get(self.done).filter(|&&time| is_due(time)) {
             let h = time - main.time();
             if main.direction.is_before(main.time(), time) {
                 self.stepper.core.forget();
                 let side = &mut self.stepper;
-                run.output(time, side.aside((&main.y, main.time()), h)?);
-                run.certificate.output_steps += 1;
+                match side.aside((&main.y, main.time()), h) {
+                    Ok(y) => {
+                        run.output(time, y);
+                        run.certificate.output_steps += 1;
+                    }
+                    // The end of the run, but for rounding.
+                    Err(_) if end.is_none() => run.output(time, &main.y.hi),
+                    Err(_) => return,
+                }
             } else {
                 run.output(time, &main.y.hi);
             }
             self.done += 1;
         }
-        Ok(())
+    }
+
+    /// The outputs within the step that `main` has just made that no other step has led to.
+    pub(crate) fn within(&mut self, main: &Stepper<T, E>, run: &mut Run<T>) {
+        let is_due = |time: T| main.direction.is_before(time, main.time());
+        let mut y = Vec::new();
+        let mut is_counted = false;
+        while let Some(&time) = self.times.get(self.done).filter(|&&time| is_due(time)) {
+            let parts = main.parts();
+            let is_behind = |part: &Part<T>| !main.direction.is_before(time, part.time);
+            let i = parts.partition_point(is_behind).saturating_sub(1);
+            let Some(part) = parts.get(i) else {
+                return;
+            };
+            let end = parts.get(i + 1).map_or(&main.y, |next| &next.start);
+            let piece = Piece::of_stages(main.core.gauss(), part, T::int(0), end);
+            y.resize(2 * main.m, T::int(0));
+            piece.state_at(piece.place_of(time), &mut y);
+            run.output(time, &y);
+            run.certificate.coarse_outputs += u64::from(!is_counted);
+            is_counted = true;
+            self.done += 1;
+        }
     }
 }

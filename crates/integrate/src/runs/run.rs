@@ -105,8 +105,10 @@ impl<T: Float> Run<T> {
 
     pub(crate) fn finish<E: Evaluate<T>>(&mut self, stepper: &Stepper<T, E>) {
         let (output_steps, chaos) = (self.certificate.output_steps, self.certificate.chaos);
+        let coarse_outputs = self.certificate.coarse_outputs;
         self.certificate = Certificate {
             output_steps,
+            coarse_outputs,
             chaos,
             end: self.ended.unwrap_or(stepper.time()),
             ..stepper.certificate()

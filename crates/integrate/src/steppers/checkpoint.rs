@@ -3,10 +3,9 @@
 use crate::checkpoints::checkpoint::{Checkpoint, FORMAT};
 use crate::checkpoints::checksum::of_function;
 use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::{ControlMemory, SwitchMemory};
+use crate::checkpoints::memories::{ControlMemory, SwitchMemory, floor_memory, read_floor};
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
-use crate::report::energy_floor::EnergyFloor;
 use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::steppers::stepper::Stepper;
@@ -88,7 +87,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
                 .map(|d| [d.start, d.max, d.end].map(Exact::of))
                 .collect(),
             in_floors: self.in_floors.map(Exact::of),
-            energy_floor: (self.energy_floor).map(|f| [f.floor, f.scale].map(Exact::of)),
+            energy_floor: self.energy_floor.map(floor_memory),
             phase_per_step: (self.phase_per_step)
                 .map(|phase| [T::exact(phase.angle), phase.step].map(Exact::of)),
             floor: self.floor.map(Exact::of),
@@ -163,8 +162,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             Some([first, second]) => Ok(Some((first.read()?, second.read()?))),
             None => Ok(None),
         };
-        self.energy_floor =
-            pair(&from.energy_floor)?.map(|(floor, scale)| EnergyFloor { floor, scale });
+        let floor = from.energy_floor.as_ref();
+        self.energy_floor = floor.map(read_floor).transpose()?;
         self.phase_per_step = pair(&from.phase_per_step)?.map(|(angle, step): (T, T)| {
             let angle = angle.to_f64();
             PhasePerStep { angle, step }

@@ -8,7 +8,7 @@
 //! Cost: the switches at all stages of a step; for each crossing two to four steps without α's that find it,
 //! and one more step.
 
-use crate::control::policy::{MOST_TRIES, SOON};
+use crate::control::policy::{MOST_TRIES, SHORT, SOON};
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
 use crate::steppers::adaptive::made::shortest_at;
@@ -58,7 +58,10 @@ impl<T: Float, E: Evaluate<T>> InParts<T, E> for Substeps<T> {
         self.parts.clear();
         (self.crossed, self.is_split) = (0, false);
         let before = (run.switches_crossed, run.energy_jumps);
-        let made = run.over_switches(self, h);
+        let made = run.over_switches(self, h).and_then(|outcome| {
+            run.check_domains((time + h) - run.time)?;
+            Ok(outcome)
+        });
         if made.is_err() && self.is_split {
             run.y.copy_from(&self.start);
             (run.switches_crossed, run.energy_jumps) = before;
@@ -74,6 +77,14 @@ impl<T: Float, E: Evaluate<T>> InParts<T, E> for Substeps<T> {
 }
 
 impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+    /// Whether the step of size `h` just made stays where H has data.
+    pub(crate) fn check_domains(&mut self, h: T) -> Result<(), IntegrateError<T>> {
+        let Some(domains) = &mut self.domains else {
+            return Ok(());
+        };
+        domains.check_step(&mut self.core, (&self.y, &self.next), (self.time, h))
+    }
+
     fn over_switches(
         &mut self,
         substeps: &mut Substeps<T>,
@@ -90,10 +101,10 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             if let Some(Meeting::At(root, _)) = meeting
                 && root < T::int(1)
             {
-                let part = self.up_to_switch(substeps, (size, root))?;
-                ends_on_one = part.is_some();
-                if let Some(part) = part {
-                    (size, made) = part;
+                if let Some(part) = self.up_to_switch(substeps, (size, root))? {
+                    (size, made, ends_on_one) = part;
+                    // One that turns round before the switch counts as well, so that parts come to an end.
+                    substeps.crossed += u64::from(!ends_on_one);
                 } else {
                     self.core.refuse();
                     made = self.attempt(size)?;
@@ -123,7 +134,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// the stages from being found. Returns its size, its outcome, and whether it is made in one.
     fn attempt_in_one(&mut self, left: T) -> Result<(T, Outcome, bool), IntegrateError<T>> {
         let mut size = left;
-        for _ in 0..SOON.ilog2() {
+        for _ in 0..SHORT.ilog2() {
             let (halvings, outcome) = (self.core.counts().halvings, self.attempt(size)?);
             if self.core.counts().halvings == halvings {
                 return Ok((size, outcome, true));
@@ -157,29 +168,30 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         meeting.filter(|_| !crossings.meets_one_often())
     }
 
-    /// Makes the part of a step of size `left` up to the switch that it meets at `root`. None if there is no
-    /// such part.
+    /// Makes the part of a step of size `left` up to the switch that it meets at `root`, or as much of it as
+    /// was to lead there and does not. Its size, its outcome, and whether it ends on a switch. None if there
+    /// is no such part.
     fn up_to_switch(
         &mut self,
         substeps: &mut Substeps<T>,
         (left, root): (T, T),
-    ) -> Result<Option<(T, Outcome)>, IntegrateError<T>> {
+    ) -> Result<Option<(T, Outcome, bool)>, IntegrateError<T>> {
         let constraints = self.core.replace_constraints(Vec::new());
         let size = self.size_to_switch(substeps, (left, root));
         self.core.replace_constraints(constraints);
-        let Some(size) = size? else {
+        let Some((size, is_on_one)) = size? else {
             return Ok(None);
         };
         self.core.refuse();
-        Ok(Some((size, self.attempt(size)?)))
+        Ok(Some((size, self.attempt(size)?, is_on_one)))
     }
 
-    /// The size of that part, by steps with α = 0.
+    /// The size of that part, by steps with α = 0, and whether it ends on a switch.
     fn size_to_switch(
         &mut self,
         substeps: &mut Substeps<T>,
         (left, root): (T, T),
-    ) -> Result<Option<T>, IntegrateError<T>> {
+    ) -> Result<Option<(T, bool)>, IntegrateError<T>> {
         let mut size = left * root;
         for _ in 0..MOST_TRIES {
             if size.abs() <= shortest_at(self.time) || size.abs() >= left.abs() {
@@ -189,9 +201,11 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             self.attempt(size)?;
             let Stepper { core, y, next, .. } = self;
             match substeps.crossings.look(core, y, next) {
-                Some(Meeting::End) => return Ok(Some(size)),
+                Some(Meeting::End) => return Ok(Some((size, true))),
                 Some(Meeting::At(root, _)) => size *= root,
-                Some(Meeting::Touch(_) | Meeting::Missed) | None => return Ok(None),
+                // The motion turns round before, as at an obstacle that the longer step has not seen.
+                None => return Ok(Some((size, false))),
+                Some(Meeting::Touch(_) | Meeting::Missed) => return Ok(None),
             }
         }
         Ok(None)

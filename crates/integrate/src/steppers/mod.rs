@@ -2,6 +2,7 @@
 
 pub(crate) mod adaptive;
 pub(crate) mod checkpoint;
+pub(crate) mod domains;
 pub(crate) mod fixed_steps;
 pub(crate) mod grid;
 pub(crate) mod in_parts;

@@ -88,6 +88,7 @@ impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
             }
             None => self.inner.attempt(h)?,
         };
+        self.inner.check_domains(h)?;
         self.density = density;
         self.time_low = time_low;
         if let Some(steps) = &mut self.inner.variable {

@@ -8,6 +8,7 @@ use crate::options::event::Event;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
 use crate::report::energy_floor::EnergyFloor;
+use crate::steppers::domains::WithinDomains;
 use crate::steppers::in_parts::Substeps;
 use crate::steppers::stepper::Stepper;
 use crate::time::direction::TimeDirection;
@@ -53,7 +54,9 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             stages - 1
         };
         let measured = has_target || options.measure_energy;
-        let in_parts = h.and_then(|_| Substeps::boxed(&system.switches(), &gauss, 2 * all));
+        let switches = system.switches();
+        let in_parts = h.and_then(|_| Substeps::boxed(&switches, &gauss, 2 * all));
+        let domains = WithinDomains::new(&switches, stages, 2 * all);
         let mut evaluator = system.evaluator::<T>();
         let mut slope = vec![zero; 2 * all];
         let y = State::new(&slope[..all], &slope[all..]);
@@ -73,6 +76,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             grid_start: zero,
             place: 0,
             h_ref: zero,
+            domains,
             in_parts,
             switches_crossed: 0,
             energy_jumps: None,
@@ -152,7 +156,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         self.alpha_range.fill((T::int(0), T::int(0)));
         self.in_floors = self.has_target.then_some(T::int(0));
         let is_measured = self.has_target || self.measure_energy;
-        self.energy_floor = is_measured.then(|| EnergyFloor::new(self.h_ref));
+        let at = (&self.y.hi[..], &self.slope[..]);
+        self.energy_floor = is_measured.then(|| EnergyFloor::new(t0, self.h_ref, at));
         self.phase_per_step = None;
         let watched = self.watched.iter_mut().map(|w| &mut w.defect);
         for defect in self.energy.iter_mut().chain(watched) {
@@ -235,6 +240,9 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         let h_ref = energy.gradient_with_compensated_value(y, &mut self.slope);
         if !h_ref.is_finite() || self.slope.iter().any(|g| !g.is_finite()) {
             return Err(IntegrateError::EnergyNotFinite { energy: h_ref });
+        }
+        if let Some(domains) = &mut self.domains {
+            domains.check(t, &self.next.hi)?;
         }
         if self.check_gradient {
             check_gradient(self.core.energy_mut(), t, &self.next.hi)?;

@@ -11,6 +11,7 @@ use crate::report::energy_floor::{EnergyFloor, kinetic_energy};
 use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::report::variable_steps::VariableSteps;
+use crate::steppers::domains::WithinDomains;
 use crate::steppers::grid::{Grid, is_same_time};
 use crate::steppers::view::{Step, StepView};
 use crate::time::direction::TimeDirection;
@@ -50,6 +51,8 @@ pub struct Stepper<T: Float, E> {
     pub(super) place: i64,
     /// The grid up to the end of the run, if that is known.
     pub(super) grid: Option<Grid<T>>,
+    /// None if H has data everywhere as far as is known.
+    pub(super) domains: Option<WithinDomains<T>>,
     /// None if H is smooth as far as is known, or the steps vary.
     pub(super) in_parts: Option<Box<dyn InParts<T, E>>>,
     /// Crossings of switches at which a step, or a part of one, ended.
@@ -175,7 +178,9 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     /// Makes a step of the grid, of size `h`, in parts if it is over switches of H.
     pub(super) fn attempt_in_parts(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
         let Some(mut in_parts) = self.in_parts.take() else {
-            return self.attempt(h);
+            let outcome = self.attempt(h)?;
+            self.check_domains(h)?;
+            return Ok(outcome);
         };
         let made = in_parts.attempt(self, h);
         self.in_parts = Some(in_parts);
@@ -283,36 +288,35 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
                 *range = (range.0.min(alpha), range.1.max(alpha));
             }
         }
+        let elapsed = (self.time - self.t0).abs();
+        let now = (self.time, self.last.0.abs() / elapsed);
+        let seen = (self.energy_floor.as_mut()).filter(|_| outcome.energy_kept());
         if self.has_target {
             let residual = &self.core.constraints()[0];
             self.floor = Some(residual.floor());
             if let Some(energy) = &mut self.energy {
                 energy.see(residual.defect());
             }
-            if let Some(most) = &mut self.in_floors
-                && outcome.energy_kept()
-            {
+            if let Some(most) = &mut self.in_floors {
                 *most = most.max(residual.in_late_floors());
             }
-            if let Some(seen) = &mut self.energy_floor
-                && outcome.energy_kept()
-            {
+            if let Some(seen) = seen {
                 let gradient = residual.gradient();
-                seen.see(residual.floor(), || {
+                seen.see(now, (residual.floor(), self.h_ref), || {
                     kinetic_energy(&self.y.hi, gradient, self.m)
                 });
+                seen.last = residual.momentary_floor();
             }
         } else if self.measure_energy {
             self.core.counts_mut().energies += 1;
             let value = self.core.energy_mut().compensated_value(&self.y.hi);
+            let error = value - self.h_ref;
             if let Some(energy) = &mut self.energy {
-                energy.see(value - self.h_ref);
+                energy.see(error);
             }
-            if let Some(seen) = &mut self.energy_floor
-                && outcome.energy_kept()
-            {
+            if let Some(seen) = seen {
                 let slope = &mut self.slope;
-                seen.see((value - self.h_ref).abs(), || {
+                seen.see(now, (error.abs(), self.h_ref), || {
                     let (energy, counts) = self.core.energy_and_counts();
                     counts.gradients += 1;
                     energy.gradient(&self.y.hi, slope);
@@ -359,7 +363,8 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
 
     /// The certificate of the run so far.
     pub fn certificate(&self) -> Certificate<T> {
-        Certificate {
+        let certificate = Certificate {
+            energy_conserved_to_round_off: String::new(),
             method: self.method,
             step: match self.size {
                 Some(_) => self.grid_step(),
@@ -379,8 +384,10 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
             chaos: None,
             counts: *self.core.counts(),
             output_steps: 0,
+            coarse_outputs: 0,
             seconds: self.begun.elapsed().as_secs_f64(),
-        }
+        };
+        certificate.judged()
     }
 }
 

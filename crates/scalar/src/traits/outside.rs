@@ -31,6 +31,14 @@ pub trait Outside: Debug + Send + Sync {
         None
     }
 
+    /// First and last value of variable `axis` (0 or 1) for which the function has data; `None` where it has
+    /// values for all. Runs end with an error beyond, though [`derivative`](Self::derivative) has numbers
+    /// there.
+    fn domain(&self, axis: usize) -> Option<[f64; 2]> {
+        let _ = axis;
+        None
+    }
+
     /// Functions of the same variables, each of which changes its sign where a derivative of this one jumps.
     fn kinks(&self) -> Vec<Arc<dyn Outside>> {
         Vec::new()

@@ -9,7 +9,9 @@
 //! end point has had the first half only. ρ is the worst seen in the step; preconditioned iterations do not
 //! begin as they end, so of these it is the worse of the last two.
 //!
-//! The iteration goes on until Δ_n and that error are ε/256, or the changes no longer shrink.
+//! The iteration goes on until Δ_n and that error are ε/256, or the changes no longer shrink: three in a row
+//! are above half of the one before, or a dozen above half of the smallest so far, as where Z goes round in a
+//! cycle of a few roundings.
 //! Σ_i Δ_n,i · C L_i is what a quadratic invariant yᵀCy is off by, and that is alike from step to step.
 
 use crate::policy::{FAR, NOISY, SETTLED, SLOW, STAGE_ROUNDING, STILL};
@@ -52,6 +54,9 @@ pub struct Contraction {
     skips_comparison: bool,
     slow: u32,
     still: u32,
+    /// The smallest change that is rounding so far, and how many have not halved it.
+    least: f64,
+    stalled: u32,
 }
 
 impl Contraction {
@@ -73,6 +78,8 @@ impl Contraction {
             skips_comparison: true,
             slow: 0,
             still: 0,
+            least: f64::INFINITY,
+            stalled: 0,
         }
     }
 
@@ -85,6 +92,7 @@ impl Contraction {
         (self.product, self.seen) = (1.0, 0);
         (self.change, self.left) = (f64::INFINITY, f64::INFINITY);
         (self.slow, self.still) = (0, 0);
+        (self.least, self.stalled) = (f64::INFINITY, 0);
         self.skips_comparison = true;
     }
 
@@ -113,6 +121,7 @@ impl Contraction {
     pub fn disturb(&mut self) {
         self.skips_comparison = true;
         (self.slow, self.still) = (0, 0);
+        (self.least, self.stalled) = (f64::INFINITY, 0);
     }
 
     /// A sweep has changed Z by `change`; of sizes that were measured anew since the last one
@@ -151,10 +160,15 @@ impl Contraction {
         }
         let stagnates = is_small && compares && change > last / 2.0;
         self.still = if stagnates { self.still + 1 } else { 0 };
+        if is_small {
+            let halves = change <= self.least / 2.0;
+            self.stalled = if halves { 0 } else { self.stalled + 1 };
+            self.least = self.least.min(change);
+        }
         let error = self.error();
         let is_known = compares || self.worst > 0.0 || (change <= 4.0 * eps && !is_remeasured);
         let is_settled = is_known && error.max(self.left) <= eps / SETTLED;
-        if is_settled || self.still >= STILL {
+        if is_settled || self.still >= STILL || self.stalled >= 4 * STILL {
             Progress::Settled
         } else {
             Progress::Contracts
@@ -267,6 +281,22 @@ mod tests {
         contraction.begin(false);
         let seen = [1e-8, 1e-13, 2e-15, 2e-15, 2e-15, 2e-15].map(|x| contraction.observe(x, false));
         assert!(seen.contains(&Progress::Settled), "{seen:?}");
+    }
+
+    /// Rounding may go round in a cycle that shrinks as often as it grows.
+    #[test]
+    fn a_cycle_of_roundings_settles() {
+        for cycle in [[6.0, 2.0, 6.0], [6.0, 6.0, 1.0], [6.0, 0.5, 2.0]] {
+            let mut contraction = Contraction::new(true, f64::EPSILON);
+            contraction.begin(true);
+            // Slow enough that the geometric series takes a hundred more.
+            let begun = [1e-10, 9e-11, 8e-11].into_iter();
+            let rounding = cycle.map(|x| x * f64::EPSILON);
+            let changes = begun.chain(rounding.into_iter().cycle());
+            let mut seen = changes.map(|change| contraction.observe(change, false));
+            let made = seen.position(|progress| progress != Progress::Contracts);
+            assert!(made.is_some_and(|made| made < 20), "{cycle:?}: {made:?}");
+        }
     }
 
     /// Where components at rest have no size yet, the first change says nothing of the second.

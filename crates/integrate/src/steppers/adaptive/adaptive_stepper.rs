@@ -124,6 +124,8 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
                     }
                     match (self.control).judge(h, &estimate, (contraction, is_retried)) {
                         Judgement::Accept => {
+                            let signed = self.inner.direction.signed(place.size);
+                            self.inner.check_domains(signed)?;
                             self.accept(place, outcome);
                             self.accept_switches(end_is, (h, proposed));
                             let next = &mut self.control.next;

@@ -1,0 +1,157 @@
+//! Two roots of a function between neighbouring places, which its values there do not show.
+//!
+//! Where |g| falls up to a place and rises from the next one on, the lines through two places on either side
+//! meet between them. Of a convex |g|, as the distance to something that is passed closely, that is below its
+//! minimum: if it is above zero there is no root. The minimum is looked for where such lines meet, and by
+//! parabolas through three places.
+
+use crate::control::policy::MOST_TRIES;
+use equip_scalar::Float;
+
+/// Pairs of roots in one step that are looked at, those that show and those that do not.
+pub(crate) const MOST_PAIRS: usize = 16;
+
+/// Two roots of switch j between the places i − 1 and i, where it has one sign.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Hidden<T> {
+    pub(crate) j: usize,
+    pub(crate) i: usize,
+    pub(crate) first: T,
+    pub(crate) second: T,
+}
+
+/// A place and the value there.
+pub(crate) type Point<T> = (T, T);
+
+/// Where the lines through (`before`, `a`) and (`b`, `after`) meet, if |g| falls along the first, rises along
+/// the second and they meet between `a` and `b`; without one of the outer places the slope is that of the
+/// other side. Values are |g|.
+pub(crate) fn meeting<T: Float>(
+    before: Option<Point<T>>,
+    [a, b]: [Point<T>; 2],
+    after: Option<Point<T>>,
+) -> Option<Point<T>> {
+    let zero = T::int(0);
+    let falls = before.is_none_or(|before| before.1 > a.1);
+    let rises = after.is_none_or(|after| after.1 > b.1);
+    if !(falls && rises) {
+        return None;
+    }
+    let slope = |from: Point<T>, to: Point<T>| (to.1 - from.1) / (to.0 - from.0);
+    let left = before.map(|before| slope(before, a));
+    let right = after.map(|after| slope(b, after));
+    let left = left.or(right.map(|right| -right))?;
+    let right = right.unwrap_or(-left);
+    let x = a.0 + ((b.1 - a.1) - right * (b.0 - a.0)) / (left - right);
+    let is_between = x > a.0 && x < b.0 && left < zero && right > zero;
+    is_between.then(|| (x, a.1 + left * (x - a.0)))
+}
+
+/// Where the parabola through three points has its vertex, if that is between them, and its value there.
+pub(crate) fn vertex<T: Float>([a, b, c]: [Point<T>; 3]) -> Option<Point<T>> {
+    let [first, second] = [(a, b), (b, c)].map(|(a, b)| (b.1 - a.1) / (b.0 - a.0));
+    let bend = (second - first) / (c.0 - a.0);
+    let x = (a.0 + b.0 - first / bend) / T::int(2);
+    let value = a.1 + (x - a.0) * (first + bend * (x - b.0));
+    (x > a.0 && x < c.0 && x != b.0).then_some((x, value))
+}
+
+/// The points around a minimum of |g|, in their order.
+struct Around<T> {
+    points: [Point<T>; 5 + MOST_TRIES as usize],
+    count: usize,
+}
+
+impl<T: Float> Around<T> {
+    fn get(&self, i: usize) -> Option<Point<T>> {
+        self.points[..self.count].get(i).copied()
+    }
+
+    /// The lowest one that has neighbours.
+    fn lowest(&self) -> usize {
+        let inner = 1..self.count.saturating_sub(1);
+        let is_below = |i: usize, j: usize| self.points[i].1 < self.points[j].1;
+        inner.fold(1, |low, i| if is_below(i, low) { i } else { low })
+    }
+
+    /// Where lines meet between the lowest place and one of its neighbours, the deeper of two.
+    fn meeting(&self) -> Option<Point<T>> {
+        let low = self.lowest();
+        let between = |i: usize| {
+            let ends = [self.get(i)?, self.get(i + 1)?];
+            meeting(
+                i.checked_sub(1).and_then(|i| self.get(i)),
+                ends,
+                self.get(i + 2),
+            )
+        };
+        let both = [between(low.saturating_sub(1)), between(low)];
+        let found = both.into_iter().flatten();
+        found.reduce(|a, b| if b.1 < a.1 { b } else { a })
+    }
+
+    fn add(&mut self, point: Point<T>) {
+        let after = self.points[..self.count].partition_point(|p| p.0 < point.0);
+        self.points.copy_within(after..self.count, after + 1);
+        self.points[after] = point;
+        self.count += 1;
+    }
+}
+
+/// A place between `places`, up to six of them in their order with |g| there, where g is beyond zero; `g` is
+/// the function times its sign at these. None if there is none, as far as can be told.
+pub(crate) fn place_beyond<T: Float>(places: &[Point<T>], mut g: impl FnMut(T) -> T) -> Option<T> {
+    let mut around = Around {
+        points: [(T::int(0), T::int(0)); 5 + MOST_TRIES as usize],
+        count: places.len().min(5),
+    };
+    around.points[..around.count].copy_from_slice(&places[..around.count]);
+    for tries in 0..MOST_TRIES {
+        let deepest = around.meeting()?;
+        if deepest.1 > T::int(0) {
+            return None;
+        }
+        let low = around.lowest();
+        let three = [low - 1, low, low + 1].map(|i| around.points[i]);
+        let of_parabola = if tries % 2 == 1 { vertex(three) } else { None };
+        let x = of_parabola.map_or(deepest.0, |point| point.0);
+        let is_new = around.points[..around.count].iter().all(|p| p.0 != x);
+        if !is_new {
+            return None;
+        }
+        let value = g(x);
+        if value < T::int(0) {
+            return Some(x);
+        }
+        around.add((x, value));
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::place_beyond;
+
+    fn finds(f: impl Fn(f64) -> f64, at: &[f64]) -> Option<f64> {
+        let points: Vec<_> = at.iter().map(|&x| (x, f(x))).collect();
+        assert!(points.iter().all(|p| p.1 > 0.0));
+        place_beyond(&points, &f)
+    }
+
+    #[test]
+    fn thin_dips_are_found_and_near_misses_are_not() {
+        let at = [-7.0, -3.9, -1.2, 1.5, 4.4];
+        for width in [1.0, 0.1, 1e-3, 1e-6] {
+            for b in [0.0, 0.1, 0.9] {
+                let lens = |x: f64| ((x - 0.3).hypot(b * width) - width) / width;
+                let x = finds(lens, &at);
+                assert!(x.is_some_and(|x| lens(x) < 0.0), "{width} {b}: {x:?}");
+            }
+            let miss = |x: f64| ((x - 0.3).hypot(1.01 * width) - width) / width;
+            assert_eq!(finds(miss, &at), None, "{width}");
+        }
+        let well = |x: f64| (x - 0.3).powi(2) - 1e-4;
+        assert!(finds(well, &at).is_some_and(|x| well(x) < 0.0));
+        assert!(finds(|x| (x - 0.3).powi(2) + 0.1, &at).is_none());
+    }
+}
