@@ -12,6 +12,7 @@
 //! | [`DoubleDouble`] | about 31 digits, as an unevaluated sum of two `f64` |
 //! | [`Lanes`], [`DoubleDoubles`] | N doubles or double-doubles at once, one for each stage; vector instructions inside a [`Kernel`] |
 //! | [`Pack`] | either of them, in generic code |
+//! | [`power`] | log₂, 2ˣ and xᵃ to eight digits, the same bits on every machine: for choices, not for results |
 //! | [`Forward`], [`Forward2`] | dual numbers with first, with first and second derivatives (through num-dual) |
 //!
 //! `Scalar` declares its functions without a receiver (`S::sin(x)`, not `x.sin()`), so that in code generic
@@ -32,6 +33,7 @@ mod forward;
 mod half_power;
 mod kernels;
 mod num;
+pub mod power;
 mod ready;
 mod traits;
 

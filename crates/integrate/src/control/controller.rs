@@ -26,6 +26,7 @@
 
 use crate::control::estimate::Estimate;
 use crate::control::policy::{ACCEPTED, CHEAPEST, MOST_CHANGE, NEWTON, SAFETY};
+use equip_scalar::power::power;
 
 #[derive(Debug)]
 pub(crate) struct Control {
@@ -49,7 +50,7 @@ pub(crate) enum Judgement {
 
 impl Control {
     pub(crate) fn new(tolerance: f64, stages: usize, most: f64) -> Self {
-        let root = |x: f64| x.powf(1.0 / (2 * stages) as f64);
+        let root = |x: f64| power(x, 1.0 / (2 * stages) as f64);
         Control {
             wanted: root(tolerance),
             accepted: root(1.0 / ACCEPTED),

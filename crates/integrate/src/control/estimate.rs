@@ -46,6 +46,8 @@
 //! Cost: s² n multiplications, and ∇H at the end of the step.
 
 use crate::control::policy::{NOISE, ROUNDING};
+use crate::control::rate::{Rate, Sizes};
+use equip_scalar::power::power;
 use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_solver::{State, stride_for};
 use equip_tableau::{Gauss, legendre_at};
@@ -88,9 +90,9 @@ pub(crate) struct Decay<T: Float> {
     tolerance: T,
     /// None if the tolerance of its motion is allowed of every component.
     allowed: Option<Allowed<T>>,
-    /// ln ϱ and ln a of each component: a^{2s} is the tolerance of its motion over what it is allowed. Empty
-    /// if a is 1 for all.
-    logs: Vec<[f64; 2]>,
+    /// ϱ of each component and the factor a by which it counts: a^{2s} is the tolerance of its motion over
+    /// what it is allowed. Empty if a is 1 for all.
+    rates: Vec<[f64; 2]>,
     /// P_k(c_i) at i·stride + k.
     legendre: Vec<T>,
     /// h γ_k of component c at c·stride + k.
@@ -134,7 +136,7 @@ impl<T: Float> Decay<T> {
             stride,
             m,
             tolerance,
-            logs: vec![[f64::NEG_INFINITY, 0.0]; allowed.as_ref().map_or(0, |_| n)],
+            rates: vec![[0.0, 1.0]; allowed.as_ref().map_or(0, |_| n)],
             allowed,
             legendre,
             coefficients: zeros(n * stride),
@@ -161,7 +163,7 @@ impl<T: Float> Decay<T> {
         let (set, s, stride) = (self.set, self.s, self.stride);
         mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
         let half = y.hi.len() / 2;
-        let (mut decay, mut rest) = (f64::NEG_INFINITY, 0.0_f64);
+        let (mut rate, mut rest) = (Rate::new(s), 0.0_f64);
         let is_inset = ends.map(|end| end.is_inset);
         for (group, y) in y.hi.chunks_exact(half).enumerate() {
             let largest = y[..self.m].iter().fold(T::int(0), |a, y| a.max(y.abs()));
@@ -172,97 +174,85 @@ impl<T: Float> Decay<T> {
                 let noise =
                     rounding.map_or(T::int(0), |x| T::int(ROUNDING) * h.abs() * x[from + c]);
                 let c = group * half + c;
-                let [log, missed] = self.of_component(c, (y, largest), (rates, is_inset), noise);
-                (decay, rest) = (decay.max(log + self.of_allowed(c, log)), rest.max(missed));
+                let sizes = self.sizes(c, (y, largest), (rates, is_inset), noise);
+                rest = rest.max(sizes.map_or(f64::INFINITY, |sizes| sizes.tail));
+                if self.allowed.is_none() {
+                    rate.raise(sizes.as_ref());
+                } else {
+                    let mut own = Rate::new(s);
+                    own.raise(sizes.as_ref());
+                    let share = self.share(c);
+                    self.rates[c] = [own.largest, share];
+                    rate.largest = rate.largest.max(own.largest * share);
+                }
             }
         }
         Estimate {
-            decay: decay.exp(),
+            decay: rate.largest,
             nearness: self.nearness(),
             rest,
         }
     }
 
-    /// ln ϱ of component c, and the rest of its motion. `y` is it at the start of the step, `largest` the
-    /// largest of its group, `ends` are h f there and at the end, `noise` is the rounding of h f; its unit is
-    /// left behind.
-    fn of_component(
+    /// Sizes of the coefficients of component c in units of its motion, which are left behind; none if they
+    /// are not finite. `y` is it at the start of the step, `largest` the largest of its group, `ends` are h f
+    /// there and at the end, `noise` is the rounding of h f.
+    fn sizes(
         &mut self,
         c: usize,
         (y, largest): (T, T),
         (ends, is_inset): ([T; 2], [bool; 2]),
         noise: T,
-    ) -> [f64; 2] {
+    ) -> Option<Sizes> {
         let s = self.s;
         let row = &self.coefficients[c * self.stride..][..s];
         if !row.iter().chain(&ends).all(|x| x.is_finite()) {
-            return [f64::INFINITY; 2];
+            return None;
         }
         let motion = row.iter().fold(T::int(0), |a, x| a.max(x.abs()));
         let relative = (self.allowed.as_ref()).map_or(self.tolerance, |x| x.relative[c]);
         let least = (relative.sqrt() * y.abs()).max(T::EPSILON * largest);
         let unit = motion.max(least);
         let is_small = motion <= relative * y.abs();
-        self.inverse_units[c] = if is_small || unit == T::int(0) {
+        let inverse = if is_small || unit == T::int(0) {
             T::int(0)
         } else {
             T::int(1) / unit
         };
-        self.units[c] = unit;
-        let inverse = self.inverse_units[c];
-        if inverse == T::int(0) {
-            return [f64::NEG_INFINITY, 0.0];
-        }
-        // θ = |γ|/a_0; roots and ratios of them are taken by their logarithms.
         let theta = |x: T| ((x.abs() - noise) * inverse).to_f64().max(0.0);
-        let beyond = self.beyond(row, ends, is_inset).map(theta);
-        let tail = beyond[0].max(beyond[1]);
-        let logs = [theta(row[s - 1]), beyond[0]].map(f64::ln);
-        let from = |degree: usize, unit: f64| {
-            let decays = [s - 1, s].map(|k| match k {
-                k if k > degree => (logs[k + 1 - s] - unit) / (k - degree) as f64,
-                _ => f64::NEG_INFINITY,
-            });
-            decays[0].max(decays[1])
+        let [next, after] = self.beyond(row, ends, is_inset).map(theta);
+        let tail = next.max(after);
+        let sizes = Sizes {
+            second: theta(row[1].abs().max(least)),
+            before: theta(row[(s - 2).max(1)]),
+            last: theta(row[s - 1]),
+            next,
+            tail,
+            has_tail: tail > (NOISE * T::EPSILON.to_f64()).max(relative.to_f64()),
         };
-        let second = theta(row[1].abs().max(least)).ln();
-        let mut decay = from(0, 0.0).min(from(1, second));
-        if tail > (NOISE * T::EPSILON.to_f64()).max(relative.to_f64()) {
-            // Of two coefficients one may vanish: 92 of 2400 steps are refused in place of 450.
-            let tail = tail.ln();
-            let before = (s - 2).max(1)..s;
-            let decays = before.map(|k| (tail - theta(row[k]).ln()) / (s - k) as f64);
-            let r = decays.fold(0.0, f64::min);
-            let unit = (second - r).max(0.0);
-            decay = decay.max((tail - unit) / (2 * s) as f64 + r / 2.0);
-        }
-        [decay, tail]
+        (self.units[c], self.inverse_units[c]) = (unit, inverse);
+        Some(sizes)
     }
 
-    /// ln a of component c, which decays by exp(`log`).
-    fn of_allowed(&mut self, c: usize, log: f64) -> f64 {
-        if self.allowed.is_none() {
-            return 0.0;
-        }
+    /// (tolerance of the motion of component c / what it is allowed)^{1/2s}.
+    fn share(&self, c: usize) -> f64 {
         let allowed = (self.allowed(c) * self.inverse_units[c] / self.tolerance).to_f64();
-        let log_a = if allowed > 0.0 {
-            allowed.ln() / (-2.0 * self.s as f64)
+        if allowed > 0.0 {
+            power(allowed, -1.0 / (2 * self.s) as f64)
         } else {
-            0.0
-        };
-        self.logs[c] = [log, log_a];
-        log_a
+            1.0
+        }
     }
 
     /// ϱ of the step estimated last, `rho` by itself, where what it missed grows to the end by `flow`, the
     /// Φ_s^{1/s} of its flow.
     pub(crate) fn with_flow(&self, rho: f64, flow: f64) -> f64 {
-        let with = |rho: f64| (rho * flow.hypot(rho)).sqrt();
+        let with = |rho: f64| (rho * (flow * flow + rho * rho).sqrt()).sqrt();
         match &self.allowed {
             None => with(rho),
-            Some(_) => (self.logs.iter())
-                .map(|&[log, log_a]| with(log.exp()) * log_a.exp())
-                .fold(0.0, f64::max),
+            Some(_) => {
+                (self.rates.iter()).fold(0.0, |most, &[rho, share]| most.max(with(rho) * share))
+            }
         }
     }
 

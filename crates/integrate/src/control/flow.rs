@@ -24,6 +24,7 @@ use crate::control::estimate::Decay;
 use crate::control::first_step::turn;
 use equip_autodiff::Evaluate;
 use equip_scalar::Float;
+use equip_scalar::power::power;
 
 /// Workspace for it.
 #[derive(Debug)]
@@ -72,6 +73,6 @@ impl<T: Float> Flow<T> {
     fn of(&self, z: f64) -> f64 {
         let factors = (1..=self.s).map(|j| z / 2.0 / (2 * j + 1) as f64);
         let product = factors.product::<f64>() * ((2 * self.s + 1) as f64).sqrt();
-        product.powf(1.0 / self.s as f64).min(1.0)
+        power(product, 1.0 / self.s as f64).min(1.0)
     }
 }

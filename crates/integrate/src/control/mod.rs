@@ -8,5 +8,6 @@ pub(crate) mod flow;
 pub(crate) mod frequency;
 pub(crate) mod make;
 pub(crate) mod policy;
+pub(crate) mod rate;
 pub(crate) mod step_density;
 pub(crate) mod stuck;

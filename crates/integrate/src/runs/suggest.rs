@@ -26,6 +26,7 @@ use crate::runs::run::{Run, RunFailure};
 use crate::steppers::view::StepView;
 use equip_autodiff::System;
 use equip_scalar::Float;
+use equip_scalar::power::power;
 use equip_solver::Family;
 use std::ops::RangeInclusive;
 
@@ -200,7 +201,7 @@ impl<T: Float, H: System, O: Observer<T>> Trials<'_, T, H, O> {
                     if least.is_none_or(|(_, before)| error < before / T::int(2)) {
                         least = Some((steps, error));
                     }
-                    let law = (error / target).to_f64().powf(1.0 / order);
+                    let law = power((error / target).to_f64(), 1.0 / order);
                     steps * (law / SAFETY).clamp(0.25, 4.0)
                 }
                 // Not to be made at this size.
