@@ -107,7 +107,9 @@ mod tests {
         for s in [2, 3, 8, 12] {
             let rates = [0.01, 0.3, 0.2, 0.29999, 0.02];
             let mut found = Rate::new(s);
-            rates.map(|rate| found.raise(Some(&sizes(s, rate))));
+            for rate in rates {
+                found.raise(Some(&sizes(s, rate)));
+            }
             assert!(
                 (found.largest / 0.3 - 1.0).abs() < 1e-7,
                 "{}",
