@@ -97,6 +97,26 @@ pub enum BytesError {
         function: String,
     },
 
+    /// H has many components, and depends on few of them.
+    #[error(
+        "the energy has {components} components and depends on few of them, which bytes of a recording do not \
+         hold; leave the others out, they do not move H"
+    )]
+    ComponentsNotUsed {
+        /// Components of the state.
+        components: usize,
+    },
+
+    /// There is no memory for the recording.
+    #[error(
+        "there is no memory for an energy of {components} components; read it on a machine with more, or end \
+         other programs"
+    )]
+    OutOfMemory {
+        /// Components of the state.
+        components: usize,
+    },
+
     /// They begin otherwise.
     #[error("these bytes are no energy; give those that Hamiltonian::to_bytes made, all of them")]
     NotAnEnergy,

@@ -111,7 +111,8 @@ impl Hamiltonian<Recorded> {
     /// [`from_bytes`](Self::from_bytes) makes it again, on any machine, without the closure.
     ///
     /// # Errors
-    /// [`BytesError::NotData`] if H calls closures from outside, as those of `Custom`.
+    /// [`BytesError::NotData`] if H calls closures from outside, as those of `Custom`;
+    /// [`BytesError::ComponentsNotUsed`] if it has more than 65 536 components and depends on few of them.
     ///
     /// ```
     /// use equip_autodiff::{Evaluate, Hamiltonian, System};
@@ -132,7 +133,8 @@ impl Hamiltonian<Recorded> {
     ///
     /// # Errors
     /// [`BytesError`] if they are damaged, of another format, or those of no energy, if a constant is NaN or
-    /// infinite, or if there are tables in them.
+    /// infinite, or if there are tables in them. Memory is bounded by the number of bytes, whatever stands in
+    /// them.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, BytesError> {
         Self::from_bytes_with(bytes, |_| None)
     }
@@ -146,16 +148,9 @@ impl Hamiltonian<Recorded> {
         bytes: &[u8],
         functions: impl Fn(&[u8]) -> Option<Arc<dyn Outside>>,
     ) -> Result<Self, BytesError> {
-        let mut recordings = bytes::read(bytes, &functions)?.into_iter();
-        let (route, alone) = (recordings.next(), recordings.next());
-        let what = "there are not the recordings of one energy";
-        let route = Recorded::of(route.ok_or(BytesError::Damaged { what })?)?;
+        let (energy, alone) = bytes::read(bytes, &functions)?;
+        let route = Recorded::of(energy)?;
         let alone = alone.map(Recorded::of).transpose()?;
-        let inputs = |r: &Recorded| r.recording().operations.inputs;
-        let are_alike = (alone.iter()).all(|alone| inputs(alone) == inputs(&route));
-        if recordings.next().is_some() || !are_alike {
-            return Err(BytesError::Damaged { what });
-        }
         Ok(Hamiltonian { route, alone })
     }
 

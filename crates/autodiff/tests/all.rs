@@ -4,6 +4,7 @@ mod allocations;
 mod bytes;
 mod closures;
 mod common;
+mod exact;
 mod floor;
 mod functions;
 mod growth;

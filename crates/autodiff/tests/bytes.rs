@@ -1,6 +1,7 @@
 //! Recordings as bytes: what comes back has every bit, and what is damaged is refused.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
+use crate::allocations::peak;
 use crate::common::{PROGRAM_M, Program, Random, same_bits, widened};
 use equip_autodiff::{BuildError, BytesError, Energy, Evaluate, Hamiltonian, System, Var};
 use equip_scalar::{Constant, DoubleDouble, Float, Num, Outside, Scalar, decimal, ratio};
@@ -149,20 +150,27 @@ fn sealed(bytes: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
     [&bytes[..12], &sum.to_le_bytes(), &content].concat()
 }
 
+/// What is read is evaluated; the reader's memory is bounded by the number of bytes.
+fn read_within_bounds(bytes: &[u8]) -> Result<Hamiltonian, BytesError> {
+    let (read, most) = peak(|| Hamiltonian::from_bytes(bytes));
+    let bound = (64 << 20) + 100 * bytes.len();
+    assert!(most <= bound, "{most} bytes of memory for {}", bytes.len());
+    read
+}
+
 #[test]
 fn content_is_checked_too() {
     let h = Hamiltonian::new(1, all_functions).unwrap();
     let bytes = h.to_bytes().unwrap();
     assert_eq!(sealed(&bytes, |_| ()), bytes);
-    let y = [0.3, 0.7];
     let (mut refused, mut read) = (0, 0);
-    // The four bytes after the first are the number of components, which is memory.
-    for at in (0..bytes.len() - 20).filter(|at| !(1..5).contains(at)) {
+    for at in 0..bytes.len() - 20 {
         for value in [0, 1, 7, 127, 200, 255] {
             let other = sealed(&bytes, |content| content[at] = value);
-            match Hamiltonian::from_bytes(&other) {
+            match read_within_bounds(&other) {
                 Ok(h) => {
-                    evaluated(&h, &y);
+                    let n = 2 * h.structure().degrees_of_freedom;
+                    evaluated(&h, &[0.3, 0.7].repeat(n / 2));
                     read += 1;
                 }
                 Err(error) => {
@@ -173,6 +181,143 @@ fn content_is_checked_too() {
         }
     }
     assert!(refused > 1000 && read > 100, "{refused} {read}");
+}
+
+/// A recording with these five counts, and the rest of its content.
+fn recording(counts: [u32; 5], rest: &[u8]) -> Vec<u8> {
+    [&counts.map(u32::to_le_bytes).concat(), rest].concat()
+}
+
+/// A file of the recordings, with its head.
+fn file_of(recordings: &[Vec<u8>]) -> Vec<u8> {
+    let head = Hamiltonian::new(1, |q, _| q[0])
+        .unwrap()
+        .to_bytes()
+        .unwrap();
+    sealed(&head, |content| {
+        *content = vec![recordings.len() as u8];
+        content.extend(recordings.concat());
+    })
+}
+
+/// The square of the first component.
+const SQUARE: [u8; 5] = [3, 0, 0, 0, 0];
+
+#[test]
+fn counts_are_bounded_by_the_bytes_that_are_left() {
+    let damaged = |recordings: &[Vec<u8>]| {
+        let read = read_within_bounds(&file_of(recordings));
+        assert!(
+            matches!(read, Err(BytesError::Damaged { .. })),
+            "{:?}",
+            read.err()
+        );
+    };
+    let many = 1 << 30;
+    let file = file_of(&[recording([many, 0, 0, 1, many], &SQUARE)]);
+    assert_eq!(file.len(), 46);
+    damaged(&[recording([many, 0, 0, 1, many], &SQUARE)]);
+    damaged(&[recording([1 << 17, 0, 0, 1, 1 << 17], &SQUARE)]);
+    damaged(&[recording([2, many, 0, 1, 2], &SQUARE)]);
+    damaged(&[recording([2, 0, many, 1, 2], &SQUARE)]);
+    damaged(&[recording([2, 0, 0, many, 2], &SQUARE)]);
+    // Of an energy with time, the second recording; and more recordings than an energy has.
+    let small = recording([2, 0, 0, 1, 2], &SQUARE);
+    damaged(&[small.clone(), recording([many, 0, 0, 1, many], &SQUARE)]);
+    damaged(&[small.clone(), recording([4, 0, 0, 1, 4], &SQUARE)]);
+    damaged(&vec![recording([60_000, 0, 0, 1, 60_000], &SQUARE); 255]);
+    damaged(&[]);
+    // What is left of a long file counts: here one byte for each component is not enough.
+    let long = [&SQUARE[..], &vec![0; 1 << 20]].concat();
+    damaged(&[recording([1 << 20, 0, 0, 1, 1 << 20], &long)]);
+    assert!(read_within_bounds(&file_of(&[small])).is_ok());
+}
+
+#[test]
+fn components_that_no_operation_needs_are_few() {
+    let first = |q: &[Var], _: &[Var]| q[0];
+    let h = Hamiltonian::new(1 << 15, first).unwrap();
+    assert_same(&h, &back(&h), &vec![0.5; 1 << 16]);
+    let h = Hamiltonian::new(1 << 16, first).unwrap();
+    let components = 1 << 17;
+    let error = BytesError::ComponentsNotUsed { components };
+    assert_eq!(h.to_bytes().unwrap_err(), error);
+    // If H depends on half of them, all have their place.
+    let h = Hamiltonian::new(1 << 16, |q, _| q.iter().map(|q| q.powi(2)).sum::<Var>());
+    let bytes = h.unwrap().to_bytes().unwrap();
+    let again = read_within_bounds(&bytes).unwrap();
+    assert_eq!(again.structure().degrees_of_freedom, 1 << 16);
+}
+
+/// Another content: bytes set, lost, added or repeated, words that are counts or places in particular.
+fn mutant(bytes: &[u8], random: &mut Random) -> Vec<u8> {
+    sealed(bytes, |content| {
+        for _ in 0..=random.below(3) {
+            if content.len() < 24 {
+                return;
+            }
+            let at = random.below(content.len() - 4);
+            let count = 1 + 4 * random.below(5);
+            let word = match random.below(4) {
+                0 => random.bits() as u32,
+                1 => 1 << random.below(32),
+                2 => u32::MAX >> random.below(32),
+                _ => random.below(200) as u32,
+            };
+            match random.below(8) {
+                0 | 1 => content[count..count + 4].copy_from_slice(&word.to_le_bytes()),
+                2 => content[count + random.below(4)] = word as u8,
+                3 => content[at..at + 4].copy_from_slice(&word.to_le_bytes()),
+                4 => content[at] ^= 1 << random.below(8),
+                5 => content.truncate(at),
+                6 => content.insert(at, word as u8),
+                _ => {
+                    let end = content.len().min(at + random.below(64));
+                    content.extend_from_within(at..end);
+                }
+            }
+        }
+    })
+}
+
+/// The most memory that one of so many mutants takes, as a part of what is allowed.
+fn fuzz(mutants: usize) -> f64 {
+    let mut random = Random(0x5eed_0042);
+    let mut originals = vec![
+        Hamiltonian::new(1, all_functions).unwrap(),
+        Hamiltonian::with_time(2, |t, q, p| p[0] * p[1] - q[0] * (t * q[1]).cos()).unwrap(),
+        Hamiltonian::new(100, |q, _| {
+            q.windows(2).map(|q| (q[1] - q[0]).powi(4)).sum()
+        })
+        .unwrap(),
+    ];
+    while originals.len() < 8 {
+        let program = Program::new(&mut random);
+        originals.extend(Hamiltonian::new(PROGRAM_M, |q, p| program.energy(q, p)));
+    }
+    let originals: Vec<_> = originals.iter().map(|h| h.to_bytes().unwrap()).collect();
+    let (mut most, mut read) = (0.0_f64, 0);
+    for number in 0..mutants {
+        let mutant = mutant(&originals[number % originals.len()], &mut random);
+        let (found, memory) = peak(|| Hamiltonian::from_bytes(&mutant));
+        most = most.max(memory as f64 / ((64 << 20) + 100 * mutant.len()) as f64);
+        read += usize::from(found.is_ok());
+    }
+    assert!(most <= 1.0, "{most} of the memory that is allowed");
+    println!("{read} of {mutants} mutants are energies; {most:.3} of the memory that is allowed");
+    assert!(50 * read > mutants && read < mutants, "{read}");
+    most
+}
+
+#[test]
+fn mutants_take_little_memory() {
+    fuzz(1000);
+}
+
+#[test]
+#[ignore = "long: cargo test --release -p equip-autodiff --test all -- --ignored --nocapture bytes::"]
+fn many_mutants_take_little_memory() {
+    fuzz(20_000);
 }
 
 #[test]

@@ -238,7 +238,7 @@ fn rounding_of_double_doubles_is_below_the_bound() {
     );
 }
 
-/// ½p² + (1 − cos q): p², ½p², cos q, 1 − cos q and H, then p and q.
+/// ½p² + (1 − cos q): p², cos q, 1 − cos q and H, then p and q. The product with ½ is exact.
 #[test]
 fn every_operation_counts() {
     let h = by_closure(1, |q, p| 0.5 * p[0].powi(2) + (1.0 - q[0].cos()));
@@ -246,7 +246,6 @@ fn every_operation_counts() {
     let mut gradient = [0.0; 2];
     let (value, bound) = h.evaluator().gradient_with_bound(&[q, p], &mut gradient);
     let parts = [
-        0.5 * p * p,
         0.5 * p * p,
         q.cos(),
         1.0 - q.cos(),

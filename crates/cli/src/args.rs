@@ -9,8 +9,8 @@ mod run;
 mod shared;
 
 pub(crate) use ensemble::{EnsembleArgs, MergeArgs, Shard};
-pub(crate) use others::{CheckArgs, GrowthArgs, ReportArgs, ScenesArgs, SectionArgs};
-pub(crate) use run::{Precision, RunArgs};
+pub(crate) use others::{CheckArgs, GrowthArgs, PaperArgs, ReportArgs, ScenesArgs, SectionArgs};
+pub(crate) use run::{Precision, ReachName, RunArgs};
 pub(crate) use shared::MethodName;
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -32,6 +32,7 @@ use std::ffi::OsString;
         equip ensemble kepler --n 100 --seed 7 --out kepler.csv\n                                     \
         100 starts around one, a row each\n  \
         equip check --quick                stiff and extreme cases, judged\n  \
+        equip paper --html paper.html      the paper's statements, measured\n  \
         equip report --quick               error against run time, as a page"
 )]
 pub(crate) struct Cli {
@@ -55,6 +56,8 @@ pub(crate) enum Command {
     Growth(GrowthArgs),
     /// Run the catalogue of stiff and extreme cases, and judge every row
     Check(CheckArgs),
+    /// Hold the statements of the paper, by its own method, against measured figures
+    Paper(PaperArgs),
     /// Error against run time of EQUIP, Gauss and classical methods: a page, pictures and tables
     Report(ReportArgs),
 }

@@ -14,7 +14,7 @@ mod outcomes;
 mod reference;
 mod summary;
 mod table;
-mod verdict;
+pub(crate) mod verdict;
 
 use crate::args::CheckArgs;
 use crate::fault::Fault;

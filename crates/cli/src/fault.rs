@@ -4,12 +4,15 @@ use crate::text::significant;
 use equip_integrate::IntegrateError;
 use equip_scalar::{Float, ParseFloatError};
 use equip_scenes::SceneError;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Exit code of a run that began and could not be finished, its output up to there written, and of a failed
 /// check.
 const INTEGRATION_FAILED: u8 = 1;
+/// Exit code of a file at the limit of its size: of the signal that comes with it, SIGXFSZ.
+const FILE_TOO_LARGE: u8 = 128 + 25;
 /// Exit code of wrong usage and bad input, the same as that of the argument parser.
 const BAD_INPUT: u8 = 2;
 
@@ -30,6 +33,14 @@ pub(crate) enum Fault {
     },
     #[error("cannot write {}: {source}; choose another path or make its directory", path.display())]
     Write {
+        path: PathBuf,
+        source: std::io::Error,
+    },
+    #[error(
+        "cannot write all of {}: {source}; make room, raise the limit of the size of files (ulimit -f), or write less often with --every",
+        path.display()
+    )]
+    NoRoom {
         path: PathBuf,
         source: std::io::Error,
     },
@@ -134,6 +145,8 @@ pub(crate) enum Fault {
     },
     #[error("{failed} of {rows} rows failed; their reasons stand in the table")]
     Check { failed: usize, rows: usize },
+    #[error("{failed} of {rows} statements do not hold; the table says which")]
+    Statements { failed: usize, rows: usize },
 }
 
 impl Fault {
@@ -160,8 +173,13 @@ impl Fault {
             Fault::Interrupted { exit_code, .. } | Fault::EnsembleInterrupted { exit_code, .. } => {
                 *exit_code
             }
-            Fault::Integration { .. }
+            Fault::NoRoom { source, .. } if source.kind() == ErrorKind::FileTooLarge => {
+                FILE_TOO_LARGE
+            }
+            Fault::NoRoom { .. }
+            | Fault::Integration { .. }
             | Fault::Check { .. }
+            | Fault::Statements { .. }
             | Fault::Write { .. }
             | Fault::Print(_) => INTEGRATION_FAILED,
             _ => BAD_INPUT,
@@ -196,9 +214,11 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
         E::StepLimit { steps, time } => format!(
             "{steps} steps were made and t = {time} is reached; loosen --tolerance, or end sooner with --until"
         ),
-        E::CheckpointMismatch { what, now, .. } if *what == "reach" => {
-            of_flag("--refuse", now == "Refuse")
-        }
+        E::CheckpointMismatch { what, stored, now } if *what == "reach" => format!(
+            "the checkpoint was made with --reach {}, this run has {}; give the same, or start anew with another --checkpoint",
+            in_kebab_case(stored),
+            in_kebab_case(now)
+        ),
         E::CheckpointMismatch { what, now, .. } if *what == "deviation" => {
             of_flag("--lyapunov", now == "followed")
         }
@@ -208,10 +228,22 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
             defect,
             floor,
         } => format!(
-            "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller --step, more --stages, --method equip, or leave out --refuse to carry the defect to the next step"
+            "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller --step, more --stages, --method equip, or leave out --reach refuse to carry the defect to the next step"
         ),
         other => other.to_string(),
     }
+}
+
+/// `WithinError` as the command line has it.
+fn in_kebab_case(name: &str) -> String {
+    let mut text = String::new();
+    for c in name.chars() {
+        if c.is_uppercase() && !text.is_empty() {
+            text.push('-');
+        }
+        text.extend(c.to_lowercase());
+    }
+    text
 }
 
 /// A checkpoint made without a flag that this run has, or with one that it has not.

@@ -7,6 +7,7 @@ mod commands;
 mod draw;
 mod fault;
 mod number;
+mod paper;
 mod report;
 mod run;
 mod text;
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
         Command::Section(args) => section::section(&args),
         Command::Growth(args) => growth::growth(&args),
         Command::Check(args) => check::check(&args),
+        Command::Paper(args) => paper::paper(&args),
         Command::Report(args) => report::report(&args),
     };
     match done {

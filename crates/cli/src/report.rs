@@ -5,7 +5,7 @@
 //! thread; [`measure`] says how the times are taken.
 
 mod accuracy;
-mod chart;
+pub(crate) mod chart;
 mod contender;
 mod csv;
 mod measure;

@@ -10,7 +10,7 @@ pub(crate) mod progress;
 pub(crate) mod signals;
 pub(crate) mod watch;
 
-use crate::args::{MethodName, Precision, RunArgs};
+use crate::args::{MethodName, Precision, ReachName, RunArgs};
 use crate::draw::run::{components, draw};
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
@@ -58,9 +58,11 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
             Integrator::Variable(method.tolerance(tolerance).record(Record::Ends))
         }
     };
-    if args.refuse {
-        integrator = integrator.reach(Reach::Refuse);
-    }
+    integrator = integrator.reach(match args.reach {
+        ReachName::WithinError => Reach::WithinError,
+        ReachName::Always => Reach::Always,
+        ReachName::Refuse => Reach::Refuse,
+    });
     if args.lyapunov {
         integrator = integrator.chaos();
     }
@@ -113,7 +115,10 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     };
     watch.finish(&run)?;
     let finished = Finished {
-        end_error: end_error(instance, &run),
+        // A run without a step ends where it started, which says nothing of it.
+        end_error: (error.is_none() || run.certificate().counts.steps > 0)
+            .then(|| end_error(instance, &run))
+            .flatten(),
         instance,
         run,
         error,

@@ -307,7 +307,10 @@ fn a_checkpoint_of_another_run_is_refused_in_words() {
         (&["--method", "gauss"], "method EQUIP, this run has Gauss"),
         (&["--step", "1/8"], "this run has 0.125"),
         (&["--tolerance", "1e-9"], "steps of one size"),
-        (&["--refuse"], "without --refuse"),
+        (
+            &["--reach", "refuse"],
+            "with --reach within-error, this run has refuse",
+        ),
         (&["--until", "-9"], "--until"),
     ] {
         let text = failure(2, &home, &[&["kepler", "--e", "0.8"][..], more].concat());

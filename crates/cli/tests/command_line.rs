@@ -206,8 +206,8 @@ fn options_that_change_nothing_are_named() {
             "--no-compare changes nothing: there is no --plot",
         ),
         (
-            &["--refuse", "--method", "gauss"],
-            "--refuse changes nothing",
+            &["--reach", "refuse", "--method", "gauss"],
+            "--reach changes nothing",
         ),
         (
             &["--no-compare", "--plot", "n.svg", "--tolerance", "1e-6"],

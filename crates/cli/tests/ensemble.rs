@@ -319,5 +319,30 @@ fn what_is_merged_is_one_ensemble_and_whole() {
     assert!(error.contains("name two files"), "{error}");
     refused(&home, "merge --out all");
     assert!(!home.join("all").exists());
+    // Files that are not this ensemble are left as they are, also where the file stands while it is written.
+    let seed = read(&home, "seed");
+    for (file, content, words) in [
+        ("all", "my notes\n", "is not the file of an ensemble"),
+        ("all.new", "my notes\n", "is not the file of an ensemble"),
+        ("all", &seed, "its seed is 8, now it is 7"),
+        (
+            "all",
+            &read(&home, "half"),
+            "its shard is 1/2, now it is 1/1",
+        ),
+    ] {
+        std::fs::write(home.join(file), content).unwrap();
+        let error = refused(&home, "merge 3 1 2 --out all");
+        assert!(error.contains(words), "{file}: {error}");
+        assert!(read(&home, file) == content, "{file} is another");
+        std::fs::remove_file(home.join(file)).unwrap();
+    }
+    std::fs::write(home.join("all"), "").unwrap();
     equip(&home, "merge 3 1 2 --out all --quiet");
+    let whole = read(&home, "all");
+    // What is there of the ensemble is replaced by all of it.
+    let lines = whole.split_inclusive('\n').take(4);
+    std::fs::write(home.join("all"), lines.collect::<Vec<_>>().concat()).unwrap();
+    equip(&home, "merge 3 1 2 --out all --quiet");
+    assert!(read(&home, "all") == whole);
 }

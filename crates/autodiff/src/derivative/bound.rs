@@ -7,8 +7,8 @@
 //!
 //! The derivatives by the v_k are those of the reverse sweep, which makes them anyway. The operations are
 //! gathered by their derivative w, Σ|w|·(Σ r_k|v_k|): terms of a sum share theirs. r_k is 1, or what
-//! [`Op::roundings`] says. Partial sums of sums that are compensated are not rounded, and have r_k = 0. Cost:
-//! an operation or two for each one of H, beside those of ∇H.
+//! [`Op::roundings`] says. Operations that are exact, and partial sums of sums that are compensated, are not
+//! rounded, and have r_k = 0. Cost: an operation or two for each one of H, beside those of ∇H.
 
 use super::reverse::{Adjoint, Reverse};
 use crate::recording::op::Op;

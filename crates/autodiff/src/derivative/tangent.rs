@@ -5,93 +5,16 @@
 //! the rates of selections (sign, the smaller of two) are zero.
 //!
 //! With sizes in place of rates, and the rounding of each result added, the same rules are those of the
-//! running error bound ([`Rounding`]; Higham, Accuracy and Stability of Numerical Algorithms, 2002, section
+//! running error bound ([`Rounding`](super::rate::Rounding); Higham, Accuracy and Stability of Numerical Algorithms, 2002, section
 //! 3.3). It is in the units of the value, to first order, and counts ε for each operation, be it a power or
-//! a table; constants are rounded alike at every state, and do not count.
+//! a table, but for those that are exact: changes of sign, products with powers of two, 2x as x + x, x + 0,
+//! choices, arithmetic on small integers. Constants are rounded alike at every state, and do not count.
 
+use super::exact::is_power_of_two;
+use super::rate::Rate;
 use equip_scalar::{Constant, Float, Outside, Piecewise, Scalar};
-use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
-
-/// What is carried beside a value.
-pub(crate) trait Rate<T: Float>: Copy + Debug + Send + Sync + 'static {
-    /// Of what is fixed.
-    fn zero() -> Self;
-
-    /// Of f(x), given f and f′ at the value.
-    fn chain(self, f: T, slope: T) -> Self;
-
-    /// Of f(x, y), given f and its partial derivatives at the values.
-    fn chain2(self, other: Self, f: T, by_x: T, by_y: T) -> Self;
-
-    /// Of −x, which is exact.
-    fn opposite(self) -> Self;
-
-    fn is_zero(self) -> bool;
-}
-
-/// The rate of change in one direction.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Change<T>(pub(crate) T);
-
-impl<T: Float> Rate<T> for Change<T> {
-    #[inline(always)]
-    fn zero() -> Self {
-        Change(T::int(0))
-    }
-
-    #[inline(always)]
-    fn chain(self, _: T, slope: T) -> Self {
-        Change(slope * self.0)
-    }
-
-    #[inline(always)]
-    fn chain2(self, other: Self, _: T, by_x: T, by_y: T) -> Self {
-        Change(by_x * self.0 + by_y * other.0)
-    }
-
-    #[inline(always)]
-    fn opposite(self) -> Self {
-        Change(-self.0)
-    }
-
-    #[inline(always)]
-    fn is_zero(self) -> bool {
-        self.0 == T::int(0)
-    }
-}
-
-/// How far a number may be off, as its operands may and it is rounded itself: to ε, each operation.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Rounding<T>(pub(crate) T);
-
-impl<T: Float> Rate<T> for Rounding<T> {
-    #[inline(always)]
-    fn zero() -> Self {
-        Rounding(T::int(0))
-    }
-
-    #[inline(always)]
-    fn chain(self, f: T, slope: T) -> Self {
-        Rounding((slope * self.0).abs() + T::EPSILON * f.abs())
-    }
-
-    #[inline(always)]
-    fn chain2(self, other: Self, f: T, by_x: T, by_y: T) -> Self {
-        Rounding((by_x * self.0).abs() + (by_y * other.0).abs() + T::EPSILON * f.abs())
-    }
-
-    #[inline(always)]
-    fn opposite(self) -> Self {
-        self
-    }
-
-    #[inline(always)]
-    fn is_zero(self) -> bool {
-        self.0 == T::int(0)
-    }
-}
 
 /// A value, and what is carried beside it.
 #[derive(Debug, Clone, Copy)]
@@ -126,6 +49,65 @@ impl<T: Float, R: Rate<T>> Tangent<T, R> {
             rate: self.rate.chain2(other.rate, f, by_x, by_y),
         }
     }
+
+    /// The same of an operation that is not rounded.
+    #[inline(always)]
+    fn exactly(self, other: Self, f: T, by_x: T, by_y: T) -> Self {
+        Tangent {
+            value: f,
+            rate: self.rate.exact(other.rate, by_x, by_y),
+        }
+    }
+
+    /// The sum or difference f, which `doubles` one of the two.
+    #[inline(always)]
+    fn linear(self, other: Self, f: T, [by_x, by_y]: [T; 2], doubles: bool) -> Self {
+        let is_exact = || {
+            doubles
+                || self.is_none()
+                || other.is_none()
+                || numbers(self, other).is_some_and(|[x, y]| is_sum(f, x, by_y.to_f64() * y))
+        };
+        match R::ROUNDS && is_exact() {
+            true => self.exactly(other, f, by_x, by_y),
+            false => self.chain2(other, f, by_x, by_y),
+        }
+    }
+
+    /// Whether it is 0, and is not what rounding left.
+    #[inline(always)]
+    fn is_none(self) -> bool {
+        self.value == T::int(0) && self.rate.is_zero()
+    }
+
+    /// Whether products with it are exact: 0, or a power of two with its sign.
+    #[inline(always)]
+    fn scales(self) -> bool {
+        let [x, rest, ..] = self.value.expansion();
+        self.rate.is_zero() && rest == 0.0 && (x == 0.0 || is_power_of_two(x))
+    }
+}
+
+/// Two that are doubles whatever the state, such as counts.
+#[inline(always)]
+fn numbers<T: Float, R: Rate<T>>(x: Tangent<T, R>, y: Tangent<T, R>) -> Option<[f64; 2]> {
+    let is_fixed = x.rate.is_zero() && y.rate.is_zero();
+    let [[x, x_rest, ..], [y, y_rest, ..]] = [x, y].map(|x| x.value.expansion());
+    (is_fixed && x_rest == 0.0 && y_rest == 0.0).then_some([x, y])
+}
+
+/// Whether f is x + y, by the error of the sum [Knuth 1969].
+fn is_sum<T: Float>(f: T, x: f64, y: f64) -> bool {
+    let [high, low, ..] = f.expansion();
+    let sum = x + y;
+    let from_y = sum - x;
+    high == sum && low == (x - (sum - from_y)) + (y - from_y)
+}
+
+/// Whether f is xy, by the error of the product.
+fn is_product<T: Float>(f: T, x: f64, y: f64) -> bool {
+    let [high, low, ..] = f.expansion();
+    high == x * y && low == x.mul_add(y, -high)
 }
 
 impl<T: Float, R: Rate<T>> Add for Tangent<T, R> {
@@ -133,7 +115,8 @@ impl<T: Float, R: Rate<T>> Add for Tangent<T, R> {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         let one = T::int(1);
-        self.chain2(other, self.value + other.value, one, one)
+        let f = self.value + other.value;
+        self.linear(other, f, [one, one], self.value == other.value)
     }
 }
 
@@ -142,7 +125,8 @@ impl<T: Float, R: Rate<T>> Sub for Tangent<T, R> {
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         let one = T::int(1);
-        self.chain2(other, self.value - other.value, one, -one)
+        let f = self.value - other.value;
+        self.linear(other, f, [one, -one], self.value == -other.value)
     }
 }
 
@@ -150,7 +134,17 @@ impl<T: Float, R: Rate<T>> Mul for Tangent<T, R> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.chain2(other, self.value * other.value, other.value, self.value)
+        let f = self.value * other.value;
+        let (by_x, by_y) = (other.value, self.value);
+        let is_exact = || {
+            self.scales()
+                || other.scales()
+                || numbers(self, other).is_some_and(|[x, y]| is_product(f, x, y))
+        };
+        match R::ROUNDS && is_exact() {
+            true => self.exactly(other, f, by_x, by_y),
+            false => self.chain2(other, f, by_x, by_y),
+        }
     }
 }
 
@@ -160,7 +154,10 @@ impl<T: Float, R: Rate<T>> Div for Tangent<T, R> {
     fn div(self, other: Self) -> Self {
         let f = self.value / other.value;
         let slope = T::int(1) / other.value;
-        self.chain2(other, f, slope, -(f * slope))
+        match R::ROUNDS && other.scales() {
+            true => self.exactly(other, f, slope, -(f * slope)),
+            false => self.chain2(other, f, slope, -(f * slope)),
+        }
     }
 }
 

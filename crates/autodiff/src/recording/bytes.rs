@@ -9,6 +9,10 @@
 //!
 //! The least significant byte of a number is the first. An operation is its code, its payload if it has one,
 //! and its operands; components of the state stand before all others and are not written.
+//!
+//! Bytes come from files, and files from anywhere. The reader compares every count with the bytes that are
+//! left before it reserves memory, so that reading takes less than 100 times the memory of the bytes, and
+//! 10 MB for components that no operation needs.
 
 use crate::error::{BuildError, BytesError};
 use crate::recording::op::{Node, Op};
@@ -20,6 +24,13 @@ use std::sync::Arc;
 const MAGIC: [u8; 8] = *b"equip H\n";
 const FORMAT: u32 = 1;
 const HEAD: usize = MAGIC.len() + 4 + 8;
+
+/// Components of a state that need no bytes of their own. Of more, H depends on a good part: each of these is
+/// an operand, which is four bytes.
+const FREE_COMPONENTS: usize = 1 << 16;
+const COMPONENT: usize = 4;
+/// Fewest bytes of a constant, of a function and of an operation.
+const SHORTEST: [usize; 3] = [9, 8, 5];
 
 /// Operations without a payload; the place here is the code. Another order is another format.
 const PLAIN: [Op; 37] = [
@@ -78,12 +89,18 @@ pub(crate) type Functions<'a> = &'a dyn Fn(&[u8]) -> Option<Arc<dyn Outside>>;
 pub(crate) fn write(recordings: &[&Recording]) -> Result<Vec<u8>, BytesError> {
     let mut content = vec![recordings.len() as u8];
     for recording in recordings {
+        let before = content.len();
         write_recording(recording, &mut content, |function| {
             let not_data = || BytesError::NotData {
                 function: format!("{function:?}"),
             };
             function.to_bytes().ok_or_else(not_data)
         })?;
+        let components = recording.operations.inputs;
+        // Five counts stand before what the reader compares with them.
+        if !is_room_for(components, content.len() - before - 5 * 4) {
+            return Err(BytesError::ComponentsNotUsed { components });
+        }
     }
     let mut bytes = Vec::with_capacity(HEAD + content.len());
     bytes.extend(MAGIC);
@@ -93,7 +110,11 @@ pub(crate) fn write(recordings: &[&Recording]) -> Result<Vec<u8>, BytesError> {
     Ok(bytes)
 }
 
-pub(crate) fn read(bytes: &[u8], functions: Functions<'_>) -> Result<Vec<Recording>, BytesError> {
+/// The recordings of one energy: H, and H(t, q, p) alone if it depends on time.
+pub(crate) fn read(
+    bytes: &[u8],
+    functions: Functions<'_>,
+) -> Result<(Recording, Option<Recording>), BytesError> {
     let mut head = Reader(bytes);
     if head.take() != Ok(MAGIC) {
         return Err(BytesError::NotAnEnergy);
@@ -109,12 +130,24 @@ pub(crate) fn read(bytes: &[u8], functions: Functions<'_>) -> Result<Vec<Recordi
     }
     let mut content = head;
     let count = content.byte()?;
-    let recordings = (0..count).map(|_| content.recording(functions));
-    let recordings: Vec<Recording> = recordings.collect::<Result<_, _>>()?;
+    if !(1..=2).contains(&count) {
+        return Err(damaged(NOT_ONE_ENERGY));
+    }
+    let energy = content.recording(functions, None)?;
+    let inputs = Some(energy.operations.inputs);
+    let alone = (count == 2).then(|| content.recording(functions, inputs));
+    let alone = alone.transpose()?;
     if !content.0.is_empty() {
         return Err(damaged("there are too many"));
     }
-    Ok(recordings)
+    Ok((energy, alone))
+}
+
+const NOT_ONE_ENERGY: &str = "there are not the recordings of one energy";
+
+/// Whether a recording of so many bytes may have so many components.
+fn is_room_for(components: usize, bytes: usize) -> bool {
+    components <= FREE_COMPONENTS.max(bytes / COMPONENT)
 }
 
 /// The checksum of the formula: operations, constants and tables. Closures from outside count as one.
@@ -234,23 +267,44 @@ impl<'a> Reader<'a> {
         Ok(head)
     }
 
-    fn recording(&mut self, functions: Functions<'_>) -> Result<Recording, BytesError> {
+    /// A recording, with as many components as `expected`.
+    fn recording(
+        &mut self,
+        functions: Functions<'_>,
+        expected: Option<usize>,
+    ) -> Result<Recording, BytesError> {
         let [inputs, constants, outside, nodes, root] = [(); 5].map(|()| self.word());
         let (inputs, constants, nodes, root) = (inputs? as usize, constants?, nodes?, root?);
+        let outside = outside?;
         if inputs == 0 || inputs % 2 != 0 {
             return Err(damaged("positions and momenta are not equal in number"));
         }
         if inputs / 2 > MOST {
             return Err(BuildError::TooManyDegreesOfFreedom { m: inputs / 2 }.into());
         }
-        let mut recorder = Recorder::new(0, inputs);
+        if expected.is_some_and(|expected| inputs != expected) {
+            return Err(damaged(NOT_ONE_ENERGY));
+        }
+        let counts = [constants, outside, nodes].map(|count| count as usize);
+        let bytes = counts
+            .iter()
+            .zip(SHORTEST)
+            .map(|(&n, size)| n.saturating_mul(size));
+        if bytes.fold(0, usize::saturating_add) > self.0.len() {
+            return Err(damaged("there are too few"));
+        }
+        if !is_room_for(inputs, self.0.len()) {
+            return Err(damaged("there are too few for their components"));
+        }
+        let recorder = Recorder::with_room(inputs, counts);
+        let mut recorder = recorder.map_err(|_| BytesError::OutOfMemory { components: inputs })?;
         for k in 0..constants {
             let constant = self.constant()?;
             if recorder.constant_entry(constant) != k {
                 return Err(damaged("a constant stands there twice"));
             }
         }
-        for _ in 0..outside? {
+        for _ in 0..outside {
             let function = functions(self.all()?).ok_or(BytesError::UnknownFunction)?;
             recorder.operations.functions.push(function);
         }

@@ -2,6 +2,7 @@
 
 pub(crate) mod bytes;
 pub(crate) mod graph;
+pub(crate) mod keyed;
 pub(crate) mod op;
 pub(crate) mod peephole;
 pub(crate) mod recorder;

@@ -4,10 +4,10 @@
 //! and × in either order). Simplifications are those that keep every bit of every result, infinities, NaN and
 //! the sign of zero included: x·1, x/1, x − 0, x + (−0), −(−x), x·(−1) = −x, x¹, x⁰ and x·x = x².
 
+use crate::recording::keyed::Keys;
 use crate::recording::op::{Node, Op, Operations};
 use equip_scalar::{Attempt, Constant, Outside, Written};
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+use std::collections::{HashMap, TryReserveError};
 use std::ops::Deref;
 use std::panic::Location;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ pub(crate) struct Recorder {
     /// The first attempt to look at a value.
     pub(crate) refusal: Option<(Attempt, &'static Location<'static>)>,
     refusals: usize,
-    known: HashMap<Node, u32, BuildHasherDefault<Mixed>>,
+    known: HashMap<Node, u32, Keys>,
     known_constants: HashMap<ConstantKey, u32>,
 }
 
@@ -96,19 +96,36 @@ impl Recording {
 
 impl Recorder {
     pub(crate) fn new(id: u32, inputs: usize) -> Self {
+        Recorder::of(id, inputs, Operations::default())
+    }
+
+    /// With room for so many constants, functions and operations.
+    pub(super) fn with_room(
+        inputs: usize,
+        [constants, functions, nodes]: [usize; 3],
+    ) -> Result<Self, TryReserveError> {
+        let mut room = Operations::default();
+        room.nodes.try_reserve_exact(inputs.saturating_add(nodes))?;
+        room.constants.try_reserve_exact(constants)?;
+        room.functions.try_reserve_exact(functions)?;
+        let mut recorder = Recorder::of(0, inputs, room);
+        recorder.known.try_reserve(nodes)?;
+        recorder.known_constants.try_reserve(constants)?;
+        Ok(recorder)
+    }
+
+    /// In the room of `operations`, which are none.
+    fn of(id: u32, inputs: usize, mut operations: Operations) -> Self {
         let input = |i| Node {
             op: Op::Input(i),
             a: 0,
             b: 0,
         };
+        operations.inputs = inputs;
+        operations.nodes.extend((0..inputs as u32).map(input));
         Recorder {
             id,
-            operations: Operations {
-                inputs,
-                nodes: (0..inputs as u32).map(input).collect(),
-                constants: Vec::new(),
-                functions: Vec::new(),
-            },
+            operations,
             overflow: false,
             foreign: false,
             refusal: None,
@@ -263,38 +280,5 @@ impl Recorder {
             nodes.push(node);
             nodes.len() as u32 - 1
         })
-    }
-}
-
-/// The hash of rustc's own tables: words are mixed by products [rustc-hash 2]. Recordings are no hostile
-/// input.
-#[derive(Debug, Default, Clone, Copy)]
-pub(crate) struct Mixed(u64);
-
-impl Mixed {
-    fn add(&mut self, word: u64) {
-        self.0 = (self.0.wrapping_add(word)).wrapping_mul(0xf135_7aea_2e62_a9c5);
-    }
-}
-
-impl Hasher for Mixed {
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.add(byte.into()));
-    }
-
-    fn write_u32(&mut self, word: u32) {
-        self.add(word.into());
-    }
-
-    fn write_u64(&mut self, word: u64) {
-        self.add(word);
-    }
-
-    fn write_usize(&mut self, word: usize) {
-        self.add(word as u64);
-    }
-
-    fn finish(&self) -> u64 {
-        self.0.rotate_left(26)
     }
 }

@@ -1,6 +1,7 @@
 //! [`Replay`]: the values of all slots of a tape, in one kind of number.
 
-use crate::derivative::tangent::{Rate, Tangent};
+use crate::derivative::rate::Rate;
+use crate::derivative::tangent::Tangent;
 use crate::recording::graph::Graph;
 use crate::replay::batch::Batch;
 use crate::replay::forward::{CompensatedSum, forward};

@@ -3,6 +3,7 @@
 
 use super::results::Results;
 use crate::derivative::bound::differentiate_with_bound;
+use crate::derivative::exact::exact_operations;
 use crate::derivative::hessian::hessian;
 use crate::derivative::reverse::differentiate;
 use crate::recording::bytes;
@@ -174,7 +175,10 @@ impl Derived {
 fn with_bound(energy: &Recording) -> Results {
     let root = energy.root;
     let mut recorder = energy.resume();
-    let is_exact = partial_sums(&recorder, root, LONG);
+    let compensated = partial_sums(&recorder, root, LONG);
+    let is_exact: Vec<bool> = (exact_operations(&recorder).iter().zip(compensated))
+        .map(|(&is_exact, is_compensated)| is_exact || is_compensated)
+        .collect();
     let (mut roots, bound) = differentiate_with_bound(&mut recorder, root, &is_exact);
     roots.extend([bound, root]);
     Results::new(Arc::new(Graph::new(&recorder, &roots)))

@@ -51,9 +51,16 @@ pub(crate) struct RunArgs {
     /// Numbers to compute in: f64 has 16 digits, dd (double-double) about 31
     #[arg(long, value_enum, default_value = "f64", help_heading = "Method")]
     pub(crate) precision: Precision,
-    /// End the run with an error at the first step for which no α keeps the energy
-    #[arg(long, help_heading = "Method")]
-    pub(crate) refuse: bool,
+    /// How far the parameters α may move the end of a step: within-error leaves the energy error of a step
+    /// to a later one where α would move its end by more than some local errors; always moves it as far as
+    /// it takes; refuse ends the run with an error where within-error would leave an energy error
+    #[arg(
+        long,
+        value_enum,
+        default_value = "within-error",
+        help_heading = "Method"
+    )]
+    pub(crate) reach: ReachName,
     /// Carry a small deviation along and print the largest Lyapunov exponent and MEGNO (2 for regular motion,
     /// λt/2 for chaotic); with --out two more columns, with --plot two more panels
     #[arg(long, visible_alias = "megno", help_heading = "Output")]
@@ -90,6 +97,13 @@ pub(crate) struct RunArgs {
     /// Print no certificate and no progress
     #[arg(long, short, conflicts_with = "json", help_heading = "Output")]
     pub(crate) quiet: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ReachName {
+    WithinError,
+    Always,
+    Refuse,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]

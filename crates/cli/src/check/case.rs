@@ -169,6 +169,8 @@ pub(crate) enum Trajectory {
 pub(crate) struct Expect {
     pub(crate) end: End,
     pub(crate) trajectory: Trajectory,
+    /// Of a row that is known to fail: its trajectory error over that of Gauss, as measured.
+    pub(crate) deficit: Option<f64>,
 }
 
 /// A row of the catalogue.
@@ -210,6 +212,7 @@ impl Case {
             expect: Expect {
                 end: End::Complete,
                 trajectory: Trajectory::Resolved,
+                deficit: None,
             },
             quick: true,
         }
@@ -252,6 +255,12 @@ impl Case {
 
     pub(crate) fn trajectory(mut self, trajectory: Trajectory) -> Self {
         self.expect.trajectory = trajectory;
+        self
+    }
+
+    /// Marks a row that is known to fail, with its trajectory error over that of Gauss.
+    pub(crate) fn known_deficit(mut self, ratio: f64) -> Self {
+        self.expect.deficit = Some(ratio);
         self
     }
 

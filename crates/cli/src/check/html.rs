@@ -18,7 +18,7 @@ td:first-child, td:nth-child(2), td:nth-child(4), td:last-child { white-space: n
 td:last-child { min-width: 15rem; overflow-wrap: anywhere; }
 tr.theme th { text-align: left; padding-top: 1.2rem; font-size: 1.1rem; }
 tr.pass b { color: #1a7f37; } tr.fail { background: #d1242f33; } tr.fail b { color: #d1242f; }
-tr.expected b { color: #0969da; }
+tr.expected b { color: #0969da; } tr.known b { color: #9a6700; }
 small { color: GrayText; }
 ";
 
@@ -60,6 +60,7 @@ pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
         passed,
         expected_errors,
         explained,
+        known_deficits,
         failed,
         seconds,
     } = summary;
@@ -68,7 +69,7 @@ pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>equip check</title>\n<style>{STYLE}</style>\n\
          <h1>equip check {version}</h1>\n\
          <p><b>{rows}</b> rows: {passed} pass, {expected_errors} expected errors, {explained} explained, \
-         <b>{failed} fail</b>; {seconds:.1} s</p>\n<p><small>{legend}</small></p>\n\
+         {known_deficits} known deficits, <b>{failed} fail</b>; {seconds:.1} s</p>\n<p><small>{legend}</small></p>\n\
          <table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{body}</tbody>\n</table>\n</html>\n",
         version = env!("CARGO_PKG_VERSION"),
     )
@@ -85,6 +86,7 @@ fn line(row: &Row) -> String {
         Word::Pass => "pass",
         Word::ExpectedError => "expected",
         Word::Explained => "explained",
+        Word::KnownDeficit => "known",
         Word::Fail => "fail",
     };
     let number = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.1e}"));

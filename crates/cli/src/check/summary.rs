@@ -11,6 +11,7 @@ pub(crate) struct Summary {
     pub(crate) passed: usize,
     pub(crate) expected_errors: usize,
     pub(crate) explained: usize,
+    pub(crate) known_deficits: usize,
     pub(crate) failed: usize,
     pub(crate) seconds: f64,
 }
@@ -23,6 +24,7 @@ impl Summary {
             passed: count(Word::Pass),
             expected_errors: count(Word::ExpectedError),
             explained: count(Word::Explained),
+            known_deficits: count(Word::KnownDeficit),
             failed: count(Word::Fail),
             seconds: begun.elapsed().as_secs_f64(),
         }

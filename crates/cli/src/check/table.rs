@@ -88,19 +88,22 @@ pub(crate) fn end(out: &mut impl Write, rows: &[Row], summary: &Summary) -> io::
             row.all_seconds
         )?;
     }
-    for row in rows.iter().filter(|r| r.verdict.word == Word::Fail) {
-        writeln!(out, "FAIL {} {}", row.name, row.setting)?;
-        for note in &row.verdict.notes {
-            writeln!(out, "{}", wrapped(INDENT, INDENT.len(), note))?;
+    for word in [Word::Fail, Word::KnownDeficit] {
+        for row in rows.iter().filter(|r| r.verdict.word == word) {
+            writeln!(out, "{} {} {}", word.label(), row.name, row.setting)?;
+            for note in &row.verdict.notes {
+                writeln!(out, "{}", wrapped(INDENT, INDENT.len(), note))?;
+            }
         }
     }
     writeln!(
         out,
-        "{} rows: {} pass, {} expected errors, {} explained, {} fail; {:.1} s",
+        "{} rows: {} pass, {} expected errors, {} explained, {} known deficits, {} fail; {:.1} s",
         summary.rows,
         summary.passed,
         summary.expected_errors,
         summary.explained,
+        summary.known_deficits,
         summary.failed,
         summary.seconds
     )

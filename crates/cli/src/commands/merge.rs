@@ -2,8 +2,9 @@
 
 use crate::args::MergeArgs;
 use crate::fault::Fault;
+use crate::write::checkpoint::unfinished;
 use crate::write::lock;
-use crate::write::members::{self, Members};
+use crate::write::members::{self, Head, Members};
 use crate::write::outputs::{apart, ordinary};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -12,9 +13,15 @@ use std::path::Path;
 
 pub(crate) fn merge(args: &MergeArgs) -> Result<(), Fault> {
     ordinary("--out", &args.out)?;
+    let new = unfinished(&args.out);
+    ordinary("--out, while it is written,", &new)?;
     let mut shards: BTreeMap<u64, (&Path, Members)> = BTreeMap::new();
     for path in &args.files {
-        apart(&[("a shard", Some(path)), ("--out", Some(&args.out))])?;
+        apart(&[
+            ("a shard", Some(path)),
+            ("--out", Some(&args.out)),
+            ("--out, while it is written,", Some(&new)),
+        ])?;
         let found = read(path)?;
         let one = shards.values().next();
         if let Some((first, one)) = one {
@@ -40,12 +47,12 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Fault> {
         let shards = missing.join(", ");
         return Err(Fault::ShardsMissing { shards });
     }
-    // An ensemble that is being made there keeps its file.
-    let _lock = args
-        .out
-        .exists()
-        .then(|| lock::open(&args.out))
-        .transpose()?;
+    // An ensemble that is being made there keeps its file, and so does whatever is not this ensemble.
+    if new.exists() {
+        own(&new, &head)?;
+    }
+    let lock = args.out.exists().then(|| own(&args.out, &head));
+    let _lock = lock.transpose()?;
     let rows = shards.values().flat_map(|(_, found)| found.rows.values());
     members::write(&args.out, &head, rows)?;
     if !args.quiet {
@@ -55,6 +62,25 @@ pub(crate) fn merge(args: &MergeArgs) -> Result<(), Fault> {
         writeln!(out, "{:<24}{}", "members written to", args.out.display())?;
     }
     Ok(())
+}
+
+/// The file, locked, if that of the whole ensemble may take its place: it is empty, or has members of it.
+fn own(path: &Path, head: &Head) -> Result<File, Fault> {
+    let mut file = lock::reopen(path)?;
+    let length = file.metadata().map_err(|e| lock::unwritten(path, e))?.len();
+    if length == 0 {
+        return Ok(file);
+    }
+    let found = members::read(path, &mut file)?;
+    match found.head.difference(head) {
+        None => Ok(file),
+        Some((what, stored, now)) => Err(Fault::OtherEnsemble {
+            path: path.to_owned(),
+            what,
+            stored,
+            now,
+        }),
+    }
 }
 
 /// A finished shard.

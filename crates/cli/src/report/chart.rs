@@ -15,25 +15,25 @@ const RADIUS: f64 = 2.8;
 
 /// How a curve is drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Look {
-    pub(super) colour: String,
-    pub(super) dashes: &'static str,
-    pub(super) width: f64,
-    pub(super) mark: Mark,
+pub(crate) struct Look {
+    pub(crate) colour: String,
+    pub(crate) dashes: &'static str,
+    pub(crate) width: f64,
+    pub(crate) mark: Mark,
 }
 
 /// A point of two positive figures; the first one's repeats lie between `least` and `most`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Spot {
-    pub(super) x: f64,
-    pub(super) y: f64,
-    pub(super) least: f64,
-    pub(super) most: f64,
+pub(crate) struct Spot {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) least: f64,
+    pub(crate) most: f64,
 }
 
 impl Spot {
     /// A point without spread.
-    pub(super) fn exact(x: f64, y: f64) -> Self {
+    pub(crate) fn exact(x: f64, y: f64) -> Self {
         let (least, most) = (x, x);
         Spot { x, y, least, most }
     }
@@ -41,18 +41,18 @@ impl Spot {
 
 /// A named line through points.
 #[derive(Debug, Clone)]
-pub(super) struct Line {
-    pub(super) name: String,
-    pub(super) look: Look,
+pub(crate) struct Line {
+    pub(crate) name: String,
+    pub(crate) look: Look,
     /// For each panel its points.
-    pub(super) points: Vec<Vec<Spot>>,
+    pub(crate) points: Vec<Vec<Spot>>,
 }
 
 /// What the axes of a panel are.
-pub(super) type Labels<'a> = (&'a str, &'a str);
+pub(crate) type Labels<'a> = (&'a str, &'a str);
 
 /// Panels side by side with one legend above; a line through a mark is the spread of its repeats.
-pub(super) fn draw(title: &str, labels: &[Labels<'_>], lines: &[Line]) -> String {
+pub(crate) fn draw(title: &str, labels: &[Labels<'_>], lines: &[Line]) -> String {
     // One panel alone may be wider.
     let wide = if labels.len() == 1 { 820.0 } else { 350.0 };
     let apart = wide + BETWEEN;

@@ -1,6 +1,6 @@
 //! Options that do not go together, and those that change nothing.
 
-use crate::args::{MethodName, RunArgs};
+use crate::args::{MethodName, ReachName, RunArgs};
 use crate::fault::Fault;
 use crate::write::checkpoint::unfinished;
 use crate::write::lock::beside;
@@ -63,8 +63,8 @@ fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
             "with --quiet it is not printed, and there is no --out, --plot or --checkpoint",
         ),
         (
-            "--refuse",
-            args.refuse && !asks_for_energy,
+            "--reach",
+            args.reach != ReachName::WithinError && !asks_for_energy,
             "this method does not ask for the energy to be kept",
         ),
     ];

@@ -7,17 +7,20 @@ use std::sync::{Arc, LazyLock};
 
 static CAUGHT: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 
-/// From here on the first SIGINT (Ctrl-C), SIGTERM or SIGHUP ends the run after its present step; the second
-/// ends the program at once.
+/// From here on the first SIGINT (Ctrl-C), SIGTERM, SIGHUP or SIGUSR1 ends the run after its present step; the
+/// second ends the program at once. SIGXCPU and SIGXFSZ end the run the same way; the system repeats both, so
+/// that a second one of these ends nothing.
 ///
 /// # Errors
 /// If the system does not allow it.
 pub(crate) fn catch() -> Result<(), Fault> {
     let fault = |error| Fault::Start(Box::new(error));
     let asked = Arc::new(AtomicBool::new(false));
-    for signal in ENDING {
+    for &signal in ENDING {
         flag::register_conditional_shutdown(signal, exit_code(signal).into(), asked.clone())
             .map_err(fault)?;
+    }
+    for &signal in ENDING.iter().chain(LIMITS) {
         flag::register(signal, asked.clone()).map_err(fault)?;
         flag::register_usize(signal, CAUGHT.clone(), signal as usize).map_err(fault)?;
     }
@@ -37,12 +40,21 @@ pub(crate) fn exit_code(signal: i32) -> u8 {
     u8::try_from(128 + signal).unwrap_or(u8::MAX)
 }
 
-/// Signals by which a user, a terminal that closes, and a system that shuts down end a program.
+/// Signals by which a user, a terminal that closes, a system that shuts down, and the queue of a cluster
+/// (SIGUSR1, before the time of a job is over) end a program.
 #[cfg(unix)]
-const ENDING: [i32; 3] = [
+const ENDING: &[i32] = &[
     signal_hook::consts::SIGINT,
     signal_hook::consts::SIGTERM,
     signal_hook::consts::SIGHUP,
+    signal_hook::consts::SIGUSR1,
 ];
 #[cfg(not(unix))]
-const ENDING: [i32; 2] = [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM];
+const ENDING: &[i32] = &[signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM];
+
+/// Signals of a limit that is reached: of processor time, with some seconds left, and of the size of files.
+/// The write that went beyond the latter has failed.
+#[cfg(unix)]
+const LIMITS: &[i32] = &[signal_hook::consts::SIGXCPU, signal_hook::consts::SIGXFSZ];
+#[cfg(not(unix))]
+const LIMITS: &[i32] = &[];

@@ -5,7 +5,7 @@
 
 use crate::fault::Fault;
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// Opens a file for writing, locked; it is made if it is not there, and what is in it stays.
@@ -68,7 +68,12 @@ fn locked(path: &Path, options: &OpenOptions) -> Result<File, Fault> {
 
 pub(crate) fn unwritten(path: &Path, source: io::Error) -> Fault {
     let path = path.to_owned();
-    Fault::Write { path, source }
+    match source.kind() {
+        ErrorKind::FileTooLarge | ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            Fault::NoRoom { path, source }
+        }
+        _ => Fault::Write { path, source },
+    }
 }
 
 /// A name that this program alone uses, by a locked file beside it. It is for files that are replaced while

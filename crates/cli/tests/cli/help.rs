@@ -10,6 +10,7 @@ fn help_teaches() {
         &["scenes", "--help"],
         &["report", "--help"],
         &["growth", "--help"],
+        &["paper", "--help"],
     ] {
         assert!(stdout(arguments).contains("Examples:"), "{arguments:?}");
     }

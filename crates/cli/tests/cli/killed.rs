@@ -52,8 +52,18 @@ fn killed_and_gone_on(name: &str, signal: &str, arguments: &[&str]) {
     Command::new("kill").args([signal, &id]).status().unwrap();
     let ended = child.wait().unwrap();
     assert!(!ended.success(), "the run was over before it was killed");
-    if signal == "-INT" {
-        assert_eq!(ended.code(), Some(130));
+    let number = match signal {
+        "-INT" => Some(2),
+        "-USR1" => Some(10),
+        "-XCPU" => Some(24),
+        _ => None,
+    };
+    assert_eq!(ended.code(), number.map(|number| 128 + number));
+    if let (Some(number), Some(stderr)) = (number, child.stderr.take()) {
+        let message = std::io::read_to_string(stderr).unwrap();
+        let words = format!("ended by signal {number} at t = ");
+        assert!(message.contains(&words), "{message}");
+        assert!(message.contains("the same command goes on"), "{message}");
     }
     let output = equip(
         &with(&out, &save)
@@ -100,4 +110,56 @@ fn a_killed_run_goes_on_as_if_it_had_not_been() {
     ];
     killed_and_gone_on("killed-variable", "-KILL", &variable);
     killed_and_gone_on("interrupted", "-INT", &variable);
+    // As the queue of a cluster does before the time is over, and the system at its limit.
+    killed_and_gone_on("queued", "-USR1", &variable);
+    killed_and_gone_on("limited", "-XCPU", &variable);
+}
+
+/// A run under a limit of the shell.
+#[cfg(unix)]
+fn limited(limit: &str, arguments: &str) -> std::process::Output {
+    let program = env!("CARGO_BIN_EXE_equip");
+    let line = format!("ulimit {limit}; exec {program} run kepler --quiet {arguments}");
+    Command::new("sh").args(["-c", &line]).output().unwrap()
+}
+
+#[test]
+#[cfg(unix)]
+fn the_limit_of_processor_time_ends_a_run_with_its_table() {
+    let out = file("processor-time.csv");
+    let path = out.to_str().unwrap();
+    let arguments = format!("--step 1/50 --until 1e8 --every 1000 --out {path}");
+    let output = limited("-S -t 1", &arguments);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(128 + 24), "{message}");
+    let (_, reached) = message.split_once("ended by signal 24 at t = ").unwrap();
+    let reached: f64 = reached.split(';').next().unwrap().parse().unwrap();
+    let rows = crate::table(&out);
+    let last: f64 = rows[rows.len() - 1][0].parse().unwrap();
+    assert!((last / reached - 1.0).abs() < 1e-6, "{last} {reached}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_file_at_the_limit_of_its_size_is_named_and_the_run_goes_on_later() {
+    let (out, whole) = (file("size.csv"), file("size-whole.csv"));
+    let checkpoint = file("size.checkpoint");
+    let _ = std::fs::remove_file(&checkpoint);
+    let run = |out: &PathBuf| format!("--step 1/50 --until 600 --out {}", out.display());
+    let with = format!(
+        "{} --checkpoint {} --checkpoint-every 0.01",
+        run(&out),
+        checkpoint.display()
+    );
+    // 2 MB of the 3 MB of the table, in blocks of 512 bytes or of 1024.
+    let output = limited("-f 2000", &with);
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(128 + 25), "{message}");
+    assert!(message.contains("cannot write all of") && message.contains("ulimit -f"));
+    assert!(message.contains("size.csv"), "{message}");
+    for arguments in [&with, &run(&whole)] {
+        assert!(limited("-S -c 0", arguments).status.success());
+    }
+    let read = |path| std::fs::read_to_string(path).unwrap();
+    assert!(read(&out) == read(&whole), "another table");
 }

@@ -95,7 +95,7 @@ fn in_json(document: &Value, place: &str) -> Option<f64> {
     value.as_f64()
 }
 
-/// `verdict=FAIL, theme=stiff`.
+/// `verdict=known deficit, theme=stiff`.
 fn has_all(value: &Value, conditions: &str) -> bool {
     let mut conditions = conditions.split(", ");
     conditions.all(|condition| match condition.split_once('=') {

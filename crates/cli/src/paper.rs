@@ -1,0 +1,118 @@
+//! `equip paper`: the statements of the paper, by its own method, held against measured figures.
+//!
+//! L. Brugnano, F. Iavernaro, D. Trigiante, *Energy and quadratic invariants preserving integrators of
+//! Gaussian type*, AIP Conf. Proc. 1281 (2010) 227–230; arXiv:1005.1930. The method has one free parameter
+//! α = α_{s−1}, and every step solves g(α, h) = H(y1(α, h)) − H(y0) = 0, however far α moves the end of the
+//! step. The problem is Kepler's, e = 0.6, from the pericentre.
+
+mod convergence;
+mod figures;
+mod orbit;
+mod page;
+mod picture;
+mod residual;
+mod statements;
+
+use crate::args::PaperArgs;
+use crate::fault::Fault;
+use crate::write::outputs::{Output, apart};
+use figures::Paper;
+use statements::{Statement, statements};
+use std::fmt::Write as _;
+use std::io::{Write as _, stdout};
+
+pub(crate) fn paper(args: &PaperArgs) -> Result<(), Fault> {
+    apart(&[
+        ("--json", args.json.as_deref()),
+        ("--html", args.html.as_deref()),
+    ])?;
+    let json = args.json.as_deref().map(Output::create).transpose()?;
+    let html = args.html.as_deref().map(Output::create).transpose()?;
+    let instance = equip_scenes::find("kepler")?.instance(&[("e", "0.6")])?;
+    let convergence = convergence::measure(&instance)?;
+    let residual = residual::measure(&instance)?;
+    let orbits = orbit::measure(&instance)?;
+    let statements = statements(&convergence, &residual, &orbits);
+    let paper = Paper {
+        version: env!("CARGO_PKG_VERSION"),
+        statements,
+        convergence,
+        residual,
+        orbits,
+    };
+    write!(stdout().lock(), "{}", text(&paper))?;
+    if let Some(file) = json {
+        let text = serde_json::to_string_pretty(&paper).map_err(std::io::Error::from)?;
+        file.write(&format!("{text}\n"))?;
+    }
+    if let Some(file) = html {
+        file.write(&page::page(&paper))?;
+    }
+    let rows = paper.statements.len();
+    match paper.statements.iter().filter(|s| !s.holds).count() {
+        0 => Ok(()),
+        failed => Err(Fault::Statements { failed, rows }),
+    }
+}
+
+/// The table on the terminal.
+fn text(paper: &Paper) -> String {
+    let width = |of: fn(&Statement) -> &str| {
+        let lengths = paper.statements.iter().map(|s| of(s).chars().count());
+        lengths.max().unwrap_or(0)
+    };
+    let (first, second, third) = (
+        width(|s| &s.statement),
+        width(|s| &s.stated),
+        width(|s| &s.measured),
+    );
+    let mut text = String::new();
+    // Writing to a String does not fail.
+    let mut line = |cells: [&str; 4]| {
+        let [a, b, c, d] = cells;
+        let _ = writeln!(text, "{a:<first$}  {b:<second$}  {c:<third$}  {d}");
+    };
+    line(["statement", "stated", "measured", "holds"]);
+    for s in &paper.statements {
+        line([&s.statement, &s.stated, &s.measured, s.word()]);
+    }
+    let _ = writeln!(
+        text,
+        "\nError after two periods, largest component of (q, p), in double-double"
+    );
+    let _ = writeln!(
+        text,
+        "{:<3}{:<18}{:>11}{:>11}{:>11}{:>8}",
+        "s", "method", "80 steps", "160", "320", "order"
+    );
+    for row in &paper.convergence {
+        let _ = writeln!(
+            text,
+            "{:<3}{:<18}{:>11.3e}{:>11.3e}{:>11.3e}{:>8.2}",
+            row.stages,
+            row.method.name(),
+            row.errors[0],
+            row.errors[1],
+            row.errors[2],
+            row.order()
+        );
+    }
+    let _ = writeln!(text, "\nKepler's problem, 1000 periods of 200 steps");
+    let _ = writeln!(
+        text,
+        "{:<3}{:<18}{:>13}{:>13}{:>13}",
+        "s", "method", "error", "max |ΔH|", "max |ΔL|"
+    );
+    for orbit in &paper.orbits {
+        let _ = writeln!(
+            text,
+            "{:<3}{:<18}{:>13.2e}{:>13.1e}{:>13.1e}",
+            orbit.stages,
+            orbit.method.name(),
+            orbit.error,
+            orbit.energy,
+            orbit.momentum
+        );
+    }
+    text
+}

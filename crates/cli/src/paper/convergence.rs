@@ -1,0 +1,173 @@
+//! Errors after two periods against the number of steps, in double-double.
+
+use crate::fault::Fault;
+use equip_autodiff::{Evaluate, System};
+use equip_integrate::{Alphas, Equip, Gauss, Method, Observer, Reach, Record, StepView};
+use equip_scalar::{Constant, DoubleDouble, Float, ratio};
+use equip_scenes::Instance;
+use serde::Serialize;
+use std::ops::ControlFlow;
+
+/// Steps per period.
+pub(super) const STEPS: [u32; 3] = [80, 160, 320];
+/// Numbers of stages.
+pub(super) const STAGES: [usize; 3] = [2, 3, 4];
+
+/// A member of the family.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub(super) enum Member {
+    /// α = 0.
+    Gauss,
+    /// α = 0.02.
+    Fixed,
+    /// α with g(α, h) = 0.
+    Solved,
+}
+
+impl Member {
+    pub(super) const ALL: [Member; 3] = [Member::Gauss, Member::Fixed, Member::Solved];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Member::Gauss => "Gauss, α = 0",
+            Member::Fixed => "α = 0.02",
+            Member::Solved => "EQUIP, g(α, h) = 0",
+        }
+    }
+
+    pub(super) fn method(self, stages: usize) -> Method {
+        match self {
+            Member::Gauss => Gauss::stages(stages),
+            Member::Fixed => fixed(stages, ratio(1, 50)),
+            Member::Solved => Equip::stages(stages).alphas(Alphas::Last),
+        }
+    }
+}
+
+/// The method with this α.
+pub(super) fn fixed(stages: usize, alpha: Constant) -> Method {
+    Method::fixed_alpha(stages, alpha)
+}
+
+/// One method with one number of stages.
+#[derive(Debug, Serialize)]
+pub(super) struct Convergence {
+    pub(super) stages: usize,
+    pub(super) method: Member,
+    /// Errors after two periods.
+    pub(super) errors: [f64; 3],
+    /// Largest |ΔL| over all runs.
+    pub(super) momentum: f64,
+    /// Largest |α| of a step.
+    pub(super) alphas: [f64; 3],
+}
+
+impl Convergence {
+    /// From the last two numbers of steps.
+    pub(super) fn order(&self) -> f64 {
+        (self.errors[1] / self.errors[2]).log2()
+    }
+}
+
+pub(super) fn measure(instance: &Instance) -> Result<Vec<Convergence>, Fault> {
+    let mut all = Vec::new();
+    for stages in STAGES {
+        for method in Member::ALL {
+            let mut row = Convergence {
+                stages,
+                method,
+                errors: [0.0; 3],
+                momentum: 0.0,
+                alphas: [0.0; 3],
+            };
+            for (k, steps) in STEPS.into_iter().enumerate() {
+                let run = run::<DoubleDouble>(instance, method.method(stages), steps, 2)?;
+                row.errors[k] = run.error;
+                row.momentum = row.momentum.max(run.momentum);
+                row.alphas[k] = run.alpha;
+            }
+            all.push(row);
+        }
+    }
+    Ok(all)
+}
+
+/// Figures of one run.
+#[derive(Debug, Default)]
+pub(super) struct Figures {
+    /// Largest error of a component of (q, p) at the end, a whole number of periods after the start.
+    pub(super) error: f64,
+    /// Largest |ΔH| and |ΔL|.
+    pub(super) energy: f64,
+    pub(super) momentum: f64,
+    /// Largest |α_{s−1}| of a step.
+    pub(super) alpha: f64,
+    /// Largest |ΔH| of each period.
+    pub(super) energies: Vec<f64>,
+}
+
+/// A run of whole periods; α goes as far as g = 0 needs.
+pub(super) fn run<T: Float>(
+    instance: &Instance,
+    method: Method,
+    steps: u32,
+    periods: u32,
+) -> Result<Figures, Fault> {
+    let period = instance.period::<T>();
+    let h = period / T::int(i64::from(steps));
+    let end = T::int(i64::from(periods)) * period;
+    let (q, p) = instance.initial::<T>();
+    let mut evaluator = instance.hamiltonian().evaluator::<T>();
+    let energy = evaluator.value(&[q.clone(), p.clone()].concat());
+    let mut watch = Watch {
+        evaluator,
+        start: (energy, momentum(&q, &p)),
+        steps: u64::from(steps),
+        figures: Figures::default(),
+        state: Vec::new(),
+    };
+    let options = method.step(h).record(Record::Ends).reach(Reach::Always);
+    let run =
+        options.integrate_observed(instance.hamiltonian(), &q, &p, T::int(0)..=end, &mut watch);
+    let run = run.map_err(|failure| Fault::start(failure.error))?;
+    let mut figures = watch.figures;
+    let (_, q_end, p_end) = run.last();
+    let pairs = q.iter().chain(&p).zip(q_end.iter().chain(p_end));
+    let errors = pairs.map(|(&x, &y)| (y - x).abs().to_f64());
+    figures.error = errors.fold(0.0, f64::max);
+    Ok(figures)
+}
+
+fn momentum<T: Float>(q: &[T], p: &[T]) -> T {
+    q[0] * p[1] - q[1] * p[0]
+}
+
+struct Watch<T, E> {
+    evaluator: E,
+    /// H and L at the start.
+    start: (T, T),
+    /// Steps of a period.
+    steps: u64,
+    figures: Figures,
+    state: Vec<T>,
+}
+
+impl<T: Float, E: Evaluate<T>> Observer<T> for Watch<T, E> {
+    fn step(&mut self, view: &StepView<'_, T>) -> ControlFlow<()> {
+        self.state.clear();
+        self.state.extend_from_slice(view.q);
+        self.state.extend_from_slice(view.p);
+        let (energy, start) = (self.evaluator.value(&self.state), self.start);
+        let defect = (energy - start.0).abs().to_f64();
+        let figures = &mut self.figures;
+        figures.energy = figures.energy.max(defect);
+        let off = (momentum(view.q, view.p) - start.1).abs().to_f64();
+        figures.momentum = figures.momentum.max(off);
+        let alpha = view.alphas.last().map_or(0.0, |alpha| alpha.abs().to_f64());
+        figures.alpha = figures.alpha.max(alpha);
+        let period = ((view.index - 1) / self.steps) as usize;
+        figures.energies.resize(period + 1, 0.0);
+        figures.energies[period] = figures.energies[period].max(defect);
+        ControlFlow::Continue(())
+    }
+}
