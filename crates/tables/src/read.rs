@@ -2,7 +2,7 @@
 
 use crate::bytes::{Content, read};
 use crate::error::TableError;
-use crate::{Table, Table2};
+use crate::{Table, Table2, whole};
 use equip_scalar::Outside;
 use std::sync::Arc;
 
@@ -12,6 +12,9 @@ use std::sync::Arc;
 /// # Errors
 /// [`TableError`] if they are no table.
 pub fn from_bytes(bytes: &[u8]) -> Result<Arc<dyn Outside>, TableError> {
+    if whole::is_floor(bytes) {
+        return Ok(whole::outside());
+    }
     let Content { ends, axes, values } = read(bytes)?;
     match &axes[..] {
         [x] => Ok(Table::new(x, &values, ends)?.outside()),
