@@ -214,3 +214,32 @@ def test_other_files_are_refused(tmp_path, name):
             equip.load(path)
     with pytest.raises(FileNotFoundError):
         equip.load(tmp_path / "none.npz")
+
+
+def test_results_are_printed_in_five_lines(kepler):
+    sol = equip.solve(kepler, [0.4, 0.0], [0.0, 2.0], (0, 50), events=lambda t, q, p: q @ p, step=0.01)
+    assert len(sol.t) > 5000
+    starts = np.tile([0.4, 0.0], (300, 1)), np.tile([0.0, 2.0], (300, 1))
+    ends = equip.ensemble(kepler, *starts, (0, 1), output=lambda sol: sol.q)
+    for result in (sol, ends):
+        for text in (repr(result), str(result), f"{result}"):
+            assert len(text.splitlines()) == 5 and len(text) < 600
+        assert result._repr_html_().count("<tr>") == 5
+    assert "5001" in repr(sol) and "roots of events: 15" in repr(sol)
+    assert "300: 300 kept" in repr(ends)
+    failed = equip.ensemble(kepler, [[np.nan, 0.0]], [[0.0, 2.0]], (0, 1))
+    assert "1 failed" in repr(failed) and "run 0: " in repr(failed)
+
+
+def test_names_of_solve_ivp(kepler):
+    def stop(t, q, p):
+        return q[0]
+
+    stop.terminal = True
+    start = ([0.4, 0.0], [0.0, 2.0])
+    sol = equip.solve(kepler, *start, (0, 5))
+    assert sol.status == 0 and sol.nfev == sol.certificate.counts.gradients > 0
+    assert sol.njev == sol.certificate.counts.hessians
+    assert equip.solve(kepler, *start, (0, 5), events=stop).status == 1
+    failed = equip.solve(kepler, *start, (0, 5), max_steps=2)
+    assert failed.status == -1 and not failed.success

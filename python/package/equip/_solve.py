@@ -126,6 +126,7 @@ def _quantities(
 
 def interval_of(span: Any) -> tuple[tuple[float, float], tuple[float, float]]:
     """Start and end."""
+    refuse_units(span, "span")
     if isinstance(span, str) or not hasattr(span, "__len__") or np.shape(span) == ():
         raise ValueError(f"span is {span!r}; it must be two numbers: (start, end)")
     if len(span) != 2:

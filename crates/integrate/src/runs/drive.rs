@@ -79,14 +79,13 @@ fn watch<T: Float, E: Evaluate<T>>(
                 return Ok(());
             }
             run.drop_outputs_beyond(time, stepper);
+            kick(steps, watchers, (&state, time), run)?;
             // Events that accumulate, as of a ball that comes to rest, would be passed over unseen.
             let since = changed.replace(time).map(|before| (time - before).abs());
-            if let Some(step) =
-                since.filter(|&since| since <= T::int(CLOSEST) * T::EPSILON * time.abs())
-            {
+            let closest = T::int(CLOSEST) * T::EPSILON * time.abs();
+            if let Some(step) = since.filter(|&since| since <= closest) {
                 return Err(IntegrateError::StepBelowTimeResolution { step, time });
             }
-            kick(steps, watchers, (&state, time), run)?;
         }
         let stepper = steps.inner();
         let view = StepView {
