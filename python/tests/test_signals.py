@@ -37,6 +37,18 @@ PHASES = {
     "draw": ("", "equip.draw_starts([1., 2.], [0., 1.], 10**7)", 0.3),
 }  # fmt: skip
 
+#: Phases of the ordinary tests, one of each way in which signals are answered; all are interrupted in the long one.
+OFTEN = [
+    "recording",
+    "recording by NumPy",
+    "preparation",
+    "many values",
+    "advance_to",
+    "steps",
+    "ensemble",
+    "save",
+]
+
 #: Work of these goes on after the exception, to its end: each is interrupted in a process of its own.
 ONCE = {"deriving", "preparation", "dense Hessian"}
 
@@ -129,7 +141,7 @@ class Interrupted:
         return answer, float(ended) - sent
 
 
-@pytest.mark.parametrize("name", PHASES)
+@pytest.mark.parametrize("name", OFTEN)
 def test_ctrl_c_is_answered_within_a_tenth_of_a_second(name, tmp_path):
     phase = Interrupted(name, tmp_path)
     try:
