@@ -48,6 +48,11 @@ pub(crate) struct Curve {
 
 /// Numbers of a curve: upper words, and lower ones, none of a run in doubles.
 type Numbers<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+/// What pickles call, and with which arguments.
+type Reduced<'py> = (
+    Bound<'py, PyAny>,
+    (usize, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>),
+);
 type Given<'py> = PyReadonlyArray1<'py, f64>;
 
 #[pymethods]
@@ -83,12 +88,7 @@ impl Curve {
         }
     }
 
-    fn __reduce__<'py>(
-        slf: &Bound<'py, Self>,
-    ) -> (
-        Bound<'py, PyAny>,
-        (usize, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>),
-    ) {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py> {
         let (high, low) = slf.get().numbers(slf.py());
         (slf.get_type().into_any(), (slf.get().n, high, low))
     }
