@@ -3,8 +3,10 @@
 use equip::prelude::IntegrateError;
 use equip::scalar::Float;
 use pyo3::create_exception;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use std::io;
+use std::path::Path;
 
 create_exception!(
     equip,
@@ -12,6 +14,29 @@ create_exception!(
     PyRuntimeError,
     "A step could not be made. The text says what to change."
 );
+
+create_exception!(
+    equip,
+    FileFormatError,
+    PyValueError,
+    "A file is damaged, or not one that this version of equip has written."
+);
+
+create_exception!(
+    equip,
+    FileInUseError,
+    PyRuntimeError,
+    "Another process is writing the file."
+);
+
+/// A file that cannot be read or written, with the number that the system gave.
+pub(crate) fn os_error(what: &str, path: &Path, error: &io::Error) -> PyErr {
+    let text = format!("{what} {}: {error}", path.display());
+    match error.raw_os_error() {
+        Some(number) => PyOSError::new_err((number, text)),
+        None => PyOSError::new_err(text),
+    }
+}
 
 /// Input that cannot be used.
 pub(crate) fn value_error(error: impl ToString) -> PyErr {

@@ -10,7 +10,7 @@ mod scene;
 
 use pyo3::prelude::*;
 use recording::{condition, constant, recorded, table, variable};
-use runs::{ensemble, run, steps};
+use runs::{between, claim, curve, ensemble, run, steps};
 
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -20,11 +20,14 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
         "IntegrationError",
         py.get_type::<faults::IntegrationError>(),
     )?;
+    module.add("FileFormatError", py.get_type::<faults::FileFormatError>())?;
+    module.add("FileInUseError", py.get_type::<faults::FileInUseError>())?;
+    module.add_class::<claim::Claim>()?;
     module.add_class::<variable::Variable>()?;
     module.add_class::<condition::Condition>()?;
     module.add_class::<table::Table>()?;
     module.add_class::<recorded::Recorded>()?;
-    module.add_class::<run::Curve>()?;
+    module.add_class::<curve::Curve>()?;
     module.add_class::<steps::Steps>()?;
     module.add_function(wrap_pyfunction!(constant::split, module)?)?;
     module.add_function(wrap_pyfunction!(constant::decimal_text, module)?)?;
@@ -33,5 +36,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(steps::suggest_step, module)?)?;
     module.add_function(wrap_pyfunction!(ensemble::ensemble, module)?)?;
     module.add_function(wrap_pyfunction!(ensemble::draw_starts, module)?)?;
+    module.add_function(wrap_pyfunction!(between::between, module)?)?;
     module.add_function(wrap_pyfunction!(run::solve, module)?)
 }

@@ -2,6 +2,8 @@
 
 use equip::prelude::DoubleDouble;
 use equip::scalar::Float;
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
 
 /// A number as Python hands it over: an unevaluated sum of two doubles.
 pub(crate) type Pair = (f64, f64);
@@ -10,6 +12,10 @@ pub(crate) type Pair = (f64, f64);
 pub(crate) trait Number: Float<Pack<4>: Send, Pack<8>: Send> {
     fn read(pair: Pair) -> Self;
     fn low(self) -> f64;
+
+    fn high(self) -> f64 {
+        self.to_f64()
+    }
 
     fn read_all((high, low): &(Vec<f64>, Vec<f64>)) -> Vec<Self> {
         let rest = low.iter().copied().chain(std::iter::repeat(0.0));
@@ -35,4 +41,18 @@ impl Number for DoubleDouble {
     fn low(self) -> f64 {
         self.lo()
     }
+}
+
+/// Upper and lower words of numbers.
+pub(crate) fn words<T: Number>(numbers: impl Iterator<Item = T>) -> (Vec<f64>, Vec<f64>) {
+    numbers.map(|x| (x.high(), x.low())).unzip()
+}
+
+/// The same as arrays.
+pub(crate) fn arrays<'py, T: Number>(
+    py: Python<'py>,
+    numbers: impl Iterator<Item = T>,
+) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
+    let (high, low) = words(numbers);
+    (high.into_pyarray(py), low.into_pyarray(py))
 }

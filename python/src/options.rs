@@ -5,13 +5,19 @@ use crate::number::{Number, Pair};
 use crate::recording::recorded::Recorded;
 use equip::prelude::*;
 use equip::solver::{Fixed, Symmetric, Tolerance};
+use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
+use std::ops::ControlFlow;
+use std::sync::Arc;
 
 /// ε, σ if it is not the automatic one, and whether sizes follow the integral rule.
 type ReversibleOptions = (f64, Option<Py<Recorded>>, bool);
 
-/// Name, function, direction and whether it ends the run.
-type EventOptions = (String, Py<Recorded>, i8, bool);
+/// Name, function, direction, whether it ends the run, and what it does to the state.
+type EventOptions = (String, Py<Recorded>, i8, bool, Option<Py<PyAny>>);
+
+/// Positions and momenta that an event has made; None where it has raised an exception, which it keeps.
+type Changed<'py> = Option<(PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>)>;
 
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -139,7 +145,7 @@ impl Options {
             integrator = integrator.keep(invariant(kept));
         }
         for event in &self.events {
-            let (name, function, direction, ends) = event;
+            let (name, function, direction, ends, change) = event;
             let mut event = Event::recorded(name, function.get().hamiltonian.clone());
             if *direction > 0 {
                 event = event.rising();
@@ -147,8 +153,41 @@ impl Options {
             if *direction < 0 {
                 event = event.falling();
             }
-            integrator = integrator.event(if *ends { event.terminal() } else { event });
+            if *ends {
+                event = event.terminal();
+            }
+            if let Some(change) = change {
+                let change = Arc::new(Python::attach(|py| change.clone_ref(py)));
+                event = event.then(move |t, q, p| change_state(&change, t, q, p));
+            }
+            integrator = integrator.event(event);
         }
         Ok(integrator)
     }
+}
+
+/// Calls a function of Python with a state, and takes over the one it returns.
+fn change_state<T: Number>(change: &Py<PyAny>, t: T, q: &mut [T], p: &mut [T]) -> ControlFlow<()> {
+    Python::attach(|py| {
+        let array = |x: &[T]| {
+            let numbers: Vec<f64> = x.iter().map(|x| x.high()).collect();
+            numbers.into_pyarray(py)
+        };
+        let found = change.bind(py).call1((t.high(), array(q), array(p)));
+        let changed = found.and_then(|found| found.extract::<Changed<'_>>());
+        let Ok(Some((new_q, new_p))) = changed else {
+            return ControlFlow::Break(());
+        };
+        for (old, new) in [(q, new_q), (p, new_p)] {
+            match new.as_slice() {
+                Ok(new) if new.len() == old.len() => {
+                    old.iter_mut()
+                        .zip(new)
+                        .for_each(|(old, &new)| *old = T::exact(new));
+                }
+                _ => return ControlFlow::Break(()),
+            }
+        }
+        ControlFlow::Continue(())
+    })
 }

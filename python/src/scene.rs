@@ -2,7 +2,8 @@
 
 use crate::faults::value_error;
 use crate::recording::recorded::Recorded;
-use equip::prelude::DoubleDouble;
+use crate::runs::patience::patiently;
+use equip::prelude::{DoubleDouble, Hamiltonian, System};
 use equip::scenes;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -28,6 +29,14 @@ pub(crate) fn scene_list() -> Vec<(&'static str, Vec<Described>)> {
     all.map(|scene| (scene.name, parameters(scene))).collect()
 }
 
+/// Operations of an H for each of its positions, about.
+const OPERATIONS: usize = 50;
+
+fn recorded(hamiltonian: &Hamiltonian) -> Recorded {
+    let length = OPERATIONS * hamiltonian.degrees_of_freedom();
+    Recorded::new(hamiltonian.clone(), length)
+}
+
 /// What a scene has, as a dict.
 #[pyfunction]
 pub(crate) fn scene<'py>(
@@ -36,16 +45,16 @@ pub(crate) fn scene<'py>(
     parameters: Vec<(String, String)>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let scene = scenes::find(name).map_err(value_error)?;
-    let given = parameters.iter().map(|(k, v)| (k.as_str(), v.as_str()));
-    let given: Vec<(&str, &str)> = given.collect();
-    let instance = scene.instance(&given).map_err(value_error)?;
+    let instance = patiently(py, move |_| {
+        let given = parameters.iter().map(|(k, v)| (k.as_str(), v.as_str()));
+        let given: Vec<(&str, &str)> = given.collect();
+        scene.instance(&given)
+    })?;
+    let instance = instance.map_err(value_error)?;
     let (q, p) = instance.initial::<DoubleDouble>();
     let doubles = instance.initial::<f64>();
     let dict = PyDict::new(py);
-    dict.set_item(
-        "hamiltonian",
-        Recorded::from(instance.hamiltonian().clone()),
-    )?;
+    dict.set_item("hamiltonian", recorded(instance.hamiltonian()))?;
     dict.set_item("start", doubles)?;
     dict.set_item("q", pairs(&q))?;
     dict.set_item("p", pairs(&p))?;
@@ -55,7 +64,7 @@ pub(crate) fn scene<'py>(
     dict.set_item("parameters", instance.parameters().collect::<Vec<_>>())?;
     let invariants = instance.invariants().iter();
     let invariants: Vec<_> = invariants
-        .map(|i| (i.name, Recorded::from(i.quantity.clone())))
+        .map(|i| (i.name, recorded(&i.quantity)))
         .collect();
     dict.set_item("invariants", invariants)?;
     dict.set_item("title", scene.title)?;

@@ -6,12 +6,6 @@ import pytest
 import equip
 
 
-@pytest.fixture(autouse=True)
-def in_another_folder(monkeypatch, tmp_path):
-    """Programs that tests start find the installed package, not the sources beside them."""
-    monkeypatch.chdir(tmp_path)
-
-
 @pytest.fixture(scope="session")
 def kepler() -> equip.Hamiltonian:
     """Kepler's problem in the plane, μ = 1."""

@@ -1,8 +1,12 @@
 """Runs that go on from a file, bit for bit."""
 
+import contextlib
 import json
+import signal
 import subprocess
 import sys
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -101,3 +105,86 @@ def test_checkpoints_beyond_the_end_are_refused(kepler, tmp_path, how):
     assert np.array_equal(again.y[-1], first.y[-1])
     further = equip.solve(kepler, *start, (0, 50), checkpoint=path, **how)
     assert further.t[0] == 40 and further.t[-1] == 50
+
+
+#: A run of a minute or more with a checkpoint, which says when it has begun.
+LONG = """
+import signal, sys, threading, time, equip
+scene = equip.scenes.kepler()
+options = dict(step=0.125, record="ends", checkpoint=sys.argv[1])
+print("begun", flush=True)
+equip.solve(scene, scene.q0, scene.p0, (0, 1e9), checkpoint_every=float(sys.argv[2]), **options)
+"""
+
+
+@contextlib.contextmanager
+def long_run(path, every):
+    command = [sys.executable, "-c", LONG, str(path), str(every)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout.readline() == "begun\n", process.stderr.read()
+            yield process
+        finally:
+            process.kill()
+
+
+def wait_for(condition):
+    begun = time.monotonic()
+    while not condition():
+        assert time.monotonic() < begun + 60
+        time.sleep(0.01)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_sigterm_writes_the_checkpoint_and_ends_the_process(kepler, tmp_path):
+    path = tmp_path / "run.checkpoint"
+    with long_run(path, 1e6) as process:
+        # The lock is taken before the first step.
+        wait_for((tmp_path / "run.checkpoint.lock").exists)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(timeout=30) == -signal.SIGTERM, process.stderr.read()
+    steps = json.loads(path.read_text())["index"]
+    scene = equip.scenes.kepler()
+    rest = equip.solve(scene, scene.q0, scene.p0, (0, 0.125 * (steps + 3)), step=0.125, checkpoint=path)
+    assert steps > 0 and len(rest.t) == 4
+
+
+def test_handlers_of_the_user_stay(kepler, tmp_path):
+    def mine(number, frame):
+        raise TimeoutError
+
+    before = signal.signal(signal.SIGTERM, mine)
+    try:
+        threading.Timer(0.2, signal.raise_signal, [signal.SIGTERM]).start()
+        with pytest.raises(TimeoutError):
+            equip.solve(kepler, *START, (0, 1e9), step=0.125, record="ends", checkpoint=tmp_path / "c")
+        assert signal.getsignal(signal.SIGTERM) is mine and (tmp_path / "c").exists()
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        equip.solve(kepler, *START, (0, 1), step=0.125, checkpoint=tmp_path / "d")
+        assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def test_checkpoints_are_written_as_often_as_wanted(kepler, tmp_path):
+    path = tmp_path / "run.checkpoint"
+    with long_run(path, 0.05):
+        wait_for(path.exists)
+        first = json.loads(path.read_text())["index"]
+        wait_for(lambda: json.loads(path.read_text())["index"] > first)
+    for every in (0, -1, np.nan, "often"):
+        with pytest.raises(ValueError, match="checkpoint_every"):
+            equip.solve(kepler, *START, (0, 1), checkpoint=path, checkpoint_every=every)
+
+
+def test_two_processes_cannot_have_one_checkpoint(kepler, tmp_path):
+    path = tmp_path / "run.checkpoint"
+    with long_run(path, 60):
+        wait_for((tmp_path / "run.checkpoint.lock").exists)
+        text = "another process is writing .*run.checkpoint: give each process its own checkpoint"
+        with pytest.raises(equip.FileInUseError, match=text):
+            equip.solve(kepler, *START, (0, 1), step=0.125, checkpoint=path)
+    # Killed as it was, its lock is gone, and the file of the lock is taken over.
+    equip.solve(kepler, *START, (0, 1), step=0.125, checkpoint=path)
+    assert [file.name for file in tmp_path.iterdir()] == ["run.checkpoint"]

@@ -37,9 +37,20 @@ def test_all_that_is_exported_is_documented():
 
 
 def test_sources_without_their_native_part_say_so(tmp_path):
-    sources = Path(__file__).parent.parent / "equip"
+    sources = Path(equip.__file__).parent
     shutil.copytree(
         sources, tmp_path / "equip", ignore=shutil.ignore_patterns("*.so", "*.pyd", "__pycache__")
     )
-    ended = subprocess.run([sys.executable, "-c", "import equip"], capture_output=True, text=True)
+    command = [sys.executable, "-c", "import equip"]
+    ended = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert "start Python in another folder, where it finds the installed package" in ended.stderr
+
+
+@pytest.mark.parametrize("folder", [README.parent, README.parent.parent, README.parent / "tests"])
+def test_the_installed_package_is_found_in_the_folders_of_the_repository(folder):
+    """Python puts the folder in which it is started before the installed packages."""
+    program = "import equip; print(equip.Hamiltonian(lambda q, p: p @ p / 2, 1)([0.0], [2.0]))"
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=folder)
+    assert ended.stdout == "2.0\n", ended.stderr
+    found = [path for path in folder.glob("equip*") if path.suffix == ".py" or path.is_dir()]
+    assert not found

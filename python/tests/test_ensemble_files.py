@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -119,36 +118,79 @@ def test_an_interrupted_ensemble_goes_on(kepler, tmp_path):
 
 
 PROGRAM = """
-import sys, numpy as np, equip
+import sys, time, numpy as np, equip
+path, how = sys.argv[1:]
 h = equip.Hamiltonian(lambda q, p: 0.5 * p @ p - 1 / np.sqrt(q @ q), 2)
 x = np.linspace(0.4, 0.5, 64)
 q0, p0 = np.stack([x, 0 * x], axis=1), np.stack([0 * x, 2 + 0 * x], axis=1)
-ends = equip.ensemble(h, q0, p0, (0, 600), step=0.05, threads=1, chunk=1, checkpoint=sys.argv[1])
+
+class Later:
+    def __init__(self, *call):
+        self.call = call
+    def cancel(self):
+        pass
+    def result(self):
+        function, *arguments = self.call
+        if how == "stays" and len(equip.Ensemble.load(path).lost) < 60:
+            # Some rows are written, and the others are never made.
+            print("stays", flush=True)
+            time.sleep(1e6)
+        return function(*arguments)
+
+class Executor:
+    def submit(self, *call):
+        # Slower than rows are written.
+        time.sleep(0.001)
+        return Later(*call)
+
+executor = None if how == "alone" else Executor()
+ends = equip.ensemble(h, q0, p0, (0, 60), step=0.05, chunk=1, checkpoint=path, executor=executor)
 print(ends.q.tobytes().hex())
 """
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def program(path, how):
+    return [sys.executable, "-c", PROGRAM, str(path), how]
+
+
 def test_a_killed_process_loses_nothing_that_was_finished(tmp_path):
     path = tmp_path / "ends.npz"
-    command = [sys.executable, "-c", PROGRAM, str(path)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        deadline = time.monotonic() + 60
-        while time.monotonic() < deadline:
-            if path.exists() and len(equip.Ensemble.load(path).lost) < 60:
-                break
-            time.sleep(0.02)
-        process.send_signal(signal.SIGKILL)
+    with subprocess.Popen(program(path, "stays"), stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "stays\n"
+        process.kill()
     part = equip.Ensemble.load(path)
     assert 0 < len(part.lost) < 60
-    on = subprocess.run(command, capture_output=True, text=True, timeout=600)
-    whole = subprocess.run(
-        [*command[:-1], str(tmp_path / "b.npz")], capture_output=True, text=True, timeout=600
-    )
+    on = subprocess.run(program(path, "on"), capture_output=True, text=True, timeout=600)
+    whole = program(tmp_path / "b.npz", "alone")
+    whole = subprocess.run(whole, capture_output=True, text=True, timeout=600)
     assert on.returncode == 0 and on.stdout == whole.stdout, on.stderr
     made = equip.Ensemble.load(path)
     finished = np.setdiff1d(np.arange(64), part.lost)
     assert made.success and np.array_equal(made.q[finished], part.q[finished])
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_sigterm_writes_the_rows_and_ends_the_process(tmp_path):
+    path = tmp_path / "ends.npz"
+    with subprocess.Popen(program(path, "stays"), stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "stays\n"
+        process.terminate()
+        assert process.wait(timeout=60) == -signal.SIGTERM
+    assert 0 < len(equip.Ensemble.load(path).lost) < 60
+
+
+def test_two_processes_cannot_have_one_checkpoint(kepler, tmp_path):
+    path = tmp_path / "ends.npz"
+    with subprocess.Popen(program(path, "stays"), stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "stays\n"
+        before = path.read_bytes()
+        with pytest.raises(equip.FileInUseError, match="another process is writing .*ends.npz: give each"):
+            equip.ensemble(kepler, *starts(4), (0, 1), checkpoint=path)
+        assert path.read_bytes() == before
+        process.kill()
+    path.unlink()
+    assert equip.ensemble(kepler, *starts(4), (0, 1), checkpoint=path).success
+    assert os.listdir(tmp_path) == ["ends.npz"]
 
 
 def test_checkpoints_of_other_runs_are_refused(kepler, tmp_path):

@@ -43,31 +43,20 @@ HASHED = (
     "a variable of H has no value, so that it cannot be a key of a dict or a member of a set. Use lists, and the "
     "positions in them"
 )
-JUMPS = (
-    "%, // and round() of a variable of H cannot be recorded: they jump, and H must be smooth. Use np.cos and np.sin of "
-    "periodic coordinates, and / for quotients"
-)
 COMPLEX = "H is real: use no complex numbers in it"
 MAY_USE = (
     " cannot be recorded: H may use + - * / ** @, sums, products, einsum, norms, exponentials, logarithms, trigonometric "
-    "and hyperbolic functions, np.arctan2, np.hypot, np.minimum, np.maximum, np.clip, np.where and abs(), equip.erf and "
-    "equip.table of q and p, and any function of numbers alone"
+    "and hyperbolic functions, np.arctan2, np.hypot, np.minimum, np.maximum, np.clip, np.where, np.select, np.floor, "
+    "np.round, % and abs(), equip.erf and equip.table of q and p, and any function of numbers alone"
 )
 
 
-MODULUS = "pow(x, n, modulus) of a variable of H cannot be recorded: it jumps, and H must be smooth. Leave out the modulus"
+MODULUS = "pow(x, n, modulus) of a variable of H cannot be recorded: write x**n % modulus"
 SELECTED = (
     "q and p cannot be selected by a comparison of variables of H: write np.where(condition, q, 0), or select by an array "
     "of booleans"
 )
 SPARSE = "a sparse matrix cannot be multiplied with variables of H: write A.toarray() @ q"
-
-
-def jumps(name):
-    return (
-        f"np.{name} of variables of H cannot be recorded: it jumps, and H must be smooth. Use np.cos and np.sin of "
-        "periodic coordinates, and / for quotients"
-    )
 
 
 def instead(name, advice):
@@ -139,21 +128,8 @@ REFUSALS = {
     "asarray": (lambda q, p: np.asarray(q, float).sum(), NUMBER),
     "add to floats": (lambda q, p: add_to_floats(q), STORED),
     "dict": (lambda q, p: {q[0]: 1}, HASHED),
-    "modulo": (lambda q, p: q[0] % 1.0, JUMPS),
-    "modulo of": (lambda q, p: 1.0 % q[0], JUMPS),
-    "floor division": (lambda q, p: q[0] // 1, JUMPS),
-    "floor division by": (lambda q, p: 1 // q[0], JUMPS),
-    "round": (lambda q, p: round(q[0]), JUMPS),
     "1j": (lambda q, p: 1j * q[0], COMPLEX),
     "array of 1j": (lambda q, p: (1j * q).sum(), COMPLEX),
-    "np.floor": (lambda q, p: np.floor(q).sum(), jumps("floor")),
-    "np.rint": (lambda q, p: np.rint(q[0]), jumps("rint")),
-    "np.mod": (lambda q, p: np.mod(q, 1).sum(), jumps("remainder")),
-    "np.round": (lambda q, p: np.round(q).sum(), jumps("round")),
-    "divmod of arrays": (lambda q, p: divmod(q, 2)[0].sum(), jumps("divmod")),
-    "divmod": (lambda q, p: divmod(q[0], 2)[1], JUMPS),
-    "divmod by": (lambda q, p: divmod(2, q[0])[1], JUMPS),
-    "math.floor": (lambda q, p: math.floor(q[0]) + math.ceil(q[0]), JUMPS),
     "pow of three": (lambda q, p: pow(q[0], 2, 5), MODULUS),
     "np.linalg.inv": (
         lambda q, p: np.linalg.inv(np.outer(q, q))[0, 0],

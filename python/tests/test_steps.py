@@ -134,3 +134,10 @@ def test_spans_of_suggested_steps(kepler):
         equip.suggest_step(kepler, *START, (1, 1), 1e-6)
     assert equip.suggest_step(kepler, *START, (1, 0), 1e-6) > 0
     assert equip.suggest_step(kepler, *START, (0, 1), 0.5, by="phase", method=equip.Gauss(1)) > 0
+
+
+def test_time_and_state_of_a_run(kepler):
+    run = equip.steps(kepler, *START, t0=3.0, step=0.1)
+    assert run.t == 3.0 and run.q.tolist() == START[0] and run.p.tolist() == START[1]
+    step = next(run)
+    assert run.t == step.t and np.array_equal(run.q, step.q) and np.array_equal(run.p, step.p)

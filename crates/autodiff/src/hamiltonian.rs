@@ -1,6 +1,8 @@
 //! [`Hamiltonian`]: an energy with everything derived from it.
 
 use crate::recording::bytes;
+use crate::recording::recorder::Recording;
+use crate::recording::trace::record;
 use crate::{BuildError, BytesError, Recorded, Var};
 use equip_scalar::Outside;
 use std::sync::Arc;
@@ -32,6 +34,73 @@ pub struct Hamiltonian<R = Recorded> {
     pub(crate) alone: Option<Recorded>,
 }
 
+/// The formula of an energy, recorded from a closure in this thread: another thread may make the
+/// [`Hamiltonian`] of it.
+#[derive(Debug)]
+pub struct Formula {
+    route: Recording,
+    alone: Option<Recording>,
+}
+
+impl Formula {
+    /// Records H(q, p) as [`Hamiltonian::new`] does.
+    ///
+    /// # Errors
+    /// Those of [`Hamiltonian::new`], but for constants that are not finite.
+    pub fn new(m: usize, energy: impl FnOnce(&[Var], &[Var]) -> Var) -> Result<Self, BuildError> {
+        Ok(Formula {
+            route: record(m, energy)?,
+            alone: None,
+        })
+    }
+
+    /// Records H(t, q, p) as [`Hamiltonian::with_time`] does.
+    ///
+    /// # Errors
+    /// Those of [`Hamiltonian::with_time`], but for constants that are not finite.
+    pub fn with_time(
+        m: usize,
+        energy: impl Fn(Var, &[Var], &[Var]) -> Var,
+    ) -> Result<Self, BuildError> {
+        if m == 0 {
+            return Err(BuildError::NoDegreesOfFreedom);
+        }
+        Ok(Formula {
+            alone: Some(record(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]))?),
+            route: record(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]) + p[m])?,
+        })
+    }
+
+    /// Operations as they were recorded, components of the state included.
+    pub fn len(&self) -> usize {
+        self.route.operations.nodes.len()
+    }
+
+    /// Whether nothing was recorded, which no energy is.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The energy.
+    ///
+    /// # Errors
+    /// [`BuildError`] if a constant is NaN or infinite.
+    ///
+    /// ```
+    /// use equip_autodiff::Formula;
+    /// let formula = Formula::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
+    /// let pendulum = std::thread::spawn(move || formula.hamiltonian()).join().unwrap()?;
+    /// assert_eq!(pendulum.operations(), 4);
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn hamiltonian(self) -> Result<Hamiltonian, BuildError> {
+        Ok(Hamiltonian {
+            alone: self.alone.map(Recorded::of).transpose()?,
+            route: Recorded::of(self.route)?,
+        })
+    }
+}
+
 impl Hamiltonian<Recorded> {
     /// Records the energy of a system with m degrees of freedom. The closure is called once, here; what it
     /// captures is recorded as constants, which each float type reads in its own precision.
@@ -50,10 +119,7 @@ impl Hamiltonian<Recorded> {
     /// assert!(matches!(branching, Err(BuildError::Branch { location }) if location.line() > 0));
     /// ```
     pub fn new(m: usize, energy: impl FnOnce(&[Var], &[Var]) -> Var) -> Result<Self, BuildError> {
-        Ok(Hamiltonian {
-            route: Recorded::new(m, energy)?,
-            alone: None,
-        })
+        Formula::new(m, energy)?.hamiltonian()
     }
 
     /// Records an energy H(t, q, p) that depends on time, of a system with m degrees of freedom. Runs of it
@@ -86,15 +152,7 @@ impl Hamiltonian<Recorded> {
         m: usize,
         energy: impl Fn(Var, &[Var], &[Var]) -> Var,
     ) -> Result<Self, BuildError> {
-        if m == 0 {
-            return Err(BuildError::NoDegreesOfFreedom);
-        }
-        let alone = Recorded::new(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]))?;
-        let route = Recorded::new(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]) + p[m])?;
-        Ok(Hamiltonian {
-            route,
-            alone: Some(alone),
-        })
+        Formula::with_time(m, energy)?.hamiltonian()
     }
 
     /// What is recorded, as a function of the state alone: H, also where H depends on time, which is the last

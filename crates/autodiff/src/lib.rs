@@ -40,7 +40,7 @@ mod system;
 
 pub use energy::Energy;
 pub use error::{BuildError, BytesError};
-pub use hamiltonian::Hamiltonian;
+pub use hamiltonian::{Formula, Hamiltonian};
 pub use recording::trace::{Trace, Var};
 pub use routes::check::WrongGradient;
 pub use routes::recorded::Recorded;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{PROGRAM_M, Program, Random, widened};
-use equip_autodiff::{Evaluate, Hamiltonian, RecordedEvaluator, System, Var};
+use equip_autodiff::{Energy, Evaluate, Hamiltonian, RecordedEvaluator, System, Var};
 use equip_scalar::{Float, ratio};
 
 /// What the evaluators say of H and of a multiple of it, written as a change of it that is not rounded.

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`Table`] | the cubic spline through points (x_i, y_i) | all, y‴ piece by piece |
 //! | [`Table2`] | the bicubic spline through values on a grid | all, third ones piece by piece |
+//! | [`floor`] | the largest integer up to x | 0 |
 //! | [`Custom`] | closures for f, f′, f″ | f‴ by differences |
 //!
 //! ```
@@ -34,9 +35,11 @@ mod read;
 mod spline;
 mod table;
 mod table2;
+mod whole;
 
 pub use custom::Custom;
 pub use error::TableError;
 pub use read::from_bytes;
 pub use table::Table;
 pub use table2::Table2;
+pub use whole::floor;

@@ -2,7 +2,7 @@
 
 use crate::bytes::read;
 use crate::error::TableError;
-use crate::{Table, Table2};
+use crate::{Table, Table2, whole};
 use equip_scalar::Outside;
 use std::sync::Arc;
 
@@ -12,6 +12,9 @@ use std::sync::Arc;
 /// # Errors
 /// [`TableError`] if they are no table.
 pub fn from_bytes(bytes: &[u8]) -> Result<Arc<dyn Outside>, TableError> {
+    if whole::is_floor(bytes) {
+        return Ok(whole::outside());
+    }
     let content = read(bytes)?;
     let (ends, values) = (content.ends, &content.values[..]);
     match (&content.axes[..], content.is_extrapolated) {

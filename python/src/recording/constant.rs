@@ -2,7 +2,7 @@
 
 use crate::faults::value_error;
 use equip::prelude::{Constant, DoubleDouble, ratio};
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyString};
 
@@ -31,8 +31,10 @@ pub(crate) fn constant(x: &Bound<'_, PyAny>) -> PyResult<Option<Constant>> {
     if let Ok(text) = x.cast::<PyString>() {
         return by_text(&text.to_cow()?).map(Some);
     }
-    let kind = x.get_type().name()?.to_string();
-    match kind.as_str() {
+    // Not by `Display`, which calls handlers of signals and drops what they raise.
+    let name = x.get_type().name()?;
+    let kind = name.to_cow()?;
+    match &*kind {
         "Decimal" => by_text(&x.str()?.to_cow()?).map(Some),
         "Fraction" => fraction(x).map(Some),
         "longdouble" | "float128" => long_double(x).map(Some),
@@ -44,17 +46,31 @@ pub(crate) fn constant(x: &Bound<'_, PyAny>) -> PyResult<Option<Constant>> {
             Err(PyTypeError::new_err(COMPLEX))
         }
         "ndarray" => Ok(None),
-        _ => match x.extract::<i64>() {
-            Ok(n) => Ok(Some(integer(n))),
-            Err(_) if kind == "int" => by_text(&x.str()?.to_cow()?).map(Some),
-            Err(_) => Ok(None),
+        _ => match whole(x)? {
+            Some(n) => Ok(Some(integer(n))),
+            None if kind == "int" => by_text(&x.str()?.to_cow()?).map(Some),
+            None => Ok(None),
         },
+    }
+}
+
+/// An integer of 64 bits; `None` for what is none. What else its `__index__` raises is raised.
+fn whole(x: &Bound<'_, PyAny>) -> PyResult<Option<i64>> {
+    match x.extract::<i64>() {
+        Ok(n) => Ok(Some(n)),
+        Err(error)
+            if error.is_instance_of::<PyTypeError>(x.py())
+                || error.is_instance_of::<PyOverflowError>(x.py()) =>
+        {
+            Ok(None)
+        }
+        Err(error) => Err(error),
     }
 }
 
 fn fraction(x: &Bound<'_, PyAny>) -> PyResult<Constant> {
     let (above, below) = (x.getattr("numerator")?, x.getattr("denominator")?);
-    if let (Ok(n), Ok(d)) = (above.extract::<i64>(), below.extract::<i64>()) {
+    if let (Some(n), Some(d)) = (whole(&above)?, whole(&below)?) {
         return Ok(ratio(n, d));
     }
     let wide = |part: Bound<'_, PyAny>| -> PyResult<DoubleDouble> {
@@ -74,7 +90,8 @@ fn long_double(x: &Bound<'_, PyAny>) -> PyResult<Constant> {
 #[pyfunction]
 pub(crate) fn split(x: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
     let Some(c) = constant(x)? else {
-        let kind = x.get_type().name()?;
+        let name = x.get_type().name()?;
+        let kind = name.to_cow()?;
         return Err(PyTypeError::new_err(format!(
             "{kind} is no number; give float, int, Fraction, Decimal, np.longdouble or a decimal as text"
         )));

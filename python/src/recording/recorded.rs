@@ -3,38 +3,67 @@
 use crate::faults::value_error;
 use crate::recording::constant::constant;
 use crate::recording::variable::{Begun, Variable};
-use equip::autodiff::{Evaluate, RecordedEvaluator};
-use equip::prelude::{Hamiltonian, System, Var};
+use crate::runs::patience::{Stop, lock, patiently};
+use equip::autodiff::{Evaluate, Formula, RecordedEvaluator};
+use equip::prelude::{BuildError, Hamiltonian, System, Var};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 type Doubles<'py> = Bound<'py, PyArray1<f64>>;
+type Evaluator = RecordedEvaluator<f64>;
+
+/// Operations and positions of an H of which all is made ready, and evaluated once, within some
+/// milliseconds: 60 operations of ∇²H for each one of H, a microsecond for a hundred of them.
+const SMALL: usize = 500;
+const FEW: usize = 16;
+
+/// Evaluations of a small H that are made without a look at signals, in operations: some milliseconds.
+const SHORT: usize = 1 << 20;
 
 /// A function of y = (q, p), 2m numbers, or of (t, q, p), whose values are read at y = (q, t, p, 0).
 #[pyclass(frozen, module = "equip._native")]
 pub(crate) struct Recorded {
     pub(crate) hamiltonian: Hamiltonian,
-    evaluator: Mutex<Option<RecordedEvaluator<f64>>>,
-}
-
-impl From<Hamiltonian> for Recorded {
-    fn from(hamiltonian: Hamiltonian) -> Self {
-        Recorded {
-            hamiltonian,
-            evaluator: Mutex::new(None),
-        }
-    }
+    /// Operations as recorded.
+    length: usize,
+    evaluator: Arc<Mutex<Option<Evaluator>>>,
 }
 
 impl Recorded {
+    pub(crate) fn new(hamiltonian: Hamiltonian, length: usize) -> Self {
+        Recorded {
+            hamiltonian,
+            length,
+            evaluator: Arc::default(),
+        }
+    }
+
+    /// Whether what is derived of H may take longer than a signal may wait.
+    pub(crate) fn is_large(&self) -> bool {
+        self.length > SMALL || self.hamiltonian.degrees_of_freedom() > FEW
+    }
+
     /// Numbers of a state at which values are read.
     fn width(&self) -> usize {
         2 * self.hamiltonian.degrees_of_freedom()
+    }
+
+    /// Something that is derived of H.
+    fn derive<R: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        f: impl FnOnce(&Hamiltonian) -> R + Send + 'static,
+    ) -> PyResult<R> {
+        if !self.is_large() {
+            return Ok(f(&self.hamiltonian));
+        }
+        let hamiltonian = self.hamiltonian.clone();
+        patiently(py, move |_| f(&hamiltonian))
     }
 
     /// Values for each of the states in `y`, one after the other, `width` numbers each.
@@ -42,19 +71,36 @@ impl Recorded {
         &self,
         y: &PyReadonlyArray1<'py, f64>,
         width: usize,
-        f: impl Fn(&mut RecordedEvaluator<f64>, &[f64], &mut [f64]),
+        f: impl Fn(&mut Evaluator, &[f64], &mut [f64]) + Send + 'static,
     ) -> PyResult<Doubles<'py>> {
-        let py = y.py();
-        let y = y.as_slice()?;
-        let n = self.width();
-        let mut results = vec![0.0; y.len() / n * width];
-        let mut held = self
-            .evaluator
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        let evaluator = held.get_or_insert_with(|| self.hamiltonian.alone().evaluator());
-        let states = y.chunks_exact(n).zip(results.chunks_exact_mut(width));
-        states.for_each(|(y, result)| f(evaluator, y, result));
+        let (py, y, n) = (y.py(), y.as_slice()?, self.width());
+        let states = y.len() / n;
+        let evaluate =
+            move |held: &mut Option<Evaluator>, h: &Hamiltonian, y: &[f64], stop: &Stop| {
+                let mut results = vec![0.0; y.len() / n * width];
+                let evaluator = held.get_or_insert_with(|| h.alone().evaluator());
+                let states = y.chunks_exact(n).zip(results.chunks_exact_mut(width));
+                for (y, result) in states {
+                    if stop.is_set() {
+                        break;
+                    }
+                    f(evaluator, y, result);
+                }
+                results
+            };
+        let is_short = states.saturating_mul(width).saturating_mul(self.length) <= SHORT;
+        let results = if is_short && !self.is_large() {
+            let mut held = lock(py, &self.evaluator)?;
+            evaluate(&mut held, &self.hamiltonian, y, &Stop::default())
+        } else {
+            // The lock is taken there: it may be held by work that nobody waits for any more.
+            let (y, h) = (y.to_vec(), self.hamiltonian.clone());
+            let held = Arc::clone(&self.evaluator);
+            patiently(py, move |stop| {
+                let mut held = held.lock().unwrap_or_else(PoisonError::into_inner);
+                evaluate(&mut held, &h, &y, stop)
+            })?
+        };
         Ok(results.into_pyarray(py))
     }
 }
@@ -63,25 +109,22 @@ impl Recorded {
 impl Recorded {
     /// Calls `function(q, p)` once, with lists of m variables, and keeps its formula.
     #[new]
-    fn new(function: &Bound<'_, PyAny>, m: usize) -> PyResult<Self> {
+    fn record(function: &Bound<'_, PyAny>, m: usize) -> PyResult<Self> {
         let fault = RefCell::new(None);
-        let made = Hamiltonian::new(m, |q, p| {
+        let made = Formula::new(m, |q, p| {
             call(function, None, q, p).unwrap_or_else(|error| {
                 fault.replace(Some(error));
                 q[0]
             })
         });
-        match fault.into_inner() {
-            Some(error) => Err(error),
-            None => made.map(Recorded::from).map_err(value_error),
-        }
+        finish(function.py(), fault, made)
     }
 
     /// Calls `function(t, q, p)` twice, with a variable and lists of m variables, and keeps its formula.
     #[staticmethod]
     fn with_time(function: &Bound<'_, PyAny>, m: usize) -> PyResult<Self> {
         let fault = RefCell::new(None);
-        let made = Hamiltonian::with_time(m, |t, q, p| {
+        let made = Formula::with_time(m, |t, q, p| {
             if fault.borrow().is_some() {
                 return t;
             }
@@ -90,24 +133,31 @@ impl Recorded {
                 t
             })
         });
-        match fault.into_inner() {
-            Some(error) => Err(error),
-            None => made.map(Recorded::from).map_err(value_error),
-        }
+        finish(function.py(), fault, made)
     }
 
     /// The recording as bytes.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.hamiltonian.to_bytes().map_err(value_error)?;
-        Ok(PyBytes::new(py, &bytes))
+        let bytes = self.derive(py, Hamiltonian::to_bytes)?;
+        Ok(PyBytes::new(py, &bytes.map_err(value_error)?))
     }
 
-    /// The function of which `to_bytes` made the bytes.
+    /// The function of `m` positions of which `to_bytes` made the bytes.
     #[staticmethod]
-    fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
-        let table = |bytes: &[u8]| equip::tables::from_bytes(bytes).ok();
-        let found = Hamiltonian::from_bytes_with(bytes, table).map_err(value_error)?;
-        Ok(Recorded::from(found))
+    fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        let length = bytes.len();
+        let read = |bytes: &[u8]| {
+            let table = |bytes: &[u8]| equip::tables::from_bytes(bytes).ok();
+            Hamiltonian::from_bytes_with(bytes, table)
+        };
+        let found = if length <= SMALL {
+            read(bytes)
+        } else {
+            let bytes = bytes.to_vec();
+            patiently(py, move |_| read(&bytes))?
+        };
+        let found = found.map_err(value_error)?;
+        Ok(Recorded::new(found, length))
     }
 
     /// Those of the user: time is none.
@@ -127,18 +177,18 @@ impl Recorded {
     }
 
     #[getter]
-    fn degree(&self) -> Option<u32> {
-        self.hamiltonian.alone().structure().degree
+    fn degree(&self, py: Python<'_>) -> PyResult<Option<u32>> {
+        self.derive(py, |h| h.alone().structure().degree)
     }
 
     #[getter]
-    fn operations(&self) -> usize {
-        self.hamiltonian.alone().operations()
+    fn operations(&self, py: Python<'_>) -> PyResult<usize> {
+        self.derive(py, |h| h.alone().operations())
     }
 
     #[getter]
-    fn gradient_operations(&self) -> usize {
-        self.hamiltonian.gradient_operations()
+    fn gradient_operations(&self, py: Python<'_>) -> PyResult<usize> {
+        self.derive(py, Hamiltonian::gradient_operations)
     }
 
     /// H of each state.
@@ -155,10 +205,9 @@ impl Recorded {
 
     /// The entries of ∇²H of each state, rows one after the other.
     fn hessians<'py>(&self, y: PyReadonlyArray1<'py, f64>) -> PyResult<Doubles<'py>> {
-        let n = self.width();
-        let alone = self.hamiltonian.alone();
-        let pattern = &alone.structure().hessian;
-        self.each(&y, n * n, |evaluator, y, result| {
+        let (n, h) = (self.width(), self.hamiltonian.alone());
+        self.each(&y, n * n, move |evaluator, y, result| {
+            let pattern = &h.structure().hessian;
             let mut entries = vec![0.0; pattern.len()];
             evaluator.hessian(y, &mut entries);
             for (i, row) in result.chunks_exact_mut(n).enumerate() {
@@ -166,6 +215,25 @@ impl Recorded {
             }
         })
     }
+}
+
+/// The energy of a formula, if nothing was raised while it was recorded.
+fn finish(
+    py: Python<'_>,
+    fault: RefCell<Option<PyErr>>,
+    made: Result<Formula, BuildError>,
+) -> PyResult<Recorded> {
+    if let Some(error) = fault.into_inner() {
+        return Err(error);
+    }
+    let formula = made.map_err(value_error)?;
+    let length = formula.len();
+    let hamiltonian = if length <= SMALL {
+        formula.hamiltonian()
+    } else {
+        patiently(py, move |_| formula.hamiltonian())?
+    };
+    Ok(Recorded::new(hamiltonian.map_err(value_error)?, length))
 }
 
 /// What `function` makes of variables: f(q, p), or f(t, q, p).
@@ -191,7 +259,7 @@ fn call(function: &Bound<'_, PyAny>, time: Option<Var>, q: &[Var], p: &[Var]) ->
         Some(c) => Ok(Var::from(c)),
         None => Err(PyTypeError::new_err(format!(
             "{name} must return one number made of q and p; it returned {}",
-            found.get_type().name()?
+            found.get_type().name()?.to_cow()?
         ))),
     }
 }

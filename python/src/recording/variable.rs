@@ -3,15 +3,22 @@
 use crate::recording::condition::Condition;
 use crate::recording::constant::constant;
 use equip::prelude::{DoubleDouble, Var};
+use equip::tables::floor;
 use pyo3::basic::CompareOp;
 use pyo3::exceptions::{PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
+
+/// Operations between two looks at signals: NumPy makes all those of an array in one call, in which Python
+/// itself does not look.
+const OPERATIONS: u32 = 4096;
 
 thread_local! {
     /// Numbers of the recordings under way, innermost last.
     static UNDER_WAY: RefCell<Vec<u64>> = const { RefCell::new(Vec::new()) };
+    /// Operations recorded by this thread.
+    static COUNT: Cell<u32> = const { Cell::new(0) };
 }
 
 /// Begins a recording of that number, until dropped.
@@ -58,10 +65,8 @@ const NUMBER: &str = concat!(
     "Use np.sin, np.sqrt, ... in place of math.sin, math.sqrt; leave out float() and int(); collect variables \
      with np.stack or in a list, not in an array of floats"
 );
-const JUMPS: &str = "%, // and round() of a variable of H cannot be recorded: they jump, and H must be smooth. Use np.cos \
-    and np.sin of periodic coordinates, and / for quotients";
-const MODULUS: &str = "pow(x, n, modulus) of a variable of H cannot be recorded: it jumps, and H must be \
-    smooth. Leave out the modulus";
+const MODULUS: &str =
+    "pow(x, n, modulus) of a variable of H cannot be recorded: write x**n % modulus";
 const BY_ZERO: &str =
     "a variable of H is divided by the constant 0; check the parameters captured by it";
 const HASHED: &str = "a variable of H has no value, so that it cannot be a key of a dict or a member of a set. \
@@ -71,6 +76,9 @@ const FOREIGN: &str = "this variable belongs to another call of an H, or to anot
 
 /// Largest exponent that is taken as a whole number.
 const MOST: f64 = 1e6;
+
+/// Most decimals that a number is rounded to.
+const MOST_DIGITS: i32 = 300;
 
 /// ln 2, π/180 and 180/π.
 const LN_2: &str = "0.693147180559945309417232121458176568075500134360255254120680";
@@ -85,6 +93,11 @@ fn known(text: &'static str) -> Var {
 impl Variable {
     /// The variable, if it is of the recording under way.
     pub(crate) fn here(&self) -> PyResult<Var> {
+        let count = COUNT.get().wrapping_add(1);
+        COUNT.set(count);
+        if count.is_multiple_of(OPERATIONS) {
+            Python::attach(|py| py.check_signals())?;
+        }
         let now = UNDER_WAY.with_borrow(|all| all.last().copied());
         if now == Some(self.recording) {
             Ok(self.var)
@@ -122,6 +135,28 @@ pub(crate) fn number(x: &Bound<'_, PyAny>) -> PyResult<Option<Var>> {
         Ok(x) => x.get().here().map(Some),
         Err(_) => Ok(constant(x)?.map(Var::from)),
     }
+}
+
+/// Refuses the constant 0.
+fn check_divisor(divisor: &Bound<'_, PyAny>) -> PyResult<()> {
+    let divisor = match divisor.is_instance_of::<Variable>() {
+        true => None,
+        false => constant(divisor)?,
+    };
+    match divisor.is_some_and(|c| c.to::<f64>() == 0.0) {
+        true => Err(PyValueError::new_err(BY_ZERO)),
+        false => Ok(()),
+    }
+}
+
+/// The integer next to x on the side of 0.
+fn trunc(x: Var) -> Var {
+    x.select(floor(x), -floor(-x))
+}
+
+/// The nearest integer, of two the larger one: that of even ones only is another function at single points.
+fn nearest(x: Var) -> Var {
+    floor(x + Var::from(0.5))
 }
 
 /// Refuses the third argument of `pow`.
@@ -274,13 +309,7 @@ impl Variable {
         self.with(other, |x, y| y * x)
     }
     fn __truediv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
-        let divisor = match other.is_instance_of::<Variable>() {
-            true => None,
-            false => constant(other)?,
-        };
-        if divisor.is_some_and(|c| c.to::<f64>() == 0.0) {
-            return Err(PyValueError::new_err(BY_ZERO));
-        }
+        check_divisor(other)?;
         self.with(other, |x, y| x / y)
     }
     fn __rtruediv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
@@ -384,40 +413,71 @@ impl Variable {
     fn __complex__(&self) -> PyResult<f64> {
         Err(PyTypeError::new_err(NUMBER))
     }
-    fn __mod__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+    fn floor(&self) -> PyResult<Self> {
+        self.map(floor)
     }
-    fn __rmod__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+    fn ceil(&self) -> PyResult<Self> {
+        self.map(|x| -floor(-x))
     }
-    fn __floordiv__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+    fn trunc(&self) -> PyResult<Self> {
+        self.map(trunc)
     }
-    fn __rfloordiv__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+    /// The nearest integer, of two the larger one.
+    fn rint(&self) -> PyResult<Self> {
+        self.map(nearest)
     }
-    fn __divmod__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+    fn __mod__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        check_divisor(other)?;
+        self.with(other, |x, y| x - floor(x / y) * y)
     }
-    fn __rdivmod__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+    fn __rmod__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        self.with(other, |y, x| x - floor(x / y) * y)
+    }
+    fn __floordiv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        check_divisor(other)?;
+        self.with(other, |x, y| floor(x / y))
+    }
+    fn __rfloordiv__(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        self.with(other, |y, x| floor(x / y))
+    }
+    fn __divmod__(&self, other: &Bound<'_, PyAny>) -> PyResult<(Py<PyAny>, Py<PyAny>)> {
+        Ok((self.__floordiv__(other)?, self.__mod__(other)?))
+    }
+    fn __rdivmod__(&self, other: &Bound<'_, PyAny>) -> PyResult<(Py<PyAny>, Py<PyAny>)> {
+        Ok((self.__rfloordiv__(other)?, self.__rmod__(other)?))
+    }
+    /// The remainder with the sign of self.
+    fn fmod(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        check_divisor(other)?;
+        self.with(other, |x, y| x - trunc(x / y) * y)
+    }
+    /// The remainder of other by self, with the sign of other.
+    fn fmod_of(&self, other: &Bound<'_, PyAny>) -> PyResult<Py<PyAny>> {
+        self.with(other, |y, x| x - trunc(x / y) * y)
     }
     fn __floor__(&self) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+        self.floor()
     }
     fn __ceil__(&self) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+        self.ceil()
     }
     fn __trunc__(&self) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+        self.trunc()
     }
     /// Itself, as numbers of NumPy have it.
     fn item(&self) -> PyResult<Self> {
         self.map(|x| x)
     }
-    #[pyo3(signature = (_digits=None))]
-    fn __round__(&self, _digits: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        Err(PyTypeError::new_err(JUMPS))
+    #[pyo3(signature = (digits=None))]
+    fn __round__(&self, digits: Option<i32>) -> PyResult<Self> {
+        let Some(digits) = digits.filter(|&digits| digits != 0) else {
+            return self.rint();
+        };
+        let power = Var::from(10.0).powi(digits.abs().min(MOST_DIGITS));
+        self.map(|x| match digits > 0 {
+            true => nearest(x * power) / power,
+            false => nearest(x / power) * power,
+        })
     }
     fn __hash__(&self) -> PyResult<isize> {
         Err(PyTypeError::new_err(HASHED))

@@ -3,17 +3,15 @@
 use crate::faults::{of_run, value_error};
 use crate::options::{Options, WithIntegrator};
 use crate::recording::recorded::Recorded;
-use crate::runs::signals::PATIENCE;
+use crate::runs::patience::{Meanwhile, patiently_with};
 use equip::prelude::*;
 use equip::solver::{Fixed, Starts, StepSizes, Symmetric, Tolerance, drawn_start};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::ThreadPoolBuilder;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::thread;
-use std::time::Instant;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// How a run ended.
 struct End {
@@ -46,8 +44,9 @@ pub(crate) fn ensemble<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     options.with::<f64, _>(Task {
         py,
-        hamiltonian: &system.hamiltonian,
-        starts: Starts::new(&q, &p, span.0..=span.1),
+        hamiltonian: system.hamiltonian.clone(),
+        starts: (q, p),
+        span,
         threads,
         progress: progress.as_ref(),
     })?
@@ -55,8 +54,9 @@ pub(crate) fn ensemble<'py>(
 
 struct Task<'a, 'py> {
     py: Python<'py>,
-    hamiltonian: &'a Hamiltonian,
-    starts: Starts<'a, f64>,
+    hamiltonian: Hamiltonian,
+    starts: (Vec<f64>, Vec<f64>),
+    span: (f64, f64),
     threads: usize,
     progress: Option<&'a Py<PyAny>>,
 }
@@ -65,71 +65,63 @@ impl<'py> WithIntegrator<f64> for Task<'_, 'py> {
     type Output = PyResult<Bound<'py, PyDict>>;
 
     fn fixed(self, integrator: Integrator<f64, Fixed<f64>>) -> Self::Output {
-        self.run(&integrator)
+        self.run(integrator)
     }
 
     fn adaptive(self, integrator: Integrator<f64, Tolerance<f64>>) -> Self::Output {
-        self.run(&integrator)
+        self.run(integrator)
     }
 
     fn reversible(self, integrator: Integrator<f64, Symmetric<f64>>) -> Self::Output {
-        self.run(&integrator)
+        self.run(integrator)
     }
 }
 
 impl<'py> Task<'_, 'py> {
-    fn run<S: StepSizes<f64> + Send + Sync>(
+    fn run<S: StepSizes<f64> + Send + Sync + 'static>(
         self,
-        integrator: &Integrator<f64, S>,
+        integrator: Integrator<f64, S>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let pool = ThreadPoolBuilder::new().num_threads(self.threads).build();
-        let pool = pool.map_err(value_error)?;
-        let (hamiltonian, starts, progress) = (self.hamiltonian, self.starts, self.progress);
-        let is_over = AtomicBool::new(false);
-        let rows = self.py.detach(|| {
-            thread::scope(|scope| {
-                let (sender, receiver) = channel::<()>();
-                let (pool, is_over) = (&pool, &is_over);
-                let work = scope.spawn(move || {
-                    let row = |_, run: Result<Run<f64>, RunFailure<f64>>| {
-                        // Nobody counts any more once an exception has ended the ensemble.
-                        let _ = sender.send(());
-                        run.map(|run| end(&run))
-                            .map_err(|failure| failure.to_string())
-                    };
-                    let stop = || is_over.load(Relaxed);
-                    pool.install(|| integrator.ensemble(hamiltonian, starts, row, stop))
-                });
-                let watched = watch(&receiver, progress);
-                is_over.store(watched.is_err(), Relaxed);
-                let rows = work.join();
-                watched.map(|()| rows)
-            })
-        })?;
-        let rows = rows.map_err(|_| value_error("a thread of the ensemble ended early"))?;
-        let rows = rows.map_err(|error| of_run(&error))?;
+        let Task {
+            hamiltonian,
+            starts: (q, p),
+            span,
+            threads,
+            ..
+        } = self;
         let n = 2 * (hamiltonian.degrees_of_freedom() - usize::from(hamiltonian.has_time()));
-        table(self.py, n, rows)
+        let done = Arc::new(AtomicUsize::new(0));
+        let mut watch = Watch {
+            done: Arc::clone(&done),
+            progress: self.progress,
+        };
+        let rows = patiently_with(self.py, &mut watch, move |stop| {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.map_err(value_error)?;
+            let row = |_, run: Result<Run<f64>, RunFailure<f64>>| {
+                done.fetch_add(1, Relaxed);
+                run.map(|run| end(&run))
+                    .map_err(|failure| failure.to_string())
+            };
+            let starts = Starts::new(&q, &p, span.0..=span.1);
+            let is_over = || stop.is_set();
+            let rows = pool.install(|| integrator.ensemble(&hamiltonian, starts, row, is_over));
+            rows.map_err(|error| of_run(&error))
+        });
+        table(self.py, n, rows??)
     }
 }
 
-/// Counts rows until no thread makes any more, and asks Python for signals now and then.
-fn watch(rows: &Receiver<()>, progress: Option<&Py<PyAny>>) -> PyResult<()> {
-    let (mut asked, mut done) = (Instant::now(), 0);
-    loop {
-        match rows.recv_timeout(PATIENCE) {
-            Ok(()) => done += 1,
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
-        }
-        if asked.elapsed() < PATIENCE {
-            continue;
-        }
-        asked = Instant::now();
-        Python::attach(|py| {
-            py.check_signals()?;
-            progress.map_or(Ok(()), |f| f.call1(py, (done,)).map(drop))
-        })?;
+/// Shows how many rows are made.
+struct Watch<'a> {
+    done: Arc<AtomicUsize>,
+    progress: Option<&'a Py<PyAny>>,
+}
+
+impl Meanwhile for Watch<'_> {
+    fn look(&mut self, py: Python<'_>) -> PyResult<()> {
+        let done = self.done.load(Relaxed);
+        (self.progress).map_or(Ok(()), |f| f.call1(py, (done,)).map(drop))
     }
 }
 
@@ -198,8 +190,12 @@ pub(crate) fn draw_starts<'py>(
     n: u64,
     seed: u64,
     spread: f64,
-) -> (Floats<'py>, Floats<'py>) {
-    let start = |index| drawn_start(&q0, &p0, spread, seed, index);
-    let (q, p): (Vec<_>, Vec<_>) = (0..n).map(start).unzip();
-    (q.concat().into_pyarray(py), p.concat().into_pyarray(py))
+) -> PyResult<(Floats<'py>, Floats<'py>)> {
+    let (q, p) = patiently_with(py, &mut (), move |stop| {
+        let start = |index| drawn_start(&q0, &p0, spread, seed, index);
+        let wanted = (0..n).take_while(|_| !stop.is_set());
+        let (q, p): (Vec<_>, Vec<_>) = wanted.map(start).unzip();
+        (q.concat(), p.concat())
+    })?;
+    Ok((q.into_pyarray(py), p.into_pyarray(py)))
 }

@@ -1,83 +1,54 @@
-//! [`Signals`]: Ctrl-C, and progress, while the GIL is free.
+//! [`Signals`]: the observer of a run that another thread watches.
 
 use crate::runs::keeping::Keeping;
+use crate::runs::patience::{Meanwhile, PATIENCE, Stop};
 use equip::prelude::{Checkpoint, Observer, StepView};
 use equip::scalar::Float;
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// How often Python is asked for signals.
-pub(crate) const PATIENCE: Duration = Duration::from_millis(50);
+/// How often progress is shown.
+const SHOWN: Duration = Duration::from_millis(50);
 
-/// Steps between two readings of the clock, at most.
-const STEPS: u32 = 64;
+/// The time that a run has reached, as bits.
+#[derive(Clone, Default)]
+pub(crate) struct Reached(Arc<AtomicU64>);
 
-/// Asks Python for signals now and then, and tells it the time reached; an exception ends the run.
-pub(crate) struct Signals<'a> {
-    asked: Instant,
-    left: u32,
-    period: u32,
-    progress: Option<&'a Py<PyAny>>,
+/// Ends a run that is no longer wanted, tells its time, and writes its checkpoints.
+pub(crate) struct Signals {
+    stop: Stop,
+    reached: Reached,
     keeping: Option<Keeping>,
     is_due: bool,
     pub(crate) fault: Option<PyErr>,
 }
 
-impl<'a> Signals<'a> {
-    pub(crate) fn new(progress: Option<&'a Py<PyAny>>, keeping: Option<Keeping>) -> Self {
+impl Signals {
+    pub(crate) fn new(stop: &Stop, reached: Reached, keeping: Option<Keeping>) -> Self {
         Signals {
-            asked: Instant::now(),
-            left: 1,
-            period: 1,
-            progress,
+            stop: stop.clone(),
+            reached,
             keeping,
             is_due: false,
             fault: None,
         }
     }
-
-    /// A step has been made that ends at `time`.
-    pub(crate) fn step_to(&mut self, time: f64) -> ControlFlow<()> {
-        self.left -= 1;
-        if self.left > 0 {
-            return ControlFlow::Continue(());
-        }
-        let elapsed = self.asked.elapsed();
-        // Long steps are watched one by one, short ones up to 64 at a time.
-        self.period = if elapsed < PATIENCE / 8 {
-            (2 * self.period).min(STEPS)
-        } else {
-            (self.period / 2).max(1)
-        };
-        self.left = self.period;
-        if elapsed < PATIENCE {
-            return ControlFlow::Continue(());
-        }
-        self.asked = Instant::now();
-        let asked = Python::attach(|py| {
-            py.check_signals()?;
-            self.progress
-                .map_or(Ok(()), |f| f.call1(py, (time,)).map(drop))
-        });
-        match asked {
-            Ok(()) => ControlFlow::Continue(()),
-            Err(error) => {
-                self.fault = Some(error);
-                ControlFlow::Break(())
-            }
-        }
-    }
 }
 
-impl<T: Float> Observer<T> for Signals<'_> {
+impl<T: Float> Observer<T> for Signals {
     fn step(&mut self, view: &StepView<'_, T>) -> ControlFlow<()> {
         let time = view.time.to_f64();
-        let flow = self.step_to(time);
+        self.reached.0.store(time.to_bits(), Relaxed);
+        let is_over = self.stop.is_set();
         // An interrupted run is written down as well.
-        self.is_due =
-            (self.keeping.as_ref()).is_some_and(|keeping| flow.is_break() || keeping.is_due(time));
-        flow
+        self.is_due = (self.keeping.as_ref()).is_some_and(|k| is_over || k.is_due(time));
+        match is_over {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        }
     }
 
     fn wants_checkpoint(&mut self) -> bool {
@@ -93,5 +64,45 @@ impl<T: Float> Observer<T> for Signals<'_> {
             }
             _ => ControlFlow::Continue(()),
         }
+    }
+}
+
+/// Shows the progress of a run, and lets it write its checkpoint when it is interrupted.
+pub(crate) struct Watch<'a> {
+    pub(crate) reached: Reached,
+    progress: Option<&'a Py<PyAny>>,
+    has_checkpoint: bool,
+    shown: Instant,
+}
+
+impl<'a> Watch<'a> {
+    pub(crate) fn new(progress: Option<&'a Py<PyAny>>, has_checkpoint: bool) -> Self {
+        Watch {
+            reached: Reached::default(),
+            progress,
+            has_checkpoint,
+            shown: Instant::now(),
+        }
+    }
+}
+
+impl Meanwhile for Watch<'_> {
+    fn look(&mut self, py: Python<'_>) -> PyResult<()> {
+        let Some(f) = self
+            .progress
+            .filter(|_| self.shown.elapsed() >= SHOWN - PATIENCE / 2)
+        else {
+            return Ok(());
+        };
+        self.shown = Instant::now();
+        let bits = self.reached.0.load(Relaxed);
+        match bits {
+            0 => Ok(()),
+            bits => f.call1(py, (f64::from_bits(bits),)).map(drop),
+        }
+    }
+
+    fn waits(&self) -> bool {
+        self.has_checkpoint
     }
 }

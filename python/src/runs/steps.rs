@@ -4,14 +4,15 @@ use crate::faults::of_run;
 use crate::options::{Options, WithIntegrator};
 use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
-use crate::runs::signals::Signals;
+use crate::runs::patience::{Stop, lock, patiently};
+use crate::runs::signals::{Reached, Signals};
 use equip::autodiff::RecordedEvaluator;
 use equip::prelude::*;
-use equip::solver::{Fixed, Symmetric, Tolerance};
+use equip::solver::{Fixed, StepSizes, Steps as _, Symmetric, Tolerance};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 type Evaluator = RecordedEvaluator<f64>;
 
@@ -58,17 +59,21 @@ impl Run {
 }
 
 impl Run {
-    /// Makes the steps to the time `t`.
-    fn advance_to(&mut self, t: f64) -> Result<(), IntegrateError<f64>> {
+    /// Makes the steps to the time `t`, unless it is told to stop.
+    fn advance_to(&mut self, t: f64, stop: &Stop) -> Result<(), IntegrateError<f64>> {
         let Run {
             stepper,
             tangent,
             deviations,
             ..
         } = self;
-        each!(stepper, s => match tangent {
-            Some(tangent) => tangent.advance_to(s, t, deviations),
-            None => s.advance_to(t).map(drop),
+        each!(stepper, s => {
+            while !stop.is_set() && s.advance_towards(t)? {
+                if let Some(tangent) = tangent {
+                    tangent.carry(&*s, deviations)?;
+                }
+            }
+            Ok(())
         })
     }
 
@@ -85,7 +90,9 @@ impl Run {
 /// A run one step at a time.
 #[pyclass(frozen, module = "equip._native")]
 pub(crate) struct Steps {
-    run: Mutex<Run>,
+    run: Arc<Mutex<Run>>,
+    /// Whether a step may take longer than a signal may wait.
+    is_large: bool,
 }
 
 /// Number, time, size, state, energy defect, α's and outcome of a step.
@@ -100,8 +107,24 @@ type Made<'py> = (
 );
 
 impl Steps {
-    fn with<R>(&self, f: impl FnOnce(&mut Run) -> R) -> R {
-        f(&mut self.run.lock().unwrap_or_else(PoisonError::into_inner))
+    fn run(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Run>> {
+        lock(py, &self.run)
+    }
+
+    /// Makes steps in another thread.
+    fn patiently(
+        &self,
+        py: Python<'_>,
+        f: impl FnOnce(&mut Run, &Stop) -> Result<(), IntegrateError<f64>> + Send + 'static,
+    ) -> PyResult<()> {
+        let run = Arc::clone(&self.run);
+        let made = patiently(py, move |stop| {
+            f(
+                &mut run.lock().unwrap_or_else(PoisonError::into_inner),
+                stop,
+            )
+        });
+        made?.map_err(|error| of_run(&error))
     }
 }
 
@@ -109,6 +132,7 @@ impl Steps {
 impl Steps {
     #[new]
     fn new(
+        py: Python<'_>,
         system: &Recorded,
         q: Vec<f64>,
         p: Vec<f64>,
@@ -116,87 +140,87 @@ impl Steps {
         options: Options,
         deviations: Vec<f64>,
     ) -> PyResult<Self> {
-        let hamiltonian = &system.hamiltonian;
-        let mut stepper = options
-            .with::<f64, _>(Start {
-                hamiltonian,
-                q: &q,
-                p: &p,
-                t,
-            })?
-            .map_err(|error| of_run(&error))?;
-        let deviations = whole(hamiltonian, &deviations);
-        let tangent = (!deviations.is_empty())
-            .then(|| each!(&mut stepper, s => TangentMap::new(hamiltonian, s)));
-        let run = Mutex::new(Run {
-            hamiltonian: hamiltonian.clone(),
-            stepper,
-            tangent,
+        let deviations = whole(&system.hamiltonian, &deviations);
+        let hamiltonian = system.hamiltonian.clone();
+        let run = options.with::<f64, _>(Start {
+            py,
+            is_large: system.is_large(),
+            hamiltonian,
+            q,
+            p,
+            t,
             deviations,
-        });
-        Ok(Steps { run })
+        })?;
+        Ok(Steps {
+            run: Arc::new(Mutex::new(run?)),
+            is_large: system.is_large(),
+        })
     }
 
     /// Makes a step.
     fn advance(&self, py: Python<'_>) -> PyResult<()> {
+        if self.is_large {
+            return self.patiently(py, |run, _| run.advance());
+        }
         py.check_signals()?;
-        py.detach(|| self.with(Run::advance))
-            .map_err(|error| of_run(&error))
+        let mut held = self.run(py)?;
+        let run: &mut Run = &mut held;
+        py.detach(|| run.advance()).map_err(|error| of_run(&error))
     }
 
     /// Makes the steps to the time `t`, forward or back.
     fn advance_to(&self, py: Python<'_>, t: f64) -> PyResult<()> {
-        py.check_signals()?;
-        py.detach(|| self.with(|run| run.advance_to(t)))
-            .map_err(|error| of_run(&error))
+        self.patiently(py, move |run, stop| run.advance_to(t, stop))
     }
 
     /// Turns the run round in time.
-    fn turn_back(&self) -> PyResult<()> {
-        self.with(Run::turn_back).map_err(|error| of_run(&error))
+    fn turn_back(&self, py: Python<'_>) -> PyResult<()> {
+        let turned = self.run(py)?.turn_back();
+        turned.map_err(|error| of_run(&error))
     }
 
     /// The step made last.
-    fn made<'py>(&self, py: Python<'py>) -> Made<'py> {
-        self.with(|run| {
-            let view = each!(&run.stepper, s => s.view());
-            let y = [view.q, view.p].concat().into_pyarray(py);
-            let alphas = view.alphas.to_vec().into_pyarray(py);
-            let outcome = view.outcome.label();
-            let defect = view.energy_defect;
-            (view.index, view.time, view.step, y, defect, alphas, outcome)
-        })
+    fn made<'py>(&self, py: Python<'py>) -> PyResult<Made<'py>> {
+        let run = self.run(py)?;
+        let view = each!(&run.stepper, s => s.view());
+        let y = [view.q, view.p].concat().into_pyarray(py);
+        let alphas = view.alphas.to_vec().into_pyarray(py);
+        let outcome = view.outcome.label();
+        let defect = view.energy_defect;
+        Ok((view.index, view.time, view.step, y, defect, alphas, outcome))
     }
 
-    fn restart(&self, q: Vec<f64>, p: Vec<f64>, t: f64) -> PyResult<()> {
-        self.with(|run| each!(&mut run.stepper, s => s.restart(&q, &p, t)))
-            .map_err(|error| of_run(&error))
+    fn restart(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>, t: f64) -> PyResult<()> {
+        let mut run = self.run(py)?;
+        let begun = each!(&mut run.stepper, s => s.restart(&q, &p, t));
+        begun.map_err(|error| of_run(&error))
     }
 
-    fn set_state(&self, q: Vec<f64>, p: Vec<f64>) -> PyResult<()> {
-        self.with(|run| each!(&mut run.stepper, s => s.set_state(&q, &p)))
-            .map_err(|error| of_run(&error))
+    fn set_state(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>) -> PyResult<()> {
+        let mut run = self.run(py)?;
+        let set = each!(&mut run.stepper, s => s.set_state(&q, &p));
+        set.map_err(|error| of_run(&error))
     }
 
     /// Deviations, one after the other.
-    fn deviations<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let visible = self.with(|run| {
-            let m = run.hamiltonian.degrees_of_freedom();
-            let kept = m - usize::from(run.hamiltonian.has_time());
-            let halves = run.deviations.chunks_exact(m);
-            halves
-                .flat_map(|half| half[..kept].to_vec())
-                .collect::<Vec<_>>()
-        });
-        visible.into_pyarray(py)
+    fn deviations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let run = self.run(py)?;
+        let m = run.hamiltonian.degrees_of_freedom();
+        let kept = m - usize::from(run.hamiltonian.has_time());
+        let halves = run.deviations.chunks_exact(m);
+        let visible: Vec<f64> = halves.flat_map(|half| half[..kept].to_vec()).collect();
+        Ok(visible.into_pyarray(py))
     }
 
-    fn set_deviations(&self, deviations: Vec<f64>) {
-        self.with(|run| run.deviations = whole(&run.hamiltonian, &deviations));
+    fn set_deviations(&self, py: Python<'_>, deviations: Vec<f64>) -> PyResult<()> {
+        let mut run = self.run(py)?;
+        run.deviations = whole(&run.hamiltonian, &deviations);
+        Ok(())
     }
 
     fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let found = self.with(|run| each!(&run.stepper, s => s.certificate()));
+        let run = self.run(py)?;
+        let found = each!(&run.stepper, s => s.certificate());
         certificate(py, &found)
     }
 }
@@ -211,29 +235,64 @@ fn whole(hamiltonian: &Hamiltonian, deviations: &[f64]) -> Vec<f64> {
     whole
 }
 
-struct Start<'a> {
-    hamiltonian: &'a Hamiltonian,
-    q: &'a [f64],
-    p: &'a [f64],
+struct Start<'py> {
+    py: Python<'py>,
+    is_large: bool,
+    hamiltonian: Hamiltonian,
+    q: Vec<f64>,
+    p: Vec<f64>,
     t: f64,
+    deviations: Vec<f64>,
+}
+
+impl Start<'_> {
+    /// The run at its start.
+    fn run<S: StepSizes<f64> + Send + 'static>(
+        self,
+        integrator: Integrator<f64, S>,
+        sized: fn(S::Stepper<Evaluator>) -> Sized,
+    ) -> PyResult<Run> {
+        let Start {
+            hamiltonian,
+            q,
+            p,
+            t,
+            deviations,
+            ..
+        } = self;
+        let begin = move || {
+            let mut stepper = sized(integrator.start(&hamiltonian, &q, &p, t)?);
+            let tangent = (!deviations.is_empty())
+                .then(|| each!(&mut stepper, s => TangentMap::new(&hamiltonian, s)));
+            Ok(Run {
+                hamiltonian,
+                stepper,
+                tangent,
+                deviations,
+            })
+        };
+        let run = if self.is_large {
+            patiently(self.py, move |_| begin())?
+        } else {
+            begin()
+        };
+        run.map_err(|error| of_run(&error))
+    }
 }
 
 impl WithIntegrator<f64> for Start<'_> {
-    type Output = Result<Sized, IntegrateError<f64>>;
+    type Output = PyResult<Run>;
 
     fn fixed(self, integrator: Integrator<f64, Fixed<f64>>) -> Self::Output {
-        let stepper = integrator.start(self.hamiltonian, self.q, self.p, self.t)?;
-        Ok(Sized::Fixed(stepper))
+        self.run(integrator, Sized::Fixed)
     }
 
     fn adaptive(self, integrator: Integrator<f64, Tolerance<f64>>) -> Self::Output {
-        let stepper = integrator.start(self.hamiltonian, self.q, self.p, self.t)?;
-        Ok(Sized::Adaptive(stepper))
+        self.run(integrator, Sized::Adaptive)
     }
 
     fn reversible(self, integrator: Integrator<f64, Symmetric<f64>>) -> Self::Output {
-        let stepper = integrator.start(self.hamiltonian, self.q, self.p, self.t)?;
-        Ok(Sized::Reversible(stepper))
+        self.run(integrator, Sized::Reversible)
     }
 }
 
@@ -254,13 +313,12 @@ pub(crate) fn suggest_step(
         _ => Target::Trajectory(target.1),
     };
     let (q, p) = start;
-    let mut signals = Signals::new(None, None);
-    let found = py.detach(|| {
+    let hamiltonian = system.hamiltonian.clone();
+    let found = patiently(py, move |stop| {
+        let mut signals = Signals::new(stop, Reached::default(), None);
         let span = span.0..=span.1;
-        method.suggest_step_observed(&system.hamiltonian, &q, &p, span, target, &mut signals)
+        let found = method.suggest_step_observed(&hamiltonian, &q, &p, span, target, &mut signals);
+        found.map_err(|error| of_run(&error))
     });
-    match signals.fault {
-        Some(fault) => Err(fault),
-        None => found.map_err(|error| of_run(&error)),
-    }
+    found?
 }

@@ -1,9 +1,8 @@
 """An ensemble over the workers of Dask."""
 
+import functools
 import os
 import signal
-import threading
-import time
 
 import numpy as np
 import pytest
@@ -39,25 +38,26 @@ def test_the_bytes_of_one_process(kepler, client):
         assert there.success and same(here, there)
 
 
-def test_a_killed_worker_loses_nothing(kepler, client):
+def dies_once(marker, sol):
+    """The end of a run; the first worker that is asked for it dies."""
+    try:
+        os.close(os.open(marker, os.O_CREAT | os.O_EXCL))
+    except FileExistsError:
+        return sol.q[-1].tolist()
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_killed_worker_loses_nothing(kepler, client, tmp_path):
     """Dask makes the chunks of a worker that died again, by itself."""
     q0, p0 = starts(16)
-    span = (0, 3000)
-    here = equip.ensemble(kepler, q0, p0, span, step=0.1)
-    killed = []
-
-    def kill():
-        time.sleep(0.2)
-        pids = client.run(os.getpid)
-        killed.append(next(iter(pids.values())))
-        os.kill(killed[0], signal.SIGKILL)
-
-    killer = threading.Thread(target=kill)
-    killer.start()
-    there = equip.ensemble(kepler, q0, p0, span, step=0.1, executor=client.get_executor(), chunk=1)
-    killer.join()
-    assert killed
+    marker = tmp_path / "died"
+    here = equip.ensemble(kepler, q0, p0, (0, 5), step=0.1)
+    output = functools.partial(dies_once, str(marker))
+    how = {"step": 0.1, "output": output}
+    there = equip.ensemble(kepler, q0, p0, (0, 5), executor=client.get_executor(), chunk=1, **how)
+    assert marker.exists()
     # Whatever was lost would be made by `resume`.
     if len(there.lost):
-        there = equip.ensemble(kepler, q0, p0, span, step=0.1, resume=there)
+        there = equip.ensemble(kepler, q0, p0, (0, 5), resume=there, **how)
     assert there.success and same(here, there)
+    assert [list(end) for end in there.outputs] == here.q.tolist()

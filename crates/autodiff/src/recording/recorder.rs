@@ -219,6 +219,9 @@ impl Recorder {
         orders: [u8; 2],
         [x, y]: [u32; 2],
     ) -> u32 {
+        if orders != [0, 0] && f.is_step() {
+            return self.constant(Constant::double(0.0));
+        }
         let place = |f: &Arc<dyn Outside>| Arc::as_ptr(f).cast::<()>();
         let functions = &mut self.operations.functions;
         let known = functions.iter().position(|known| place(known) == place(f));

@@ -25,6 +25,8 @@ pub enum SwitchKind {
     Extremum,
     /// A selection: g is what it is selected by. The value or any derivative may jump.
     Selection,
+    /// A rounding to integers: g changes its sign where the result changes. The value jumps.
+    Step,
     /// Knots of a table: g changes its sign at each inner knot. The third derivative jumps.
     Knots,
 }
@@ -165,10 +167,15 @@ impl Found {
                     found.push(SwitchKind::Selection, g, bends);
                 }
                 Op::Outside { function, .. } => {
-                    for kink in recorder.functions[function as usize].kinks() {
+                    let function = Arc::clone(&recorder.functions[function as usize]);
+                    let kind = match function.is_step() {
+                        true => SwitchKind::Step,
+                        false => SwitchKind::Knots,
+                    };
+                    for kink in function.kinks() {
                         let kink: Arc<dyn Outside> = kink;
                         let g = recorder.outside(&kink, [0, 0], [a, b]);
-                        found.push(SwitchKind::Knots, g, bends);
+                        found.push(kind, g, bends);
                     }
                 }
                 _ => {}

@@ -1,5 +1,6 @@
 //! The state between the ends of a step.
 
+mod numbers;
 pub(crate) mod piece;
 pub(crate) mod polynomial;
 pub(crate) mod refine;

@@ -11,9 +11,9 @@ use equip_scalar::Float;
 /// Memory: min(2s, 32) + 2 numbers per component and step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory<T> {
-    m: usize,
-    pieces: Vec<Piece<T>>,
-    end: T,
+    pub(super) m: usize,
+    pub(super) pieces: Vec<Piece<T>>,
+    pub(super) end: T,
 }
 
 impl<T: Float> Trajectory<T> {
@@ -32,6 +32,11 @@ impl<T: Float> Trajectory<T> {
 
     pub(crate) fn end_at(&mut self, time: T) {
         self.end = time;
+    }
+
+    /// The number m of positions.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.m
     }
 
     /// First and last time, in the order in which the run went; equal if no step was made.

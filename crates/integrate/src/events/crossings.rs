@@ -90,7 +90,12 @@ impl<T: Float> Crossings<T> {
             is_passed: vec![false; count],
             has_knots: switches.kinds().contains(&SwitchKind::Knots),
             may_jump: (switches.kinds().iter())
-                .map(|kind| matches!(kind, SwitchKind::Sign | SwitchKind::Selection))
+                .map(|kind| {
+                    matches!(
+                        kind,
+                        SwitchKind::Sign | SwitchKind::Selection | SwitchKind::Step
+                    )
+                })
                 .collect(),
             slope: vec![T::int(0); n],
             close: (tolerance / T::int(1000)).max(T::int(8) * T::EPSILON),

@@ -3,7 +3,7 @@
 use crate::dense::piece::Piece;
 use crate::error::IntegrateError;
 use crate::events::roots::Roots;
-use crate::options::event::{Direction, Event, EventFunction, Occurrence};
+use crate::options::event::{Action, Direction, Event, EventFunction, Occurrence};
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 
@@ -17,6 +17,8 @@ pub(crate) struct EventWatch<T: Float> {
     y: Vec<T>,
     start: T,
     direction: TimeDirection,
+    /// The event that ended the last piece.
+    last: usize,
 }
 
 impl<T: Float> EventWatch<T> {
@@ -33,11 +35,22 @@ impl<T: Float> EventWatch<T> {
             y: vec![T::int(0); n],
             start,
             direction,
+            last: 0,
         }
     }
 
-    /// Appends what happens in `piece` to `occurrences`. Returns the place in it where a terminal event ends
-    /// the run.
+    /// What the event that ended the last piece does to the state.
+    pub(crate) fn action(&self) -> Option<Action<T>> {
+        self.events.get(self.last)?.action.clone()
+    }
+
+    /// The run continues from another state at this time: a root there is none that it crosses.
+    pub(crate) fn begin(&mut self, time: T) {
+        self.start = time;
+    }
+
+    /// Appends what happens in `piece` to `occurrences`. Returns the place in it where an event ends the run,
+    /// or changes its state.
     pub(crate) fn see(
         &mut self,
         piece: &Piece<T>,
@@ -87,7 +100,8 @@ impl<T: Float> EventWatch<T> {
                 p,
                 rising,
             });
-            if self.events[event].terminal {
+            if self.events[event].terminal || self.events[event].action.is_some() {
+                self.last = event;
                 return Ok(Some(place));
             }
         }

@@ -3,6 +3,7 @@
 use equip_autodiff::{Hamiltonian, StateFunction};
 use equip_scalar::Float;
 use std::fmt;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Which way g crosses zero, in the direction in which the run goes.
@@ -18,6 +19,9 @@ pub enum Direction {
 }
 
 type Function<T> = Arc<dyn Fn(T, &[T], &[T]) -> T + Send + Sync>;
+
+/// What an event does to the state (q, p) at a time; a break ends the run there.
+pub(crate) type Action<T> = Arc<dyn Fn(T, &mut [T], &mut [T]) -> ControlFlow<()> + Send + Sync>;
 
 /// Where g comes from.
 #[derive(Clone)]
@@ -53,6 +57,7 @@ pub struct Event<T> {
     source: Source<T>,
     pub(crate) direction: Direction,
     pub(crate) terminal: bool,
+    pub(crate) action: Option<Action<T>>,
 }
 
 impl<T> Event<T> {
@@ -66,6 +71,7 @@ impl<T> Event<T> {
             source: Source::Closure(Arc::new(function)),
             direction: Direction::Both,
             terminal: false,
+            action: None,
         }
     }
 
@@ -92,6 +98,7 @@ impl<T> Event<T> {
             source: Source::Recording(Box::new(function)),
             direction: Direction::Both,
             terminal: false,
+            action: None,
         }
     }
 
@@ -113,6 +120,40 @@ impl<T> Event<T> {
     #[must_use]
     pub fn terminal(mut self) -> Self {
         self.terminal = true;
+        self
+    }
+
+    /// At every root `action(t, q, p)` changes the state, as a bounce or a kick does, and the run continues
+    /// from there; a `ControlFlow::Break(())` ends it. H and invariants are conserved at the values that they
+    /// have after the change, and fixed steps are counted from the time of the root. Costs a gradient.
+    ///
+    /// The state in [`Occurrence`] is the one before the change, the states of the run are those after it.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// use equip_integrate::{Equip, Event};
+    /// use std::ops::ControlFlow;
+    ///
+    /// // A ball that falls from a height of 50 and bounces: t = √(100/9.8) (2n − 1).
+    /// let ball = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 + 9.8 * q[0])?;
+    /// let floor = Event::new("floor", |_, q: &[f64], _: &[f64]| q[0]).falling();
+    /// let floor = floor.then(|_, _, p| {
+    ///     p[0] = -p[0];
+    ///     ControlFlow::Continue(())
+    /// });
+    /// let options = Equip::stages(4).tolerance(1e-12).event(floor);
+    /// let run = options.integrate(&ball, &[50.0], &[0.0], 0.0..=100.0)?;
+    /// let exact = |n: f64| (100.0 / 9.8_f64).sqrt() * (2.0 * n - 1.0);
+    /// assert_eq!(run.events().len(), 16);
+    /// assert!((run.events()[15].time - exact(16.0)).abs() < 1e-11);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn then(
+        mut self,
+        action: impl Fn(T, &mut [T], &mut [T]) -> ControlFlow<()> + Send + Sync + 'static,
+    ) -> Self {
+        self.action = Some(Arc::new(action));
         self
     }
 

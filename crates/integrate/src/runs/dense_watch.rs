@@ -6,6 +6,7 @@ use crate::dense::trajectory::Trajectory;
 use crate::error::IntegrateError;
 use crate::events::watch::EventWatch;
 use crate::options::common::Options;
+use crate::options::event::Action;
 use crate::runs::run::Run;
 use crate::steppers::stepper::Stepper;
 use crate::time::direction::TimeDirection;
@@ -52,7 +53,7 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
     }
 
     /// Sees the step that `stepper` has just made from a time whose lost part was `time_low`. Breaks with
-    /// time and state of a terminal event.
+    /// time and state of an event that ends the run or changes its state.
     pub(crate) fn see(
         &mut self,
         stepper: &Stepper<T, E>,
@@ -92,6 +93,18 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
             }
         }
         Ok(ControlFlow::Continue(()))
+    }
+
+    /// What the event at which `see` has broken off does to the state.
+    pub(crate) fn action(&self) -> Option<Action<T>> {
+        self.events.as_ref()?.action()
+    }
+
+    /// The run continues from another state at this time.
+    pub(crate) fn begin(&mut self, time: T) {
+        if let Some(events) = &mut self.events {
+            events.begin(time);
+        }
     }
 
     fn outputs(

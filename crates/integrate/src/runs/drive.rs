@@ -14,6 +14,9 @@ use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
+/// Units of rounding of the time that two changes of the state have to be apart.
+const CLOSEST: i64 = 256;
+
 /// What watches a run.
 #[derive(Debug)]
 pub(crate) struct Watchers<'a, T: Float, E> {
@@ -50,6 +53,7 @@ fn watch<T: Float, E: Evaluate<T>>(
     observer: &mut impl Observer<T>,
     run: &mut Run<T>,
 ) -> Result<(), IntegrateError<T>> {
+    let mut changed: Option<T> = None;
     while !steps.is_done() {
         if let (Some(outputs), Some(end)) = (&mut watchers.outputs, steps.next_time()) {
             outputs.up_to(steps.inner(), Some(end), run);
@@ -67,9 +71,26 @@ fn watch<T: Float, E: Evaluate<T>>(
         if let Some(dense) = &mut watchers.dense
             && let ControlFlow::Break((time, y)) = dense.see(stepper, time_low, run)?
         {
-            run.end_at(time, y, stepper);
-            return Ok(());
+            let (mut state, m) = (y.to_vec(), y.len() / 2);
+            let Some(action) = dense.action() else {
+                run.end_at(time, &state, stepper);
+                return Ok(());
+            };
+            let (q, p) = state.split_at_mut(m);
+            if action(time, q, p) == ControlFlow::Break(()) {
+                run.end_at(time, &state, stepper);
+                return Ok(());
+            }
+            run.drop_outputs_beyond(time, stepper);
+            kick(steps, watchers, (&state, time), run)?;
+            // Events that accumulate, as of a ball that comes to rest, would be passed over unseen.
+            let since = changed.replace(time).map(|before| (time - before).abs());
+            let closest = T::int(CLOSEST) * T::EPSILON * time.abs();
+            if let Some(step) = since.filter(|&since| since <= closest) {
+                return Err(IntegrateError::StepBelowTimeResolution { step, time });
+            }
         }
+        let stepper = steps.inner();
         let view = StepView {
             chaos: run.certificate.chaos,
             ..stepper.view()
@@ -96,6 +117,23 @@ fn watch<T: Float, E: Evaluate<T>>(
     }
     if let Some(dense) = &mut watchers.dense {
         dense.last_outputs(stepper, run);
+    }
+    Ok(())
+}
+
+/// Continues from the state that an event has made, at its time.
+fn kick<T: Float, E: Evaluate<T>>(
+    steps: &mut impl Advance<T, E>,
+    watchers: &mut Watchers<'_, T, E>,
+    (y, time): (&[T], T),
+    run: &Run<T>,
+) -> Result<(), IntegrateError<T>> {
+    steps.kick(y.split_at(y.len() / 2), time)?;
+    if let Some(dense) = &mut watchers.dense {
+        dense.begin(time);
+    }
+    if let Some(outputs) = &mut watchers.outputs {
+        outputs.rewind(run);
     }
     Ok(())
 }

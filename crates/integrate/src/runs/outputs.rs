@@ -26,6 +26,11 @@ impl<'a, T: Float, E: Evaluate<T>> Outputs<'a, T, E> {
         }
     }
 
+    /// The run continues from another state within the step: outputs beyond it are made again.
+    pub(crate) fn rewind(&mut self, run: &Run<T>) {
+        self.done = run.output_count();
+    }
+
     /// Makes the outputs before `end`, or all that are left, starting from the state that `main` has now, up
     /// to one that no step leads to.
     pub(crate) fn up_to(&mut self, main: &Stepper<T, E>, end: Option<T>, run: &mut Run<T>) {

@@ -84,6 +84,11 @@ impl<T: Float> Run<T> {
         self.outputs.extend_from_slice(p);
     }
 
+    /// How many states at times asked for there are.
+    pub(crate) fn output_count(&self) -> usize {
+        self.output_times.len()
+    }
+
     /// An observer ends the run here.
     pub(crate) fn stop(&mut self) {
         self.stopped = true;
@@ -117,7 +122,7 @@ impl<T: Float> Run<T> {
 
     /// Drops outputs beyond `end`: those within a step are there before the step is made, or fails. A run
     /// that has come to its end has them all, also where its last step ends short of them by rounding.
-    fn drop_outputs_beyond<E: Evaluate<T>>(&mut self, end: T, stepper: &Stepper<T, E>) {
+    pub(crate) fn drop_outputs_beyond<E: Evaluate<T>>(&mut self, end: T, stepper: &Stepper<T, E>) {
         let is_within = |&t: &T| !stepper.direction.is_before(end, t);
         let within = self.output_times.partition_point(is_within);
         self.output_times.truncate(within);

@@ -74,6 +74,16 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for Stepper<T, E> {
         Ok(())
     }
 
+    fn kick(&mut self, (q, p): (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>> {
+        self.move_to(q, p, t)?;
+        self.time = t;
+        self.begin_grid();
+        if let Some(grid) = self.grid {
+            self.grid = Some(Grid::new(t, grid.end(), self.grid_step())?);
+        }
+        Ok(())
+    }
+
     fn is_done(&self) -> bool {
         self.grid.is_some_and(|grid| self.place >= grid.last())
     }

@@ -49,6 +49,11 @@ impl<T: Float> Grid<T> {
         })
     }
 
+    /// Where it ends.
+    pub(crate) fn end(&self) -> T {
+        self.t1
+    }
+
     /// The place of the end.
     pub(crate) fn last(&self) -> i64 {
         self.whole + i64::from(self.rest)

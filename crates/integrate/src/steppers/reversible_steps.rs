@@ -96,6 +96,13 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
         Ok(())
     }
 
+    fn kick(&mut self, state: (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>> {
+        self.check_density(state, t)?;
+        self.inner.kick(state, t)?;
+        self.time_low = T::int(0);
+        self.begin_density()
+    }
+
     fn is_done(&self) -> bool {
         let is_ahead = |end| self.inner.direction.is_before(self.inner.time(), end);
         self.end.is_some_and(|end| !is_ahead(end))

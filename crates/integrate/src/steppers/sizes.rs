@@ -148,6 +148,12 @@ pub trait Advance<T: Float, E: Evaluate<T>> {
     fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>>;
     /// Whether the end is reached.
     fn is_done(&self) -> bool;
+    /// Puts the run at the state (q, p) at time `t`, which lies within the step made last: as
+    /// [`Stepper::set_state`] does at its end. The end stays.
+    ///
+    /// # Errors
+    /// Faults of the values, and an H that is not finite there.
+    fn kick(&mut self, state: (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>>;
     /// Makes the next step, up to the end.
     ///
     /// # Errors

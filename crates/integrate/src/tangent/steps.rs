@@ -1,9 +1,19 @@
 //! [`Steps`]: runs whose steps can be followed by a tangent map.
 
+use crate::error::IntegrateError;
 use equip_scalar::Float;
 
 /// A run whose steps can be followed by a [`TangentMap`](crate::TangentMap).
-pub trait Steps<T: Float, E>: sealed::Followed<T, E> {}
+pub trait Steps<T: Float, E>: sealed::Followed<T, E> {
+    /// Makes the next step towards the time `t`, forward or back, but not beyond it: repeated while it returns
+    /// `true`, it makes the steps of the run's own `advance_to`, and the caller may stop between two of them.
+    ///
+    /// # Errors
+    /// A time that is not finite, and a step that cannot be made.
+    fn advance_towards(&mut self, t: T) -> Result<bool, IntegrateError<T>> {
+        self.step_to(t)
+    }
+}
 
 impl<T: Float, E, S: sealed::Followed<T, E>> Steps<T, E> for S {}
 

@@ -39,7 +39,14 @@ pub trait Outside: Debug + Send + Sync {
         None
     }
 
-    /// Functions of the same variables, each of which changes its sign where a derivative of this one jumps.
+    /// Whether the function is constant between the roots of its [`kinks`](Self::kinks), where its value
+    /// jumps: a rounding to integers.
+    fn is_step(&self) -> bool {
+        false
+    }
+
+    /// Functions of the same variables, each of which changes its sign where this one or a derivative of it
+    /// jumps.
     fn kinks(&self) -> Vec<Arc<dyn Outside>> {
         Vec::new()
     }

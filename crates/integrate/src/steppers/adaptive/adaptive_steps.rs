@@ -185,6 +185,14 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
         Ok(())
     }
 
+    fn kick(&mut self, (q, p): (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>> {
+        self.inner.kick((q, p), t)?;
+        self.time_low = T::int(0);
+        self.take_slope();
+        self.crossings.iter_mut().for_each(Crossings::begin);
+        Ok(())
+    }
+
     fn is_done(&self) -> bool {
         let is_ahead = |end| self.inner.direction.is_before(self.time(), end);
         self.end.is_some_and(|end| !is_ahead(end))

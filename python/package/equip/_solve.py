@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from os import PathLike, fspath
 from typing import Any, Literal, Optional, Union
 
@@ -10,12 +11,12 @@ import numpy as np
 
 from . import _native
 from ._certificate import Certificate
-from ._hamiltonian import Function, Hamiltonian, of_recording, record_with_time, recorded_quantity
+from ._events import Event, changes_of, events_of
+from ._hamiltonian import Function, Hamiltonian, of_recording, recorded_quantity
 from ._methods import Equip, Method, Reversible, chosen, method_options
-from ._numbers import Floats, Shape, number, pair, pairs, state, truth, whole
+from ._numbers import Floats, Shape, number, pair, pairs, refuse_units, state, truth, whole
 from ._solution import Solution
-
-Event = Callable[[Any, Any, Any], Any]
+from ._terminate import terminating
 
 #: Tolerances taken when neither a step nor a tolerance is given.
 _TOLERANCE = {"f64": 1e-12, "dd": 1e-24}
@@ -30,6 +31,7 @@ def _errors(of: Any, shape: Shape, name: str) -> Optional[tuple[list[float], lis
     """`rtol` or `atol` of positions and momenta: a number, or a pair of numbers or arrays shaped like q."""
     if of is None:
         return None
+    refuse_units(of, name)
     parts = tuple(of) if isinstance(of, (tuple, list)) else (of, of)
     if len(parts) != 2:
         raise ValueError(
@@ -37,7 +39,7 @@ def _errors(of: Any, shape: Shape, name: str) -> Optional[tuple[list[float], lis
         )
     try:
         q, p = (np.broadcast_to(np.asarray(part, dtype=float), shape).ravel().tolist() for part in parts)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(
             f"{name} must be numbers, or arrays of the shape {shape} of q and p: {error}"
         ) from None
@@ -124,6 +126,7 @@ def _quantities(
 
 def interval_of(span: Any) -> tuple[tuple[float, float], tuple[float, float]]:
     """Start and end."""
+    refuse_units(span, "span")
     if isinstance(span, str) or not hasattr(span, "__len__") or np.shape(span) == ():
         raise ValueError(f"span is {span!r}; it must be two numbers: (start, end)")
     if len(span) != 2:
@@ -134,39 +137,6 @@ def interval_of(span: Any) -> tuple[tuple[float, float], tuple[float, float]]:
             f"the interval {start[0]:g} to {end[0]:g} must be finite; give two finite times, in either order"
         )
     return start, end
-
-
-def _is_terminal(event: Any, name: str) -> bool:
-    terminal = getattr(event, "terminal", None)
-    if terminal is None or terminal in (True, False):
-        return bool(terminal)
-    raise ValueError(
-        f"{name} has terminal = {terminal!r}; it must be True, which ends the run at the first root, or "
-        "False. Later roots are in Solution.t_events"
-    )
-
-
-def _direction(event: Any, name: str) -> int:
-    direction = getattr(event, "direction", None)
-    try:
-        return int(np.sign(float(direction or 0)))
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} has direction = {direction!r}; it must be 1, -1 or 0") from None
-
-
-def _events(events: Union[None, Event, Sequence[Event]], shape: Shape) -> list[tuple[Any, ...]]:
-    if events is None:
-        return []
-    given = [events] if callable(events) else events
-    if not isinstance(given, Sequence) or not all(callable(event) for event in given):
-        raise TypeError("events must be a function g(t, q, p), or a list of such")
-    found = []
-    for i, event in enumerate(given):
-        name = getattr(event, "__name__", "event")
-        called = f"event {i} ({name})"
-        terminal, direction = _is_terminal(event, called), _direction(event, called)
-        found.append((name, record_with_time(event, shape, called), direction, terminal))
-    return found
 
 
 def _record(record: Any) -> int:
@@ -204,6 +174,7 @@ def solve(
     atol: Any = None,
     precision: Literal["f64", "dd"] = "f64",
     checkpoint: Union[None, str, PathLike[str]] = None,
+    checkpoint_every: float = 60.0,
     progress: bool = False,
 ) -> Solution:
     """Integrates q' = ∂H/∂p, p' = -∂H/∂q over an interval of time. All numbers are in the units of H.
@@ -232,7 +203,10 @@ def solve(
     events
         Smooth functions g(t, q, p) whose roots are wanted: each is recorded like H, so the same rules hold.
         Attributes as of `scipy.integrate.solve_ivp`: `terminal = True` ends the run at the first root (a
-        number of roots is refused), `direction` of 1 or -1 takes rising or falling roots only.
+        number of roots is refused), `direction` of 1 or -1 takes rising or falling roots only. An attribute
+        `then`, a function of (t, q, p) that returns (q, p), changes the state at every root, as a bounce or a
+        kick does, and the run continues: H is conserved from there at the value it has after the change.
+        `then` is called with numbers, in another thread. `Solution.y_events` has the states before.
     invariants
         Further quantities f(q, p) by name, whose defects the certificate shows; of (t, q, p) where H is.
     keep
@@ -253,10 +227,13 @@ def solve(
     precision
         "f64", or "dd" for double-double, 31 digits.
     checkpoint
-        A file for what a run needs to go on: written every minute, at the end of the interval, and when
-        Ctrl-C ends the run. If it is there already, the run goes on from it bit for bit, with the same start
-        and options, to the end of this interval: the solution begins there, the certificate is that of the
-        whole.
+        A file for what a run needs to go on: written now and then, at the end of the interval, and when
+        Ctrl-C or SIGTERM ends the run, after the step under way (a second Ctrl-C does not wait for it). If it
+        is there already, the run goes on from it bit for bit, with the same start and options, to the end of
+        this interval: the solution begins there, the certificate is that of the whole. One process at a time
+        may have it.
+    checkpoint_every
+        Seconds between two checkpoints.
     progress
         Whether to show a bar; asks for the package tqdm.
 
@@ -270,6 +247,10 @@ def solve(
     ------
     ValueError
         For input that cannot be used.
+    FileFormatError
+        A ValueError: for a checkpoint that is damaged, or no checkpoint.
+    FileInUseError
+        For a checkpoint that another process is writing.
     TypeError
         For events and quantities that cannot be recorded.
 
@@ -307,27 +288,44 @@ def solve(
         given["t_eval"] = (high.ravel().tolist(), low.ravel().tolist())
     given["record"] = 0 if at_times else every
     given["dense"] = truth(dense_output, "dense_output")
-    given["events"] = _events(events, h.shape)
+    given["events"] = events_of(events, h.shape)
+    changes = changes_of(given["events"])
+    if changes and (precision == "dd" or chaos or checkpoint is not None):
+        raise ValueError(
+            "events that change the state are not available with precision='dd', chaos=True or checkpoint: "
+            "leave these out, or end the run by a terminal event and start again"
+        )
     start, end = interval_of(span)
     interval = (state(q0, h.shape, "q0"), state(p0, h.shape, "p0"), start, end)
     path = None if checkpoint is None else fspath(checkpoint)
-    if not progress:
-        found = _native.solve(h._recorded, interval, given, precision, None, path)
-        _check_end(found, path, start[0], end[0])
-        return solution(h, found, given, at_times)
-    from tqdm.auto import tqdm
-
-    with tqdm(
-        total=end[0] - start[0], unit="time", bar_format="{l_bar}{bar}| t = {n:.6g} [{elapsed}<{remaining}]"
-    ) as bar:
-
-        def show(time: float) -> None:
-            bar.update(time - start[0] - bar.n)
-
-        found = _native.solve(h._recorded, interval, given, precision, show, path)
-        show(found["certificate"]["end"])
+    seconds = number(checkpoint_every, "checkpoint_every")
+    if not seconds > 0:
+        raise ValueError(
+            f"checkpoint_every is {seconds}; it must be positive: seconds between two checkpoints"
+        )
+    kept = None if path is None else (path, seconds)
+    with nullcontext() if kept is None else terminating(), _bar(start[0], end[0], progress) as show:
+        found = _native.solve(h._recorded, interval, given, precision, show, kept)
+        if show is not None:
+            show(found["certificate"]["end"])
+    for change in changes:
+        if change.raised is not None:
+            raise change.raised
     _check_end(found, path, start[0], end[0])
     return solution(h, found, given, at_times)
+
+
+@contextmanager
+def _bar(start: float, end: float, progress: bool) -> Iterator[Optional[Callable[[float], None]]]:
+    """Shows the time reached, if that is wanted."""
+    if not progress:
+        yield None
+        return
+    from tqdm.auto import tqdm
+
+    form = "{l_bar}{bar}| t = {n:.6g} [{elapsed}<{remaining}]"
+    with tqdm(total=end - start, unit="time", bar_format=form) as bar:
+        yield lambda time: bar.update(time - start - bar.n)
 
 
 def _check_end(found: dict[str, Any], path: Optional[str], start: float, end: float) -> None:
@@ -363,7 +361,8 @@ def solution(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any], at_ti
     n = 2 * h.degrees_of_freedom
     prefix = "output_" if at_times else ""
     (t, t_low), (y, y_low) = found[prefix + "t"], found[prefix + "y"]
-    which: Floats = np.array(found["event"], dtype=int)
+    which: Floats = found["event"]
+    labels, codes = found["outcome"]
     roots = found["event_y"].reshape(-1, n)
     events = range(len(given["events"]))
     fault = found["fault"]
@@ -378,10 +377,11 @@ def solution(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any], at_ti
         t=t,
         y=y.reshape(-1, n),
         energy_defect=found.get(prefix + "energy_defect", np.empty(0)),
-        outcome=np.array([] if at_times else found["outcome"], dtype=str),
+        outcome=np.array(labels)[codes[:0] if at_times else codes],
         t_events=tuple(found["event_t"][which == event] for event in events),
         y_events=tuple(roots[which == event] for event in events),
         success=fault is None,
+        status=-1 if fault else int(found["stopped"]),
         message=message,
         certificate=Certificate._of(found["certificate"]),
         t_low=t_low,

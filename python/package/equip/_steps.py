@@ -54,7 +54,8 @@ class Steps:
 
     def advance_to(self, t: float) -> Step:
         """Makes the steps to the time t exactly, forward or back, in the unit of time; returns the last one.
-        Deviations are carried over all of them. Ctrl-C waits for it.
+        Deviations are carried over all of them. Ctrl-C ends it after the
+        step under way, and the run may continue from there.
 
         Raises
         ------
@@ -65,6 +66,21 @@ class Steps:
         """
         self._native.advance_to(number(t, "t"))
         return self.last
+
+    @property
+    def t(self) -> float:
+        """The time reached."""
+        return self.last.t
+
+    @property
+    def q(self) -> Floats:
+        """Positions now."""
+        return self.last.q
+
+    @property
+    def p(self) -> Floats:
+        """Momenta now."""
+        return self.last.p
 
     def turn_back(self) -> None:
         """Turns the run round in time: the steps from here on go the other way, and with `equip.Reversible`

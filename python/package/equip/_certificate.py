@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import html
-from dataclasses import asdict, dataclass
-from typing import Any, Optional
+from dataclasses import asdict, dataclass, is_dataclass
+from typing import Any, Optional, Union, get_args, get_origin, get_type_hints
 
 
 @dataclass(frozen=True)
@@ -198,21 +198,38 @@ class Certificate:
         )
 
     @classmethod
-    def _from_dict(cls, stored: dict[str, Any]) -> Certificate:
-        """What `to_dict` has written."""
-        steps, energy = stored["variable_steps"], stored["energy"]
-        floor, phase = stored["energy_floor"], stored["phase_per_step"]
-        jumps = stored["energy_jumps"]
-        return cls(
-            **{
-                **stored,
-                "counts": Counts(**stored["counts"]),
-                "energy": Defect(**energy) if energy else None,
-                "energy_floor": EnergyFloor(**floor) if floor else None,
-                "energy_jumps": EnergyJumps(**jumps) if jumps else None,
-                "phase_per_step": PhasePerStep(**phase) if phase else None,
-                "invariants": tuple(Defect(**defect) for defect in stored["invariants"]),
-                "variable_steps": VariableSteps(**steps) if steps else None,
-                "alpha_range": tuple((low, high) for low, high in stored["alpha_range"]),
-            }
-        )
+    def _from_dict(cls, stored: Any) -> Certificate:
+        """What `to_dict` has written.
+
+        Raises
+        ------
+        ValueError
+            If it is not a certificate.
+        """
+        certificate = _checked(cls, stored, "the certificate")
+        assert isinstance(certificate, Certificate)
+        return certificate
+
+
+def _checked(kind: Any, stored: Any, name: str) -> Any:
+    """What was stored as numbers, texts, lists and dicts, as a value of this type; or a ValueError."""
+    origin, parts = get_origin(kind), get_args(kind)
+    if is_dataclass(kind):
+        hints = get_type_hints(kind)
+        if not isinstance(stored, dict) or stored.keys() != hints.keys():
+            raise ValueError(f"{name} does not have the entries {', '.join(hints)}")
+        return kind(**{key: _checked(hint, stored[key], key) for key, hint in hints.items()})
+    if origin is Union:
+        return None if stored is None else _checked(parts[0], stored, name)
+    if origin is tuple and isinstance(stored, (list, tuple)):
+        if parts[-1] is Ellipsis:
+            return tuple(_checked(parts[0], x, name) for x in stored)
+        if len(parts) == len(stored):
+            return tuple(_checked(part, x, name) for part, x in zip(parts, stored))
+    if origin is dict and isinstance(stored, dict):
+        return {_checked(parts[0], key, name): _checked(parts[1], x, name) for key, x in stored.items()}
+    if kind is float and type(stored) in (int, float):
+        return float(stored)
+    if kind in (int, bool, str) and type(stored) is kind:
+        return stored
+    raise ValueError(f"{name} is {stored!r:.40}")

@@ -53,10 +53,13 @@ def whole(x: Any, name: str, least: int, most: int = 2**64 - 1) -> int:
 
 def number(x: Any, name: str) -> float:
     """A number as a float."""
+    refuse_units(x, name)
     try:
         return float(x)
     except (TypeError, ValueError):
         raise ValueError(f"{name} is {x!r}; it must be a number") from None
+    except OverflowError:
+        raise ValueError(f"{name} is beyond the largest double, 1.8e308") from None
 
 
 def truth(x: Any, name: str) -> bool:
@@ -64,6 +67,28 @@ def truth(x: Any, name: str) -> bool:
     if not isinstance(x, (bool, np.bool_)) and x not in (0, 1):
         raise ValueError(f"{name} is {x!r}; it must be True or False")
     return bool(x)
+
+
+def has_units(x: Any) -> bool:
+    """Whether x is a quantity of astropy, pint or unyt, or another array with a unit, or a list of such."""
+    if isinstance(x, (list, tuple)):
+        return any(has_units(part) for part in x)
+    if type(x) in _PLAIN:
+        return False
+    return any(getattr(x, name, None) is not None for name in ("unit", "units", "dimensionality"))
+
+
+#: What has no unit, and is asked often.
+_PLAIN = (float, int, str, np.ndarray, np.float64)
+
+
+def refuse_units(x: Any, name: str) -> None:
+    """Refuses quantities: their units would be lost in silence."""
+    if has_units(x):
+        raise ValueError(
+            f"{name} has a unit; equip computes with plain numbers, in the units of H: convert it, for "
+            f"instance by {name}.to_value('au') of astropy, or {name}.to('au').magnitude of pint"
+        )
 
 
 def refuse_masked(x: Any, name: str) -> None:
@@ -83,6 +108,7 @@ def pairs(x: Any, name: str) -> tuple[Floats, Floats]:
             )
         return high, low
     refuse_masked(x, name)
+    refuse_units(x, name)
     try:
         array = np.asarray(x)
     except ValueError:
@@ -101,6 +127,8 @@ def pairs(x: Any, name: str) -> tuple[Floats, Floats]:
         )
     except TypeError as error:
         raise ValueError(f"{name}: {error}") from error
+    except OverflowError:
+        raise ValueError(f"{name} is beyond the largest double, 1.8e308") from None
     both = np.array(split, dtype=float).reshape((*array.shape, 2))
     return both[..., 0].copy(), both[..., 1].copy()
 

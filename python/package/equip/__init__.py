@@ -22,7 +22,7 @@ from ._functions import Table, erf, erfc, table, table2
 from ._hamiltonian import Hamiltonian
 from ._many import Ensemble, draw_starts, ensemble
 from ._methods import Equip, FixedAlpha, Gauss, Reversible
-from ._native import IntegrationError, __version__
+from ._native import FileFormatError, FileInUseError, IntegrationError, __version__
 from ._numbers import DoubleDouble
 from ._solution import Solution, load
 from ._solve import solve
@@ -37,6 +37,8 @@ __all__ = [
     "EnergyJumps",
     "Ensemble",
     "Equip",
+    "FileFormatError",
+    "FileInUseError",
     "FixedAlpha",
     "Gauss",
     "Hamiltonian",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager, nullcontext
+from contextlib import ExitStack, closing, contextmanager
 from typing import Any, Optional, Union
 
 import numpy as np
@@ -16,6 +16,7 @@ from .._methods import Equip, Method, Reversible
 from .._numbers import whole
 from .._solution import Solution
 from .._solve import interval_of, options
+from .._terminate import terminating
 from .checkpoint import Checkpoint, check_resume, digest_of
 from .chunks import Executor, Task, check_executor, made_elsewhere, made_here
 from .rows import Ensemble, Rows
@@ -102,9 +103,9 @@ def ensemble(
         made.
     checkpoint
         A file for rows: HDF5 if its name ends in `.h5`, else a NumPy archive. Finished rows are written while
-        the others are made, and when an exception ends them; the same call, in this process or a later one,
-        makes only what is missing. With it runs are made `chunk` starts at a time, by threads too.
-        `Ensemble.load` reads the file.
+        the others are made, and when an exception, Ctrl-C or SIGTERM ends them; the same call, in this
+        process or a later one, makes only what is missing. With it runs are made `chunk` starts at a time, by
+        threads too. One process at a time may have it. `Ensemble.load` reads the file.
     progress
         Whether to show a bar; asks for the package tqdm.
 
@@ -118,6 +119,10 @@ def ensemble(
     ------
     ValueError
         For options that cannot be used, and a checkpoint or an ensemble to resume of other runs.
+    FileFormatError
+        A ValueError: for a checkpoint that is damaged, or no file of rows.
+    FileInUseError
+        For a checkpoint that another process is writing.
     TypeError
         For an executor without `submit`, and an `output` that cannot be sent to its workers.
 
@@ -171,11 +176,17 @@ def ensemble(
     digest = digest_of(task, q, p)
     if resume is not None:
         check_resume(resume, digest, q.shape, times[1])
-    kept = None if checkpoint is None else Checkpoint(checkpoint, digest)
-    before = resume if kept is None else kept.read()
-    rows = Rows(len(q), h.shape, before, output is not None)
-    which = np.arange(len(q)) if before is None else before.lost
-    with _bar(len(which), progress) as show, nullcontext() if kept is None else kept.of(rows):
+    with ExitStack() as stack:
+        kept = None
+        if checkpoint is not None:
+            kept = stack.enter_context(closing(Checkpoint(checkpoint, digest)))
+            stack.enter_context(terminating())
+        before = resume if kept is None else kept.read()
+        rows = Rows(len(q), h.shape, before, output is not None)
+        which = np.arange(len(q)) if before is None else before.lost
+        show = stack.enter_context(_bar(len(which), progress))
+        if kept is not None:
+            stack.enter_context(kept.of(rows))
         if executor is None:
             at_once = max(len(which), 1) if kept is None else chunk
             parts = made_here(task, which, (q, p), at_once, show)
@@ -188,7 +199,7 @@ def ensemble(
                     kept.write_if_due()
         if show is not None:
             show(len(which))
-    return rows.ensemble(digest)
+        return rows.ensemble(digest)
 
 
 def _task(

@@ -10,6 +10,7 @@ from typing import Any, Optional
 
 import numpy as np
 
+from .. import _native
 from .._files import Path
 from .._hamiltonian import Hamiltonian
 from .._numbers import Floats
@@ -21,13 +22,25 @@ SHARE = 20
 
 
 class Checkpoint:
-    """The file of runs: all rows, with the numbers of those that are missing, and what they are runs of."""
+    """The file of runs: all rows, with the numbers of those that are missing, and what they are runs of. No
+    other process may write it until it is closed.
+
+    Raises
+    ------
+    FileInUseError
+        If another process writes it.
+    """
 
     def __init__(self, path: Path, digest: str) -> None:
         self._path = os.fspath(path)
+        self._claim = _native.Claim(self._path)
         self._of = digest
         self._rows: Optional[Rows] = None
         self._written = self._took = 0.0
+
+    def close(self) -> None:
+        """Lets other processes write the file."""
+        self._claim.release()
 
     def read(self) -> Optional[Ensemble]:
         """The rows of an earlier call; None if there is no file."""
@@ -62,13 +75,10 @@ class Checkpoint:
         if self._rows is None:
             return
         begun = time.monotonic()
-        folder, name = os.path.split(self._path)
-        beside = os.path.join(folder, f"new.{name}")
         rows, lost = self._rows, self._rows.lost
         missing = set(lost.tolist())
         errors = {i: text for i, text in rows.errors.items() if i not in missing}
-        write_rows(beside, rows.arrays, lost, errors, self._of)
-        os.replace(beside, self._path)
+        write_rows(self._path, rows.arrays, lost, errors, self._of)
         self._written = time.monotonic()
         self._took = self._written - begun
 

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
+from itertools import chain
 from typing import Any, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import _arrays, _native, _recording
-from ._numbers import Floats, Shape, refuse_masked, shape_of
+from ._numbers import Floats, Shape, refuse_masked, refuse_units, shape_of
 
 Function = Callable[..., Any]
+
+#: Numbers that are made between two looks at signals: some milliseconds.
+_NUMBERS = 1 << 18
 
 
 class Hamiltonian:
@@ -117,8 +121,11 @@ class Hamiltonian:
         """Operations of one evaluation of the gradient."""
         return self._recorded.gradient_operations
 
-    def _states(self, q: Any, p: Any, t: Any) -> tuple[Floats, Shape]:
-        """States (q, p), or (q, t, p, 0), flat, and the axes before those of one state."""
+    def _each(
+        self, values: Callable[[Floats], Floats], width: int, q: Any, p: Any, t: Any
+    ) -> tuple[Floats, Shape]:
+        """`width` values for each state, and the axes before those of one state. States, which are (q, p), or
+        (q, t, p, 0), are evaluated some thousand at a time, so that signals are answered in between."""
         if any(_arrays.has_recorded(x) for x in (q, p, t)):
             raise TypeError(
                 "a Hamiltonian cannot be called within another: call the function that it was made of"
@@ -142,39 +149,53 @@ class Hamiltonian:
             q.shape[: q.ndim - axes], p.shape[: p.ndim - axes], *(x.shape for x in time)
         )
         m = self.degrees_of_freedom
-        q, p = (np.broadcast_to(x, batch + self._shape).reshape(*batch, m) for x in (q, p))
-        times = [np.broadcast_to(x, batch)[..., None] for x in time]
-        return np.concatenate([q, *times, p, *map(np.zeros_like, times)], axis=-1).ravel(), batch
+        q, p = (np.broadcast_to(x, batch + self._shape) for x in (q, p))
+        time = [np.broadcast_to(x, batch) for x in time]
 
-    def _kept(self) -> tuple[int, NDArray[np.int64]]:
-        """Numbers of a flat state, and which of them are those of q and p."""
+        def at(part: tuple[Any, ...]) -> Floats:
+            times = [x[part].reshape(-1, 1) for x in time]
+            parts = [q[part].reshape(-1, m), *times, p[part].reshape(-1, m), *map(np.zeros_like, times)]
+            return values(np.concatenate(parts, axis=-1).ravel())
+
+        parts = _parts(batch, max(_NUMBERS // max(width, 2 * m), 1))
+        first = next(parts, None)
+        second = next(parts, None)
+        if first is not None and second is None:
+            return at(first).reshape(*batch, width), batch
+        results: Floats = np.empty(math.prod(batch) * width)
+        done = 0
+        for part in chain(() if first is None else (first, second), parts):
+            made = at(part)
+            results[done : done + len(made)] = made
+            done += len(made)
+        return results.reshape(*batch, width), batch
+
+    def _kept(self) -> Any:
+        """Which numbers of a flat state are those of q and p."""
         m = self.degrees_of_freedom
-        half = m + self.has_time
-        return 2 * half, np.r_[0:m, half : half + m]
+        return np.r_[0:m, m + 1 : 2 * m + 1] if self.has_time else slice(None)
 
     def __call__(self, q: Any, p: Any, t: Any = None) -> Any:
         """H, in its own unit: a number, or an array if q and p have axes before those of `shape`, or t has
         axes. The time t is given where H depends on it."""
-        y, batch = self._states(q, p, t)
-        values = self._recorded.values(y).reshape(batch)
-        return values if batch else float(values)
+        values, batch = self._each(self._recorded.values, 1, q, p, t)
+        return values[..., 0] if batch else float(values[0])
 
     def gradient(self, q: Any, p: Any, t: Any = None) -> tuple[Floats, Floats]:
         """(∂H/∂q, ∂H/∂p), each of the shape of q, after any further axes."""
-        y, batch = self._states(q, p, t)
-        n, kept = self._kept()
-        gradients = self._recorded.gradients(y).reshape(*batch, n)[..., kept]
-        gradients = gradients.reshape(*batch, 2, *self._shape)
-        return gradients[(..., 0) + (slice(None),) * len(self._shape)], gradients[
-            (..., 1) + (slice(None),) * len(self._shape)
-        ]
+        n = 2 * (self.degrees_of_freedom + self.has_time)
+        gradients, batch = self._each(self._recorded.gradients, n, q, p, t)
+        gradients = gradients[..., self._kept()].reshape(*batch, 2, *self._shape)
+        rest = (slice(None),) * len(self._shape)
+        return gradients[(..., 0, *rest)], gradients[(..., 1, *rest)]
 
     def hessian(self, q: Any, p: Any, t: Any = None) -> Floats:
         """∇²H, 2m × 2m, by the components of q.ravel() and then those of p.ravel(), after any further
         axes."""
-        y, batch = self._states(q, p, t)
-        n, kept = self._kept()
-        return self._recorded.hessians(y).reshape(*batch, n, n)[..., kept[:, None], kept]
+        n = 2 * (self.degrees_of_freedom + self.has_time)
+        hessians, batch = self._each(self._recorded.hessians, n * n, q, p, t)
+        kept = self._kept()
+        return hessians.reshape(*batch, n, n)[..., kept, :][..., kept]
 
     def __repr__(self) -> str:
         kind = "quadratic" if self.quadratic else "separable" if self.separable else "not separable"
@@ -210,13 +231,32 @@ class Hamiltonian:
         return Hamiltonian.from_bytes, (self.to_bytes(), self._shape)
 
 
+def _parts(batch: Shape, most: int) -> Iterator[tuple[Any, ...]]:
+    """Indices of parts of at most so many states each, in the order of the states."""
+    rest = math.prod(batch[1:])
+    if not batch:
+        yield ()
+    elif rest > most:
+        for i in range(batch[0]):
+            for part in _parts(batch[1:], most):
+                yield (i, *part)
+    else:
+        rows = most // max(rest, 1)
+        for i in range(0, batch[0], rows):
+            yield (slice(i, i + rows),)
+
+
 def _real(x: Any, name: str) -> Floats:
     """Doubles of real numbers; NumPy would take real parts of complex ones, and ticks of times."""
     refuse_masked(x, name)
+    refuse_units(x, name)
     array = np.asarray(x)
     if array.dtype.kind in "cmM":
         raise ValueError(f"{name} is of dtype {array.dtype}; it must be real numbers")
-    return np.asarray(array, dtype=float)
+    try:
+        return np.asarray(array, dtype=float)
+    except OverflowError:
+        raise ValueError(f"{name} is beyond the largest double, 1.8e308") from None
 
 
 def of_recording(recorded: _native.Recorded, shape: Union[int, Shape]) -> Hamiltonian:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .._files import Path, read, write
 from .._numbers import Floats, Shape
+from .._show import table_of, text_of
 from .._solution import Solution
 
 #: Of files.
@@ -23,7 +24,7 @@ NOT_FINISHED = (
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Ensemble:
     """The ends of many runs, a row for each start, in their order. Rows of runs that failed are NaN."""
 
@@ -63,9 +64,30 @@ class Ensemble:
         """Whether no run failed."""
         return not self.errors
 
+    def _lines(self) -> list[tuple[str, str]]:
+        """What printing shows."""
+        names, counts = np.unique(self.outcome, return_counts=True)
+        ends = ", ".join(f"{count} {name}" for name, count in zip(names, counts))
+        made = self.energy_defect[np.isfinite(self.energy_defect)]
+        first = next(iter(self.errors.items()), None)
+        return [
+            ("runs", f"{len(self.t)}: {ends or 'none'}"),
+            ("state", f"q of shape {self.q.shape[1:]}"),
+            ("steps", f"{self.steps.sum()}"),
+            ("energy", f"largest error {made.max():.2g}" if made.size else "not measured"),
+            ("errors", "none" if first is None else f"{len(self.errors)}; run {first[0]}: {first[1]:.80}"),
+        ]
+
+    def __repr__(self) -> str:
+        return text_of("Ensemble", self._lines())
+
+    def _repr_html_(self) -> str:
+        return table_of(self._lines())
+
     def save(self, path: Path) -> None:
         """Writes all rows, with what went wrong, to a NumPy archive, or to HDF5 where the path ends in
-        `.h5` or `.hdf5` (asks for the package h5py). `Ensemble.load` reads it.
+        `.h5` or `.hdf5` (asks for the package h5py). `Ensemble.load` reads it. An earlier file is there until
+        the new one is complete.
 
         Raises
         ------
@@ -100,15 +122,30 @@ def write_rows(
 ) -> None:
     """Writes rows, what went wrong with those that are not lost, and the digest of what they are rows of."""
     words = {"errors": {str(i): text for i, text in errors.items()}, "of": of}
-    write(path, words, {**arrays, "lost": lost}, FORMAT)
+    axes = {name: ("run", *(f"axis_{i}" for i in range(arrays["q"].ndim - 1))) for name in ARRAYS}
+    write(path, words, {**arrays, "lost": lost}, FORMAT, axes)
 
 
 def read_rows(path: Path) -> Ensemble:
     """An ensemble in a file."""
-    words, arrays = read(path, FORMAT)
-    errors = {int(i): text for i, text in words["errors"].items()}
-    errors |= {i: NOT_FINISHED for i in arrays["lost"].tolist()}
-    return Ensemble(**arrays, errors=errors, digest=words["of"])
+    stored = read(path, FORMAT)
+    q = stored.arrays.get("q")
+    shape = q.shape if isinstance(q, np.ndarray) and q.ndim > 1 else (None, None)
+    kinds = {"energy_kept": "b", "steps": "iu"}
+    arrays = {
+        name: stored.array(name, shape if name in "qp" else shape[:1], kinds.get(name, "f"))
+        for name in ARRAYS
+    }
+    lost = stored.array("lost", (None,), "iu")
+    numbers: dict[str, Any] = stored.word("errors", dict)
+    n = len(arrays["q"])
+    if not all(i.isdecimal() and int(i) < n and isinstance(text, str) for i, text in numbers.items()):
+        raise stored.damaged("errors are not texts by the numbers of runs")
+    if lost.size and not (0 <= lost.min() and lost.max() < n):
+        raise stored.damaged("lost runs have other numbers than the rows")
+    errors = {int(i): text for i, text in numbers.items()}
+    errors |= {i: NOT_FINISHED for i in lost.tolist()}
+    return Ensemble(**arrays, lost=lost.astype(np.int64), errors=errors, digest=stored.word("of", str))
 
 
 def row_of(sol: Solution) -> Ensemble:

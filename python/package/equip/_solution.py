@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Any, Optional
 
@@ -14,18 +13,25 @@ from ._certificate import Certificate
 from ._files import Path, read, write
 from ._hamiltonian import Hamiltonian
 from ._numbers import Floats, Shape
+from ._show import table_of, text_of
 
 #: Of files.
 FORMAT = "equip solution 4"
+#: Times of dense output that are computed between two looks at signals.
+_TIMES = 4096
+#: Points of a picture, in all and between two states.
+_POINTS, _MOST_POINTS = 8192, 32
 #: What `Solution.save` writes as it is.
-_ARRAYS = ("t", "y", "energy_defect", "outcome", "t_low", "y_low")
+_STATES = ("t", "y", "t_low", "y_low")
+_ARRAYS = (*_STATES, "energy_defect", "outcome")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """The states of a run, and what it kept. Times and states are in the units of H.
 
-    Pickling takes all but the dense output; copies have it. Two solutions are equal if they are the same one.
+    Pickles and files have all of it, the dense output included. Two solutions are equal if they are the same
+    one.
 
     Attributes
     ----------
@@ -41,6 +47,8 @@ class Solution:
         Times (k,) and states (k, 2m) of the roots of each event, in the order of the events.
     success
         Whether the end, or a terminal event, was reached.
+    status
+        0 if the end was reached, 1 if a terminal event ended the run, -1 if a step could not be made.
     message
         In words; if a step could not be made, why, and what to change.
     certificate
@@ -58,6 +66,7 @@ class Solution:
     t_events: tuple[Floats, ...]
     y_events: tuple[Floats, ...]
     success: bool
+    status: int
     message: str
     certificate: Certificate
     hamiltonian: Hamiltonian
@@ -65,22 +74,6 @@ class Solution:
     t_low: Floats = field(repr=False)
     y_low: Floats = field(repr=False)
     _curve: Optional[_native.Curve] = field(default=None, repr=False)
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_curve": None}
-
-    def _of_fields(self, fields: dict[str, Any]) -> Solution:
-        made = object.__new__(Solution)
-        made.__dict__.update(fields)
-        return made
-
-    def __copy__(self) -> Solution:
-        return self._of_fields(self.__dict__)
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Solution:
-        # The curve never changes.
-        fields = {name: x if name == "_curve" else deepcopy(x, memo) for name, x in self.__dict__.items()}
-        return self._of_fields(fields)
 
     def _part(self, y: Floats, part: int) -> Floats:
         """Positions (0) or momenta (1) of states."""
@@ -96,6 +89,36 @@ class Solution:
     def p(self) -> Floats:
         """Momenta, (n, *shape)."""
         return self._part(self.y, 1)
+
+    @property
+    def nfev(self) -> int:
+        """Evaluations of the gradient of H; all counts are in `certificate.counts`."""
+        return self.certificate.counts.gradients
+
+    @property
+    def njev(self) -> int:
+        """Evaluations of ∇²H."""
+        return self.certificate.counts.hessians
+
+    def _lines(self) -> list[tuple[str, str]]:
+        """What printing shows."""
+        certificate = self.certificate
+        counts, energy = certificate.counts, certificate.energy
+        kept = "not measured" if energy is None else f"H = {energy.start:.6g}, largest error {energy.max:.2g}"
+        roots = ", ".join(str(len(t)) for t in self.t_events)
+        return [
+            ("run", f"t = {certificate.start:.6g} to {certificate.end:.6g}, q of shape {self.shape}"),
+            ("method", f"{certificate.method}, {counts.steps} steps, {counts.gradients} gradients"),
+            ("energy", kept),
+            ("states", f"{len(self.t)}" + (f"; roots of events: {roots}" if roots else "")),
+            ("message", self.message),
+        ]
+
+    def __repr__(self) -> str:
+        return text_of("Solution", self._lines())
+
+    def _repr_html_(self) -> str:
+        return table_of(self._lines())
 
     @property
     def q_low(self) -> Floats:
@@ -137,17 +160,43 @@ class Solution:
         if self._curve is None:
             raise ValueError("the run has no dense output: solve with dense_output=True")
         times = np.asarray(t, dtype=float)
-        states = self._curve.at(times.ravel()).reshape(*times.shape, self.y.shape[-1])
+        states = self._at(times.ravel()).reshape(*times.shape, self.y.shape[-1])
         return self._part(states, 0), self._part(states, 1)
+
+    def _at(self, times: Floats) -> Floats:
+        """States of the dense output at these times, (k,)."""
+        assert self._curve is not None
+        parts = [self._curve.at(times[i : i + _TIMES]) for i in range(0, max(len(times), 1), _TIMES)]
+        return np.concatenate(parts).reshape(len(times), self.y.shape[-1])
+
+    def _path(self) -> tuple[Floats, Floats]:
+        """Times and states from which a curve is drawn: those of the run, and others between them. These are
+        of the dense output, or computed again from the state before."""
+        n = len(self.t)
+        points = _POINTS // max(n, 1)
+        if n < 2 or points < 2:
+            return self.t, self.y
+        points = min(points, _MOST_POINTS)
+        t = self.t[:-1, None] + np.diff(self.t)[:, None] * (np.arange(points) / points)
+        times = np.append(t.ravel(), self.t[-1])
+        if self._curve is not None:
+            return times, self._at(np.clip(times, *sorted(self._curve.interval())))
+        recorded, y = self.hamiltonian._recorded, self.y.ravel().tolist()
+        found = _native.between(recorded, self.t.tolist(), y, points)
+        return times, np.concatenate([found, self.y[-1]]).reshape(len(times), -1)
 
     def plot(self, ax: Any = None) -> Any:
         """Draws the motion: p against q with one degree of freedom, paths in the plane of the first two
         coordinates where the last axis of q has two or more, else every q against time. Returns the axes of
-        matplotlib."""
+        matplotlib.
+
+        Between the states of the run the curves are those of the dense output, or of steps that are made
+        again from each state. From some thousand states on straight lines are drawn."""
         ax = _axes(ax)
-        q = self.q
+        t, y = self._path()
+        q, p = self._part(y, 0), self._part(y, 1)
         if self.shape == (1,):
-            ax.plot(q[:, 0], self.p[:, 0])
+            ax.plot(q[:, 0], p[:, 0])
             ax.set(xlabel="q", ylabel="p")
         elif self.shape[-1] in (2, 3):
             bodies = q.reshape(len(q), math.prod(self.shape[:-1]), self.shape[-1])
@@ -155,7 +204,7 @@ class Solution:
                 ax.plot(bodies[:, body, 0], bodies[:, body, 1])
             ax.set(xlabel="x", ylabel="y", aspect="equal")
         else:
-            ax.plot(self.t, q.reshape(len(q), math.prod(self.shape)))
+            ax.plot(t, q.reshape(len(q), math.prod(self.shape)))
             ax.set(xlabel="t", ylabel="q")
         return ax
 
@@ -233,41 +282,71 @@ class Solution:
         return xarray.Dataset(variables, coords={"t": self.t}, attrs=attributes)
 
     def save(self, path: Path) -> None:
-        """Writes all but the dense output, and the recording of H, to a NumPy archive, or to HDF5 where the
-        path ends in `.h5` or `.hdf5` (asks for the package h5py). `equip.load` reads it."""
+        """Writes all of it, with the recording of H, to a NumPy archive, or to HDF5 where the path ends in
+        `.h5` or `.hdf5` (asks for the package h5py). `equip.load` reads it. An earlier file is there until
+        the new one is complete."""
         arrays: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
         arrays |= {f"t_event_{i}": t for i, t in enumerate(self.t_events)}
         arrays |= {f"y_event_{i}": y for i, y in enumerate(self.y_events)}
         arrays["hamiltonian"] = np.frombuffer(self.hamiltonian.to_bytes(), dtype=np.uint8)
+        if self._curve is not None:
+            arrays["curve"], arrays["curve_low"] = self._curve.numbers()
         words = {
             "success": self.success,
+            "status": self.status,
             "message": self.message,
             "shape": self.shape,
             "certificate": self.certificate.to_dict(),
             "events": len(self.t_events),
         }
-        write(path, words, arrays, FORMAT)
+        axes = {name: ("t", "component") for name in _ARRAYS}
+        axes |= {f"{x}_event_{i}": ("root", "component") for x in "ty" for i in range(len(self.t_events))}
+        write(path, words, arrays, FORMAT, axes)
 
 
 def load(path: Path) -> Solution:
-    """The solution that `Solution.save` wrote to `path`; it has no dense output.
+    """The solution that `Solution.save` wrote to `path`.
 
     Raises
     ------
-    ValueError
-        If the file was not written by `Solution.save`, or its recording of H is damaged.
+    FileFormatError
+        A ValueError: if the file was not written by `Solution.save`, or is damaged.
     """
-    words, arrays = read(path, FORMAT)
-    shape = tuple(words["shape"])
+    stored = read(path, FORMAT)
+    shape = tuple(stored.word("shape", list))
+    if not shape or not all(type(n) is int and n > 0 for n in shape):
+        raise stored.damaged(f"the shape is {shape}")
+    m = math.prod(shape)
+    n = len(stored.array("t", (None,)))
+    events = max(stored.word("events", int), 0)
+    arrays = {name: stored.array(name, (n,) if name[0] == "t" else (n, 2 * m)) for name in _STATES}
+    # None of both with `t_eval`, and no energies if they were not measured.
+    for name, kind in (("energy_defect", "f"), ("outcome", "U")):
+        length = 0 if np.shape(stored.arrays.get(name)) == (0,) else n
+        arrays[name] = stored.array(name, (length,), kind)
+    times = [stored.array(f"t_event_{i}", (None,)) for i in range(events)]
+    roots = [stored.array(f"y_event_{i}", (len(t), 2 * m)) for i, t in enumerate(times)]
+    recording = stored.array("hamiltonian", (None,), "u")
+    try:
+        hamiltonian = Hamiltonian.from_bytes(recording.tobytes(), shape)
+        certificate = Certificate._from_dict(stored.word("certificate", dict))
+        curve = None
+        if "curve" in stored.arrays:
+            numbers = (stored.array(name, (None,)) for name in ("curve", "curve_low"))
+            curve = _native.Curve(2 * m, *map(np.ascontiguousarray, numbers))
+    except ValueError as error:
+        raise stored.damaged(str(error)) from error
     return Solution(
-        **{name: arrays[name] for name in _ARRAYS},
+        **arrays,
         shape=shape,
-        t_events=tuple(arrays[f"t_event_{i}"] for i in range(words["events"])),
-        y_events=tuple(arrays[f"y_event_{i}"] for i in range(words["events"])),
-        success=words["success"],
-        message=words["message"],
-        certificate=Certificate._from_dict(words["certificate"]),
-        hamiltonian=Hamiltonian.from_bytes(arrays["hamiltonian"].tobytes(), shape),
+        t_events=tuple(times),
+        y_events=tuple(roots),
+        success=stored.word("success", bool),
+        status=stored.word("status", int),
+        message=stored.word("message", str),
+        certificate=certificate,
+        hamiltonian=hamiltonian,
+        _curve=curve,
     )
 
 

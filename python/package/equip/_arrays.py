@@ -11,6 +11,7 @@ from typing import Any, Optional
 import numpy as np
 
 from ._native import Condition, Variable
+from ._numbers import has_units
 
 COMPARED = (
     "variables of H cannot be compared: H(q, p) is called once, before any state is known, to record its "
@@ -30,6 +31,14 @@ SELECTED = (
 SPARSE = "a sparse matrix cannot be multiplied with variables of H: write A.toarray() @ q"
 MASKED = "a masked array cannot be used in H: write array.filled(value)"
 CONDITION = "a comparison of variables of H is no number: choose by np.where(condition, a, b)"
+UNDEFINED = (
+    "np.select has no value where none of its conditions holds: give a default, or a last condition that is "
+    "True (in sympy.Piecewise too)"
+)
+UNITS = (
+    "H computes with plain numbers: use no quantities with units in it, but their values in one system of "
+    "units"
+)
 WHERE = "where= cannot be a comparison of variables of H: write np.where(condition, q, 0).sum()"
 
 #: What to write instead of functions of NumPy, by their names.
@@ -42,25 +51,15 @@ _ADVICE = {
     "det": "write the determinant out",
 }
 
-_JUMPS = {
-    "remainder", "fmod", "floor_divide", "divmod", "modf", "floor", "ceil", "trunc", "rint", "round", "fix",
-    "around",
-}  # fmt: skip
-
 
 def unavailable(name: str) -> TypeError:
-    if name in _JUMPS:
-        return TypeError(
-            f"np.{name} of variables of H cannot be recorded: it jumps, and H must be smooth. Use np.cos and "
-            "np.sin of periodic coordinates, and / for quotients"
-        )
     if name in _ADVICE:
         return TypeError(f"the function {name} of variables of H cannot be recorded: {_ADVICE[name]}")
     return TypeError(
         f"the function {name} cannot be recorded: H may use + - * / ** @, sums, products, einsum, norms, "
         "exponentials, logarithms, trigonometric and hyperbolic functions, np.arctan2, np.hypot, np.minimum, "
-        "np.maximum, np.clip, np.where and abs(), equip.erf and equip.table of q and p, and any function of "
-        "numbers alone"
+        "np.maximum, np.clip, np.where, np.select, np.floor, np.round, % and abs(), equip.erf and equip."
+        "table of q and p, and any function of numbers alone"
     )
 
 
@@ -148,6 +147,21 @@ def _sign(x: Any) -> Any:
     return x.sign() if _is_variable(x) else np.sign(x)
 
 
+def _fmod(x: Any, y: Any) -> Any:
+    if _is_variable(x):
+        return x.fmod(y)
+    return y.fmod_of(x) if _is_variable(y) else math.fmod(x, y)
+
+
+def _modf(x: Any) -> Any:
+    whole = _trunc(x)
+    return x - whole, whole
+
+
+def _trunc(x: Any) -> Any:
+    return x.trunc() if _is_variable(x) else math.trunc(x)
+
+
 def _erf(x: Any) -> Any:
     return x.erf() if _is_variable(x) else math.erf(x)
 
@@ -167,8 +181,8 @@ def _where(condition: Any, a: Any, b: Any) -> Any:
     return condition.choose(a, b) if isinstance(condition, Condition) else a if condition else b
 
 
-def _function(python: Callable[..., Any], arguments: int) -> np.ufunc:
-    function: np.ufunc = np.frompyfunc(python, arguments, 1, identity=None)
+def _function(python: Callable[..., Any], arguments: int, results: int = 1) -> np.ufunc:
+    function: np.ufunc = np.frompyfunc(python, arguments, results, identity=None)
     return function
 
 
@@ -206,6 +220,11 @@ _INSTEAD: dict[Any, np.ufunc] = {
     np.float_power: np.power,
     np.sign: _function(_sign, 1),
     np.logaddexp: _function(_logaddexp, 2),
+    np.remainder: _function(operator.mod, 2),
+    np.floor_divide: _function(operator.floordiv, 2),
+    np.divmod: _function(divmod, 2, 2),
+    np.fmod: _function(_fmod, 2),
+    np.modf: _function(_modf, 1, 2),
     np.greater: _function(operator.gt, 2),
     np.greater_equal: _function(operator.ge, 2),
     np.less: _function(operator.lt, 2),
@@ -218,7 +237,7 @@ _INSTEAD: dict[Any, np.ufunc] = {
 _METHODS = (
     np.sqrt, np.exp, np.exp2, np.expm1, np.log, np.log2, np.log10, np.log1p, np.sin, np.cos, np.tan,
     np.arcsin, np.arccos, np.arctan, np.sinh, np.cosh, np.tanh, np.arcsinh, np.arccosh, np.arctanh, np.cbrt,
-    np.fabs, np.deg2rad, np.rad2deg,
+    np.fabs, np.deg2rad, np.rad2deg, np.floor, np.ceil, np.trunc, np.rint,
 )  # fmt: skip
 _INSTEAD |= {ufunc: _unary(ufunc) for ufunc in _METHODS}
 _INSTEAD |= {np.radians: _INSTEAD[np.deg2rad], np.degrees: _INSTEAD[np.rad2deg]}
@@ -242,6 +261,8 @@ def _plain(x: Any) -> Any:
     """An array that NumPy works on element by element."""
     if hasattr(x, "toarray") and hasattr(x, "nnz"):
         raise TypeError(SPARSE)
+    if has_units(x):
+        raise TypeError(UNITS)
     if isinstance(x, np.ma.MaskedArray):
         if np.ma.is_masked(x):
             raise TypeError(MASKED)
@@ -323,6 +344,10 @@ def call(function: Any, arguments: tuple[Any, ...], keywords: dict[str, Any]) ->
         if len(arguments) != 3:
             raise TypeError(COMPARED)
         return _dressed(_WHERE(*(_plain(x) for x in arguments)))
+    if function is np.select:
+        return _select(*arguments, **keywords)
+    if function is np.fix:
+        return np.trunc(*arguments, **keywords)
     if function is np.sinc:
         raise unavailable("sinc")
     if function is np.polyval:
@@ -342,6 +367,18 @@ def call(function: Any, arguments: tuple[Any, ...], keywords: dict[str, Any]) ->
             raise
         raise unavailable(function.__name__) from error
     return _dressed(result)
+
+
+def _select(condlist: Any, choicelist: Any, default: Any = 0) -> Any:
+    """The choice of the first condition that holds, as `np.select`."""
+    if len(condlist) != len(choicelist):
+        raise ValueError(f"np.select has {len(condlist)} conditions and {len(choicelist)} choices")
+    chosen = default
+    for condition, choice in reversed(list(zip(condlist, choicelist))):
+        if has_recorded(condition) and not has_recorded(chosen) and np.isnan(chosen).any():
+            raise TypeError(UNDEFINED)
+        chosen = _dressed(_WHERE(*(_plain(x) for x in (condition, choice, chosen))))
+    return chosen
 
 
 def _polyval(p: Any, x: Any) -> Any:
