@@ -60,8 +60,3 @@ pub use system::{Evaluate, System};
 pub use native::fused::{Fused, Slopes};
 #[doc(hidden)]
 pub use system::Holds;
-
-/// Compiles the snippets of the page on constants.
-#[cfg(doctest)]
-#[doc = include_str!("../../../docs/constants.md")]
-struct ConstantsPage;

@@ -10,12 +10,12 @@
 //!     0.5 * (p[0] * p[0] + p[1] * p[1]) - mu / (q[0] * q[0] + q[1] * q[1]).sqrt()
 //! })?;
 //!
-//! // 2. Choose a method and a step, and integrate from (q, p) over an interval of time.
-//! let run = Equip::stages(4)
-//!     .step(0.05)
+//! // 2. Choose a method and a tolerance, and integrate from (q, p) over an interval of time.
+//! let run = Equip::stages(8)
+//!     .tolerance(1e-12)
 //!     .integrate(&kepler, &[0.4, 0.0], &[0.0, 2.0], 0.0..=100.0)?;
 //!
-//! // 3. Read what was kept: measured, not promised.
+//! // 3. Read what was conserved: measured, not promised.
 //! println!("{}", run.certificate());
 //! assert!(run.certificate().energy_kept_on_every_step());
 //! # Ok(())
@@ -70,6 +70,11 @@ pub mod prelude;
 #[doc = include_str!("../../../docs/potentials-from-data.md")]
 #[cfg(doctest)]
 struct PotentialsPage;
+
+/// Compiles the snippets of the page on constants.
+#[doc = include_str!("../../../docs/constants.md")]
+#[cfg(doctest)]
+struct ConstantsPage;
 
 /// Compiles the programs of the page of recipes.
 #[doc = include_str!("../../../docs/recipes.md")]

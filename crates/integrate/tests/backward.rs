@@ -1,9 +1,9 @@
 //! Runs back in time: those of −H forward bit for bit, with everything that watches a run.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::Hamiltonian;
+use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{
-    Checkpoint, Equip, Event, Gauss, IntegrateError, Integrator, NoObserver, Observer,
+    Checkpoint, Equip, Event, Gauss, IntegrateError, Integrator, Method, NoObserver, Observer,
     Preconditioner, Run, StepRule, StepSizes, StepView, Target,
 };
 use equip_scalar::{DoubleDouble, Float, ratio};
@@ -296,4 +296,48 @@ fn events_come_in_the_order_of_travel_also_two_in_a_step() {
         .event(Event::new("t", |t, _, _| t));
     let run = plain.integrate(&h, &[0.0], &[1.0], 0.0..=-1.0).unwrap();
     assert!(run.events().is_empty());
+}
+
+/// H as its user writes it, and −(H): the change of sign, which is exact, adds nothing to what the steps take
+/// for round-off.
+#[test]
+fn minus_h_written_as_a_change_of_sign_is_minus_h() {
+    let mut bits = 0x5eed_0051_u64;
+    let mut random = |low: f64, high: f64| {
+        // xorshift64*, Vigna 2016.
+        bits ^= bits >> 12;
+        bits ^= bits << 25;
+        bits ^= bits >> 27;
+        let unit = (bits.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 * (-53_f64).exp2();
+        low + (high - low) * unit
+    };
+    let kepler = |q: &[Var], p: &[Var]| {
+        0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
+    };
+    let is_same = |energy: &dyn Fn(&[Var], &[Var]) -> Var, start: [f64; 4], method: Method| {
+        let (q, p) = start.split_at(2);
+        let forward = Hamiltonian::new(2, |q, p| -energy(q, p)).unwrap();
+        let back = Hamiltonian::new(2, energy).unwrap();
+        for tolerance in [1e-6, 1e-10] {
+            let options = method.tolerance(tolerance);
+            let [one, other] = [(&back, -8.0), (&forward, 8.0)].map(|(h, end)| {
+                let run = options.integrate(h, q, p, 0.0..=end).unwrap();
+                [run.last().1, run.last().2].concat()
+            });
+            same("−(H)", &one, &other);
+        }
+    };
+    for stages in [3, 4, 8] {
+        is_same(&kepler, [0.4, 0.0, 0.0, 2.0], Equip::stages(stages));
+    }
+    for number in 0..40 {
+        let c: [f64; 6] = std::array::from_fn(|_| random(0.2, 1.0));
+        let start = std::array::from_fn(|_| random(-1.0, 1.0));
+        let energy = |q: &[Var], p: &[Var]| {
+            let kinetic = (p[0].powi(2) + c[0] * p[1].powi(2)) / 2.0;
+            let wells = c[1] * q[0].powi(4) + c[2] * q[1].powi(2) + 0.25 * (q[1] - q[0]).powi(4);
+            kinetic + wells + c[3] * q[0] * q[1] - c[4] * (c[5] * q[0]).cos()
+        };
+        is_same(&energy, start, Equip::stages(3 + number % 4));
+    }
 }
