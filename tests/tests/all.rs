@@ -27,6 +27,7 @@ mod reproducibility;
 mod springs;
 mod stories;
 mod tables;
+mod uncorrected;
 mod work;
 
 /// A file of tests that is not named above would be left out in silence.
