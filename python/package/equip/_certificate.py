@@ -218,7 +218,8 @@ def _checked(kind: Any, stored: Any, name: str) -> Any:
         hints = get_type_hints(kind)
         if not isinstance(stored, dict) or stored.keys() != hints.keys():
             raise ValueError(f"{name} does not have the entries {', '.join(hints)}")
-        return kind(**{key: _checked(hint, stored[key], key) for key, hint in hints.items()})
+        made: Any = kind
+        return made(**{key: _checked(hint, stored[key], key) for key, hint in hints.items()})
     if origin is Union:
         return None if stored is None else _checked(parts[0], stored, name)
     if origin is tuple and isinstance(stored, (list, tuple)):

@@ -164,7 +164,8 @@ class Hamiltonian:
             return at(first).reshape(*batch, width), batch
         results: Floats = np.empty(math.prod(batch) * width)
         done = 0
-        for part in chain(() if first is None else (first, second), parts):
+        begun: Any = () if first is None else (first, second)
+        for part in chain(begun, parts):
             made = at(part)
             results[done : done + len(made)] = made
             done += len(made)
@@ -186,8 +187,9 @@ class Hamiltonian:
         n = 2 * (self.degrees_of_freedom + self.has_time)
         gradients, batch = self._each(self._recorded.gradients, n, q, p, t)
         gradients = gradients[..., self._kept()].reshape(*batch, 2, *self._shape)
-        rest = (slice(None),) * len(self._shape)
-        return gradients[(..., 0, *rest)], gradients[(..., 1, *rest)]
+        rest: Any = (slice(None),) * len(self._shape)
+        of_q, of_p = ((..., part, *rest) for part in (0, 1))
+        return gradients[of_q], gradients[of_p]
 
     def hessian(self, q: Any, p: Any, t: Any = None) -> Floats:
         """∇²H, 2m × 2m, by the components of q.ravel() and then those of p.ravel(), after any further

@@ -180,7 +180,8 @@ class Solution:
         t = self.t[:-1, None] + np.diff(self.t)[:, None] * (np.arange(points) / points)
         times = np.append(t.ravel(), self.t[-1])
         if self._curve is not None:
-            return times, self._at(np.clip(times, *sorted(self._curve.interval())))
+            first, last = sorted(self._curve.interval())
+            return times, self._at(np.clip(times, first, last))
         recorded, y = self.hamiltonian._recorded, self.y.ravel().tolist()
         found = _native.between(recorded, self.t.tolist(), y, points)
         return times, np.concatenate([found, self.y[-1]]).reshape(len(times), -1)
@@ -299,7 +300,7 @@ class Solution:
             "certificate": self.certificate.to_dict(),
             "events": len(self.t_events),
         }
-        axes = {name: ("t", "component") for name in _ARRAYS}
+        axes: dict[str, tuple[str, ...]] = {name: ("t", "component") for name in _ARRAYS}
         axes |= {f"{x}_event_{i}": ("root", "component") for x in "ty" for i in range(len(self.t_events))}
         write(path, words, arrays, FORMAT, axes)
 
@@ -322,7 +323,8 @@ def load(path: Path) -> Solution:
     arrays = {name: stored.array(name, (n,) if name[0] == "t" else (n, 2 * m)) for name in _STATES}
     # None of both with `t_eval`, and no energies if they were not measured.
     for name, kind in (("energy_defect", "f"), ("outcome", "U")):
-        length = 0 if np.shape(stored.arrays.get(name)) == (0,) else n
+        found: Any = stored.arrays.get(name)
+        length = 0 if np.shape(found) == (0,) else n
         arrays[name] = stored.array(name, (length,), kind)
     times = [stored.array(f"t_event_{i}", (None,)) for i in range(events)]
     roots = [stored.array(f"y_event_{i}", (len(t), 2 * m)) for i, t in enumerate(times)]
