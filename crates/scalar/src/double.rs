@@ -3,8 +3,8 @@
 use crate::constant::Constant;
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
-use crate::half_power::half_power;
 use crate::kernels::Lanes;
+use crate::traits::half_power::half_power;
 use crate::traits::{Float, Outside, Piecewise, Scalar};
 use std::sync::Arc;
 

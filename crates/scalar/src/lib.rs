@@ -30,7 +30,7 @@ mod double;
 mod double_double;
 mod error;
 mod forward;
-mod half_power;
+
 mod kernels;
 mod num;
 pub mod power;

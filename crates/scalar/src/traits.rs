@@ -2,6 +2,7 @@
 
 mod derivatives;
 mod float;
+pub(crate) mod half_power;
 mod outside;
 mod pack;
 mod piecewise;

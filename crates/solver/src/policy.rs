@@ -25,12 +25,10 @@ pub(crate) const SMALL: i64 = 16;
 /// error is of that size: of 20 000 of Kepler's problem 45 % are carried without it or with 16, none with it;
 /// with s ≥ 4, and on the grid, it is alike from 0 to 64.
 pub(crate) const STATE_ROUNDING: i64 = 64;
-/// Noise of y1 that changes a constraint by one over this of its error is not seen in an update of t. // ratio;
-/// 100 to 10000 alike
+/// Noise of y1 that changes a constraint by one over this of its error does not show in an update of t, which
+/// leaves about as little of the error. // ratio; with 100 Kepler's problem, e = 0.3, s = 4, h = 0.3, takes
+/// 2.2 updates a step in place of 1.9, and more iterations
 pub(crate) const SHARE: i64 = 1000;
-/// The local error is estimated to one over this. // ratio; it decides whether a change of y1 is admissible, by
-/// [`FARTHEST`]
-pub(crate) const ESTIMATE: i64 = 16;
 /// A defect of so many floors that moves of the α's do not bring down is rounding. // floors; with 1 0.5 % of
 /// the steps more are carried, with 32 0.2 % fewer, errors and work alike.
 pub(crate) const STALLED: i64 = 8;

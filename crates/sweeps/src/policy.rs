@@ -38,6 +38,6 @@ pub(crate) const ITERATIONS: u32 = 32;
 /// for Kepler's problem, 1.7 times for a chain of 32. The fourth is within 4 % of ω for chains and springs,
 /// 23 % for bodies, and tells nothing of dense ∇²H without a sign, up to 9.5 ω.
 pub(crate) const BOUNDS: u32 = 4;
-/// A linearised iteration is taken to contract by one over this at best, whatever its last two changes say. //
-/// ratio; changes of u_k cancel in their leading terms and then shrink by more than the next will
+/// A linearised iteration is taken to contract by one over this at best, whatever its last two changes say.
+/// // ratio; the leading terms of u_k cancel, and its changes shrink by more than the next ones will
 pub(crate) const STEEPEST: i64 = 16;

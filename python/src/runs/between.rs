@@ -11,8 +11,8 @@ use pyo3::prelude::*;
 const STAGES: usize = 6;
 const TOLERANCE: f64 = 1e-8;
 
-/// From each state in `y` but the last, those at `points` times, evenly from its own up to that of the next one,
-/// flat. Where a step cannot be made they are on the straight line.
+/// From each state in `y` but the last, those at `points` times, evenly from its own up to that of the next
+/// one, flat. Where a step cannot be made they are on the straight line.
 #[pyfunction]
 pub(crate) fn between<'py>(
     py: Python<'py>,

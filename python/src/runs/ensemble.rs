@@ -1,4 +1,5 @@
-//! Many runs of one system over threads, by the library's ensemble: a row for each, in the order of the starts.
+//! Many runs of one system over threads, by the library's ensemble: a row for each, in the order of the
+//! starts.
 
 use crate::faults::{of_run, value_error};
 use crate::options::{Options, WithIntegrator};

@@ -1,8 +1,8 @@
 //! [`patiently`]: native work in a thread of its own, while this one answers signals.
 //!
 //! Handlers of signals are called by the main thread of Python. It waits here without the GIL, and looks for
-//! signals every [`PATIENCE`]: an exception, such as that of Ctrl-C, is returned at once. The work is told, and
-//! ends where it next looks: after a step, or after the state it evaluates. Its result is dropped then.
+//! signals every [`PATIENCE`]: an exception, such as that of Ctrl-C, is returned at once. The work is told,
+//! and ends where it next looks: after a step, or after the state it evaluates. Its result is dropped then.
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;

@@ -5,7 +5,8 @@
 //! the rates of selections (sign, the smaller of two) are zero.
 //!
 //! With sizes in place of rates, and the rounding of each result added, the same rules are those of the
-//! running error bound ([`Rounding`](super::rate::Rounding); Higham, Accuracy and Stability of Numerical Algorithms, 2002, section
+//! running error bound ([`Rounding`](super::rate::Rounding); Higham, Accuracy and Stability of Numerical
+//! Algorithms, 2002, section
 //! 3.3). It is in the units of the value, to first order, and counts ε for each operation, be it a power or
 //! a table, but for those that are exact: changes of sign, products with powers of two, 2x as x + x, x + 0,
 //! choices, arithmetic on small integers. Constants are rounded alike at every state, and do not count.

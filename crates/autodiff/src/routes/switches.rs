@@ -1,8 +1,8 @@
 //! [`Switches`]: where H or a derivative of it jumps, as functions of the state.
 //!
 //! Every piecewise operation of a recording has a function g(q, p) whose sign says which piece is taken. They
-//! are recorded behind H, all in one recording, so that what they share is computed once. So are the arguments
-//! of functions that have a domain ([`Domains`]).
+//! are recorded behind H, all in one recording, so that what they share is computed once. So are the
+//! arguments of functions that have a domain ([`Domains`]).
 
 use super::one::One;
 use super::results::Results;

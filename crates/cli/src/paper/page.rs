@@ -78,9 +78,9 @@ pub(super) fn page(paper: &Paper) -> String {
          <p class=\"note\">Divided by h³, which makes the slopes alike.</p>\n{roots}\
          <h2>1000 periods of 200 steps</h2>\n{energy}{orbits}</html>\n",
         version = paper.version,
-        convergence = convergence(paper),
-        residual = residual(paper),
-        roots = roots(paper),
-        energy = energy(paper),
+        convergence = convergence(&paper.convergence),
+        residual = residual(&paper.residual),
+        roots = roots(&paper.residual, &paper.convergence),
+        energy = energy(&paper.orbits),
     )
 }

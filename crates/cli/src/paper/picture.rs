@@ -1,8 +1,8 @@
 //! The pictures of the page.
 
 use super::convergence::{Convergence, Member, STEPS};
-use super::figures::Paper;
 use super::orbit::Orbit;
+use super::residual::Residual;
 use crate::draw::panel::{Axis, Panel};
 use crate::draw::svg::{Anchor, INK, Mark, Svg};
 use crate::report::chart::{Line, Look, Spot, draw};
@@ -36,8 +36,8 @@ fn name(method: Member, stages: usize) -> String {
 }
 
 /// Errors against steps.
-pub(super) fn convergence(paper: &Paper) -> String {
-    let rows = paper.convergence.iter();
+pub(super) fn convergence(rows: &[Convergence]) -> String {
+    let rows = rows.iter();
     let lines: Vec<Line> = rows
         .map(|row| Line {
             name: name(row.method, row.stages),
@@ -57,7 +57,7 @@ pub(super) fn convergence(paper: &Paper) -> String {
 }
 
 /// Energy errors over 1000 periods; half of ε where there is none.
-pub(super) fn energy(paper: &Paper) -> String {
+pub(super) fn energy(orbits: &[Orbit]) -> String {
     let spots = |orbit: &Orbit| -> Vec<Spot> {
         let each = orbit.energies.iter().enumerate();
         // On a logarithmic axis, as many after 100 periods as before.
@@ -65,8 +65,7 @@ pub(super) fn energy(paper: &Paper) -> String {
         each.map(|(k, &energy)| Spot::exact((k + 1) as f64, energy.max(f64::EPSILON / 2.0)))
             .collect()
     };
-    let lines: Vec<Line> = paper
-        .orbits
+    let lines: Vec<Line> = orbits
         .iter()
         .map(|orbit| Line {
             name: name(orbit.method, orbit.stages),
@@ -87,8 +86,8 @@ const LEFT: f64 = 110.0;
 const TOP: f64 = 92.0;
 
 /// g(α, h)/h³ over α.
-pub(super) fn residual(paper: &Paper) -> String {
-    let curves = &paper.residual.curves;
+pub(super) fn residual(residual: &Residual) -> String {
+    let curves = &residual.curves;
     let scaled = |h: f64, g: f64| g / h.powi(3);
     let all = curves
         .iter()
@@ -121,11 +120,10 @@ pub(super) fn residual(paper: &Paper) -> String {
 }
 
 /// α₀ over h.
-pub(super) fn roots(paper: &Paper) -> String {
-    let curves = &paper.residual.curves;
-    let is_it =
-        |row: &&Convergence| row.method == Member::Solved && row.stages == paper.residual.stages;
-    let largest = paper.convergence.iter().find(is_it).map(|row| row.alphas);
+pub(super) fn roots(residual: &Residual, rows: &[Convergence]) -> String {
+    let curves = &residual.curves;
+    let is_it = |row: &&Convergence| row.method == Member::Solved && row.stages == residual.stages;
+    let largest = rows.iter().find(is_it).map(|row| row.alphas);
     let at = |alphas: [f64; 3]| {
         let pairs = curves.iter().zip(alphas);
         pairs.map(|(c, alpha)| Spot::exact(c.h, alpha)).collect()

@@ -7,9 +7,9 @@ use std::sync::{Arc, LazyLock};
 
 static CAUGHT: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
 
-/// From here on the first SIGINT (Ctrl-C), SIGTERM, SIGHUP or SIGUSR1 ends the run after its present step; the
-/// second ends the program at once. SIGXCPU and SIGXFSZ end the run the same way; the system repeats both, so
-/// that a second one of these ends nothing.
+/// From here on the first SIGINT (Ctrl-C), SIGTERM, SIGHUP or SIGUSR1 ends the run after its present step;
+/// the second ends the program at once. SIGXCPU and SIGXFSZ end the run the same way; the system repeats
+/// both, so that a second one of these ends nothing.
 ///
 /// # Errors
 /// If the system does not allow it.

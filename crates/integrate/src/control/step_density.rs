@@ -6,7 +6,8 @@
 //! *Automatic.* The pace of the linearised motion: A = J∇²H has eigenvalues ±iω for oscillations and ±λ where
 //! neighbours part, and
 //!
-//! $$ \frac1\sigma = \Big( \tfrac12 |\mathrm{tr} A^4| \Big)^{1/4} = \Big| \sum_k \omega_k^4 + \sum_k \lambda_k^4 \Big|^{1/4} $$
+//! $$ \frac1\sigma = \Big( \tfrac12 |\mathrm{tr} A^4| \Big)^{1/4} = \Big| \sum_k \omega_k^4 + \sum_k
+//! \lambda_k^4 \Big|^{1/4} $$
 //!
 //! is the fastest of them, smooth, independent of the units of q and p and of the choice of coordinates in
 //! which A is written, and the same for flipped momenta. For Kepler's problem it is a multiple of r^{−3/2}. ε

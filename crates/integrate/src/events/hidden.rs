@@ -86,8 +86,8 @@ impl<T: Float> Path<T> {
         i == 1 || i + 1 == self.places.len()
     }
 
-    /// Whether switch j, if it is none of knots, has one sign at place i − 1, or the one it `begins` with, and
-    /// the other one at place i.
+    /// Whether switch j, if it is none of knots, has one sign at place i − 1, or the one it `begins` with,
+    /// and the other one at place i.
     fn changes_at(&self, j: usize, i: usize, begins: Option<i8>) -> bool {
         let [before, here] = [i - 1, i].map(|i| side(self.value(j, i)));
         begins.unwrap_or(before) * here < 0 && !self.is_of_knots[j]

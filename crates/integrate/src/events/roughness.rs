@@ -8,8 +8,8 @@
 //! switch, and between it and another one close behind: of 2s nodes on the longest piece, where there may
 //! be more roots, and of s on the others.
 //!
-//! Neighbouring roots without a stage between them, or an end of the step and a root, may hide an obstacle that neither the stages nor these
-//! rules see: there J∇H(u) − u' is evaluated at two places.
+//! Neighbouring roots without a stage between them, or an end of the step and a root, may hide an obstacle
+//! that neither the stages nor these rules see: there J∇H(u) − u' is evaluated at two places.
 //!
 //! Cost: ∇H at 3s points, 4s with two roots, and at two more for each such pair.
 

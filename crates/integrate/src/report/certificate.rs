@@ -42,8 +42,8 @@ pub struct Certificate<T> {
     /// Largest |H − H_ref| in units of its round-off level, over all steps, if they solve for the energy:
     /// corrected or not.
     pub energy_in_floors: Option<T>,
-    /// The largest round-off level over the steps that conserved the energy, and the energies. `None` where no
-    /// step can conserve the energy or it was not measured.
+    /// The largest round-off level over the steps that conserved the energy, and the energies. `None` where
+    /// no step can conserve the energy or it was not measured.
     pub energy_floor: Option<EnergyFloor<T>>,
     /// hω of the fastest motion, where it was largest. `None` if it was not looked at: after steps 1, 2, 4,
     /// 8, … it is, but where the iteration contracts without ∇²H, which it does only if hω is small.

@@ -5,7 +5,8 @@ use equip_scalar::Float;
 
 /// A run whose steps can be followed by a [`TangentMap`](crate::TangentMap).
 pub trait Steps<T: Float, E>: sealed::Followed<T, E> {
-    /// Makes the next step towards the time `t`, forward or back, but not beyond it: repeated while it returns
+    /// Makes the next step towards the time `t`, forward or back, but not beyond it: repeated while it
+    /// returns
     /// `true`, it makes the steps of the run's own `advance_to`, and the caller may stop between two of them.
     ///
     /// # Errors

@@ -6,7 +6,7 @@ use super::words;
 use crate::constant::Constant;
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
-use crate::half_power::half_power;
+use crate::traits::half_power::half_power;
 use crate::traits::{Float, Outside, Piecewise, Scalar};
 use std::sync::Arc;
 

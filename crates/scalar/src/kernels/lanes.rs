@@ -6,7 +6,7 @@
 //! over 8 lanes: 68 ns).
 
 use crate::constant::Constant;
-use crate::half_power::{half_power, half_power_slope};
+use crate::traits::half_power::{half_power, half_power_slope};
 use crate::traits::{Outside, Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;

@@ -6,7 +6,7 @@ use super::piecewise::Piecewise;
 use super::scalar::Scalar;
 use crate::constant::{Constant, Written};
 use crate::error::ParseFloatError;
-use crate::half_power::half_power_slope;
+use crate::traits::half_power::half_power_slope;
 use nalgebra::RealField;
 use std::fmt::{Display, LowerExp};
 

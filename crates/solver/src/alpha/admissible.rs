@@ -1,12 +1,14 @@
 //! How far the parameters α may change y1.
 //!
-//! *Admissible* (project note, section 10). A change of y1 caused by α is admissible up to [`FARTHEST`] times the
-//! larger of the local error of the step and the change that the step's own energy error is equivalent to, *plus
-//! the bound of the steps before it*, which fades by 1/[`FADING`] a step. Without that an energy error that one step
-//! leaves is larger than any later step may remove (docs/adr/0026).
+//! *Admissible* (project note, section 10). A change of y1 caused by α is admissible up to [`FARTHEST`]
+//! times the larger of the local error of the step and the change that the step's own energy error is
+//! equivalent to, *plus the bound of the last uncorrected step*: the error that such a step has left may be
+//! removed by the next one (docs/adr/0026). If there are no more parameters than constraints, every step
+//! hands on its bound, which fades by 1/[`FADING`] a step: the constraints are what such a method is chosen
+//! for.
 //!
-//! Each component counts in units of its change over the step, and so does the component of its group (positions,
-//! momenta) that changes most. At most 1/[`SMALL`] of these units.
+//! Each component counts in units of its change over the step, and so does the component of its group
+//! (positions, momenta) that changes most. At most 1/[`SMALL`] of these units.
 
 use crate::policy::{FADING, FARTHEST, SMALL};
 use equip_scalar::Float;
@@ -61,8 +63,14 @@ impl<T: Float> Bounds<T> {
     }
 
     /// The bound that is handed on to the next step.
-    pub(crate) fn to_hand_on(&self) -> [T; 2] {
-        let fading = |k: usize| self.handed_on[k] * T::ratio(FADING - 1, FADING);
-        [0, 1].map(|k| self.own[k].max(fading(k)))
+    pub(crate) fn to_hand_on(&self, has_choice: bool, is_corrected: bool) -> [T; 2] {
+        if !has_choice {
+            let fading = |k: usize| self.handed_on[k] * T::ratio(FADING - 1, FADING);
+            [0, 1].map(|k| self.own[k].max(fading(k)))
+        } else if is_corrected {
+            [T::int(0); 2]
+        } else {
+            self.own
+        }
     }
 }

@@ -9,8 +9,8 @@
 //! | V, ∂I_a/∂α_k as the mean over both ends | ∇I_a(y1)·u_k and −∇I_a(y0)·u'_k |
 //! | D | [`crate::alpha::least_displacement`] |
 //!
-//! Only the first [`LEADING`] of the free parameters α_k change, or as many as there are constraints. If there
-//! are no more parameters than constraints, D = I and the equations with y1 held are not solved.
+//! Only the first [`LEADING`] of the free parameters α_k change, or as many as there are constraints. If
+//! there are no more parameters than constraints, D = I and the equations with y1 held are not solved.
 //!
 //! Cost: ∇²H at the stages, and some 6 linearised iterations for each of the parameters and each end.
 //! Nothing is allocated.

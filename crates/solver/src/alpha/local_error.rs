@@ -3,9 +3,9 @@
 //! $$ e = \sum_j \tilde L_j - \sum_i L_i + \sum_i \delta L_i(X), \qquad X = K\,\delta L + R, \qquad
 //!    R_i = \sum_j E_{ij} \tilde L_j - \sum_j K_{ij} L_j . $$
 //!
-//! L̃_j = h b̃_j J∇H(u(c̃_j)) at the nodes c̃ of s + 2 stages along the collocation polynomial u of the step, and
-//! E_ij = Σ_{k<s+2} (∫_0^{c_i} P_k) P_k(c̃_j): R is the integral of the residual J∇H(u) − u' up to c_i. X is the
-//! response of the stages to it, of the equations that D was computed from.
+//! L̃_j = h b̃_j J∇H(u(c̃_j)) at the nodes c̃ of s + 2 stages along the collocation polynomial u of the
+//! step, and E_ij = Σ_{k<s+2} (∫_0^{c_i} P_k) P_k(c̃_j): R is the integral of the residual J∇H(u) − u' up
+//! to c_i. X is the response of the stages to it, of the equations that D was computed from.
 //!
 //! The number of further stages is even: the stability function of s stages is (−1)^s at infinity, and motion
 //! that the step does not resolve would count as an error of the slow motion otherwise.
@@ -14,7 +14,7 @@
 
 use crate::alpha::direction::Direction;
 use crate::outcome::outcome::Counts;
-use crate::policy::ESTIMATE;
+use crate::policy::FARTHEST;
 use equip_autodiff::Evaluate;
 use equip_scalar::{Float, mix_stages};
 use equip_sweeps::{Held, Iterate, Preconditioner, State, stride_for, turned};
@@ -72,8 +72,8 @@ impl<T: Float> LocalError<T> {
         })
     }
 
-    /// The largest component of e in the units of each of [`Direction::motion`], of a step of size `h` from `y`
-    /// with these L at α = 0, by component; `direction` is linearised there. `None` if e is not finite.
+    /// The largest component of e in the units of each of [`Direction::motion`], of a step of size `h` from
+    /// `y` with these L at α = 0, by component; `direction` is linearised there. `None` if e is not finite.
     pub(crate) fn estimate<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,
@@ -126,7 +126,7 @@ impl<T: Float> LocalError<T> {
             }
         }
         let sides = (self.r.as_slice(), self.x.as_mut_slice());
-        let to = (direction.weights.as_slice(), T::ratio(1, ESTIMATE));
+        let to = (direction.weights.as_slice(), T::ratio(1, FARTHEST));
         if !direction.linear.solve(Held::Start, sides, to, iterate, m) {
             return None;
         }

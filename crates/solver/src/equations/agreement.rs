@@ -157,9 +157,9 @@ fn systems() -> Vec<Case> {
     ]
 }
 
-/// Measured: at most 40 ε, of solved steps 2e3 ε where the displacement is of 1e-4 (differences of ∇H), and the
-/// error of D; headroom 5. Steps back in time solve the same equations with h < 0: from mirrored momenta, which is the
-/// same motion of those that are even in p.
+/// Measured: at most 40 ε, of solved steps 2e3 ε where the displacement is of 1e-4 (differences of ∇H), and
+/// the error of D; headroom 5. Steps back in time solve the same equations with h < 0: from mirrored
+/// momenta, which is the same motion of those that are even in p.
 #[test]
 fn every_preconditioner_solves_the_equations() {
     for sign in [1.0, -1.0] {

@@ -5,7 +5,8 @@
 //!
 //! *Floor* (project note, section 8). With v_k the nodes of the recording of I
 //!
-//! $$ \text{floor} = \varepsilon \Big( \sum_k |v_k\,\partial I/\partial v_k| + \sum_i |y_i\,\partial_i I| \Big) + \nu \sum_i |\partial_i I|\, \sigma_i , $$
+//! $$ \text{floor} = \varepsilon \Big( \sum_k |v_k\,\partial I/\partial v_k| + \sum_i |y_i\,\partial_i I|
+//! \Big) + \nu \sum_i |\partial_i I|\, \sigma_i , $$
 //!
 //! ν being the rounding of stages that have settled, relative to the sizes σ of the components. Floors swing
 //! by 30 within one oscillation of a stiff spring, and a close encounter leaves a defect as large as its own

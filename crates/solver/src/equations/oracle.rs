@@ -3,7 +3,8 @@
 //!
 //! With the stage increments Z_i = Y_i − y0 and L_i = h b_i J∇H(Y_i) the unknowns are Z and α:
 //!
-//! $$ Z_i = \sum_j K_{ij}(\alpha) L_j, \qquad \alpha = D\, t, \qquad H\Big(y_0 + \sum_i L_i\Big) = H_{ref} . \tag{7} $$
+//! $$ Z_i = \sum_j K_{ij}(\alpha) L_j, \qquad \alpha = D\, t, \qquad H\Big(y_0 + \sum_i L_i\Big) = H_{ref}
+//! . \tag{7} $$
 //!
 //! | part | in the paper | here |
 //! |---|---|---|
@@ -229,8 +230,8 @@ impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
         square.sqrt()
     }
 
-    /// D for the energy alone, with 1 as its largest number and zero for the parameters that do not change, and
-    /// ∂g/∂t.
+    /// D for the energy alone, with 1 as its largest number and zero for the parameters that do not change,
+    /// and ∂g/∂t.
     fn direction(
         &mut self,
         gauss: &Gauss<T>,

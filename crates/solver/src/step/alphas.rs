@@ -3,9 +3,9 @@
 //! $$ Z = K(\alpha) L(Z), \qquad \alpha = D\,t, \qquad I(y_1) = I_{ref} . $$
 //!
 //! 1. D is computed once, at α = 0 ([`crate::alpha::direction`]).
-//! 2. t is updated by Newton's method with the slope that D brings along, then by the secant method; Z follows
-//!    by ∂Z/∂t. The iteration for Z continues with K(α) until its noise no longer shows in I(y1), and t is
-//!    updated again.
+//! 2. t is updated by Newton's method with the slope that D brings along, then by the secant method; Z
+//!    follows by ∂Z/∂t. The iteration for Z continues with K(α) until its noise no longer shows in I(y1),
+//!    and t is updated again.
 //! 3. At the round-off level of I the iteration for Z ends as that of Gauss does.
 //!
 //! If no α is admissible ([`crate::alpha::admissible`]), or the step does not resolve its fastest oscillation
@@ -41,7 +41,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let mut noise = self.stages.contraction.noise();
         let mut bounds = self.bounds(&mut solver, next, y);
         let solved = self.update_alphas(&mut solver, (y, h), next, (&mut bounds, is_converged));
-        solver.handed_on = bounds.to_hand_on();
+        let has_choice = solver.direction.has_choice();
+        solver.handed_on = bounds.to_hand_on(has_choice, solved.is_ok());
         self.alpha_solver = Some(solver);
         if solved.is_err() {
             self.alphas.copy_from_slice(&self.start_alphas);
@@ -90,19 +91,26 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         self.compute_direction(solver, bounds)?;
         let (mut last, mut stalls) = (T::INFINITY, 0);
         for _ in 0..=MOST_ITERATIONS {
+            // What the constraints are is told from the noise of Z before t is updated by it.
+            let noise = self.stages.contraction.noise();
+            let is_noisy = !is_converged && noise > 10.0 * self.noise_allowed(SHARE);
             let level = self.in_late_floors();
-            let is_done = level <= T::int(1) || stalls > 0 && level <= T::int(STALLED);
+            let is_done = is_noisy || level <= T::int(1) || stalls > 1 && level <= T::int(STALLED);
             if is_done && is_converged {
                 return Ok(());
             }
             let mut noise = 0.0;
+            if is_noisy && level > T::int(1) {
+                noise = self.noise_allowed(SHARE);
+            }
             if !is_done {
                 if stalls > MOST_STALLS {
                     break;
                 }
-                // Below so many round-off levels the error left by one update is round-off.
+                // Below so many round-off levels the error left by one update is round-off. Above, an update
+                // leaves one over so many of the error, of which the noise is to be so small a share again.
                 if level > T::int(SHARE) {
-                    noise = self.noise_allowed(SHARE);
+                    noise = self.noise_allowed(SHARE * SHARE);
                 }
                 self.update_once(solver, y)?;
             }

@@ -32,8 +32,8 @@ pub struct Core<T: Float, E> {
     pub(crate) start: Vec<T>,
     /// Whether the α's of a step wait until it is [completed](Self::complete).
     pub(crate) is_deferred: bool,
-    /// The noise of y1 that is not seen in the constraints, as the last step had it: the stages with α = 0 need
-    /// not be solved further where α follows.
+    /// The noise of y1 that is not seen in the constraints, as the last step had it: the stages with α = 0
+    /// need not be solved further where α follows.
     pub(crate) noise_expected: f64,
     /// Outcome of a step without constraints.
     pub(crate) unconstrained: Outcome,

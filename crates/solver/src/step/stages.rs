@@ -81,8 +81,8 @@ impl<T: Float> Stages<T> {
         }
     }
 
-    /// Iterates with the α as they are, from Z as it is, until Z has converged to round-off or its noise at y1
-    /// is at most `noise`. Returns whether it has converged.
+    /// Iterates with the α as they are, from Z as it is, until Z has converged to round-off or its noise at
+    /// y1 is at most `noise`. Returns whether it has converged.
     pub(crate) fn converge<E: Evaluate<T>>(
         &mut self,
         energy: &mut E,

@@ -3,13 +3,15 @@
 //! With B_i = h b_i J∇²H(Y_i) a change r of the right-hand side and a change x of an end point move the
 //! stages by
 //!
-//! $$ X = K\,\delta L + r \quad\text{(start held)}, \qquad X = r - K^T \delta L \quad\text{(end held)}, \qquad \delta L_i = B_i X_i , $$
+//! $$ X = K\,\delta L + r \quad\text{(start held)}, \qquad X = r - K^T \delta L \quad\text{(end held)},
+//! \qquad \delta L_i = B_i X_i , $$
 //!
 //! and the other end by Σ δL_i, K being that of α = 0. Both are iterated, momenta first, then positions; for
 //! H = T(p) + U(q) the momenta are put in ([`crate::linear::positions`]). With a preconditioner M the change
 //! that a sweep makes is multiplied by M⁻¹.
 //!
-//! *Layout.* As of the stages, one right-hand side after the other: component c of side k of stage i stands at
+//! *Layout.* As of the stages, one right-hand side after the other: component c of side k of stage i stands
+//! at
 //! `(k·n + c)·stride + i`.
 //!
 //! Cost: a sweep of one side nnz·s + 2m s² products, of positions alone less than half of that. Nothing is
@@ -104,8 +106,8 @@ impl<T: Float> LinearSweeps<T> {
         &self.sums
     }
 
-    /// Solves for all sides until the error of their sums of δL, each component weighed with `weights`, is less
-    /// than `tolerance`, by how their changes shrink. Returns whether it is.
+    /// Solves for all sides until the error of their sums of δL, each component weighed with `weights`, is
+    /// less than `tolerance`, by how their changes shrink. Returns whether it is.
     pub fn solve(
         &mut self,
         held: Held,
@@ -215,8 +217,8 @@ impl<T: Float> LinearSweeps<T> {
         }
     }
 
-    /// Whether the sums of all sides have converged; `None` if they are not finite. The changes before the last
-    /// are known if it `can_compare`.
+    /// Whether the sums of all sides have converged; `None` if they are not finite. The changes before the
+    /// last are known if it `can_compare`.
     fn rests(
         &mut self,
         sides: usize,

@@ -1,6 +1,7 @@
 //! For H = T(p) + U(q), T = ½ Σ w_c p_c² + b·p: the momenta put in, the positions are what is solved for,
 //!
-//! $$ X_q = R + h w\, (K B K)\, \delta L_p, \qquad R = r_q + K h B w\, r_p, \qquad \delta L_p = -h B\, \nabla^2 U\, X_q , $$
+//! $$ X_q = R + h w\, (K B K)\, \delta L_p, \qquad R = r_q + K h B w\, r_p, \qquad \delta L_p = -h B\,
+//! \nabla^2 U\, X_q , $$
 //!
 //! and with the other end held K − 1 1ᵀ in place of K. At the end Σ δL_q = h w (Σ b r_p + κ·δL_p), κ = Kᵀ b.
 //!
@@ -100,8 +101,8 @@ impl<T: Float> Positions<T> {
         }
     }
 
-    /// X_q of one iteration more, with its δL. Row by row, each from the rows as they are: those before it are
-    /// new already, unless all are computed `from` another X.
+    /// X_q of one iteration more, with its δL. Row by row, each from the rows as they are: those before it
+    /// are new already, unless all are computed `from` another X.
     pub(crate) fn sweep(
         &self,
         of: Sides<'_, T>,

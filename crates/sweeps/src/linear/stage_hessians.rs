@@ -163,8 +163,8 @@ pub(crate) fn row_times<T: Float, const N: usize, const S: usize>(
     sums
 }
 
-/// (hω)² ≤ max_c (|A|² 1)_c, A = J Σ_i |h b_i ∇²H(Y_i)|: a bound that mostly tells at once that hω is small, in
-/// one reading of the entries for each product.
+/// (hω)² ≤ max_c (|A|² 1)_c, A = J Σ_i |h b_i ∇²H(Y_i)|: a bound that mostly tells at once that hω is
+/// small, in one reading of the entries for each product.
 struct Bound<'a, T> {
     pattern: &'a Pattern,
     entries: &'a [T],

@@ -4,8 +4,8 @@ use super::{DoubleDoubles, one_by_one};
 use crate::constant::Constant;
 use crate::double_double::number::{DoubleDouble, dd};
 use crate::double_double::transforms::Word;
-use crate::half_power::half_power_slope;
 use crate::kernels::Lanes;
+use crate::traits::half_power::half_power_slope;
 use crate::traits::{Pack, Piecewise};
 
 impl<const N: usize> Piecewise for DoubleDoubles<N> {
