@@ -65,8 +65,8 @@ impl<T: Float> WithinDomains<T> {
         if is_one {
             let mut stages = std::mem::take(&mut self.stages);
             core.stages_by_stage(y, &mut stages);
-            let at = stages.chunks_exact(y.hi.len()).zip(core.gauss().nodes());
-            checked = at.map(|(y, &c)| self.check(time + c * h, y)).collect();
+            let mut at = stages.chunks_exact(y.hi.len()).zip(core.gauss().nodes());
+            checked = at.try_for_each(|(y, &c)| self.check(time + c * h, y));
             self.stages = stages;
         }
         let checked = checked.and_then(|()| self.check(time + h, &next.hi));

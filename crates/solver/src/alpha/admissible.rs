@@ -63,7 +63,7 @@ impl<T: Float> Bounds<T> {
     }
 
     /// The bound that is handed on to the next step.
-    pub(crate) fn to_hand_on(&self, has_choice: bool, is_corrected: bool) -> [T; 2] {
+    pub(crate) fn hands_on(self, has_choice: bool, is_corrected: bool) -> [T; 2] {
         if !has_choice {
             let fading = |k: usize| self.handed_on[k] * T::ratio(FADING - 1, FADING);
             [0, 1].map(|k| self.own[k].max(fading(k)))

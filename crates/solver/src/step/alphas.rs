@@ -42,7 +42,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         let mut bounds = self.bounds(&mut solver, next, y);
         let solved = self.update_alphas(&mut solver, (y, h), next, (&mut bounds, is_converged));
         let has_choice = solver.direction.has_choice();
-        solver.handed_on = bounds.to_hand_on(has_choice, solved.is_ok());
+        solver.handed_on = bounds.hands_on(has_choice, solved.is_ok());
         self.alpha_solver = Some(solver);
         if solved.is_err() {
             self.alphas.copy_from_slice(&self.start_alphas);
