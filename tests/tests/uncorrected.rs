@@ -45,7 +45,7 @@ fn one_parameter_conserves_the_energy_on_every_step() {
         (Equip::stages(4).alphas(Alphas::Last), 20.0, 1600, 2.70e-8),
     ];
     for (method, revolutions, steps, measured) in cases {
-        let found = kepler(method.clone(), Reach::WithinError, revolutions, steps);
+        let found = kepler(method, Reach::WithinError, revolutions, steps);
         let always = kepler(method, Reach::Always, revolutions, steps);
         assert_eq!(found.0, 0, "{steps} steps: {found:?}");
         assert!(found.1 <= 1e-13, "{steps} steps: {found:?}");
