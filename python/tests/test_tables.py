@@ -65,8 +65,8 @@ def test_a_run_that_leaves_a_table_ends_with_an_error():
     further = equip.table(X, Y, extrapolate=True)
     h = equip.Hamiltonian(lambda q, p: p[0] ** 2 / 2 + further(q[0]), 1)
     again = pickle.loads(pickle.dumps(h))
-    for h in (h, again):
-        assert equip.solve(h, [0.0], [3.0], (0, 2), step=0.05).success
+    for either in (h, again):
+        assert equip.solve(either, [0.0], [3.0], (0, 2), step=0.05).success
     with pytest.raises(ValueError, match="4e0 is outside of the table, which begins at -2e0 and ends at 3.5"):
         hill(4.0)
     assert further(4.0) == pytest.approx(float(CubicSpline(X, Y)(4.0)), abs=1e-13)

@@ -21,7 +21,7 @@ class Defect:
 
 @dataclass(frozen=True)
 class EnergyFloor:
-    """The largest round-off level of H over the steps that conserved it, and the energies to compare it with."""
+    """The largest round-off level of H over the steps that conserved it, and the energies beside it."""
 
     floor: float
     #: Time of the step at whose end it was largest.
