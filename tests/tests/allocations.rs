@@ -92,7 +92,7 @@ fn halved_and_carried_steps_allocate_nothing() {
         run.advance().unwrap();
     }
     let before = ALLOCATIONS.get();
-    for _ in 0..1000 {
+    for _ in 0..300 {
         run.advance().unwrap();
     }
     assert_eq!(ALLOCATIONS.get() - before, 0);

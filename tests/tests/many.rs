@@ -195,7 +195,7 @@ fn what_is_left_is_not_halved() {
     let c = counts(&run);
     println!("{c:?}");
     assert_eq!(c.halvings, 0);
-    assert_eq!(c.outcome(Outcome::Unresolved), c.steps);
+    assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
 }
 
 /// Defects of some 5 floors are worth ten local errors, all of them near round-off: 14 of the 90 steps would
@@ -291,5 +291,5 @@ fn stiff_motion_is_iterated_with_its_springs() {
     println!("{c:?}");
     assert!(c.newton_iterations > 10 * c.sweeps);
     assert_eq!(c.halvings, 0);
-    assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
+    assert_eq!(c.outcome(Outcome::Unresolved), c.steps);
 }

@@ -198,7 +198,8 @@ fn reversal<T: Float>(method: Method) -> f64 {
 fn a_run_with_reversed_momenta_returns() {
     for method in methods() {
         let is_equip = matches!(method.family(), Family::Equip(_));
-        // Measured 7e-15 to 7.3e-13, with α 1.6e-11 (s = 3), of second order in the displacement; headroom 2.5.
+        // Measured 7e-15 to 7.3e-13, with α 1.6e-11 (s = 3), of second order in the displacement;
+        // headroom 2.5.
         assert!(reversal::<f64>(method) < if is_equip { 4e-11 } else { 2e-12 });
         if !is_equip {
             // Measured 4e-30; headroom 10.
@@ -268,8 +269,8 @@ fn part_of_a_period<T: Float>(n: i64) -> T {
     T::two_pi() / T::int(n)
 }
 
-/// Where α displaces y1 by less than 1e-14 every step returns to rounding: the step is symmetric to second order
-/// in the displacement.
+/// Where α displaces y1 by less than 1e-14 every step returns to rounding: the step is symmetric to second
+/// order in the displacement.
 #[test]
 fn small_displacements_return_in_double_double() {
     let (h, start) = kepler::<DoubleDouble>(6);

@@ -112,17 +112,20 @@ fn crowded_knots_are_passed_over() {
     }
 }
 
-/// [sweeps, ∇H] of 1000 steps, and less than a millisecond each: measured 5 µs, in either case.
+/// [sweeps, ∇H] of 1000 steps, at most, and less than a millisecond each: measured 5 µs, in either case.
 #[test]
 fn work_and_time_at_any_number_of_intervals() {
-    for (intervals, expected) in [(64, [6223, 31438]), (4096, [7610, 37852])] {
+    for (intervals, most) in [(64, [3739, 19754]), (4096, [7610, 37852])] {
         let h = cosine(intervals);
         let started = ThreadTime::now();
         let run = swing(&h, 4);
         let a_step = started.elapsed() / 1000;
         println!("{intervals} intervals: {a_step:?} a step");
         let counts = &run.certificate().counts;
-        assert_eq!([counts.sweeps, counts.gradients], expected);
+        assert!(
+            counts.sweeps <= most[0] && counts.gradients <= most[1],
+            "{counts:?}"
+        );
         assert!(a_step.as_micros() < 1000, "{intervals}: {a_step:?}");
     }
 }
