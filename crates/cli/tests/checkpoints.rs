@@ -263,9 +263,17 @@ fn a_long_table_is_gone_on_with_in_little_memory() {
         .unwrap();
     let bytes = |count: u64| format!("\"bytes\":{count}");
     let json = json.replace(&bytes(written), &bytes(written + filler.len() as u64));
-    let checksum = json.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |sum, byte| {
-        (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    });
+    let fnv = |bytes: &[u8]| {
+        let begun = 0xcbf2_9ce4_8422_2325_u64;
+        bytes.iter().fold(begun, |sum, &byte| {
+            (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+        })
+    };
+    let [old, new] =
+        [table.into_bytes(), read(&home, "t.csv")].map(|bytes| fnv(&bytes).to_string());
+    assert!(json.contains(&old));
+    let json = json.replace(&old, &new);
+    let checksum = fnv(json.as_bytes());
     std::fs::write(
         home.join("c"),
         format!("equip checkpoint 2 {checksum:016x}\n{json}"),

@@ -123,6 +123,12 @@ fn an_ensemble_that_is_being_made_is_refused() {
     );
     drop(running);
     let (code, error) = output(&home, "merge s.csv --out e.csv --quiet");
+    assert_eq!(code, Some(2), "{error}");
+    assert!(
+        error.contains("e.csv belongs to another ensemble"),
+        "{error}"
+    );
+    let (code, error) = output(&home, "merge s.csv --out m.csv --quiet");
     assert_eq!((code, error.as_str()), (Some(0), ""));
 }
 
