@@ -144,7 +144,6 @@ fn a_fall_to_the_centre_conserves_nothing() {
 }
 
 #[test]
-
 fn an_energy_that_is_not_a_number_is_told() {
     // Beyond q = 1 H overflows, and its gradient is as if nothing had happened.
     let h = Hamiltonian::new(1, |q, p| {
