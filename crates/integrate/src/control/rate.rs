@@ -1,5 +1,5 @@
 //! The rate ϱ at which the Legendre coefficients of a component decay, by the sizes of a few of them; the
-//! formulas are those of [`crate::control::estimate`].
+//! formulas are those of control/estimate.rs.
 //!
 //! The step has the largest ϱ of its components. Whether that of a further component is larger is a
 //! comparison of powers: roots are computed only of those that are.

@@ -94,12 +94,12 @@ pub struct Counts {
     pub energies: u64,
     /// Evaluations of ∇²H at one point.
     pub hessians: u64,
-    /// Directions of the α's.
+    /// Search directions of α, one for each step that solves for α.
     pub directions: u64,
-    /// Moves of the α's.
+    /// Updates of α.
     pub alpha_moves: u64,
-    /// Local errors estimated to judge a displacement: the stages of one method more each, which are counted
-    /// above.
+    /// Local errors estimated to judge a change of y1: the gradients at the nodes of two stages more each, which
+    /// are counted above.
     pub local_errors: u64,
     /// Times a step was split into two.
     pub halvings: u64,
