@@ -98,8 +98,8 @@ pub struct Counts {
     pub directions: u64,
     /// Updates of α.
     pub alpha_moves: u64,
-    /// Local errors estimated to judge a change of y1: the gradients at the nodes of two stages more each, which
-    /// are counted above.
+    /// Local errors estimated to judge a change of y1: the gradients at the nodes of two stages more each,
+    /// which are counted above.
     pub local_errors: u64,
     /// Times a step was split into two.
     pub halvings: u64,
