@@ -106,6 +106,28 @@ impl Options {
         })
     }
 
+    /// The events.
+    pub(crate) fn events<T: Number>(&self) -> Vec<Event<T>> {
+        let event = |(name, function, direction, ends, change): &EventOptions| {
+            let mut event = Event::recorded(name, function.get().hamiltonian.clone());
+            if *direction > 0 {
+                event = event.rising();
+            }
+            if *direction < 0 {
+                event = event.falling();
+            }
+            if *ends {
+                event = event.terminal();
+            }
+            if let Some(change) = change {
+                let change = Arc::new(Python::attach(|py| change.clone_ref(py)));
+                event = event.then(move |t, q, p| change_state(&change, t, q, p));
+            }
+            event
+        };
+        self.events.iter().map(event).collect()
+    }
+
     fn fill<T: Number, S>(&self, integrator: Integrator<T, S>) -> PyResult<Integrator<T, S>> {
         let mut integrator = integrator
             .output_at(&T::read_all(&self.t_eval))
@@ -144,22 +166,7 @@ impl Options {
         for kept in &self.keep {
             integrator = integrator.keep(invariant(kept));
         }
-        for event in &self.events {
-            let (name, function, direction, ends, change) = event;
-            let mut event = Event::recorded(name, function.get().hamiltonian.clone());
-            if *direction > 0 {
-                event = event.rising();
-            }
-            if *direction < 0 {
-                event = event.falling();
-            }
-            if *ends {
-                event = event.terminal();
-            }
-            if let Some(change) = change {
-                let change = Arc::new(Python::attach(|py| change.clone_ref(py)));
-                event = event.then(move |t, q, p| change_state(&change, t, q, p));
-            }
+        for event in self.events() {
             integrator = integrator.event(event);
         }
         Ok(integrator)

@@ -1,6 +1,6 @@
 """Runs one step at a time, the tangent map, suggested steps."""
 
-from itertools import islice
+from itertools import islice, takewhile
 
 import numpy as np
 import pytest
@@ -141,3 +141,52 @@ def test_time_and_state_of_a_run(kepler):
     assert run.t == 3.0 and run.q.tolist() == START[0] and run.p.tolist() == START[1]
     step = next(run)
     assert run.t == step.t and np.array_equal(run.q, step.q) and np.array_equal(run.p, step.p)
+
+
+@pytest.mark.parametrize("how", [{"step": 0.1}, {"tolerance": 1e-10}])
+def test_events_of_steps_are_those_of_the_run(kepler, how):
+    def apsis(t, q, p):
+        return q @ p
+
+    run = equip.solve(kepler, *START, (0, 30), events=[apsis], **how)
+    steps = equip.steps(kepler, *START, events=[apsis], **how)
+    found = [event for step in takewhile(lambda step: step.t <= 30, steps) for event in step.events]
+    assert [event.t for event in found] == list(run.t_events[0]) and len(found) == 9
+    assert all(event.event == 0 and abs(event.q @ event.p) < 1e-13 for event in found)
+    again = equip.steps(kepler, *START, events=[apsis], **how).advance_to(30.0)
+    assert [event.t for event in again.events] == pytest.approx(list(run.t_events[0]), abs=1e-11)
+
+
+def ball_and_floor():
+    def floor(t, q, p):
+        return q[0]
+
+    floor.direction = -1
+    floor.then = lambda t, q, p: (q, -p)
+    return equip.Hamiltonian(lambda q, p: p[0] ** 2 / 2 + q[0], shape=1), floor
+
+
+def test_a_ball_bounces_step_by_step():
+    ball, floor = ball_and_floor()
+    steps = equip.steps(ball, [0.5], [0.0], step=0.3, events=floor)
+    times = [event.t for step in takewhile(lambda step: step.t < 20, steps) for event in step.events]
+    assert times == pytest.approx([2 * k + 1 for k in range(len(times))], abs=1e-13) and len(times) == 10
+    assert steps.certificate.energy_kept_on_every_step
+    # The step ends at the event, in the changed state.
+    steps.restart([0.5], [0.0])
+    bounce = next(step for step in steps if step.events)
+    assert bounce.t == bounce.events[0].t and bounce.p[0] == -bounce.events[0].p[0] > 0
+    assert steps.advance_to(2.0).q[0] == pytest.approx(0.5, abs=1e-13) and steps.last.events == ()
+
+
+def test_events_that_steps_refuse_say_what_to_do():
+    ball, floor = ball_and_floor()
+    with pytest.raises(ValueError, match="leave out one of them"):
+        equip.steps(ball, [0.5], [0.0], step=0.3, events=floor, deviations=[1.0, 0.0])
+    floor.then = lambda t, q, p: 1 / 0
+    with pytest.raises(ZeroDivisionError):
+        equip.steps(ball, [0.5], [0.0], step=0.3, events=floor).advance_to(2.0)
+    del floor.then
+    floor.terminal = True
+    with pytest.raises(ValueError, match="leave the loop"):
+        equip.steps(ball, [0.5], [0.0], step=0.3, events=floor)

@@ -40,12 +40,13 @@ pub use report::energy_jumps::EnergyJumps;
 pub use report::phase_per_step::PhasePerStep;
 pub use report::variable_steps::VariableSteps;
 #[cfg(feature = "rayon")]
-pub use runs::drawn::drawn_start;
+pub use runs::ensemble::drawn::drawn_start;
 #[cfg(feature = "rayon")]
-pub use runs::ensemble::Starts;
+pub use runs::ensemble::starts::Starts;
 pub use runs::observer::{NoObserver, Observer};
 pub use runs::prepared::Prepared;
 pub use runs::run::{Run, RunFailure};
+pub use runs::step_events::StepEvents;
 pub use runs::suggest::Target;
 pub use steppers::adaptive::adaptive_stepper::AdaptiveStepper;
 pub use steppers::reversible_stepper::ReversibleStepper;

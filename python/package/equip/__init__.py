@@ -26,7 +26,7 @@ from ._native import FileFormatError, FileInUseError, IntegrationError, __versio
 from ._numbers import DoubleDouble
 from ._solution import Solution, load
 from ._solve import solve
-from ._steps import Step, Steps, steps, suggest_step
+from ._steps import Occurrence, Step, Steps, steps, suggest_step
 
 __all__ = [
     "Certificate",
@@ -43,6 +43,7 @@ __all__ = [
     "Gauss",
     "Hamiltonian",
     "IntegrationError",
+    "Occurrence",
     "PhasePerStep",
     "Reversible",
     "Solution",

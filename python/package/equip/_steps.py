@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Optional, Union
 
@@ -10,10 +10,23 @@ import numpy as np
 
 from . import _native
 from ._certificate import Certificate
+from ._events import Change, Event, changes_of, events_of
 from ._hamiltonian import Function, Hamiltonian
 from ._methods import Equip, Method, Reversible
 from ._numbers import Floats, Shape, number, state
 from ._solve import interval_of, options
+
+
+@dataclass(frozen=True, eq=False)
+class Occurrence:
+    """A root of an event function."""
+
+    #: Place of the function in the list of events.
+    event: int
+    t: float
+    #: Positions and momenta there, each of the shape of the Hamiltonian; before `event.then` changes them.
+    q: Floats
+    p: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +46,8 @@ class Step:
     #: α_1 ... α_{s-1}.
     alphas: Floats
     outcome: str
+    #: The events of the step, or of all steps of `Steps.advance_to`, in the order in which the run passed them.
+    events: tuple[Occurrence, ...] = ()
 
 
 class Steps:
@@ -41,16 +56,17 @@ class Steps:
     `next` raises `equip.IntegrationError` if the step cannot be made; the state then is that before the step.
     """
 
-    def __init__(self, native: _native.Steps, shape: Shape) -> None:
+    def __init__(self, native: _native.Steps, shape: Shape, changes: Sequence[Change] = ()) -> None:
         self._native = native
         self._shape = shape
+        self._changes = changes
 
     def __iter__(self) -> Steps:
         return self
 
     def __next__(self) -> Step:
         self._native.advance()
-        return self.last
+        return self._made()
 
     def advance_to(self, t: float) -> Step:
         """Makes the steps to the time t exactly, forward or back, in the unit of time; returns the last one.
@@ -65,6 +81,14 @@ class Steps:
             If a step cannot be made; the state then is that before the step.
         """
         self._native.advance_to(number(t, "t"))
+        return self._made()
+
+    def _made(self) -> Step:
+        """The step made last, unless a function of the user has raised an exception."""
+        for change in self._changes:
+            if change.raised is not None:
+                raised, change.raised = change.raised, None
+                raise raised
         return self.last
 
     @property
@@ -90,9 +114,10 @@ class Steps:
     @property
     def last(self) -> Step:
         """The step made last, or the start."""
-        index, t, size, y, defect, alphas, outcome = self._native.made()
+        index, t, size, y, defect, alphas, outcome, found = self._native.made()
         q, p = y.reshape(2, *self._shape)
-        return Step(index, t, size, q, p, defect, alphas, outcome)
+        events = tuple(Occurrence(event, at, *state.reshape(2, *self._shape)) for event, at, state in found)
+        return Step(index, t, size, q, p, defect, alphas, outcome, events)
 
     @property
     def certificate(self) -> Certificate:
@@ -159,6 +184,7 @@ def steps(
     step: Union[None, float, Reversible] = None,
     tolerance: Optional[float] = None,
     deviations: Any = None,
+    events: Union[None, Event, Sequence[Event]] = None,
     invariants: Optional[Mapping[str, Function]] = None,
     keep: Optional[Mapping[str, Function]] = None,
     measure_energy: bool = True,
@@ -197,6 +223,10 @@ def steps(
     deviations
         Small deviations (δq, δp), flat, (k, 2m) or (2m,), carried along by the tangent map of the steps;
         `Steps.deviations` has them.
+    events
+        Functions g(t, q, p) whose sign changes are found, within the steps as well, as in `equip.solve`:
+        `Step.events` has them. One with an attribute `then`, a function of (t, q, p) that returns (q, p),
+        changes the state there: the step ends at the event, and the run continues from the changed state.
 
     Raises
     ------
@@ -232,9 +262,17 @@ def steps(
         raise ValueError(
             f"deviations have shape {carried.shape}; they must have (k, {n}): δq and δp, flat, in each row"
         )
+    given["events"] = events_of(events, h.shape)
+    changes = changes_of(given["events"])
+    if any(terminal for _, _, _, terminal, _ in given["events"]):
+        raise ValueError("events of equip.steps do not end a run: leave out terminal, and leave the loop")
+    if changes and carried.size:
+        raise ValueError(
+            "events that change the state are not available with deviations: leave out one of them"
+        )
     (q, _), (p, _) = state(q0, h.shape, "q0"), state(p0, h.shape, "p0")
     native = _native.Steps(h._recorded, q, p, number(t0, "t0"), given, carried.ravel().tolist())
-    return Steps(native, h.shape)
+    return Steps(native, h.shape, changes)
 
 
 def suggest_step(

@@ -38,40 +38,35 @@ struct Run {
     stepper: Sized,
     tangent: Option<TangentMap<f64, Evaluator>>,
     deviations: Vec<f64>,
+    events: Option<StepEvents<f64, Evaluator>>,
+    /// The events of the steps of the last call.
+    found: Vec<Occurrence<f64>>,
 }
 
 impl Run {
     fn advance(&mut self) -> Result<(), IntegrateError<f64>> {
-        let Run {
-            stepper,
-            tangent,
-            deviations,
-            ..
-        } = self;
-        each!(stepper, s => {
-            s.advance()?;
-            match tangent {
-                Some(tangent) => tangent.carry(&*s, deviations),
-                None => Ok(()),
-            }
-        })
+        self.found.clear();
+        each!(&mut self.stepper, s => s.advance().map(|_| ()))?;
+        self.follow()
     }
-}
 
-impl Run {
     /// Makes the steps to the time `t`, unless it is told to stop.
     fn advance_to(&mut self, t: f64, stop: &Stop) -> Result<(), IntegrateError<f64>> {
-        let Run {
-            stepper,
-            tangent,
-            deviations,
-            ..
-        } = self;
-        each!(stepper, s => {
-            while !stop.is_set() && s.advance_towards(t)? {
-                if let Some(tangent) = tangent {
-                    tangent.carry(&*s, deviations)?;
-                }
+        self.found.clear();
+        while !stop.is_set() && each!(&mut self.stepper, s => s.advance_towards(t))? {
+            self.follow()?;
+        }
+        Ok(())
+    }
+
+    /// Deviations over the step made last, and the events within it.
+    fn follow(&mut self) -> Result<(), IntegrateError<f64>> {
+        each!(&mut self.stepper, s => {
+            if let Some(tangent) = &mut self.tangent {
+                tangent.carry(&*s, &mut self.deviations)?;
+            }
+            if let Some(events) = &mut self.events {
+                self.found.extend_from_slice(events.find(s)?);
             }
             Ok(())
         })
@@ -95,7 +90,10 @@ pub(crate) struct Steps {
     is_large: bool,
 }
 
-/// Number, time, size, state, energy defect, α's and outcome of a step.
+/// Place of an event in the list of events, time, and (q, p).
+type Found<'py> = (usize, f64, Bound<'py, PyArray1<f64>>);
+
+/// Number, time, size, state, energy error, α and outcome of a step, and its events.
 type Made<'py> = (
     u64,
     f64,
@@ -104,6 +102,7 @@ type Made<'py> = (
     Option<f64>,
     Bound<'py, PyArray1<f64>>,
     &'static str,
+    Vec<Found<'py>>,
 );
 
 impl Steps {
@@ -142,6 +141,7 @@ impl Steps {
     ) -> PyResult<Self> {
         let deviations = whole(&system.hamiltonian, &deviations);
         let hamiltonian = system.hamiltonian.clone();
+        let events = options.events();
         let run = options.with::<f64, _>(Start {
             py,
             is_large: system.is_large(),
@@ -150,6 +150,7 @@ impl Steps {
             p,
             t,
             deviations,
+            events,
         })?;
         Ok(Steps {
             run: Arc::new(Mutex::new(run?)),
@@ -187,17 +188,25 @@ impl Steps {
         let alphas = view.alphas.to_vec().into_pyarray(py);
         let outcome = view.outcome.label();
         let defect = view.energy_defect;
-        Ok((view.index, view.time, view.step, y, defect, alphas, outcome))
+        let event = |e: &Occurrence<f64>| {
+            let y = [e.q.as_slice(), &e.p].concat().into_pyarray(py);
+            (e.event, e.time, y)
+        };
+        let events = run.found.iter().map(event).collect();
+        let (index, time, step) = (view.index, view.time, view.step);
+        Ok((index, time, step, y, defect, alphas, outcome, events))
     }
 
     fn restart(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>, t: f64) -> PyResult<()> {
         let mut run = self.run(py)?;
+        run.found.clear();
         let begun = each!(&mut run.stepper, s => s.restart(&q, &p, t));
         begun.map_err(|error| of_run(&error))
     }
 
     fn set_state(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>) -> PyResult<()> {
         let mut run = self.run(py)?;
+        run.found.clear();
         let set = each!(&mut run.stepper, s => s.set_state(&q, &p));
         set.map_err(|error| of_run(&error))
     }
@@ -243,6 +252,7 @@ struct Start<'py> {
     p: Vec<f64>,
     t: f64,
     deviations: Vec<f64>,
+    events: Vec<Event<f64>>,
 }
 
 impl Start<'_> {
@@ -258,17 +268,26 @@ impl Start<'_> {
             p,
             t,
             deviations,
+            events,
             ..
         } = self;
         let begin = move || {
             let mut stepper = sized(integrator.start(&hamiltonian, &q, &p, t)?);
             let tangent = (!deviations.is_empty())
                 .then(|| each!(&mut stepper, s => TangentMap::new(&hamiltonian, s)));
+            let events = match events.is_empty() {
+                true => None,
+                false => {
+                    Some(each!(&mut stepper, s => StepEvents::new(&hamiltonian, s, &events))?)
+                }
+            };
             Ok(Run {
                 hamiltonian,
                 stepper,
                 tangent,
                 deviations,
+                events,
+                found: Vec::new(),
             })
         };
         let run = if self.is_large {

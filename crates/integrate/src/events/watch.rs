@@ -49,6 +49,11 @@ impl<T: Float> EventWatch<T> {
         self.start = time;
     }
 
+    /// The run goes this way from here on.
+    pub(crate) fn go(&mut self, direction: TimeDirection) {
+        self.direction = direction;
+    }
+
     /// Appends what happens in `piece` to `occurrences`. Returns the place in it where an event ends the run,
     /// or changes its state.
     pub(crate) fn see(

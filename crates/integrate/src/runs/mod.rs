@@ -2,8 +2,6 @@
 
 pub(crate) mod chaos_watch;
 pub(crate) mod dense_watch;
-#[cfg(feature = "rayon")]
-pub(crate) mod drawn;
 pub(crate) mod drive;
 #[cfg(feature = "rayon")]
 pub(crate) mod ensemble;
@@ -12,4 +10,5 @@ pub(crate) mod observer;
 pub(crate) mod outputs;
 pub(crate) mod prepared;
 pub(crate) mod run;
+pub(crate) mod step_events;
 pub(crate) mod suggest;

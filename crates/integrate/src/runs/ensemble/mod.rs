@@ -1,0 +1,4 @@
+//! Runs from many starts: where they start, and all of them in parallel.
+
+pub(crate) mod drawn;
+pub(crate) mod starts;

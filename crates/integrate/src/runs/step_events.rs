@@ -1,0 +1,119 @@
+//! [`StepEvents`]: events of a run that is made one step at a time.
+
+use crate::dense::refine::Refiner;
+use crate::error::IntegrateError;
+use crate::events::watch::EventWatch;
+use crate::options::event::{Event, Occurrence};
+use crate::steppers::sizes::Advance;
+use equip_autodiff::{Evaluate, System};
+use equip_scalar::Float;
+use std::ops::ControlFlow;
+
+/// The events along a run whose steps the caller makes.
+///
+/// ```
+/// use equip_autodiff::Hamiltonian;
+/// use equip_integrate::{Equip, Event, StepEvents};
+/// use std::ops::ControlFlow;
+///
+/// // A ball above a floor, which reverses its momentum.
+/// let ball = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] + q[0])?;
+/// let floor = Event::new("floor", |_, q: &[f64], _| q[0]).falling().then(|_, _, p| {
+///     p[0] = -p[0];
+///     ControlFlow::Continue(())
+/// });
+/// let mut run = Equip::stages(2).step(0.25).start(&ball, &[0.5], &[0.0], 0.0)?;
+/// let mut events = StepEvents::new(&ball, &mut run, &[floor])?;
+/// let mut bounces = Vec::new();
+/// while run.time() < 10.0 {
+///     run.advance()?;
+///     bounces.extend(events.find(&mut run)?.iter().map(|bounce| bounce.time));
+/// }
+/// assert_eq!(bounces.len(), 5);
+/// assert!(bounces.iter().zip([1.0, 3.0, 5.0, 7.0, 9.0]).all(|(t, exact)| (t - exact).abs() < 1e-13));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct StepEvents<T: Float, E> {
+    refiner: Refiner<T, E>,
+    events: EventWatch<T>,
+    found: Vec<Occurrence<T>>,
+    /// Number and end of the last step seen, and the part of that time that is lost to rounding.
+    seen: (u64, T, T),
+}
+
+impl<T: Float, E: Evaluate<T>> StepEvents<T, E> {
+    /// Finds the roots of `events` from the next step of `run` on, which is made of the same `system`.
+    ///
+    /// # Errors
+    /// When the tables of the polynomial of a step cannot be made.
+    pub fn new<H: System<Evaluator<T> = E>>(
+        system: &H,
+        run: &mut impl Advance<T, E>,
+        events: &[Event<T>],
+    ) -> Result<Self, IntegrateError<T>> {
+        let low = run.time_low();
+        let stepper = run.inner_mut();
+        stepper.core.keep_parts();
+        let from = (stepper.time(), stepper.direction);
+        Ok(StepEvents {
+            refiner: Refiner::new(system, stepper.core.gauss())?,
+            events: EventWatch::new(events, 2 * stepper.m, from),
+            found: Vec::new(),
+            seen: (stepper.index, stepper.time(), low),
+        })
+    }
+
+    /// The events within the step that `run` made last, in the order in which the run passes them. None is
+    /// found beyond the first that is terminal or changes the state. The latter puts the run at the changed
+    /// state, at the time of the event; where it breaks the run stays at the end of its step.
+    ///
+    /// # Errors
+    /// [`IntegrateError::StepsNotFollowed`] if the run has made several steps since the last call,
+    /// [`IntegrateError::EventTooRough`] if a function changes sign more often than rounding resolves, and
+    /// faults of a changed state.
+    pub fn find(
+        &mut self,
+        run: &mut impl Advance<T, E>,
+    ) -> Result<&[Occurrence<T>], IntegrateError<T>> {
+        self.found.clear();
+        let (index, end, low) = self.seen;
+        let made = run.inner().index;
+        let steps = made.checked_sub(index).unwrap_or(made);
+        let stepper = run.inner();
+        let parts = stepper.parts();
+        match steps {
+            0 => return Ok(&self.found),
+            1 => {}
+            _ => return Err(IntegrateError::StepsNotFollowed { steps }),
+        }
+        self.events.go(stepper.direction);
+        let mut time_low = low;
+        // A run that was restarted begins anew.
+        if let Some(first) = parts.first().filter(|part| part.time != end) {
+            self.events.begin(first.time);
+            time_low = T::int(0);
+        }
+        let mut changed = None;
+        for (i, part) in parts.iter().enumerate() {
+            let end = parts.get(i + 1).map_or(&stepper.y, |next| &next.start);
+            let part = (stepper.core.gauss(), part);
+            let (piece, _) = self.refiner.refine(part, time_low, end);
+            if let Some(place) = self.events.see(&piece, &mut self.found)? {
+                let mut y = vec![T::int(0); 2 * stepper.m];
+                piece.state_at(place, &mut y);
+                changed = self.events.action().map(|action| (action, piece.time_at(place), y));
+                break;
+            }
+        }
+        if let Some((action, time, mut y)) = changed {
+            let (q, p) = y.split_at_mut(stepper.m);
+            if action(time, q, p) == ControlFlow::Continue(()) {
+                run.kick((q, p), time)?;
+                self.events.begin(time);
+            }
+        }
+        self.seen = (made, run.inner().time(), run.time_low());
+        Ok(&self.found)
+    }
+}
