@@ -244,6 +244,49 @@ def test_executors_have_submit(kepler, wrong):
         equip.ensemble(kepler, *starts(3), (0, 1), executor=wrong)
 
 
+def apsis(t, q, p):
+    return q @ p
+
+
+def seen(sol):
+    return sol.t, sol.q, sol.t_events[0], sol.sol(3.0), sol.t_low
+
+
+@pytest.mark.parametrize("precision", ["f64", "dd"])
+def test_outputs_of_runs_with_times_events_and_dense_output(kepler, pool, precision):
+    q0, p0 = starts(3)
+    more = {"t_eval": [0.5, 2.0, 9.0], "dense_output": True, "events": apsis, "precision": precision}
+    more["tolerance"] = 1e-9
+    here = equip.ensemble(kepler, q0, p0, (0, 10), output=seen, threads=2, **more)
+    there = equip.ensemble(kepler, q0, p0, (0, 10), output=seen, executor=pool, chunk=2, **more)
+    for i in range(3):
+        alone = equip.solve(kepler, q0[i], p0[i], (0, 10), **more)
+        for ends in (here, there):
+            assert ends.t[i] == 10 and np.array_equal(ends.q[i], there.q[i])
+            for got, wanted in zip(ends.outputs[i], seen(alone)):
+                assert np.array_equal(got, wanted)
+        assert len(alone.t_events[0]) >= 2
+    with pytest.raises(ValueError, match="give output"):
+        equip.ensemble(kepler, q0, p0, (0, 10), t_eval=[1.0])
+
+
+def test_billiards_in_an_ensemble():
+    def wall(t, q, p):
+        return 1 - q[0] ** 2
+
+    wall.direction = -1
+    wall.then = lambda t, q, p: (q, -p)
+    free = equip.Hamiltonian(lambda q, p: p[0] ** 2 / 2, shape=1)
+    momenta = np.array([[0.7], [1.9]])
+    ends = equip.ensemble(
+        free, np.zeros((2, 1)), momenta, (0, 20), events=wall, output=lambda sol: len(sol.t_events[0]), step=0.1
+    )
+    assert ends.outputs == (7, 19)
+    # Unfolded, the path is a straight line.
+    unfolded = (momenta * 20 + 1) % 4
+    assert np.allclose(ends.q, np.where(unfolded < 2, unfolded, 4 - unfolded) - 1, atol=1e-12)
+
+
 @pytest.mark.parametrize("output", [lambda sol: sol.t, outside])
 def test_outputs_that_cannot_be_sent(kepler, pool, output):
     with pytest.raises(

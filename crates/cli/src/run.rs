@@ -23,7 +23,7 @@ use crate::write::lock::Claim;
 use crate::write::outputs::ordinary;
 use comparison::Comparison;
 use curve::curve;
-use equip_integrate::{Checkpoint, Invariant, Method, Reach, Record, Target};
+use equip_integrate::{Checkpoint, Gauss, Invariant, Method, Reach, Target};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
 use finished::{EndError, Finished, end_error};
@@ -51,13 +51,9 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         None => h,
         Some(text) => step_for(target_error(text)?, instance, method, end)?,
     };
-    let mut integrator = match &args.stepping.tolerance {
-        None => Integrator::Fixed(method.step(h).record(Record::Ends)),
-        Some(text) => {
-            let tolerance = number::<T>("--tolerance", text)?;
-            Integrator::Variable(method.tolerance(tolerance).record(Record::Ends))
-        }
-    };
+    let tolerance = args.tolerance().map(|text| number::<T>("--tolerance", text));
+    let tolerance = tolerance.transpose()?;
+    let mut integrator = Integrator::new(method, tolerance, h);
     integrator = integrator.reach(match args.reach {
         ReachName::WithinError => Reach::WithinError,
         ReachName::Always => Reach::Always,
@@ -79,12 +75,12 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     };
     let steps = (end / h).abs().to_f64().ceil() as u64;
     // How many steps a tolerance will take is not known.
-    let shown = !args.quiet && args.stepping.tolerance.is_none();
+    let shown = !args.quiet && tolerance.is_none();
     let progress = Progress::new("integrating", steps, shown);
     let mut watch = Watch::new((&q0, &p0), end, Picture::new(components), progress);
     watch.plot.clone_from(&args.plot);
     watch.follows_chaos = args.lyapunov;
-    watch.grid = args.stepping.tolerance.is_none().then_some(h);
+    watch.grid = tolerance.is_none().then_some(h);
     watch.out =
         (args.out.clone()).map(|path| (path, Mark::new(q0.len(), args.every, args.lyapunov)));
     let (mut from, mut claim) = (None, None);
@@ -123,7 +119,8 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         run,
         error,
     };
-    picture(args, h, integrator, &finished, &mut watch)?;
+    let gauss = Integrator::new(Gauss::stages(args.stepping.stages), tolerance, h);
+    picture(args, [integrator, gauss], &finished, &mut watch)?;
     drop(watch);
     drop(claim);
     report(args, &finished)?;
@@ -217,8 +214,7 @@ fn resume<T: Float>(
 /// Draws the finished run into the file made for it, if there is one.
 fn picture<T: Float>(
     args: &RunArgs,
-    h: T,
-    integrator: Integrator<T>,
+    [integrator, gauss]: [Integrator<T>; 2],
     finished: &Finished<'_, T>,
     watch: &mut Watch<'_, T>,
 ) -> Result<(), Fault> {
@@ -226,13 +222,13 @@ fn picture<T: Float>(
         return Ok(());
     };
     let compare = !args.no_compare
-        && args.stepping.tolerance.is_none()
         && args.stepping.method != MethodName::Gauss
         && signals::caught().is_none();
     let comparison = compare.then(|| {
-        let progress = Progress::new("Gauss for comparison", watch.progress.steps(), !args.quiet);
+        let shown = !args.quiet && args.tolerance().is_none();
+        let progress = Progress::new("Gauss for comparison", watch.progress.steps(), shown);
         let end = finished.run.certificate().end;
-        Comparison::new(args.stepping.stages, h, finished.instance, end, progress)
+        Comparison::new(&gauss, finished.instance, end, progress)
     });
     let curve = curve(
         integrator,

@@ -35,7 +35,7 @@ class Change:
     """What an event does to the state: called by the native part, in the thread that makes the steps."""
 
     def __init__(self, function: Callable[..., Any], shape: Shape, name: str) -> None:
-        self._function, self._shape, self._name = function, shape, name
+        self._function, self._shape, self.name = function, shape, name
         #: What the function raised, which ends the run.
         self.raised: Optional[BaseException] = None
 
@@ -43,7 +43,7 @@ class Change:
         try:
             found = self._function(t, q.reshape(self._shape), p.reshape(self._shape))
             if not isinstance(found, tuple) or len(found) != 2:
-                raise TypeError(f"then of {self._name} must return (q, p); it returned {found!r:.60}")
+                raise TypeError(f"then of {self.name} must return (q, p); it returned {found!r:.60}")
             return self._flat(found[0], "q"), self._flat(found[1], "p")
         except BaseException as error:
             self.raised = error
@@ -54,7 +54,7 @@ class Change:
         array = np.asarray(x, dtype=float)
         if array.shape != self._shape:
             raise ValueError(
-                f"then of {self._name} returned {name} of shape {array.shape}; it must have {self._shape}"
+                f"then of {self.name} returned {name} of shape {array.shape}; it must have {self._shape}"
             )
         return np.ascontiguousarray(array.ravel())
 
@@ -95,3 +95,11 @@ def events_of(events: Union[None, Event, Sequence[Event]], shape: Shape) -> list
 def changes_of(events: list[tuple[Any, ...]]) -> list[Change]:
     """Those of the events that change the state."""
     return [event[4] for event in events if event[4] is not None]
+
+
+def raise_of(changes: Sequence[Change]) -> None:
+    """Raises what one of these functions has raised, once."""
+    for change in changes:
+        raised, change.raised = change.raised, None
+        if raised is not None:
+            raise raised

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _native
 from ._certificate import Certificate
-from ._events import Event, changes_of, events_of
+from ._events import Event, changes_of, events_of, raise_of
 from ._hamiltonian import Function, Hamiltonian, of_recording, recorded_quantity
 from ._methods import Equip, Method, Reversible, chosen, method_options
 from ._numbers import Floats, Shape, number, pair, pairs, refuse_units, state, truth, whole
@@ -280,20 +280,13 @@ def solve(
         chaos=chaos,
     )
     every = _record(record)
-    at_times = t_eval is not None
-    if at_times:
-        high, low = pairs(t_eval, "t_eval")
-        if high.ndim > 1:
-            raise ValueError(f"t_eval has shape {high.shape}; it must have one axis: ascending times")
-        given["t_eval"] = (high.ravel().tolist(), low.ravel().tolist())
+    at_times = outputs(h, given, t_eval, dense_output, events, precision)
     given["record"] = 0 if at_times else every
-    given["dense"] = truth(dense_output, "dense_output")
-    given["events"] = events_of(events, h.shape)
     changes = changes_of(given["events"])
-    if changes and (precision == "dd" or chaos or checkpoint is not None):
+    if changes and checkpoint is not None:
         raise ValueError(
-            "events that change the state are not available with precision='dd', chaos=True or checkpoint: "
-            "leave these out, or end the run by a terminal event and start again"
+            "events that change the state are not available with checkpoint: leave it out, or end the run by a "
+            "terminal event and start again"
         )
     start, end = interval_of(span)
     interval = (state(q0, h.shape, "q0"), state(p0, h.shape, "p0"), start, end)
@@ -308,11 +301,28 @@ def solve(
         found = _native.solve(h._recorded, interval, given, precision, show, kept)
         if show is not None:
             show(found["certificate"]["end"])
-    for change in changes:
-        if change.raised is not None:
-            raise change.raised
+    raise_of(changes)
     _check_end(found, path, start[0], end[0])
     return solution(h, found, given, at_times)
+
+
+def outputs(
+    h: Hamiltonian, given: dict[str, Any], t_eval: Any, dense_output: bool, events: Any, precision: str
+) -> bool:
+    """Adds the outputs of a run to its options; whether there are times for its states."""
+    if t_eval is not None:
+        high, low = pairs(t_eval, "t_eval")
+        if high.ndim > 1:
+            raise ValueError(f"t_eval has shape {high.shape}; it must have one axis: ascending times")
+        given["t_eval"] = (high.ravel().tolist(), low.ravel().tolist())
+    given["dense"] = truth(dense_output, "dense_output")
+    given["events"] = events_of(events, h.shape)
+    if changes_of(given["events"]) and (precision == "dd" or given["chaos"]):
+        raise ValueError(
+            "events that change the state are not available with precision='dd' or chaos=True: leave these "
+            "out, or end the run by a terminal event and start again"
+        )
+    return t_eval is not None
 
 
 @contextmanager

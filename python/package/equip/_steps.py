@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _native
 from ._certificate import Certificate
-from ._events import Change, Event, changes_of, events_of
+from ._events import Change, Event, changes_of, events_of, raise_of
 from ._hamiltonian import Function, Hamiltonian
 from ._methods import Equip, Method, Reversible
 from ._numbers import Floats, Shape, number, state
@@ -85,10 +85,7 @@ class Steps:
 
     def _made(self) -> Step:
         """The step made last, unless a function of the user has raised an exception."""
-        for change in self._changes:
-            if change.raised is not None:
-                raised, change.raised = change.raised, None
-                raise raised
+        raise_of(self._changes)
         return self.last
 
     @property

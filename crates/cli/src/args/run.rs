@@ -99,6 +99,19 @@ pub(crate) struct RunArgs {
     pub(crate) quiet: bool,
 }
 
+impl RunArgs {
+    /// The tolerance, unless the steps are fixed.
+    pub(crate) fn tolerance(&self) -> Option<&str> {
+        let is_fixed = self.stepping.step.is_some()
+            || self.steps_per_period.is_some()
+            || self.target_error.is_some();
+        match &self.stepping.tolerance {
+            Some(text) => Some(text),
+            None => (!is_fixed).then(|| self.precision.tolerance()),
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ReachName {
     WithinError,
@@ -110,4 +123,14 @@ pub(crate) enum ReachName {
 pub(crate) enum Precision {
     F64,
     Dd,
+}
+
+impl Precision {
+    /// The tolerance of a run for which no step is given.
+    fn tolerance(self) -> &'static str {
+        match self {
+            Precision::F64 => "1e-12",
+            Precision::Dd => "1e-24",
+        }
+    }
 }

@@ -31,13 +31,13 @@ impl Problem {
 pub(crate) struct Stepping {
     /// Stages s: the order is 2s, the cost of a step grows like s², or s³ where
     /// Newton's method makes it
-    #[arg(long, short, default_value_t = 4, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
+    #[arg(long, short, default_value_t = 8, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
     /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not
     /// given)
     #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
     pub(crate) method: MethodName,
-    /// Step, positive or, back in time, negative; the scene's suggestion if not given
+    /// Fixed step, positive or, back in time, negative
     #[arg(
         long,
         value_name = "H",
@@ -45,7 +45,8 @@ pub(crate) struct Stepping {
         help_heading = "Method"
     )]
     pub(crate) step: Option<String>,
-    /// Variable steps that follow this tolerance, in place of a fixed step
+    /// Variable steps whose local error relative to the change over the step is at most TOL; 1e-12 if no step
+    /// is given either (1e-24 in double-double)
     #[arg(
         long,
         value_name = "TOL",

@@ -94,10 +94,8 @@ fn asked(args: &EnsembleArgs, instance: &Instance) -> Result<(Head, Integrator<f
         None => Ok(None),
     };
     let tolerance = read("--tolerance", &args.stepping.tolerance)?;
-    let step = match (read("--step", &args.stepping.step)?, tolerance) {
-        (None, None) => Some(instance.suggested_step()),
-        (step, _) => step,
-    };
+    let step = read("--step", &args.stepping.step)?;
+    let tolerance = tolerance.or(step.is_none().then_some(1e-12));
     let until = read("--until", &args.span.until)?;
     let periods = read("--periods", &args.span.periods)?.map(|p| p * instance.period::<f64>());
     let until = until.or(periods).unwrap_or(instance.suggested_end());

@@ -49,11 +49,6 @@ fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
         ),
         (
             "--no-compare",
-            args.no_compare && args.plot.is_some() && args.stepping.tolerance.is_some(),
-            "variable steps are drawn without Gauss",
-        ),
-        (
-            "--no-compare",
             args.no_compare && args.plot.is_some() && args.stepping.method == MethodName::Gauss,
             "Gauss is not drawn beside itself",
         ),

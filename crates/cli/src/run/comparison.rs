@@ -1,9 +1,10 @@
-//! The Gauss method on the steps of a run, to be drawn beside it.
+//! The Gauss method with the steps or the tolerance of a run, drawn for comparison.
 
 use crate::draw::samples::Envelope;
+use crate::run::integrator::Integrator;
 use crate::run::progress::Progress;
 use crate::run::signals;
-use equip_integrate::{Gauss, Record, StepView};
+use equip_integrate::StepView;
 use equip_scalar::Float;
 use equip_scenes::Instance;
 use std::ops::ControlFlow;
@@ -17,16 +18,14 @@ pub(crate) struct Comparison {
 }
 
 impl Comparison {
-    /// Integrates `instance` with steps `h` until `end`, or as far as it gets.
+    /// Integrates `instance` by Gauss until `end`, or as far as it gets.
     pub(crate) fn new<T: Float>(
-        stages: usize,
-        h: T,
+        gauss: &Integrator<T>,
         instance: &Instance,
         end: T,
         mut progress: Progress,
     ) -> Self {
         let mut energy = Envelope::default();
-        let (q0, p0) = instance.initial::<T>();
         let mut see = |view: &StepView<'_, T>| {
             progress.see(view.index);
             if let Some(defect) = view.energy_defect {
@@ -37,10 +36,7 @@ impl Comparison {
                 Some(_) => ControlFlow::Break(()),
             }
         };
-        let made = Gauss::stages(stages)
-            .step(h)
-            .record(Record::Ends)
-            .integrate_observed(instance.hamiltonian(), &q0, &p0, T::int(0)..=end, &mut see);
+        let made = gauss.integrate(instance, None, end, &mut see);
         Comparison {
             energy,
             complete: made.is_ok_and(|run| !run.stopped()),

@@ -2,7 +2,7 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    Adaptive, Checkpoint, FixedStep, IntegrateError, Invariant, Observer, Reach, Record, Run,
+    Adaptive, Checkpoint, FixedStep, IntegrateError, Invariant, Method, Observer, Reach, Record, Run,
     RunFailure, Starts,
 };
 use equip_scalar::Float;
@@ -15,6 +15,16 @@ pub(crate) enum Integrator<T: Float> {
 }
 
 impl<T: Float> Integrator<T> {
+    /// Of `method`, with this tolerance or else this fixed step.
+    pub(crate) fn new(method: Method, tolerance: Option<T>, step: T) -> Self {
+        match tolerance {
+            Some(tolerance) => {
+                Integrator::Variable(method.tolerance(tolerance).record(Record::Ends))
+            }
+            None => Integrator::Fixed(method.step(step).record(Record::Ends)),
+        }
+    }
+
     pub(crate) fn reach(self, choice: Reach) -> Self {
         match self {
             Integrator::Fixed(x) => Integrator::Fixed(x.reach(choice)),

@@ -11,6 +11,7 @@ from typing import Any, Optional
 import numpy as np
 
 from .. import _native
+from .._events import Change
 from .._files import Path
 from .._hamiltonian import Hamiltonian
 from .._numbers import Floats
@@ -103,7 +104,7 @@ def digest_of(task: Task, q: Floats, p: Floats) -> str:
     """Of all that the rows depend on; threads and chunks are not among it."""
     import hashlib
 
-    text = repr((task.times, q.shape, sorted((name, _plain(x)) for name, x in task.given.items())))
+    text = repr((task.times, task.precision, q.shape, sorted((name, _plain(x)) for name, x in task.given.items())))
     parts = (task.h.to_bytes(), q.tobytes(), p.tobytes(), text.encode())
     return hashlib.sha256(b"".join(len(part).to_bytes(8, "little") + part for part in parts)).hexdigest()
 
@@ -112,6 +113,8 @@ def _plain(x: Any) -> Any:
     """An option as words and numbers whose text has all of their digits."""
     if isinstance(x, Hamiltonian):
         return x.to_bytes().hex()
+    if isinstance(x, Change):
+        return x.name
     if isinstance(x, np.ndarray):
         return x.shape, x.tobytes().hex()
     if isinstance(x, dict):

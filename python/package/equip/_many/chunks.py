@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _native
+from .._events import changes_of, raise_of
 from .._hamiltonian import Hamiltonian
 from .._numbers import Floats
 from .._solution import Solution
@@ -55,6 +56,7 @@ class Task:
     h: Hamiltonian
     times: tuple[float, float]
     given: dict[str, Any]
+    precision: str
     threads: int
     output: Optional[Callable[[Solution], Any]]
 
@@ -62,7 +64,8 @@ class Task:
 def chunk_of(task: Task, q: Floats, p: Floats, show: Show = None) -> Ensemble:
     """The rows of these starts: a function of its arguments alone, but for whom it tells of its progress."""
     keep = [(name, quantity._recorded) for name, quantity in task.given["keep"].items()]
-    given = {**task.given, "keep": keep}
+    events = [(name, event._recorded, *rest) for name, event, *rest in task.given["events"]]
+    given = {**task.given, "keep": keep, "events": events}
     reversible = given["reversible"]
     if reversible is not None and reversible[1] is not None:
         given["reversible"] = (reversible[0], reversible[1]._recorded, reversible[2])
@@ -82,20 +85,22 @@ def _with_outputs(
 ) -> Ensemble:
     """The rows of these starts, and what a function makes of each run."""
     h, times, (q, p) = task.h, task.times, starts
+    changes, at_times = changes_of(given["events"]), bool(given["t_eval"][0])
+    whole = {**given, "record": 0 if at_times else 1}
 
     def one(i: int) -> tuple[Ensemble, Any]:
         zeros = [0.0] * h.degrees_of_freedom
         start = (q[i].ravel().tolist(), zeros), (p[i].ravel().tolist(), zeros)
-        whole = {**given, "record": 1}
         interval = (*start, (times[0], 0.0), (times[1], 0.0))
         try:
-            found = _native.solve(h._recorded, interval, whole, "f64", None)
+            found = _native.solve(h._recorded, interval, whole, task.precision, None)
         except (ValueError, _native.IntegrationError) as error:
             return missing(1, h.shape, str(error)), None
         if found["fault"] is not None:
             return missing(1, h.shape, found["fault"]), None
+        raise_of(changes)
         sol = solution(h, found, whole, False)
-        return row_of(sol), output(sol)
+        return row_of(sol), output(solution(h, found, whole, True) if at_times else sol)
 
     from concurrent.futures import ThreadPoolExecutor
 

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from typing import Any, Optional, Union
+from typing import Any, Literal, Optional, Union
 
 import numpy as np
 
 from .. import _native
+from .._events import Event
 from .._files import Path
 from .._hamiltonian import Function, Hamiltonian, of_recording
 from .._methods import Equip, Method, Reversible
 from .._numbers import whole
 from .._solution import Solution
-from .._solve import interval_of, options
+from .._solve import interval_of, options, outputs
 from .._terminate import terminating
 from .checkpoint import Checkpoint, check_resume, digest_of
 from .chunks import Executor, Task, check_executor, made_elsewhere, made_here
@@ -33,6 +34,10 @@ def ensemble(
     seed: Optional[int] = None,
     spread: float = 0.01,
     output: Optional[Callable[[Solution], Any]] = None,
+    t_eval: Any = None,
+    dense_output: bool = False,
+    events: Union[None, Event, Sequence[Event]] = None,
+    precision: Literal["f64", "dd"] = "f64",
     method: Method = Equip(stages=8),
     step: Union[None, float, Reversible] = None,
     tolerance: Optional[float] = None,
@@ -72,6 +77,9 @@ def ensemble(
         A function of each run that succeeds, as a `Solution` with all its steps; `Ensemble.outputs` has what
         it returns, and what it raises ends the ensemble. It is called in threads, and travels with the chunks
         to an executor; each run is then made ready anew, and Ctrl-C waits for those that are under way.
+    t_eval, dense_output, events, precision
+        What the `Solution` that `output` is given has, as in `equip.solve`; with "dd" it is of a run in
+        double-double. They are refused without `output`.
     method
         `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
     step, tolerance
@@ -138,6 +146,7 @@ def ensemble(
         method,
         step,
         tolerance,
+        precision,
         first_step=first_step,
         min_step=min_step,
         max_step=max_step,
@@ -149,6 +158,12 @@ def ensemble(
         chaos=chaos,
     )
     given["record"] = 0
+    at_times = outputs(h, given, t_eval, dense_output, events, precision)
+    if output is None and (at_times or dense_output or events is not None or precision == "dd"):
+        raise ValueError(
+            "t_eval, dense_output, events and precision are for the Solution that output is given: give "
+            "output, a function of a Solution"
+        )
     if n is not None:
         q0, p0 = draw_starts(q0, p0, n, seed=0 if seed is None else seed, spread=spread)
     elif seed is not None:
@@ -169,10 +184,11 @@ def ensemble(
         raise ValueError(
             "checkpoint has the rows of its own runs: leave out resume and output, or checkpoint"
         )
-    # Faults of the options are found here.
-    _native.ensemble(h._recorded, [], [], times, given, 1, None)
+    # Faults of the options are found here; in double-double every run finds them.
+    if precision == "f64":
+        _native.ensemble(h._recorded, [], [], times, given, 1, None)
     at_once = min(workers, max(len(q), 1)) if executor is None or threads is not None else 1
-    task = _task(h, times, given, at_once, output)
+    task = _task(h, times, given, precision, at_once, output)
     digest = digest_of(task, q, p)
     if resume is not None:
         check_resume(resume, digest, q.shape, times[1])
@@ -206,6 +222,7 @@ def _task(
     h: Hamiltonian,
     times: tuple[float, float],
     given: dict[str, Any],
+    precision: str,
     threads: int,
     output: Optional[Callable[[Solution], Any]],
 ) -> Task:
@@ -214,7 +231,9 @@ def _task(
     sizes = given["reversible"]
     if sizes is not None and sizes[1] is not None:
         sizes = (sizes[0], of_recording(sizes[1], h.shape), sizes[2])
-    return Task(h, times, {**given, "keep": keep, "reversible": sizes}, threads, output)
+    events = [(name, of_recording(f, h.shape), *rest) for name, f, *rest in given["events"]]
+    every = {**given, "keep": keep, "reversible": sizes, "events": events}
+    return Task(h, times, every, precision, threads, output)
 
 
 @contextmanager
