@@ -67,8 +67,7 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         self.iterate.components()
     }
 
-    /// Takes the linearised stage equations of `part`. Costs s Hessians.
-    pub fn linearise(&mut self, part: &Part<T>) {
+    pub(crate) fn make(&mut self, part: &Part<T>) {
         self.gauss.skew_into(&part.alphas, &mut self.k);
         self.start.copy_from(&part.start);
         self.h = part.h;
@@ -82,11 +81,7 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         self.is_made = false;
     }
 
-    /// Carries `deviation`, n components, over the part that has been linearised.
-    ///
-    /// # Errors
-    /// [`Failure::NotFinite`] or [`Failure::Singular`] if the linearised stages cannot be solved for.
-    pub fn carry(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
+    pub(crate) fn propagate(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
         if !self.is_finite {
             return Err(Failure::NotFinite);
         }

@@ -23,7 +23,6 @@ use std::hint::black_box;
 /// mix_stages(InstructionSet::best(), &k, &[10.0, 1.0], &mut z, 2, 2);
 /// assert_eq!(z, [6.0, 34.0]);
 /// ```
-#[inline(always)]
 pub fn mix_stages<T: Float>(
     set: InstructionSet,
     k: &[T],
@@ -36,9 +35,40 @@ pub fn mix_stages<T: Float>(
         l.len() == z.len() && stages > 0 && stages <= stride && k.len() >= stages * stride,
         "K has {stages} columns of {stride} places, L and Z as many places as each other"
     );
-    let k = &k[..stages * stride];
-    if !T::IS_DOUBLE {
-        return set.run(&mut MixPacks {
+    (ready::<T>().mix)(set, [&k[..stages * stride], l], z, [stages, stride]);
+}
+
+/// The function, compiled once with this crate for `f64` and double-double.
+pub(crate) struct Ready<T: Float> {
+    #[expect(clippy::type_complexity, reason = "the signature is what it is")]
+    mix: fn(InstructionSet, [&[T]; 2], &mut [T], [usize; 2]),
+}
+
+impl<T: Float> Ready<T> {
+    const HERE: Self = Ready { mix };
+}
+
+crate::ready!(Ready);
+
+fn mix<T: Float>(
+    set: InstructionSet,
+    [k, l]: [&[T]; 2],
+    z: &mut [T],
+    [stages, stride]: [usize; 2],
+) {
+    if const { T::IS_DOUBLE } {
+        let doubles = (T::as_doubles(k), T::as_doubles(l), T::as_doubles_mut(z));
+        if let (Some(k), Some(l), Some(z)) = doubles {
+            set.run(&mut Mix {
+                k,
+                l,
+                z,
+                stages,
+                stride,
+            });
+        }
+    } else {
+        set.run(&mut MixPacks {
             k,
             l,
             z,
@@ -46,24 +76,6 @@ pub fn mix_stages<T: Float>(
             stride,
         });
     }
-    if let (Some(k), Some(l), Some(z)) = (T::as_doubles(k), T::as_doubles(l), T::as_doubles_mut(z))
-    {
-        of_doubles(
-            set,
-            Mix {
-                k,
-                l,
-                z,
-                stages,
-                stride,
-            },
-        );
-    }
-}
-
-/// Compiled with this crate.
-fn of_doubles(set: InstructionSet, mut task: Mix) {
-    set.run(&mut task);
 }
 
 /// One component after the other, in floats that are not `f64`.

@@ -1,9 +1,11 @@
-//! What is compiled once, with this crate: the step of recorded energies, in `f64` and double-double
+//! What is compiled once, with this crate: the step of recorded energies and its tangent map, in `f64` and double-double
 //! ([`equip_scalar::ready!`]). The step of an energy that is a type is compiled with that.
 
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
+use crate::outcome::parts::Part;
 use crate::step::core::Core;
+use crate::step_tangent::StepTangent;
 use equip_autodiff::{Evaluate, Holds, RecordedEvaluator};
 use equip_scalar::Float;
 use equip_sweeps::State;
@@ -18,12 +20,16 @@ type Recorded<T> = Core<T, RecordedEvaluator<T>>;
 struct Ready<T: Float> {
     step: fn(&mut Recorded<T>, (&State<T>, T, T), &mut State<T>) -> Result<Outcome, Failure<T>>,
     complete: fn(&mut Recorded<T>, (&State<T>, T, T), &mut State<T>) -> Result<Outcome, Failure<T>>,
+    linearise: fn(&mut StepTangent<T, RecordedEvaluator<T>>, &Part<T>),
+    propagate: fn(&mut StepTangent<T, RecordedEvaluator<T>>, &mut [T]) -> Result<(), Failure<T>>,
 }
 
 impl<T: Float> Ready<T> {
     const HERE: Self = Ready {
         step: Core::make,
         complete: Core::make_complete,
+        linearise: StepTangent::make,
+        propagate: StepTangent::propagate,
     };
 }
 
@@ -34,6 +40,36 @@ struct InCore<T>(PhantomData<T>);
 
 impl<'a, T: Float> Holds<'a> for InCore<T> {
     type With<E: 'a> = &'a mut Core<T, E>;
+}
+
+/// A tangent map with an evaluator of any type.
+struct InTangent<T>(PhantomData<T>);
+
+impl<'a, T: Float> Holds<'a> for InTangent<T> {
+    type With<E: 'a> = &'a mut StepTangent<T, E>;
+}
+
+impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
+    /// Takes the linearised stage equations of `part`. Costs s Hessians.
+    pub fn linearise(&mut self, part: &Part<T>) {
+        if const { E::IS_RECORDED } {
+            (ready::<T>().linearise)(E::recorded::<InTangent<T>>(self), part);
+        } else {
+            self.make(part);
+        }
+    }
+
+    /// Carries `deviation`, n components, over the part that has been linearised.
+    ///
+    /// # Errors
+    /// [`Failure::NotFinite`] or [`Failure::Singular`] if the linearised stages cannot be solved for.
+    pub fn carry(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
+        if const { E::IS_RECORDED } {
+            (ready::<T>().propagate)(E::recorded::<InTangent<T>>(self), deviation)
+        } else {
+            self.propagate(deviation)
+        }
+    }
 }
 
 impl<T: Float, E: Evaluate<T>> Core<T, E> {

@@ -1,5 +1,6 @@
 //! What moves Z beside sweeps: α's, a preconditioner, the response to α's.
 
+use crate::iterate::compiled::ready;
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
 use equip_scalar::Float;
@@ -46,7 +47,7 @@ impl<T: Float> Iterate<T> {
         let unknowns = self.unknowns();
         let rows = self.z.chunks_exact_mut(self.stride).enumerate();
         rows.take(unknowns).for_each(|(c, z)| change(c, z));
-        self.place(y);
+        (ready::<T>().place)(self, y);
         self.z_is_k_l = false;
     }
 
@@ -79,7 +80,16 @@ impl<T: Float> Iterate<T> {
 
     /// Takes over a step of size `h` from `y` that has these L, stage by stage in blocks of length n, and
     /// this K(α), row by row: Z = K L and the stages.
-    pub fn set_stages(&mut self, gauss: &Gauss<T>, (y, h): (&State<T>, T), (l, k): (&[T], &[T])) {
+    pub fn set_stages(&mut self, gauss: &Gauss<T>, step: (&State<T>, T), of: (&[T], &[T])) {
+        (ready::<T>().stages)(self, gauss, step, of);
+    }
+
+    pub(crate) fn take_stages(
+        &mut self,
+        gauss: &Gauss<T>,
+        (y, h): (&State<T>, T),
+        (l, k): (&[T], &[T]),
+    ) {
         self.set_step(gauss, h);
         self.set_increments(l);
         let (s, stride) = (self.s, self.stride);

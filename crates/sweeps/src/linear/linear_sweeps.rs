@@ -17,9 +17,10 @@
 //! Cost: a sweep of one side nnz·s + 2m s² products, of positions alone less than half of that. Nothing is
 //! allocated.
 
+use crate::iterate::compiled::ready;
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
-use crate::linear::positions::{Positions, Sides};
+use crate::linear::positions::{Iteration, Positions};
 use crate::linear::stage_hessians::StageHessians;
 use crate::policy::{MOST_ITERATIONS, STEEPEST, STILL};
 use equip_autodiff::{Evaluate, Pattern};
@@ -46,9 +47,27 @@ pub struct LinearSweeps<T: Float> {
     positions: Option<Positions<T>>,
 }
 
+/// Right-hand sides r, their solutions X, and where their iteration ends.
+pub(crate) struct Sides<'a, T> {
+    r: &'a [T],
+    x: &'a mut [T],
+    /// Of the components of the sums of δL, and their relative error.
+    weights: &'a [T],
+    tolerance: T,
+}
+
 impl<T: Float> LinearSweeps<T> {
     /// With the K that a step starts from, for `sides` right-hand sides at most.
     pub fn new(gauss: &Gauss<T>, iterate: &Iterate<T>, pattern: Pattern, sides: usize) -> Self {
+        (ready::<T>().linear)(gauss, iterate, pattern, sides)
+    }
+
+    pub(crate) fn make(
+        gauss: &Gauss<T>,
+        iterate: &Iterate<T>,
+        pattern: Pattern,
+        sides: usize,
+    ) -> Self {
         let (n, stride) = (iterate.n, iterate.stride);
         let zeros = |len: usize| vec![T::int(0); len];
         let k = iterate.k_start.to_vec();
@@ -82,7 +101,7 @@ impl<T: Float> LinearSweeps<T> {
 
     /// Whether the fastest motion of what was linearised turns by an angle hω of at most `most`.
     pub fn is_within(&mut self, most: f64) -> bool {
-        self.hessians.is_within(most)
+        (ready::<T>().is_within)(&mut self.hessians, most)
     }
 
     /// From now on with this K, row by row, for an iterate with all components unknown.
@@ -113,6 +132,27 @@ impl<T: Float> LinearSweeps<T> {
         held: Held,
         (r, x): (&[T], &mut [T]),
         (weights, tolerance): (&[T], T),
+        iterate: &Iterate<T>,
+        m: Option<&mut (dyn Preconditioner<T> + '_)>,
+    ) -> bool {
+        let sides = Sides {
+            r,
+            x,
+            weights,
+            tolerance,
+        };
+        (ready::<T>().solve)(self, held, sides, iterate, m)
+    }
+
+    pub(crate) fn iterate(
+        &mut self,
+        held: Held,
+        Sides {
+            r,
+            x,
+            weights,
+            tolerance,
+        }: Sides<'_, T>,
         iterate: &Iterate<T>,
         mut m: Option<&mut (dyn Preconditioner<T> + '_)>,
     ) -> bool {
@@ -168,11 +208,11 @@ impl<T: Float> LinearSweeps<T> {
         false
     }
 
-    fn by_positions(&mut self, held: Held, run: impl FnOnce(&mut Positions<T>, Sides<'_, T>)) {
+    fn by_positions(&mut self, held: Held, run: impl FnOnce(&mut Positions<T>, Iteration<'_, T>)) {
         if let Some(positions) = &mut self.positions {
             run(
                 positions,
-                Sides {
+                Iteration {
                     hessians: &self.hessians,
                     k: &self.k[held as usize],
                     held,

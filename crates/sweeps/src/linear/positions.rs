@@ -55,8 +55,8 @@ impl<T: Float> Positions<T> {
     }
 }
 
-/// A sweep of several sides, of T(p) + U(q).
-pub(crate) struct Sides<'a, T: Float> {
+/// What an iteration of several sides reads and writes.
+pub(crate) struct Iteration<'a, T: Float> {
     pub(crate) hessians: &'a StageHessians<T>,
     /// K column by column, for the end that is held.
     pub(crate) k: &'a [T],
@@ -69,7 +69,7 @@ pub(crate) struct Sides<'a, T: Float> {
 
 impl<T: Float> Positions<T> {
     /// R, from r of `sides`.
-    pub(crate) fn begin(&mut self, of: Sides<'_, T>, r: &[T], iterate: &Iterate<T>) {
+    pub(crate) fn begin(&mut self, of: Iteration<'_, T>, r: &[T], iterate: &Iterate<T>) {
         let half = iterate.n / 2 * iterate.stride;
         let drifts = self.drift.chunks_exact_mut(iterate.n / 2);
         let rests = self.rest.chunks_exact_mut(half);
@@ -105,7 +105,7 @@ impl<T: Float> Positions<T> {
     /// are new already, unless all are computed `from` another X.
     pub(crate) fn sweep(
         &self,
-        of: Sides<'_, T>,
+        of: Iteration<'_, T>,
         (x, from): (&mut [T], Option<&[T]>),
         iterate: &Iterate<T>,
     ) {
@@ -125,7 +125,7 @@ impl<T: Float> Positions<T> {
     }
 
     /// The sums of δL of the last iteration.
-    pub(crate) fn sum(&self, of: Sides<'_, T>, sides: usize, iterate: &Iterate<T>) {
+    pub(crate) fn sum(&self, of: Iteration<'_, T>, sides: usize, iterate: &Iterate<T>) {
         iterate.set.run(&mut Sums {
             h: iterate.h,
             w: iterate.inverse_masses().unwrap_or_default(),
@@ -206,10 +206,15 @@ impl<T: Float> Row<'_, T> {
         for row in 0..m {
             let mut side = 0;
             while side < sides {
-                side += match sides - side {
-                    1 => self.block::<N, 1>((row, side), groups),
-                    2 => self.block::<N, 2>((row, side), groups),
-                    _ => self.block::<N, 3>((row, side), groups),
+                // Numbers of other types fill the registers with one side.
+                side += if const { T::IS_DOUBLE } {
+                    match sides - side {
+                        1 => self.block::<N, 1>((row, side), groups),
+                        2 => self.block::<N, 2>((row, side), groups),
+                        _ => self.block::<N, 3>((row, side), groups),
+                    }
+                } else {
+                    self.block::<N, 1>((row, side), groups)
                 };
             }
         }

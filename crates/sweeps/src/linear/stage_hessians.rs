@@ -2,6 +2,7 @@
 //!
 //! Cost: s Hessians.
 
+use crate::iterate::compiled::ready;
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
 use crate::layout::row::{by_groups, fused, fused_each, scaled, stride_for};
@@ -41,6 +42,10 @@ impl<T: Float> StageHessians<T> {
     /// Takes ∇²H at the stages of an iterate that has converged. Returns whether it is finite.
     pub(crate) fn take<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> bool {
         energy.hessians_by_component(&iterate.points, &mut self.entries, self.stride, self.s);
+        (ready::<T>().weigh)(self, iterate)
+    }
+
+    pub(crate) fn weigh(&mut self, iterate: &Iterate<T>) -> bool {
         self.set.run(&mut Weigh {
             entries: &mut self.entries,
             hb: &iterate.hb,
@@ -108,10 +113,15 @@ impl<T: Float> Times<'_, T> {
         for row in (self.rows.0..).take(self.rows.1) {
             let mut side = 0;
             while side < sides {
-                side += match sides - side {
-                    1 => self.block::<N, 1>((row, side), groups),
-                    2 => self.block::<N, 2>((row, side), groups),
-                    _ => self.block::<N, 3>((row, side), groups),
+                // Numbers of other types fill the registers with one side.
+                side += if const { T::IS_DOUBLE } {
+                    match sides - side {
+                        1 => self.block::<N, 1>((row, side), groups),
+                        2 => self.block::<N, 2>((row, side), groups),
+                        _ => self.block::<N, 3>((row, side), groups),
+                    }
+                } else {
+                    self.block::<N, 1>((row, side), groups)
                 };
             }
         }
