@@ -209,10 +209,6 @@ fn options_that_change_nothing_are_named() {
             &["--reach", "refuse", "--method", "gauss"],
             "--reach changes nothing",
         ),
-        (
-            &["--no-compare", "--plot", "n.svg", "--tolerance", "1e-6"],
-            "--no-compare changes nothing: variable steps",
-        ),
     ] {
         let output = equip(&[&["run", "kepler", "--until", "1"][..], options].concat());
         assert_eq!(output.status.code(), Some(0));

@@ -103,7 +103,7 @@ fn a_member_is_a_run_of_its_own_from_a_start_near_that_of_the_scene() {
                 moved.push((x / x0 - 1.0) / 0.02);
             }
         }
-        let run = Equip::stages(4).step(1.0 / 16.0);
+        let run = Equip::stages(8).step(1.0 / 16.0);
         let run = run.integrate(instance.hamiltonian(), &x[..2], &x[2..4], 0.0..=20.0);
         let run = run.unwrap();
         let (t, q, p) = run.last();

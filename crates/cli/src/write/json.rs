@@ -64,6 +64,9 @@ struct Floor {
     floor: Number,
     time: Number,
     scale: Number,
+    last: Number,
+    recent_kinetic: Number,
+    underflows: bool,
     is_small: bool,
 }
 
@@ -163,6 +166,9 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             floor: Number::new(floor.floor),
             time: Number::new(floor.time),
             scale: Number::new(floor.scale),
+            last: Number::new(floor.last),
+            recent_kinetic: Number::new(floor.recent_kinetic),
+            underflows: floor.underflows,
             is_small: floor.is_small(),
         }),
         phase_per_step: certificate.phase_per_step.map(|phase| Phase {

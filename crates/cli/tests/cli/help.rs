@@ -62,9 +62,9 @@ fn every_scene_makes_a_few_steps_and_a_picture() {
 #[test]
 fn methods_are_what_they_are_called() {
     let printed = |method| stdout(&["run", "kepler", "--until", "5", "--method", method]);
-    assert!(printed("equip").contains("EQUIP, 4 stages, order 8"));
+    assert!(printed("equip").contains("EQUIP, 8 stages, order 16"));
     assert!(printed("equip-last").contains("EQUIP with the last α only"));
-    assert!(printed("gauss").contains("Gauss, 4 stages, order 8"));
-    assert!(printed("fixed-alpha=1/50").contains("fixed α = 0.02, 4 stages, order 6"));
+    assert!(printed("gauss").contains("Gauss, 8 stages, order 16"));
+    assert!(printed("fixed-alpha=1/50").contains("fixed α = 0.02, 8 stages, order 14"));
     assert!(printed("fixed-alpha=-0.01").contains("fixed α = -0.01"));
 }

@@ -111,6 +111,8 @@ fn sizes_of_steps_have_the_unit_of_the_scene() {
         "outer-solar-system",
         "--until",
         "4000",
+        "--step",
+        "200",
         "--plot",
         path,
     ]);

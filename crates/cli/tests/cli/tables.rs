@@ -94,7 +94,7 @@ fn quiet_is_quiet_and_json_is_json() {
     assert_eq!(json["parameters"]["p"], "1.5");
     assert_eq!(
         (json["steps"].as_u64(), json["order"].as_u64()),
-        (Some(100), Some(8))
+        (Some(100), Some(16))
     );
     let outcomes = json["outcomes"].as_object().unwrap();
     assert_eq!(
@@ -113,7 +113,7 @@ fn names_of_the_document_are_those_of_the_certificate() {
     let kepler = equip_scenes::find("kepler").unwrap();
     let kepler = kepler.instance(&[]).unwrap();
     let (q, p) = kepler.initial::<f64>();
-    let options = Equip::stages(4).tolerance(1e-8).chaos();
+    let options = Equip::stages(8).tolerance(1e-8).chaos();
     let run = options.integrate(kepler.hamiltonian(), &q, &p, 0.0..=5.0);
     let library = serde_json::to_value(run.unwrap().certificate()).unwrap();
     let text = stdout(&[
