@@ -143,6 +143,11 @@ fn every_number_of_stages(all: &mut Vec<Case>) {
             stages: 24,
             divide: 1,
         });
-        all.push(case);
+        // With one α for one constraint there is no choice of the direction.
+        all.push(if s == 2 {
+            case.known_deficit(4.3)
+        } else {
+            case
+        });
     }
 }

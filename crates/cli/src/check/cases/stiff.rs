@@ -132,6 +132,8 @@ fn double_pendulum(all: &mut Vec<Case>) {
                 let case = judged(case, Judged::First(1));
                 let case = match (c, s, power) {
                     ("32", 6, 7) => case.known_deficit(4.4),
+                    ("32", 6, 5) => case.known_deficit(3.9),
+                    ("1024", 6, 9) => case.known_deficit(3.5),
                     _ => case,
                 };
                 all.push(if s == 6 && h * c_value > 2.0 {
