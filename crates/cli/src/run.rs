@@ -51,7 +51,9 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         None => h,
         Some(text) => step_for(target_error(text)?, instance, method, end)?,
     };
-    let tolerance = args.tolerance().map(|text| number::<T>("--tolerance", text));
+    let tolerance = args
+        .tolerance()
+        .map(|text| number::<T>("--tolerance", text));
     let tolerance = tolerance.transpose()?;
     let mut integrator = Integrator::new(method, tolerance, h);
     integrator = integrator.reach(match args.reach {

@@ -317,7 +317,10 @@ fn a_checkpoint_of_another_run_is_refused_in_words() {
         (&["--stages", "6"], "stages 8, this run has 6"),
         (&["--method", "gauss"], "method EQUIP, this run has Gauss"),
         (&["--step", "1/8"], "steps by a tolerance"),
-        (&["--tolerance", "1e-9"], "tolerance 1e-12, this run has 1e-9"),
+        (
+            &["--tolerance", "1e-9"],
+            "tolerance 1e-12, this run has 1e-9",
+        ),
         (
             &["--reach", "refuse"],
             "with --reach within-error, this run has refuse",

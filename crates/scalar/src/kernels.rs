@@ -2,8 +2,7 @@
 
 mod instructions;
 mod lanes;
-mod stages;
+pub(crate) mod stages;
 
 pub use instructions::{InstructionSet, Kernel};
 pub use lanes::Lanes;
-pub use stages::mix_stages;

@@ -41,7 +41,8 @@ pub use constant::{Constant, Written, decimal, ratio};
 pub use double_double::{DoubleDouble, DoubleDoubles};
 pub use error::ParseFloatError;
 pub use forward::{Forward, Forward2};
-pub use kernels::{InstructionSet, Kernel, Lanes, mix_stages};
+pub use kernels::stages::mix_stages;
+pub use kernels::{InstructionSet, Kernel, Lanes};
 pub use num::Num;
 #[doc(hidden)]
 pub use ready::same;

@@ -277,9 +277,7 @@ impl Start<'_> {
                 .then(|| each!(&mut stepper, s => TangentMap::new(&hamiltonian, s)));
             let events = match events.is_empty() {
                 true => None,
-                false => {
-                    Some(each!(&mut stepper, s => StepEvents::new(&hamiltonian, s, &events))?)
-                }
+                false => Some(each!(&mut stepper, s => StepEvents::new(&hamiltonian, s, &events))?),
             };
             Ok(Run {
                 hamiltonian,

@@ -2,8 +2,8 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    Adaptive, Checkpoint, FixedStep, IntegrateError, Invariant, Method, Observer, Reach, Record, Run,
-    RunFailure, Starts,
+    Adaptive, Checkpoint, FixedStep, IntegrateError, Invariant, Method, Observer, Reach, Record,
+    Run, RunFailure, Starts,
 };
 use equip_scalar::Float;
 use equip_scenes::Instance;

@@ -102,7 +102,10 @@ impl<T: Float, E: Evaluate<T>> StepEvents<T, E> {
             if let Some(place) = self.events.see(&piece, &mut self.found)? {
                 let mut y = vec![T::int(0); 2 * stepper.m];
                 piece.state_at(place, &mut y);
-                changed = self.events.action().map(|action| (action, piece.time_at(place), y));
+                changed = self
+                    .events
+                    .action()
+                    .map(|action| (action, piece.time_at(place), y));
                 break;
             }
         }

@@ -1,5 +1,5 @@
-//! What is compiled once, with this crate: the step of recorded energies and its tangent map, in `f64` and double-double
-//! ([`equip_scalar::ready!`]). The step of an energy that is a type is compiled with that.
+//! What is compiled once, with this crate: the step of recorded energies and its tangent map, in `f64` and
+//! double-double ([`equip_scalar::ready!`]). The step of an energy that is a type is compiled with that.
 
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;

@@ -3,11 +3,7 @@
 
 use crate::extrapolation::polynomial::Polynomial;
 use crate::iterate::iterate::Iterate;
-use crate::iterate::precondition::{Held, Preconditioner};
 use crate::layout::state::State;
-use crate::linear::linear_sweeps::{LinearSweeps, Sides};
-use crate::linear::stage_hessians::StageHessians;
-use equip_autodiff::Pattern;
 use equip_scalar::Float;
 use equip_tableau::Gauss;
 use std::ops::Range;
@@ -29,10 +25,6 @@ pub(crate) struct Ready<T: Float> {
     pub(crate) add_kept: fn(&mut Iterate<T>, &State<T>) -> f64,
     pub(crate) place: fn(&mut Iterate<T>, &State<T>),
     pub(crate) stages: fn(&mut Iterate<T>, &Gauss<T>, (&State<T>, T), (&[T], &[T])),
-    pub(crate) linear: fn(&Gauss<T>, &Iterate<T>, Pattern, usize) -> LinearSweeps<T>,
-    pub(crate) weigh: fn(&mut StageHessians<T>, &Iterate<T>) -> bool,
-    pub(crate) is_within: fn(&mut StageHessians<T>, f64) -> bool,
-    pub(crate) solve: fn(&mut LinearSweeps<T>, Held, Sides<'_, T>, &Iterate<T>, Option<&mut (dyn Preconditioner<T> + '_)>) -> bool,
 }
 
 impl<T: Float> Ready<T> {
@@ -50,10 +42,6 @@ impl<T: Float> Ready<T> {
         add_kept: Iterate::add_kept,
         place: Iterate::place,
         stages: Iterate::take_stages,
-        linear: LinearSweeps::make,
-        weigh: StageHessians::weigh,
-        is_within: StageHessians::is_within,
-        solve: LinearSweeps::iterate,
     };
 }
 

@@ -1,6 +1,5 @@
 //! What moves Z beside sweeps: α's, a preconditioner, the response to α's.
 
-use crate::iterate::compiled::ready;
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
 use equip_scalar::Float;
@@ -42,15 +41,6 @@ impl<T: Float> Iterate<T> {
         }
     }
 
-    /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
-    pub fn displace(&mut self, y: &State<T>, mut change: impl FnMut(usize, &mut [T])) {
-        let unknowns = self.unknowns();
-        let rows = self.z.chunks_exact_mut(self.stride).enumerate();
-        rows.take(unknowns).for_each(|(c, z)| change(c, z));
-        (ready::<T>().place)(self, y);
-        self.z_is_k_l = false;
-    }
-
     /// Copies Z, L and the stages into `kept`.
     pub fn keep(&self, kept: &mut Kept<T>) {
         kept.z.copy_from_slice(&self.z);
@@ -76,12 +66,6 @@ impl<T: Float> Iterate<T> {
                 self.l[c * self.stride + i] = l;
             }
         }
-    }
-
-    /// Takes over a step of size `h` from `y` that has these L, stage by stage in blocks of length n, and
-    /// this K(α), row by row: Z = K L and the stages.
-    pub fn set_stages(&mut self, gauss: &Gauss<T>, step: (&State<T>, T), of: (&[T], &[T])) {
-        (ready::<T>().stages)(self, gauss, step, of);
     }
 
     pub(crate) fn take_stages(

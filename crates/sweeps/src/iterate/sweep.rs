@@ -55,6 +55,21 @@ impl<T: Float> Iterate<T> {
         (ready::<T>().fill_k)(self, alphas);
     }
 
+    /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.
+    pub fn displace(&mut self, y: &State<T>, mut change: impl FnMut(usize, &mut [T])) {
+        let unknowns = self.unknowns();
+        let rows = self.z.chunks_exact_mut(self.stride).enumerate();
+        rows.take(unknowns).for_each(|(c, z)| change(c, z));
+        (ready::<T>().place)(self, y);
+        self.z_is_k_l = false;
+    }
+
+    /// Takes over a step of size `h` from `y` that has these L, stage by stage in blocks of length n, and
+    /// this K(α), row by row: Z = K L and the stages.
+    pub fn set_stages(&mut self, gauss: &Gauss<T>, step: (&State<T>, T), of: (&[T], &[T])) {
+        (ready::<T>().stages)(self, gauss, step, of);
+    }
+
     /// One sweep from the step's start `y`, or as many incremental ones as leave others to come. Returns what
     /// the last change of Z says, and how many sweeps were made; each has evaluated the gradient at s points.
     pub fn sweep<E: Evaluate<T>>(

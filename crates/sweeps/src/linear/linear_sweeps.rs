@@ -17,20 +17,19 @@
 //! Cost: a sweep of one side nnz·s + 2m s² products, of positions alone less than half of that. Nothing is
 //! allocated.
 
-use crate::iterate::compiled::ready;
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
 use crate::linear::positions::{Iteration, Positions};
 use crate::linear::stage_hessians::StageHessians;
 use crate::policy::{MOST_ITERATIONS, STEEPEST, STILL};
-use equip_autodiff::{Evaluate, Pattern};
+use equip_autodiff::Pattern;
 use equip_scalar::{Float, mix_stages};
 use equip_tableau::Gauss;
 
 /// ∇²H at all stages, and what is solved with it.
 #[derive(Debug)]
 pub struct LinearSweeps<T: Float> {
-    hessians: StageHessians<T>,
+    pub(super) hessians: StageHessians<T>,
     /// K and −Kᵀ, column by column: for each end that may be held.
     k: [Vec<T>; 2],
     /// K δL, and δL.
@@ -49,19 +48,14 @@ pub struct LinearSweeps<T: Float> {
 
 /// Right-hand sides r, their solutions X, and where their iteration ends.
 pub(crate) struct Sides<'a, T> {
-    r: &'a [T],
-    x: &'a mut [T],
+    pub(super) r: &'a [T],
+    pub(super) x: &'a mut [T],
     /// Of the components of the sums of δL, and their relative error.
-    weights: &'a [T],
-    tolerance: T,
+    pub(super) weights: &'a [T],
+    pub(super) tolerance: T,
 }
 
 impl<T: Float> LinearSweeps<T> {
-    /// With the K that a step starts from, for `sides` right-hand sides at most.
-    pub fn new(gauss: &Gauss<T>, iterate: &Iterate<T>, pattern: Pattern, sides: usize) -> Self {
-        (ready::<T>().linear)(gauss, iterate, pattern, sides)
-    }
-
     pub(crate) fn make(
         gauss: &Gauss<T>,
         iterate: &Iterate<T>,
@@ -93,15 +87,12 @@ impl<T: Float> LinearSweeps<T> {
         }
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged, all of which are there: s Hessians. Returns
-    /// whether it is finite.
-    pub fn linearise<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> bool {
-        self.hessians.take(iterate, energy)
+    pub(crate) fn weigh(&mut self, iterate: &Iterate<T>) -> bool {
+        self.hessians.weigh(iterate)
     }
 
-    /// Whether the fastest motion of what was linearised turns by an angle hω of at most `most`.
-    pub fn is_within(&mut self, most: f64) -> bool {
-        (ready::<T>().is_within)(&mut self.hessians, most)
+    pub(crate) fn bounds_angle(&mut self, most: f64) -> bool {
+        self.hessians.is_within(most)
     }
 
     /// From now on with this K, row by row, for an iterate with all components unknown.
@@ -123,25 +114,6 @@ impl<T: Float> LinearSweeps<T> {
     /// Σ_i δL_i of side k, component c at `k·n + c`.
     pub fn sums(&self) -> &[T] {
         &self.sums
-    }
-
-    /// Solves for all sides until the error of their sums of δL, each component weighed with `weights`, is
-    /// less than `tolerance`, by how their changes shrink. Returns whether it is.
-    pub fn solve(
-        &mut self,
-        held: Held,
-        (r, x): (&[T], &mut [T]),
-        (weights, tolerance): (&[T], T),
-        iterate: &Iterate<T>,
-        m: Option<&mut (dyn Preconditioner<T> + '_)>,
-    ) -> bool {
-        let sides = Sides {
-            r,
-            x,
-            weights,
-            tolerance,
-        };
-        (ready::<T>().solve)(self, held, sides, iterate, m)
     }
 
     pub(crate) fn iterate(

@@ -1,6 +1,8 @@
 //! The stage equations linearised.
 
+pub(crate) mod compiled;
 pub(crate) mod linear_sweeps;
 pub(crate) mod positions;
 pub(crate) mod power_iteration;
+pub(crate) mod solve;
 pub(crate) mod stage_hessians;

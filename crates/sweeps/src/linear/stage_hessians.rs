@@ -2,7 +2,6 @@
 //!
 //! Cost: s Hessians.
 
-use crate::iterate::compiled::ready;
 use crate::iterate::iterate::Iterate;
 use crate::layout::conjugate::turned;
 use crate::layout::row::{by_groups, fused, fused_each, scaled, stride_for};
@@ -39,12 +38,12 @@ impl<T: Float> StageHessians<T> {
         }
     }
 
-    /// Takes ∇²H at the stages of an iterate that has converged. Returns whether it is finite.
-    pub(crate) fn take<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> bool {
+    /// ∇²H at the stages of an iterate that has converged.
+    pub(crate) fn evaluate<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) {
         energy.hessians_by_component(&iterate.points, &mut self.entries, self.stride, self.s);
-        (ready::<T>().weigh)(self, iterate)
     }
 
+    /// Multiplies it by h b_i. Returns whether it is finite.
     pub(crate) fn weigh(&mut self, iterate: &Iterate<T>) -> bool {
         self.set.run(&mut Weigh {
             entries: &mut self.entries,

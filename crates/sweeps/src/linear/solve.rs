@@ -1,0 +1,47 @@
+//! The linearised equations as the solver calls them.
+
+use crate::iterate::iterate::Iterate;
+use crate::iterate::precondition::{Held, Preconditioner};
+use crate::linear::compiled::ready;
+use crate::linear::linear_sweeps::{LinearSweeps, Sides};
+use equip_autodiff::{Evaluate, Pattern};
+use equip_scalar::Float;
+use equip_tableau::Gauss;
+
+impl<T: Float> LinearSweeps<T> {
+    /// With the K that a step starts from, for `sides` right-hand sides at most.
+    pub fn new(gauss: &Gauss<T>, iterate: &Iterate<T>, pattern: Pattern, sides: usize) -> Self {
+        (ready::<T>().linear)(gauss, iterate, pattern, sides)
+    }
+
+    /// Takes ∇²H at the stages of an iterate that has converged, all of which are there: s Hessians. Returns
+    /// whether it is finite.
+    pub fn linearise<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> bool {
+        self.hessians.evaluate(iterate, energy);
+        (ready::<T>().weigh)(self, iterate)
+    }
+
+    /// Whether the fastest motion of what was linearised turns by an angle hω of at most `most`.
+    pub fn is_within(&mut self, most: f64) -> bool {
+        (ready::<T>().is_within)(self, most)
+    }
+
+    /// Solves for all sides until the error of their sums of δL, each component weighed with `weights`, is
+    /// less than `tolerance`, by how their changes shrink. Returns whether it is.
+    pub fn solve(
+        &mut self,
+        held: Held,
+        (r, x): (&[T], &mut [T]),
+        (weights, tolerance): (&[T], T),
+        iterate: &Iterate<T>,
+        m: Option<&mut (dyn Preconditioner<T> + '_)>,
+    ) -> bool {
+        let sides = Sides {
+            r,
+            x,
+            weights,
+            tolerance,
+        };
+        (ready::<T>().solve)(self, held, sides, iterate, m)
+    }
+}
