@@ -1,7 +1,7 @@
 //! The tangent map against finite differences, and what it says about chaos.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::Hamiltonian;
+use equip_autodiff::{Evaluate, Hamiltonian, System};
 use equip_integrate::{
     ChaosIndicators, Checkpoint, Equip, Gauss, IntegrateError, Method, NoObserver, Observer,
     StepView, TangentMap,
@@ -56,9 +56,24 @@ fn it_is_the_derivative_of_the_step_map() {
             }
         }
         println!("{method}: {worst:.1e}");
-        // Gauss: measured 4e-21, the error of the difference. EQUIP: 2.3e-7, what ∂α/∂y adds, of the size of
-        // the step's error.
+        // Gauss: measured 4e-21, the error of the difference. EQUIP: what the turn of the direction adds.
         assert!(worst < bound);
+        // EQUIP: deviations conserve the energy, ∇H·δ.
+        let view = run.view();
+        let [before, after] = [(&*q, &*p), (view.q, view.p)].map(|(q, p)| {
+            let mut gradient = vec![D::int(0); 4];
+            let mut evaluator = h.evaluator::<D>();
+            evaluator.gradient(&[q, p].concat(), &mut gradient);
+            gradient
+        });
+        for (j, column) in columns.chunks(4).enumerate() {
+            let sum = after.iter().zip(column).fold(D::int(0), |sum, (&g, &x)| sum + g * x);
+            let most = if method == Equip::stages(3) { 1e-27 } else { 1e-4 };
+            assert!((sum - before[j]).abs().to_f64() < most, "{method}");
+        }
+        if method == Equip::stages(3) {
+            continue;
+        }
         // Symplectic: Ψᵀ J Ψ = J.
         let form = |a: &[D], b: &[D]| (a[0] * b[2] + a[1] * b[3]) - (a[2] * b[0] + a[3] * b[1]);
         for i in 0..4 {
@@ -214,4 +229,39 @@ fn steps_that_sweeps_do_not_solve_are_followed_too() {
         .max((deviation[1] - run.view().p[0]).abs() / omega);
     println!("{error:.1e}");
     assert!(error < 1e-13);
+}
+
+/// Beside the error of the states: that of their derivatives in the direction of the initial momentum, along
+/// which the period changes most.
+#[test]
+fn deviations_are_as_accurate_as_states() {
+    let scene = equip_scenes::find("kepler").unwrap();
+    let scene = scene.instance(&[("e", "0.6")]).unwrap();
+    let h = scene.hamiltonian();
+    let (q, p) = scene.initial::<f64>();
+    let (periods, steps) = (4.16, 512_u32);
+    let end = periods * scene.period::<f64>();
+    let run = |method: Method, parts: u32| {
+        let count = steps * parts;
+        let step = end / f64::from(count);
+        let mut run = method.step(step).start(h, &q, &p, 0.0).unwrap();
+        let mut tangent = TangentMap::new(h, &mut run);
+        let mut columns: Vec<f64> = (0..16).map(|i| f64::from(u8::from(i % 5 == 0))).collect();
+        for _ in 0..count {
+            run.advance().unwrap();
+            tangent.carry(&run, &mut columns).unwrap();
+        }
+        ([run.view().q, run.view().p].concat(), columns)
+    };
+    let apart = |x: &[f64], y: &[f64]| {
+        let most = |f: &dyn Fn(usize) -> f64| (0..x.len()).map(f).fold(0.0, f64::max);
+        most(&|i| (x[i] - y[i]).abs()) / most(&|i| y[i].abs())
+    };
+    let exact = run(Gauss::stages(12), 1);
+    for method in [Gauss::stages(4), Equip::stages(4), Equip::stages(6)] {
+        let found = run(method, 1);
+        let (state, tangent) = (apart(&found.0, &exact.0), apart(&found.1, &exact.1));
+        println!("{method}: states {state:.1e}, deviations {tangent:.1e}");
+        assert!(tangent <= 3.0 * state + 1e-12, "{method}: {tangent:e}, {state:e}");
+    }
 }

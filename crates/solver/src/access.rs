@@ -32,6 +32,12 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         &self.stages.gauss
     }
 
+    /// Whether α = 0 unless it conserves the energy, the one constraint.
+    pub fn conserves_energy_alone(&self) -> bool {
+        let is_zero = self.start_alphas.iter().all(|&alpha| alpha == T::int(0));
+        is_zero && matches!(self.constraints.as_slice(), [energy] if energy.is_energy())
+    }
+
     /// n = 2m.
     pub fn components(&self) -> usize {
         self.stages.iterate.components()

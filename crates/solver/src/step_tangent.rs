@@ -1,4 +1,4 @@
-//! [`StepTangent`]: the derivative of a step at fixed α.
+//! [`StepTangent`]: the derivative of a step.
 //!
 //! With the stages Y_i and α's of a step and B_i = h b_i J∇²H(Y_i),
 //!
@@ -7,13 +7,25 @@
 //! by [`LinearSweeps`], preconditioned as the stages are ([`crate::precondition::choice`]) where these do not
 //! contract (about hω > 1).
 //!
-//! Cost: s Hessians per step; per deviation some linear sweeps. A preconditioner is made once a step.
+//! That is the derivative at fixed α. Where α = D t conserves the energy, t depends on y0 as well: H(y1) =
+//! H(y0) along neighbouring runs determines δt, and with v = ∂y1/∂t
+//!
+//! $$ \delta y_1 \leftarrow \delta y_1 - v\, \frac{\nabla H(y_1)\cdot\delta y_1 - \nabla H(y_0)\cdot\delta
+//!    y_0}{\nabla H(y_1)\cdot v}, $$
+//!
+//! v to a factor, which is all that matters, being the response to r = (K(α) − K(0)) L. The change of D is left
+//! out: it is of the size of the change of y1 caused by α.
+//!
+//! Cost: s Hessians per step; per deviation, and for v, some linear sweeps. A preconditioner is made once a
+//! step.
 
+use crate::alpha::least_displacement::dot;
 use crate::options::step_options::Preconditioner;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Counts;
 use crate::outcome::parts::Part;
 use crate::precondition::choice::Choice;
+use crate::step::core::Core;
 use equip_autodiff::{Evaluate, System};
 use equip_scalar::Float;
 use equip_sweeps::{Held, Iterate, LinearSweeps, State};
@@ -29,34 +41,53 @@ pub struct StepTangent<T: Float, E> {
     choice: Choice<T>,
     /// The preconditioner that is chosen is there.
     is_made: bool,
-    /// K(α), row by row.
+    /// K(α) and K(0), row by row.
     k: Vec<T>,
+    k_start: Vec<T>,
     start: State<T>,
     h: T,
     is_finite: bool,
     r: Vec<T>,
     x: Vec<T>,
+    /// Whether α conserves the energy, and nothing else.
+    conserves_energy: bool,
+    /// α is not zero in this part, so that v is needed.
+    needs_v: bool,
+    /// v over ∇H(y1)·v, if it is known.
+    v: Vec<T>,
+    /// y0 and y1, and ∇H there.
+    ends: Vec<T>,
+    gradients: Vec<T>,
 }
 
 impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
-    /// For steps of `system` with the nodes of `gauss`.
-    pub fn new<H: System<Evaluator<T> = E>>(system: &H, gauss: Gauss<T>) -> Self {
+    /// For the steps of `core`, made of the same `system`.
+    pub fn new<H: System<Evaluator<T> = E>>(system: &H, core: &Core<T, E>) -> Self {
+        let gauss = core.gauss().clone();
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let zeros = |len: usize| vec![T::int(0); len];
         let structure = system.structure();
         let iterate = Iterate::prepare(&gauss, n, None, &zeros(s - 1));
         let len = n * iterate.stride();
+        let mut k_start = zeros(s * s);
+        gauss.skew_into(&zeros(s - 1), &mut k_start);
         StepTangent {
             energy: system.evaluator::<T>(),
             linear: LinearSweeps::new(&gauss, &iterate, structure.hessian.to_pattern(), 1),
             choice: Choice::new(Preconditioner::Automatic, (&gauss, &iterate), structure),
             is_made: false,
             k: zeros(s * s),
+            k_start,
             start: State::new(&zeros(n), &[]),
             h: T::int(0),
             is_finite: true,
             r: zeros(len),
             x: zeros(len),
+            conserves_energy: core.conserves_energy_alone(),
+            needs_v: false,
+            v: zeros(n),
+            ends: zeros(2 * n),
+            gradients: zeros(2 * n),
             iterate,
             gauss,
         }
@@ -79,24 +110,70 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         // What is carried depends on the part alone.
         self.choice.forget();
         self.is_made = false;
+        let is_moved = part.alphas.iter().any(|&alpha| alpha != T::int(0));
+        self.needs_v = self.conserves_energy && is_moved && self.is_finite;
+        self.v.fill(T::int(0));
+        if self.needs_v {
+            let n = self.v.len();
+            let (y0, y1) = self.ends.split_at_mut(n);
+            y0.copy_from_slice(&part.start.hi);
+            y1.copy_from_slice(&part.start.hi);
+            for l in part.l.chunks_exact(n) {
+                y1.iter_mut().zip(l).for_each(|(y, &l)| *y += l);
+            }
+            (self.energy).gradients(&self.ends, &mut self.gradients, n);
+            self.take_difference(part);
+        }
+    }
+
+    /// r = (K(α) − K(0)) L.
+    fn take_difference(&mut self, part: &Part<T>) {
+        let (s, stride, n) = (self.gauss.stages(), self.iterate.stride(), self.v.len());
+        for (c, r) in self.r.chunks_exact_mut(stride).enumerate() {
+            for (i, r) in r.iter_mut().enumerate().take(s) {
+                let row = self.k[i * s..].iter().zip(&self.k_start[i * s..]).take(s);
+                let terms = row.enumerate().map(|(j, (&k, &k0))| (k - k0) * part.l[j * n + c]);
+                *r = terms.fold(T::int(0), |sum, x| sum + x);
+            }
+        }
     }
 
     pub(crate) fn propagate(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
         if !self.is_finite {
             return Err(Failure::NotFinite);
         }
-        let (s, stride) = (self.gauss.stages(), self.iterate.stride());
+        let (s, stride, n) = (self.gauss.stages(), self.iterate.stride(), self.v.len());
+        if std::mem::replace(&mut self.needs_v, false) {
+            self.solve_any()?;
+            self.v.copy_from_slice(&self.linear.sums()[..n]);
+            let slope = dot(&self.gradients[n..], &self.v);
+            self.v.iter_mut().for_each(|v| *v /= slope);
+            if self.v.iter().any(|v| !v.is_finite()) {
+                self.v.fill(T::int(0));
+            }
+        }
         for (row, &x) in self.r.chunks_exact_mut(stride).zip(&*deviation) {
             row[..s].fill(x);
         }
+        self.solve_any()?;
+        let before = dot(&self.gradients[..n], deviation);
+        for (x, &sum) in deviation.iter_mut().zip(self.linear.sums()) {
+            *x += sum;
+        }
+        let changed = dot(&self.gradients[n..], deviation) - before;
+        for (x, &v) in deviation.iter_mut().zip(&self.v) {
+            *x -= v * changed;
+        }
+        Ok(())
+    }
+
+    /// With the preconditioner that is chosen, or a better one.
+    fn solve_any(&mut self) -> Result<(), Failure<T>> {
         while !self.solve() {
             if !self.choice.escalate() {
                 return Err(Failure::Singular);
             }
             self.is_made = false;
-        }
-        for (x, &sum) in deviation.iter_mut().zip(self.linear.sums()) {
-            *x += sum;
         }
         Ok(())
     }

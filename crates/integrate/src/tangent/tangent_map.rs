@@ -1,8 +1,8 @@
 //! [`TangentMap`]: how a small deviation moves along a run.
 //!
-//! The variational equations solved by the step itself ([`StepTangent`]): the derivative of the step at fixed
-//! α, a symplectic map to rounding. What the solved α adds, ∂α/∂y0, is of the size of the step's error and is
-//! left out.
+//! The variational equations solved by the step itself ([`StepTangent`]): the derivative of the step, a
+//! symplectic map to rounding where α = 0. Where α conserves the energy, deviations conserve ∇H·δ, as exact
+//! ones do; where it conserves further invariants too, the derivative is that at fixed α.
 
 use crate::error::IntegrateError;
 use crate::tangent::steps::Steps;
@@ -44,7 +44,7 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
     pub fn new<H: System<Evaluator<T> = E>>(system: &H, run: &mut impl Steps<T, E>) -> Self {
         run.core_mut().keep_parts();
         TangentMap {
-            step: StepTangent::new(system, run.core().gauss().clone()),
+            step: StepTangent::new(system, run.core()),
             carried: run.steps_made(),
         }
     }
