@@ -67,8 +67,15 @@ fn it_is_the_derivative_of_the_step_map() {
             gradient
         });
         for (j, column) in columns.chunks(4).enumerate() {
-            let sum = after.iter().zip(column).fold(D::int(0), |sum, (&g, &x)| sum + g * x);
-            let most = if method == Equip::stages(3) { 1e-27 } else { 1e-4 };
+            let sum = after
+                .iter()
+                .zip(column)
+                .fold(D::int(0), |sum, (&g, &x)| sum + g * x);
+            let most = if method == Equip::stages(3) {
+                1e-27
+            } else {
+                1e-4
+            };
             assert!((sum - before[j]).abs().to_f64() < most, "{method}");
         }
         if method == Equip::stages(3) {
@@ -262,6 +269,9 @@ fn deviations_are_as_accurate_as_states() {
         let found = run(method, 1);
         let (state, tangent) = (apart(&found.0, &exact.0), apart(&found.1, &exact.1));
         println!("{method}: states {state:.1e}, deviations {tangent:.1e}");
-        assert!(tangent <= 3.0 * state + 1e-12, "{method}: {tangent:e}, {state:e}");
+        assert!(
+            tangent <= 3.0 * state + 1e-12,
+            "{method}: {tangent:e}, {state:e}"
+        );
     }
 }

@@ -132,7 +132,9 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         for (c, r) in self.r.chunks_exact_mut(stride).enumerate() {
             for (i, r) in r.iter_mut().enumerate().take(s) {
                 let row = self.k[i * s..].iter().zip(&self.k_start[i * s..]).take(s);
-                let terms = row.enumerate().map(|(j, (&k, &k0))| (k - k0) * part.l[j * n + c]);
+                let terms = row
+                    .enumerate()
+                    .map(|(j, (&k, &k0))| (k - k0) * part.l[j * n + c]);
                 *r = terms.fold(T::int(0), |sum, x| sum + x);
             }
         }
