@@ -13,8 +13,8 @@
 //! $$ \delta y_1 \leftarrow \delta y_1 - v\, \frac{\nabla H(y_1)\cdot\delta y_1 - \nabla H(y_0)\cdot\delta
 //!    y_0}{\nabla H(y_1)\cdot v}, $$
 //!
-//! v to a factor, which is all that matters, being the response to r = (K(α) − K(0)) L. The change of D is left
-//! out: it is of the size of the change of y1 caused by α.
+//! v to a factor, which is all that matters, being the response to r = (K(α) − K(0)) L. The change of D is
+//! left out: it is of the size of the change of y1 caused by α.
 //!
 //! Cost: s Hessians per step; per deviation, and for v, some linear sweeps. A preconditioner is made once a
 //! step.
@@ -146,10 +146,12 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         }
         let (s, stride, n) = (self.gauss.stages(), self.iterate.stride(), self.v.len());
         if std::mem::replace(&mut self.needs_v, false) {
-            self.solve_any()?;
-            self.v.copy_from_slice(&self.linear.sums()[..n]);
-            let slope = dot(&self.gradients[n..], &self.v);
-            self.v.iter_mut().for_each(|v| *v /= slope);
+            // α is small: to what its rounding leaves of r. Without v the derivative is that at fixed α.
+            if self.solve(T::EPSILON.sqrt()) {
+                self.v.copy_from_slice(&self.linear.sums()[..n]);
+                let slope = dot(&self.gradients[n..], &self.v);
+                self.v.iter_mut().for_each(|v| *v /= slope);
+            }
             if self.v.iter().any(|v| !v.is_finite()) {
                 self.v.fill(T::int(0));
             }
@@ -157,7 +159,12 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         for (row, &x) in self.r.chunks_exact_mut(stride).zip(&*deviation) {
             row[..s].fill(x);
         }
-        self.solve_any()?;
+        while !self.solve(T::int(4) * T::EPSILON) {
+            if !self.choice.escalate() {
+                return Err(Failure::Singular);
+            }
+            self.is_made = false;
+        }
         let before = dot(&self.gradients[..n], deviation);
         for (x, &sum) in deviation.iter_mut().zip(self.linear.sums()) {
             *x += sum;
@@ -169,19 +176,8 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
         Ok(())
     }
 
-    /// With the preconditioner that is chosen, or a better one.
-    fn solve_any(&mut self) -> Result<(), Failure<T>> {
-        while !self.solve() {
-            if !self.choice.escalate() {
-                return Err(Failure::Singular);
-            }
-            self.is_made = false;
-        }
-        Ok(())
-    }
-
-    /// With the preconditioner that is chosen.
-    fn solve(&mut self) -> bool {
+    /// With the preconditioner that is chosen, to this relative error of Σ δL.
+    fn solve(&mut self, tolerance: T) -> bool {
         let (at, step) = ((&self.gauss, &self.iterate), (&self.start, self.h));
         self.is_made = self.is_made
             || self
@@ -191,7 +187,7 @@ impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
             return false;
         }
         let sides = (self.r.as_slice(), self.x.as_mut_slice());
-        let to_rest = (self.iterate.inverse_scale(), T::int(4) * T::EPSILON);
+        let to_rest = (self.iterate.inverse_scale(), tolerance);
         let m = self.choice.operator();
         self.linear
             .solve(Held::Start, sides, to_rest, &self.iterate, m)

@@ -185,7 +185,8 @@ impl<T: Float> LinearSweeps<T> {
             run(
                 positions,
                 Iteration {
-                    hessians: &self.hessians,
+                    pattern: &self.hessians.pattern,
+                    entries: &self.hessians.entries,
                     k: &self.k[held as usize],
                     held,
                     mixed: &mut self.mixed,

@@ -10,7 +10,7 @@
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::Held;
 use crate::layout::row::{add, by_groups, dot, fused, fused_each, scaled, stride_for, times};
-use crate::linear::stage_hessians::{StageHessians, row_times};
+use crate::linear::row_times::row_times;
 use crate::matrix::twofold::add_product;
 use equip_autodiff::Pattern;
 use equip_scalar::{Float, InstructionSet, Kernel, Pack, mix_stages};
@@ -57,7 +57,9 @@ impl<T: Float> Positions<T> {
 
 /// What an iteration of several sides reads and writes.
 pub(crate) struct Iteration<'a, T: Float> {
-    pub(crate) hessians: &'a StageHessians<T>,
+    /// ∂²H/∂y∂y and its entries at the stages.
+    pub(crate) pattern: &'a Pattern,
+    pub(crate) entries: &'a [T],
     /// K column by column, for the end that is held.
     pub(crate) k: &'a [T],
     pub(crate) held: Held,
@@ -110,8 +112,8 @@ impl<T: Float> Positions<T> {
         iterate: &Iterate<T>,
     ) {
         iterate.set.run(&mut Row {
-            pattern: &of.hessians.pattern,
-            entries: &of.hessians.entries,
+            pattern: of.pattern,
+            entries: of.entries,
             twofold: &self.twofold[of.held as usize],
             h: iterate.h,
             w: iterate.inverse_masses().unwrap_or_default(),
