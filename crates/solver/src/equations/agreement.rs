@@ -20,7 +20,7 @@ const ALL: [Preconditioner; 5] = [
 ];
 
 /// One step from `y` by each preconditioner and by the equations: the same outcome, and the same end to
-/// `most` ε of the largest component and 256√ε of the displacement.
+/// `most` ε of the largest component and, of the displacement, the share that D may have as error.
 fn compare<T: Float>(
     name: &str,
     h: &Hamiltonian,
@@ -47,6 +47,10 @@ fn compare<T: Float>(
     made.unwrap_or_else(|e| panic!("{name}, s = {s}, Gauss: {e}"));
     let ends = expected.end.iter().zip(&unperturbed.hi);
     let displacement = ends.fold(T::int(0), |a, (&x, &y)| a.max((x - y).abs()));
+    let ends = expected.end.iter().zip(&y);
+    let motion = ends.fold(T::int(0), |a, (&x, &y)| a.max((x - y).abs()));
+    // The relative error of D.
+    let turn = (T::int(64) * T::EPSILON.sqrt()).max(displacement / motion);
     let size = y
         .iter()
         .chain(&expected.end)
@@ -75,9 +79,7 @@ fn compare<T: Float>(
             "{name}, s = {s}, {preconditioner:?}"
         );
         for (&found, &wanted) in next.hi.iter().zip(&expected.end) {
-            // D has an error of 64√ε.
-            let allowed =
-                T::exact(most) * T::EPSILON * size + T::int(256) * T::EPSILON.sqrt() * displacement;
+            let allowed = T::exact(most) * T::EPSILON * size + T::int(4) * turn * displacement;
             let off = ((found - wanted).abs() / allowed).to_f64();
             assert!(
                 off <= 1.0,

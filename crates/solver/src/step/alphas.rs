@@ -221,7 +221,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         bounds.holds(change)
     }
 
-    /// D, to the digits that show in y1, and to 64√ε at least: the tangents turn with the displacement.
+    /// D, to the digits that show in y1, or to the change of y1 that is needed: D turns by about as much with
+    /// it, so that steps are symmetric to second order either way.
     fn compute_direction(
         &mut self,
         solver: &mut AlphaSolver<T>,
@@ -229,8 +230,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     ) -> Result<(), Outcome> {
         let rounding = T::int(STATE_ROUNDING) * T::EPSILON;
         let coarsest = T::ratio(1, SHARE);
-        let finest = T::int(STATE_ROUNDING) * T::EPSILON.sqrt();
-        let tolerance = (rounding / bounds.needed[0]).max(finest).min(coarsest);
+        let needed = bounds.needed[0];
+        let tolerance = (rounding / needed).max(needed).min(coarsest);
         self.counts.directions += 1;
         let at = (&self.stages.iterate, self.constraints.as_slice());
         let operator = self.stages.choice.operator();
