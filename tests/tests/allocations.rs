@@ -88,11 +88,11 @@ fn halved_and_carried_steps_allocate_nothing() {
     let options = Equip::stages(2).alphas(Alphas::Last).step(0.2);
     let mut run = options.start(&energy, &start.q, &start.p, 0.0).unwrap();
     // What is made at its first use, a costlier preconditioner and the local error, has been made.
-    for _ in 0..1000 {
+    for _ in 0..300 {
         run.advance().unwrap();
     }
     let before = ALLOCATIONS.get();
-    for _ in 0..300 {
+    for _ in 0..150 {
         run.advance().unwrap();
     }
     assert_eq!(ALLOCATIONS.get() - before, 0);
