@@ -265,7 +265,7 @@ def test_outputs_of_runs_with_times_events_and_dense_output(kepler, pool, precis
             assert ends.t[i] == 10 and np.array_equal(ends.q[i], there.q[i])
             for got, wanted in zip(ends.outputs[i], seen(alone)):
                 assert np.array_equal(got, wanted)
-        assert len(alone.t_events[0]) >= 2
+        assert len(alone.t_events[0]) >= 1
     with pytest.raises(ValueError, match="give output"):
         equip.ensemble(kepler, q0, p0, (0, 10), t_eval=[1.0])
 
