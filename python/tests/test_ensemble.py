@@ -279,7 +279,13 @@ def test_billiards_in_an_ensemble():
     free = equip.Hamiltonian(lambda q, p: p[0] ** 2 / 2, shape=1)
     momenta = np.array([[0.7], [1.9]])
     ends = equip.ensemble(
-        free, np.zeros((2, 1)), momenta, (0, 20), events=wall, output=lambda sol: len(sol.t_events[0]), step=0.1
+        free,
+        np.zeros((2, 1)),
+        momenta,
+        (0, 20),
+        events=wall,
+        output=lambda sol: len(sol.t_events[0]),
+        step=0.1,
     )
     assert ends.outputs == (7, 19)
     # Unfolded, the path is a straight line.

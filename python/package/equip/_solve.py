@@ -285,8 +285,8 @@ def solve(
     changes = changes_of(given["events"])
     if changes and checkpoint is not None:
         raise ValueError(
-            "events that change the state are not available with checkpoint: leave it out, or end the run by a "
-            "terminal event and start again"
+            "events that change the state are not available with checkpoint: leave it out, or end the run by "
+            "a terminal event and start again"
         )
     start, end = interval_of(span)
     interval = (state(q0, h.shape, "q0"), state(p0, h.shape, "p0"), start, end)

@@ -46,7 +46,7 @@ class Step:
     #: α_1 ... α_{s-1}.
     alphas: Floats
     outcome: str
-    #: The events of the step, or of all steps of `Steps.advance_to`, in the order in which the run passed them.
+    #: The events of the step, or of all steps of `Steps.advance_to`, in the order in which they were passed.
     events: tuple[Occurrence, ...] = ()
 
 

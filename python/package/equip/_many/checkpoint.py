@@ -104,7 +104,9 @@ def digest_of(task: Task, q: Floats, p: Floats) -> str:
     """Of all that the rows depend on; threads and chunks are not among it."""
     import hashlib
 
-    text = repr((task.times, task.precision, q.shape, sorted((name, _plain(x)) for name, x in task.given.items())))
+    text = repr(
+        (task.times, task.precision, q.shape, sorted((name, _plain(x)) for name, x in task.given.items()))
+    )
     parts = (task.h.to_bytes(), q.tobytes(), p.tobytes(), text.encode())
     return hashlib.sha256(b"".join(len(part).to_bytes(8, "little") + part for part in parts)).hexdigest()
 
