@@ -2,10 +2,10 @@
 //!
 //! *Admissible* (project note, section 10). A change of y1 caused by α is admissible up to [`FARTHEST`]
 //! times the larger of the local error of the step and the change that the step's own energy error is
-//! equivalent to, *plus the bound of the last uncorrected step*: the error that such a step has left may be
-//! removed by the next one (docs/adr/0026). If there are no more parameters than constraints, every step
-//! hands on its bound, which fades by 1/[`FADING`] a step: the constraints are what such a method is chosen
-//! for.
+//! equivalent to, *plus the largest bound of the uncorrected steps just before*, which fades by 1/[`FADING`] a
+//! step: the error that such steps have left may be removed by a later one (docs/adr/0026). If there are no
+//! more parameters than constraints, corrected steps hand on their bound as well: the constraints are what
+//! such a method is chosen for.
 //!
 //! Each component counts in units of its change over the step, and so does the component of its group
 //! (positions, momenta) that changes most. At most 1/[`SMALL`] of these units.
@@ -64,13 +64,10 @@ impl<T: Float> Bounds<T> {
 
     /// The bound that is handed on to the next step.
     pub(crate) fn hands_on(self, has_choice: bool, is_corrected: bool) -> [T; 2] {
-        if !has_choice {
-            let fading = |k: usize| self.handed_on[k] * T::ratio(FADING - 1, FADING);
-            [0, 1].map(|k| self.own[k].max(fading(k)))
-        } else if is_corrected {
-            [T::int(0); 2]
-        } else {
-            self.own
+        if has_choice && is_corrected {
+            return [T::int(0); 2];
         }
+        let fading = |k: usize| self.handed_on[k] * T::ratio(FADING - 1, FADING);
+        [0, 1].map(|k| self.own[k].max(fading(k)))
     }
 }
