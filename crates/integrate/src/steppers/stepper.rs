@@ -2,6 +2,7 @@
 
 use crate::control::frequency::Frequency;
 use crate::control::make::{check_gradient, complete_step, make_step};
+use crate::control::policy::SLOW;
 use crate::error::IntegrateError;
 use crate::options::common::Words;
 use crate::options::method::Method;
@@ -121,8 +122,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
 
     /// Puts the run at (`q`, `p`), each of length m, at the time it has reached, as after a kick: H and the
     /// invariants are kept at their values there from now on, and the next step is guessed from this state
-    /// alone. Counts, grid and largest defects go on. Nothing is allocated;
-    /// after an error the run is as it was.
+    /// alone. Counts, grid and largest defects go on. Nothing is allocated; after an error nothing changes.
     ///
     /// # Errors
     /// Faults of the values, and an H that is not finite there.
@@ -265,17 +265,16 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
         }
     }
 
-    /// hω of the step just made, if its iteration did not contract without ∇²H.
+    /// hω of the step just made, unless its iteration contracted without ∇²H as it does where hω is small.
     fn measure_phase(&mut self, h: T) {
-        if !self.core.is_preconditioned() {
+        let is_slow = self.core.contraction().is_some_and(|rate| rate > SLOW);
+        if !is_slow && !self.core.is_preconditioned() {
             return;
         }
         let step = h.abs();
         let omega = self.frequency.at(self.core.energy_mut(), &self.y.hi);
-        let phase = PhasePerStep {
-            angle: omega * step.to_f64(),
-            step,
-        };
+        let angle = omega * step.to_f64();
+        let phase = PhasePerStep { angle, step };
         self.phase_per_step = Some(phase.max(self.phase_per_step));
     }
 
