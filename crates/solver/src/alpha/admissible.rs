@@ -2,9 +2,9 @@
 //!
 //! *Admissible* (project note, section 10). A change of y1 caused by α is admissible up to [`FARTHEST`]
 //! times the larger of the local error of the step and the change that the step's own energy error is
-//! equivalent to, *plus the largest bound of the uncorrected steps just before*, which fades by 1/[`FADING`] a
-//! step: the error that such steps have left may be removed by a later one (docs/adr/0026). If there are no
-//! more parameters than constraints, corrected steps hand on their bound as well: the constraints are what
+//! equivalent to, *plus the largest bound of the uncorrected steps just before*, which fades by 1/[`FADING`]
+//! a step: the error that such steps have left may be removed by a later one (docs/adr/0026). If there are
+//! no more parameters than constraints, corrected steps hand on their bound as well: the constraints are what
 //! such a method is chosen for.
 //!
 //! Each component counts in units of its change over the step, and so does the component of its group
