@@ -213,9 +213,14 @@ fn energies(
     floor: f64,
 ) {
     let mut curves = vec![(energy, COLOURS[0], name.to_owned())];
-    if let Some(Comparison { energy, complete }) = comparison {
-        let short = if *complete { "" } else { ", ended early" };
-        curves.insert(0, (energy, GAUSS, format!("Gauss, same steps{short}")));
+    if let Some(comparison) = comparison {
+        let short = if comparison.complete {
+            ""
+        } else {
+            ", ended early"
+        };
+        let label = format!("{}{short}", comparison.label);
+        curves.insert(0, (&comparison.energy, GAUSS, label));
     }
     let all = curves
         .iter()

@@ -15,6 +15,8 @@ pub(crate) struct Comparison {
     pub(crate) energy: Envelope,
     /// Whether it reached the end.
     pub(crate) complete: bool,
+    /// What it has in common with the run, in words.
+    pub(crate) label: &'static str,
 }
 
 impl Comparison {
@@ -40,6 +42,10 @@ impl Comparison {
         Comparison {
             energy,
             complete: made.is_ok_and(|run| !run.stopped()),
+            label: match gauss {
+                Integrator::Fixed(_) => "Gauss, same steps",
+                Integrator::Variable(_) => "Gauss, same tolerance",
+            },
         }
     }
 }

@@ -16,9 +16,10 @@ fn the_plot_shows_gauss_beside_it_unless_told_not_to() {
         );
         std::fs::read_to_string(&plot).unwrap()
     };
-    assert!(drawn(&[]).contains("Gauss, same steps"));
+    assert!(drawn(&[]).contains("Gauss, same tolerance"));
+    assert!(drawn(&["--step", "0.1"]).contains("Gauss, same steps"));
     assert!(!drawn(&["--no-compare"]).contains("Gauss"));
-    assert!(!drawn(&["--method", "gauss"]).contains("same steps"));
+    assert!(!drawn(&["--method", "gauss"]).contains("same tolerance"));
 }
 
 /// With 8 steps a revolution a line from step to step would be an octagon, which leaves the orbit by 1 −
