@@ -131,6 +131,9 @@ class Later:
         pass
     def result(self):
         function, *arguments = self.call
+        if how == "stays":
+            # Slower than rows are written, on a slow disk as well: else all are made before some are.
+            time.sleep(0.2)
         if how == "stays" and len(equip.Ensemble.load(path).lost) < 60:
             # Some rows are written, and the others are never made.
             print("stays", flush=True)
@@ -139,8 +142,6 @@ class Later:
 
 class Executor:
     def submit(self, *call):
-        # Slower than rows are written.
-        time.sleep(0.001)
         return Later(*call)
 
 executor = None if how == "alone" else Executor()

@@ -11,7 +11,7 @@ use std::path::PathBuf;
         Exit codes: 0 success; 1 the integration or the output failed, with the output up to there written; 2 bad usage \
         or input; 128 + n ended by signal n (130 by Ctrl-C).\n\n\
         Examples:\n  \
-        equip run kepler --e 0.6 --periods 100 --plot kepler.svg\n  \
+        equip run kepler --e 0.6 --periods 100 --stages 4 --tolerance 1e-6 --plot kepler.svg\n  \
         equip run kepler --e 0.9 --stages 6 --periods 100 --out orbit.csv --every 10\n  \
         equip run henon-heiles --stages 4 --step 0.25 --until 1000 --method gauss\n  \
         equip run pendulum --precision dd --stages 8 --step 1/10 --until 50\n  \
