@@ -162,7 +162,7 @@ fn one_solution_in_double_double() {
 }
 
 #[test]
-#[ignore = "known deficit: D has an error of 64√ε, which shows where the displacement is large; 1000 ε allowed"]
+#[ignore = "known deficit: D has an error of the size of the displacement, which shows where that is large; 1000 ε allowed"]
 fn one_solution_with_alpha_in_double_double() {
     let failed = several_solutions::<DoubleDouble>(&SCENES, &[Equip::stages(4)], 3);
     assert!(failed.is_empty(), "{failed:?}");

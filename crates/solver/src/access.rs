@@ -125,8 +125,8 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
         (self.stages.choice.is_identity() && contraction > 0.0).then_some(contraction)
     }
 
-    /// Whether the iteration of the step had a preconditioner: without one it contracts only where hω is
-    /// small.
+    /// Whether the iteration of the step had a preconditioner: without one it contracts like
+    /// hω over 1.33 s + 0.7 (docs/adr/0005).
     pub fn is_preconditioned(&self) -> bool {
         !self.stages.choice.is_identity()
     }

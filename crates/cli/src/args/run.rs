@@ -74,7 +74,7 @@ pub(crate) struct RunArgs {
     /// Draw orbit or phase portrait, and the energy defect over time
     #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
     pub(crate) plot: Option<PathBuf>,
-    /// Leave out the Gauss method's energy defect on the same steps, which the plot shows for comparison
+    /// Leave out the energy error of Gauss with the same steps or tolerance, which the plot shows too
     #[arg(long, help_heading = "Output")]
     pub(crate) no_compare: bool,
     /// Keep a checkpoint in FILE; if there is one already, go on from it, bit for bit as if the run had not

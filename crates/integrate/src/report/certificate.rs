@@ -45,8 +45,8 @@ pub struct Certificate<T> {
     /// The largest round-off level over the steps that conserved the energy, and the energies. `None` where
     /// no step can conserve the energy or it was not measured.
     pub energy_floor: Option<EnergyFloor<T>>,
-    /// hω of the fastest motion, where it was largest. `None` if it was not looked at: after steps 1, 2, 4,
-    /// 8, … it is, but where the iteration contracts without ∇²H, which it does only if hω is small.
+    /// hω of the fastest motion, where it was largest of the steps looked at: steps 1, 2, 4, 8, … whose
+    /// iteration needed ∇²H or contracted slowly. `None` if there was none: hω then was small in these steps.
     pub phase_per_step: Option<PhasePerStep<T>>,
     /// Defects of the invariants watched.
     pub invariants: Vec<Defect<T>>,
