@@ -3,9 +3,7 @@
 import dataclasses
 import multiprocessing
 import os
-import shutil
 import signal
-import subprocess
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -213,21 +211,6 @@ def test_outputs(kepler, pool):
     with pytest.raises(ZeroDivisionError) as raised:
         equip.ensemble(kepler, q0, p0, (0, 10), output=by_zero, executor=pool, chunk=3)
     assert "in by_zero" in str(raised.value.__cause__)
-
-
-def test_the_program_draws_the_same(tmp_path):
-    program = os.environ.get("EQUIP_PROGRAM") or shutil.which("equip")
-    if program is None:
-        pytest.skip("the program equip is not in the path, nor named by EQUIP_PROGRAM")
-    path = tmp_path / "a.csv"
-    options = "kepler --e 0.3 --n 12 --seed 3 --step 0.0625 --until 20 --stages 4 --quiet --out"
-    subprocess.run([program, "ensemble", *options.split(), str(path)], check=True)
-    rows = np.genfromtxt(path, delimiter=",", skip_header=2, usecols=range(1, 10))
-    scene = equip.scenes.kepler(e="0.3")
-    q, p = equip.draw_starts(scene.q0, scene.p0, 12, seed=3)
-    assert np.array_equal(rows[:, :4], np.hstack([q, p]))
-    ends = equip.ensemble(scene, q, p, (0, 20), step=0.0625, method=equip.Equip(stages=4))
-    assert np.array_equal(rows[:, 5:], np.hstack([ends.q, ends.p]))
 
 
 class Pool:

@@ -3,12 +3,10 @@
 //! The parameters of a scene are options of `run` too (`--e 0.9`); they are added to the derived parser by
 //! name.
 
-mod ensemble;
 mod others;
 mod run;
 mod shared;
 
-pub(crate) use ensemble::{EnsembleArgs, MergeArgs, Shard};
 pub(crate) use others::{CheckArgs, GrowthArgs, PaperArgs, ReportArgs, ScenesArgs, SectionArgs};
 pub(crate) use run::{Precision, ReachName, RunArgs};
 pub(crate) use shared::MethodName;
@@ -29,8 +27,6 @@ use std::ffi::OsString;
         equip scenes kepler                formula, parameters and source of one scene\n  \
         equip run kepler                   a run with its certificate\n  \
         equip run kepler --e 0.9 --stages 6 --periods 100 --plot kepler.svg\n  \
-        equip ensemble kepler --n 100 --seed 7 --out kepler.csv\n                                     \
-        100 starts around one, a row each\n  \
         equip check --quick                stiff and extreme cases, judged\n  \
         equip paper --html paper.html      the paper's statements, measured\n  \
         equip report --quick               error against run time, as a page"
@@ -46,10 +42,6 @@ pub(crate) enum Command {
     Scenes(ScenesArgs),
     /// Integrate a scene and print what was kept
     Run(Box<RunArgs>),
-    /// Integrate many starts around that of a scene, over threads and in shards
-    Ensemble(Box<EnsembleArgs>),
-    /// Put the shards of an ensemble together
-    Merge(MergeArgs),
     /// Draw the Poincaré section of Hénon and Heiles
     Section(SectionArgs),
     /// Draw how the error of Kepler's problem grows with time, EQUIP beside Gauss
@@ -62,9 +54,6 @@ pub(crate) enum Command {
     Report(ReportArgs),
 }
 
-/// The commands that have the parameters of a scene as options.
-const WITH_SCENE: [&str; 2] = ["run", "ensemble"];
-
 /// Parses the command line; ends the program on `--help` and on wrong usage.
 pub(crate) fn parse() -> Cli {
     let arguments: Vec<OsString> = std::env::args_os().collect();
@@ -72,33 +61,27 @@ pub(crate) fn parse() -> Cli {
         .iter()
         .skip(2)
         .find_map(|text| equip_scenes::find(text.to_str()?).ok());
-    let mut names = [const { Vec::new() }; 2];
-    let mut command = Cli::command();
-    for (with_scene, names) in WITH_SCENE.into_iter().zip(&mut names) {
-        command = command.mut_subcommand(with_scene, |of| with_parameters(of, named, names));
-    }
-    let mut matches = command.clone().get_matches_from(arguments);
+    let mut names = Vec::new();
+    let command =
+        Cli::command().mut_subcommand("run", |run| with_parameters(run, named, &mut names));
+    let mut matches = command.get_matches_from(arguments);
     let mut given = Vec::new();
-    for (with_scene, names) in WITH_SCENE.into_iter().zip(names) {
-        if let Some(values) = matches.subcommand_matches(with_scene) {
-            let value = |name: &str| values.get_one::<String>(name).cloned();
-            let named = names.into_iter();
-            given.extend(named.filter_map(|name| Some((name.to_string(), value(name)?))));
-        }
+    if let Some(values) = matches.subcommand_matches("run") {
+        let value = |name: &str| values.get_one::<String>(name).cloned();
+        let named = names.into_iter();
+        given.extend(named.filter_map(|name| Some((name.to_string(), value(name)?))));
     }
     let mut cli = Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|error| error.exit());
-    match &mut cli.command {
-        Command::Run(run) => run.problem.set.extend(given),
-        Command::Ensemble(ensemble) => ensemble.problem.set.extend(given),
-        _ => {}
+    if let Command::Run(run) = &mut cli.command {
+        run.problem.set.extend(given);
     }
     cli
 }
 
 /// Adds the parameters of all scenes as options, those of the scene `named` visibly; a parameter that has the
-/// name of an option of the command is left to `--set`.
+/// name of an option of `run` is left to `--set`.
 fn with_parameters(
-    mut of: clap::Command,
+    mut run: clap::Command,
     named: Option<&'static Scene>,
     names: &mut Vec<&'static str>,
 ) -> clap::Command {
@@ -113,11 +96,11 @@ fn with_parameters(
         for parameter in scene.parameters {
             let name = parameter.name;
             let taken = |arg: &Arg| arg.get_id() == name || arg.get_long() == Some(name);
-            if ["help", "version"].contains(&name) || of.get_arguments().any(taken) {
+            if ["help", "version"].contains(&name) || run.get_arguments().any(taken) {
                 continue;
             }
             names.push(name);
-            of = of.arg(
+            run = run.arg(
                 Arg::new(name)
                     .long(name)
                     .value_name("VALUE")
@@ -131,7 +114,7 @@ fn with_parameters(
             );
         }
     }
-    of
+    run
 }
 
 #[cfg(test)]

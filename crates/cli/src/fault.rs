@@ -83,56 +83,6 @@ pub(crate) enum Fault {
         reached: String,
         next: String,
     },
-    #[error("cannot start {threads} threads: {source}; give fewer --threads")]
-    Threads {
-        threads: usize,
-        source: Box<dyn std::error::Error>,
-    },
-    #[error("{} is not the file of an ensemble: {what}; name another file with --out", path.display())]
-    NotAnEnsemble { path: PathBuf, what: String },
-    #[error(
-        "{} belongs to another ensemble: its {what} is {stored}, now it is {now}; repeat that command, or name another file with --out",
-        path.display()
-    )]
-    OtherEnsemble {
-        path: PathBuf,
-        what: String,
-        stored: String,
-        now: String,
-    },
-    #[error(
-        "ended by signal {signal} with {made} of {members} members in {}; the same command makes the others",
-        path.display()
-    )]
-    EnsembleInterrupted {
-        signal: i32,
-        exit_code: u8,
-        made: usize,
-        members: usize,
-        path: PathBuf,
-    },
-    #[error("{} and {} are shards of two ensembles: {what} is {} in the one and {} in the other; merge those of one", .paths.0.display(), .paths.1.display(), .values.0, .values.1)]
-    ShardsDiffer {
-        paths: (PathBuf, PathBuf),
-        what: String,
-        values: (String, String),
-    },
-    #[error("{} and {} are both shard {number}; give each once", .paths.0.display(), .paths.1.display())]
-    ShardTwice {
-        number: u64,
-        paths: (PathBuf, PathBuf),
-    },
-    #[error("{} has {missing} of its {members} members still to be made: repeat `equip ensemble … --shard {shard}` with it", path.display())]
-    ShardUnfinished {
-        path: PathBuf,
-        shard: String,
-        missing: usize,
-        members: usize,
-    },
-    #[error(
-        "of the ensemble {shards} is missing: give the file of every shard, or make it by `equip ensemble … --shard`"
-    )]
-    ShardsMissing { shards: String },
     #[error("cannot print: {0}")]
     Print(#[from] std::io::Error),
     #[error("{0}")]
@@ -170,9 +120,7 @@ impl Fault {
 
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
-            Fault::Interrupted { exit_code, .. } | Fault::EnsembleInterrupted { exit_code, .. } => {
-                *exit_code
-            }
+            Fault::Interrupted { exit_code, .. } => *exit_code,
             Fault::NoRoom { source, .. } if source.kind() == ErrorKind::FileTooLarge => {
                 FILE_TOO_LARGE
             }

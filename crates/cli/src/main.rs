@@ -14,7 +14,7 @@ mod text;
 mod write;
 
 use args::Command;
-use commands::{ensemble, growth, merge, scenes, section};
+use commands::{growth, scenes, section};
 use fault::Fault;
 use std::io::ErrorKind;
 use std::process::ExitCode;
@@ -23,8 +23,6 @@ fn main() -> ExitCode {
     let done = match args::parse().command {
         Command::Scenes(args) => scenes::scenes(&args),
         Command::Run(args) => run::run(&args),
-        Command::Ensemble(args) => ensemble::ensemble(&args),
-        Command::Merge(args) => merge::merge(&args),
         Command::Section(args) => section::section(&args),
         Command::Growth(args) => growth::growth(&args),
         Command::Check(args) => check::check(&args),

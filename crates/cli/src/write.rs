@@ -5,5 +5,4 @@ pub(crate) mod checksum;
 pub(crate) mod csv;
 pub(crate) mod json;
 pub(crate) mod lock;
-pub(crate) mod members;
 pub(crate) mod outputs;

@@ -1,9 +1,7 @@
 //! [`Integrator`]: fixed or variable steps, as the user asked, behind one set of verbs.
 
-use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    Adaptive, Checkpoint, FixedStep, IntegrateError, Invariant, Method, Observer, Reach, Record,
-    Run, RunFailure, Starts,
+    Adaptive, Checkpoint, FixedStep, Invariant, Method, Observer, Reach, Record, Run, RunFailure,
 };
 use equip_scalar::Float;
 use equip_scenes::Instance;
@@ -51,20 +49,6 @@ impl<T: Float> Integrator<T> {
         match self {
             Integrator::Fixed(x) => Integrator::Fixed(x.dense().record(Record::All)),
             Integrator::Variable(x) => Integrator::Variable(x.dense().record(Record::All)),
-        }
-    }
-
-    /// From each of the starts; see [`equip_integrate::Integrator::ensemble`].
-    pub(crate) fn ensemble<R: Send>(
-        &self,
-        h: &Hamiltonian,
-        starts: Starts<'_, T>,
-        row: impl Fn(usize, Result<Run<T>, RunFailure<T>>) -> R + Sync,
-        stop: impl Fn() -> bool + Sync,
-    ) -> Result<Vec<Option<R>>, IntegrateError<T>> {
-        match self {
-            Integrator::Fixed(x) => x.ensemble(h, starts, row, stop),
-            Integrator::Variable(x) => x.ensemble(h, starts, row, stop),
         }
     }
 

@@ -17,19 +17,7 @@ pub(crate) fn open(path: &Path) -> Result<File, Fault> {
     locked(path, options.write(true).create(true).truncate(false))
 }
 
-/// Opens a file for reading and writing, locked; it is made if it is not there.
-///
-/// # Errors
-/// As of [`open`].
-pub(crate) fn reopen_or_make(path: &Path) -> Result<File, Fault> {
-    let mut options = OpenOptions::new();
-    locked(
-        path,
-        options.read(true).write(true).create(true).truncate(false),
-    )
-}
-
-/// The same for a file that must be there.
+/// Opens a file for reading and writing, locked; it must be there.
 ///
 /// # Errors
 /// As of [`open`].

@@ -15,7 +15,7 @@ def draw_starts(q0: Any, p0: Any, n: int, *, seed: int = 0, spread: float = 0.01
 
     Every component x becomes x (1 + spread u), with u uniform in [-1, 1) and its own for each component;
     components that are zero stay so. Member number i depends on `seed` and i alone, so that the first n
-    members of more are the same. The program's `equip ensemble` draws the same ones.
+    members of more are the same. `drawn_start` of the Rust library draws the same ones.
 
     Parameters
     ----------
