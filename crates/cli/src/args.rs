@@ -50,7 +50,7 @@ pub(crate) enum Command {
     Check(CheckArgs),
     /// Hold the statements of the paper, by its own method, against measured figures
     Paper(PaperArgs),
-    /// Error against run time of EQUIP, Gauss and classical methods: a page, pictures and tables
+    /// Error against run time of EQUIP and Gauss: a page, pictures and tables
     Report(ReportArgs),
 }
 

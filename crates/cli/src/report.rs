@@ -1,4 +1,4 @@
-//! `equip report`: for each scene, error against run time of EQUIP, Gauss and classical methods.
+//! `equip report`: for each scene, error against run time of EQUIP and Gauss.
 //!
 //! All methods get the same H, the same gradient (that of the library, from the recorded H), the same start
 //! and the same end; the error is the largest difference from the end state in any component of q and p. One
@@ -9,7 +9,6 @@ pub(crate) mod chart;
 mod contender;
 mod csv;
 mod measure;
-mod methods;
 mod page;
 mod peers;
 mod picture;
@@ -192,7 +191,7 @@ fn facts(results: &[Results], begun: Instant) -> Vec<String> {
         format!("equip {}, {build}", env!("CARGO_PKG_VERSION")),
         format!("{cpu}, {cores} cores, {} on {}; one thread is used", std::env::consts::OS, std::env::consts::ARCH),
         format!("milliseconds of CPU time of whole runs, without recording H; medians of {fewest} to {most} interleaved repeats, their spread in the tables"),
-        "error: the largest difference in any component of q and p at the end; H is given as a closure to all methods, and all use the gradient derived from it".into(),
+        "error: the largest difference in any component of q and p at the end; H is given as a closure, and all methods use the gradient derived from it".into(),
         "times to an error: interpolated linearly in both logarithms; a setting counts if the next finer one stays within the error too".into(),
         format!("made in {:.0} s", begun.elapsed().as_secs_f64()),
     ]

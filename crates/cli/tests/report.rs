@@ -55,14 +55,7 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
     let runs = std::fs::read_to_string(out.join("runs.csv")).unwrap();
     let lines: Vec<&str> = runs.lines().collect();
     let columns = lines[0].split(',').count();
-    for method in [
-        "EQUIP(4)",
-        "Gauss(8)",
-        "Störmer–Verlet",
-        "Kahan–Li 8",
-        "Sofroniou–Spaletta 10",
-        "DOP853",
-    ] {
+    for method in ["EQUIP(4)", "EQUIP(8)", "Gauss(8)"] {
         let rows: Vec<Vec<&str>> = lines
             .iter()
             .map(|l| l.split(',').collect::<Vec<_>>())
@@ -73,8 +66,7 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
         let number = |row: &Vec<&str>, i: usize| row[i].parse::<f64>().unwrap();
         let error = |row: &Vec<&str>| number(row, 6);
         let best = rows.iter().map(error).fold(f64::INFINITY, f64::min);
-        // Finer settings are better: measured 1.4e4 (Störmer–Verlet) and more, here with room for machines on
-        // which the time is up after the second setting.
+        // Finer settings are better, here with room for machines on which the time is up after the second.
         assert!(
             error(&rows[0]) > 2.0 * best,
             "{method}: {:e} to {best:e}",
@@ -87,15 +79,6 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
                 number(row, 11) > 0.0 && number(row, 12) <= number(row, 11),
                 "{row:?}"
             );
-            // One gradient a kick: 1, 17 and 35 a step.
-            let kicks = [
-                ("Störmer–Verlet", 1.0),
-                ("Kahan–Li 8", 17.0),
-                ("Sofroniou–Spaletta 10", 35.0),
-            ];
-            if let Some((_, kicks)) = kicks.iter().find(|(name, _)| *name == method) {
-                assert_eq!(number(row, 9), kicks * number(row, 5), "{row:?}");
-            }
         }
         if method == "EQUIP(4)" {
             // Energy at round-off where the motion is followed to 1e-3: measured 3.1e-14 at most, headroom
@@ -108,12 +91,12 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
     }
 
     let times = std::fs::read_to_string(out.join("times.csv")).unwrap();
-    // 3 EQUIP, 1 with variable steps, 3 Gauss, 3 compositions, DOP853; 4 targets; a header.
-    assert_eq!(times.lines().count(), 1 + 11 * 4);
+    // 3 EQUIP, 1 with variable steps, 3 Gauss; 4 targets; a header.
+    assert_eq!(times.lines().count(), 1 + 7 * 4);
     assert!(
         times
             .lines()
-            .any(|l| l.starts_with("kepler-0.6,f64,DOP853,1e-6,") && l.ends_with("interpolated"))
+            .any(|l| l.starts_with("kepler-0.6,f64,Gauss(4),1e-6,") && l.ends_with("interpolated"))
     );
 
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
@@ -170,8 +153,8 @@ fn columns_a_scene_does_not_have_are_left_out() {
     ]);
     assert_eq!(output.status.code(), Some(0));
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    // Not separable: no compositions; no invariant besides H.
-    assert!(!page.contains("Verlet") && !page.contains("momentum") && page.contains("DOP853"));
+    // No invariant besides H.
+    assert!(!page.contains("momentum") && page.contains("Gauss(8)"));
 }
 
 #[test]

@@ -159,8 +159,8 @@ pub(crate) struct PaperArgs {
 #[derive(Debug, Args)]
 #[command(
     after_help = "For each scene: error at the end and energy defect against run time, work counts, and the time to given \
-        errors, of EQUIP and Gauss with several numbers of stages, Störmer-Verlet, compositions of order 8 and 10, and DOP853. All use \
-        the gradient derived from H.\n\n\
+        errors, of EQUIP and Gauss with several numbers of stages. All use the gradient derived from H; benches/peers compares with \
+        other methods and programs.\n\n\
         The directory gets report.html, which needs nothing else, runs.csv, times.csv, and one SVG file a scene.\n\n\
         Examples:\n  \
         equip report --quick\n  \

@@ -34,7 +34,7 @@ pub(super) fn runs(results: &[Results]) -> String {
                     number(o.energy),
                     invariants.join(";"),
                     o.gradients,
-                    o.iterations.map_or(String::new(), |n| n.to_string()),
+                    o.iterations,
                     number(point.median()),
                     number(least),
                     number(most),

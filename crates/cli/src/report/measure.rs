@@ -67,11 +67,10 @@ pub(super) fn curves<T: Float>(
     mut say: impl FnMut(&str),
 ) -> Vec<Curve> {
     let begun = Instant::now();
-    let suited: Vec<_> = contenders.iter().filter(|c| c.suits(subject)).collect();
     // The climbs may use half of the time; the rest is for repeats.
-    let share = budget.scene / (2 * suited.len().max(1) as u32);
+    let share = budget.scene / (2 * contenders.len().max(1) as u32);
     let mut curves = Vec::new();
-    for contender in suited {
+    for contender in contenders {
         say(&format!(
             "{} {}: {}",
             subject.name,

@@ -255,7 +255,7 @@ fn runs(result: &Results) -> String {
         cells.extend([
             o.gradients.to_string(),
             per_step(o.gradients, o.steps),
-            o.iterations.map_or(String::new(), |n| per_step(n, o.steps)),
+            per_step(o.iterations, o.steps),
             brief(point.median()),
             brief(least),
             brief(most),

@@ -27,12 +27,6 @@ fn shade(family: [&'static str; 5], stages: usize) -> String {
 pub(super) fn look(contender: &Contender) -> Look {
     const BLUES: [&str; 5] = ["#9ecae8", "#62a9d8", "#2f7fb8", "#125a8f", "#06305c"];
     const ORANGES: [&str; 5] = ["#f7c98b", "#f0a13c", "#d97a12", "#a9560a", "#6b3304"];
-    let full = |colour: &str| Look {
-        colour: colour.into(),
-        dashes: "none",
-        width: 1.8,
-        mark: Mark::Triangle,
-    };
     match contender {
         Contender::Equip(s) => Look {
             colour: shade(BLUES, *s),
@@ -52,12 +46,6 @@ pub(super) fn look(contender: &Contender) -> Look {
             width: 1.6,
             mark: Mark::Square,
         },
-        Contender::Composition(scheme) => full(match scheme.order {
-            2 => "#8c8c8c",
-            8 => "#5f5f5f",
-            _ => "#2b2b2b",
-        }),
-        Contender::Dop853 => full("#8e5bb5"),
     }
 }
 

@@ -1,16 +1,14 @@
 //! The scenes of the report, with end times and end states.
 //!
 //! End states come from the scene's exact flow of the rounded start, from its stored reference, or, where
-//! there is neither, from a composition of order 10 in double-double with half the step of another one, whose
-//! difference bounds the error. Kepler's problem ends at a time that is no whole number of periods: at whole
-//! periods a method that does nothing scores zero.
+//! there is neither, from Gauss(16) in double-double with half the step of another run, whose difference
+//! bounds the error. Kepler's problem ends at a time that is no whole number of periods: at whole periods a
+//! method that does nothing scores zero.
 
-use super::methods::composition::Composition;
-use super::methods::flow::Flow;
 use crate::fault::Fault;
+use equip_integrate::{Gauss, Record};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
-use equip_tableau::composition::SOFRONIOU_SPALETTA;
 
 /// A scene of the report as it is listed.
 #[derive(Debug, Clone, Copy)]
@@ -159,7 +157,7 @@ impl<T: Float> Subject<T> {
     /// Builds the scene and finds its end state.
     ///
     /// # Errors
-    /// If the scene cannot be built, or has no end state that can be known.
+    /// If the scene cannot be built, or integrated where its end state is not known.
     pub(super) fn new(entry: &Entry) -> Result<Self, Fault> {
         let instance = match entry.scene {
             Source::Scene(name, values) => equip_scenes::find(name)?.instance(values)?,
@@ -227,33 +225,20 @@ fn end_state<T: Float>(
             format!("stored reference {}", reference.name()),
         ));
     }
-    let y = all(start);
-    let system = instance.hamiltonian();
-    let masses = Flow::inverse_masses(system, &y).ok_or(Fault::Option {
-        option: "scene",
-        value: entry.name.into(),
-        expected: "one with a closed form, a stored reference, or H = T(p) + U(q) with masses",
-    })?;
-    // A twentieth of the coarsest run's steps, 35 kicks each: errors of order 10 then are far below round-off
-    // of f64.
-    let steps = (20.0 * entry.fewest) as i64;
-    let computed = |steps: i64| {
-        let h = wide(end) / DoubleDouble::int(steps);
-        let mut run = Composition::new(
-            &SOFRONIOU_SPALETTA,
-            Flow::new(system),
-            masses.clone(),
-            y.clone(),
-            h,
-        );
-        (0..steps).for_each(|_| run.advance());
-        run.y
+    // Steps of half the length of the coarsest run's: errors of order 32 are far below round-off of f64.
+    let computed = |steps: f64| {
+        let h = wide(end) / DoubleDouble::exact(steps);
+        let integrator = Gauss::stages(16).step(h).record(Record::Ends);
+        let interval = DoubleDouble::int(0)..=wide(end);
+        let run = integrator.integrate(instance.hamiltonian(), &all(q), &all(p), interval);
+        run.map(|run| [run.last().1, run.last().2].concat())
+            .map_err(|failure| Fault::start(failure.error))
     };
-    let (coarse, fine) = (computed(steps), computed(2 * steps));
+    let (coarse, fine) = (computed(2.0 * entry.fewest)?, computed(4.0 * entry.fewest)?);
     let far = |(&a, &b): (&DoubleDouble, &DoubleDouble)| (a - b).to_f64().abs();
     let off = coarse.iter().zip(&fine).map(far).fold(0.0, f64::max);
     Ok((
         fine,
-        format!("double-double composition of order 10, within {off:.0e}"),
+        format!("Gauss(16) in double-double, within {off:.0e}"),
     ))
 }
