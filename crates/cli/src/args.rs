@@ -3,10 +3,12 @@
 //! The parameters of a scene are options of `run` too (`--e 0.9`); they are added to the derived parser by
 //! name.
 
+mod number;
 mod others;
 mod run;
 mod shared;
 
+pub(crate) use number::number;
 pub(crate) use others::{CheckArgs, GrowthArgs, PaperArgs, ReportArgs, ScenesArgs, SectionArgs};
 pub(crate) use run::{Precision, ReachName, RunArgs};
 pub(crate) use shared::MethodName;

@@ -14,7 +14,7 @@ mod outcomes;
 mod reference;
 mod summary;
 mod table;
-pub(crate) mod verdict;
+mod verdict;
 
 use crate::args::CheckArgs;
 use crate::fault::Fault;

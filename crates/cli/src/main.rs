@@ -6,7 +6,7 @@ mod check;
 mod commands;
 mod draw;
 mod fault;
-mod number;
+mod limits;
 mod paper;
 mod report;
 mod run;

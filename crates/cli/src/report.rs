@@ -5,7 +5,6 @@
 //! thread; [`measure`] says how the times are taken.
 
 mod accuracy;
-pub(crate) mod chart;
 mod contender;
 mod csv;
 mod measure;

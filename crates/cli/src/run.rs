@@ -1,24 +1,23 @@
 //! `equip run`: one scene, one method, one certificate.
 
 mod asked;
-pub(crate) mod comparison;
+mod comparison;
 mod curve;
-pub(crate) mod finished;
-pub(crate) mod integrator;
-pub(crate) mod method;
+mod finished;
+mod integrator;
+mod json;
+mod method;
+mod picture;
 pub(crate) mod progress;
-pub(crate) mod signals;
-pub(crate) mod watch;
+mod signals;
+mod watch;
 
-use crate::args::{MethodName, Precision, ReachName, RunArgs};
-use crate::draw::run::{components, draw};
+use crate::args::{MethodName, Precision, ReachName, RunArgs, number};
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
-use crate::number::number;
 use crate::text::{significant, without_long_numbers};
 use crate::write::checkpoint::{self, Saved, Saver};
 use crate::write::csv::Mark;
-use crate::write::json;
 use crate::write::lock::Claim;
 use crate::write::outputs::ordinary;
 use comparison::Comparison;
@@ -29,6 +28,7 @@ use equip_scenes::Instance;
 use finished::{EndError, Finished, end_error};
 use integrator::Integrator;
 use method::method;
+use picture::{components, draw};
 use progress::Progress;
 use std::io::{Write, stdout};
 use std::time::Duration;

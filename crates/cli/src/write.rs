@@ -1,8 +1,7 @@
-//! What a run leaves behind: its table, its checkpoints, its certificate as JSON.
+//! Files: the table of a run, its checkpoints, and outputs that no other program writes at the time.
 
 pub(crate) mod checkpoint;
 pub(crate) mod checksum;
 pub(crate) mod csv;
-pub(crate) mod json;
 pub(crate) mod lock;
 pub(crate) mod outputs;

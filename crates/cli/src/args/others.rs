@@ -1,7 +1,7 @@
 //! Options of the commands beside `equip run`.
 
 use super::shared::{stages, whole};
-use crate::check::verdict::{CARRIED, FLOORS, TRAJECTORY};
+use crate::limits::{CARRIED, FLOORS, TRAJECTORY};
 use clap::Args;
 use std::path::PathBuf;
 

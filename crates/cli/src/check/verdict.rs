@@ -18,13 +18,8 @@
 
 use super::case::{End, Expect, Trajectory};
 use super::measured::Measured;
+use crate::limits::{CARRIED, FLOORS, TRAJECTORY};
 
-/// Largest energy defect in round-off floors.
-pub(crate) const FLOORS: f64 = 8.0;
-/// Largest energy defect beside carried steps over that of Gauss.
-pub(crate) const CARRIED: f64 = 2.0;
-/// Largest trajectory error over that of Gauss.
-pub(crate) const TRAJECTORY: f64 = 3.0;
 /// Trajectory errors within so many times what one rounding of the start does are round-off.
 const NOISE: f64 = 8.0;
 /// Trajectory errors of known deficits, over the figure that is known.

@@ -6,10 +6,9 @@
 //! that drifts in energy gets the period wrong, and its error grows like N²; one that keeps energy and
 //! angular momentum leaves N.
 
-use crate::args::GrowthArgs;
+use crate::args::{GrowthArgs, number};
 use crate::draw::growth::{Curve, DASHES, draw};
 use crate::fault::Fault;
-use crate::number::number;
 use crate::run::progress::steps_of;
 use crate::write::outputs::{Drawing, apart};
 use equip_integrate::{Equip, Gauss, IntegrateError, Method, Record};

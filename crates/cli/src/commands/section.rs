@@ -4,11 +4,10 @@
 //! orbit. Orbits start on the axes q2 = 0 and p2 = 0 of the section, evenly. The crossings are events,
 //! located on dense output to round-off.
 
-use crate::args::SectionArgs;
+use crate::args::{SectionArgs, number};
 use crate::draw::panel::{Axis, Panel};
 use crate::draw::svg::{Anchor, FAINT, INK, Svg};
 use crate::fault::Fault;
-use crate::number::number;
 use crate::run::progress::steps_of;
 use crate::write::outputs::{Drawing, apart};
 use equip_integrate::{Equip, Event, Record};

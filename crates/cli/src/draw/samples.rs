@@ -1,5 +1,6 @@
 //! What a plot needs of a run, in memory that does not grow with the run.
 
+use equip_scalar::Float;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Coordinates kept of all paths together, and points of the energy.
@@ -75,6 +76,12 @@ impl Path {
             self.points = kept.collect();
             self.stride *= 2;
         }
+    }
+
+    /// The same for the state (q, p) in the numbers of a run.
+    pub(crate) fn see_state<T: Float>(&mut self, index: u64, q: &[T], p: &[T]) {
+        let component = |i: usize| if i < q.len() { q[i] } else { p[i - q.len()] };
+        self.see(index, |i| component(i).to_f64());
     }
 
     /// Every how many steps a point was kept.

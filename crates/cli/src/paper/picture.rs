@@ -3,9 +3,9 @@
 use super::convergence::{Convergence, Member, STEPS};
 use super::orbit::Orbit;
 use super::residual::Residual;
+use crate::draw::chart::{Line, Look, Spot, draw};
 use crate::draw::panel::{Axis, Panel};
 use crate::draw::svg::{Anchor, INK, Mark, Svg};
-use crate::report::chart::{Line, Look, Spot, draw};
 
 const BLUES: [&str; 3] = ["#62a9d8", "#2f7fb8", "#06305c"];
 const ORANGES: [&str; 3] = ["#f0a13c", "#d97a12", "#6b3304"];

@@ -1,6 +1,6 @@
 //! What `benches/peers` measured, read from its JSON file to be joined to the page.
 
-use super::chart::{Line, Look, Spot, draw};
+use crate::draw::chart::{Line, Look, Spot, draw};
 use crate::draw::svg::Mark;
 use crate::fault::Fault;
 use serde::Deserialize;

@@ -3,9 +3,9 @@
 //!
 //! A method has the same colour, dashes and mark in every picture.
 
-use super::chart::{Line, Look, Spot, draw};
 use super::contender::Contender;
 use super::measure::{Curve, Point};
+use crate::draw::chart::{Line, Look, Spot, draw};
 use crate::draw::svg::Mark;
 
 /// Errors from here on are not drawn.

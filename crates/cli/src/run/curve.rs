@@ -45,17 +45,11 @@ pub(crate) fn curve<T: Float>(
         for k in 0..PER_STEP {
             let time = pair[0] + (pair[1] - pair[0]) * T::ratio(k, PER_STEP);
             let (q, p) = trajectory.at(time)?;
-            path.see(index, |i| at(&q, &p, i));
+            path.see_state(index, &q, &p);
             index += 1;
         }
     }
     let (_, q, p) = run.last();
-    path.see(index.next_multiple_of(path.stride()), |i| at(q, p, i));
+    path.see_state(index.next_multiple_of(path.stride()), q, p);
     Some(path)
-}
-
-/// Component i of y = (q, p) as a double.
-fn at<T: Float>(q: &[T], p: &[T], i: usize) -> f64 {
-    let y = if i < q.len() { q[i] } else { p[i - q.len()] };
-    y.to_f64()
 }

@@ -1,8 +1,7 @@
 //! The method that was asked for by name.
 
-use crate::args::MethodName;
+use crate::args::{MethodName, number};
 use crate::fault::Fault;
-use crate::number::number;
 use equip_integrate::{Alphas, Equip, Gauss, Method};
 use equip_scalar::{Constant, Float};
 

@@ -86,7 +86,7 @@ impl<'a, T: Float> Watch<'a, T> {
         self.begun = true;
         let (q, p) = self.start;
         if self.resumed.is_none() {
-            self.picture.path.see(0, |i| component(q, p, i));
+            self.picture.path.see_state(0, q, p);
         }
         // All files are had before one of them is emptied.
         let table = self
@@ -128,7 +128,7 @@ impl<'a, T: Float> Watch<'a, T> {
         };
         self.progress.see(view.index);
         let picture = &mut self.picture;
-        (picture.path).see(view.index, |i| component(view.q, view.p, i));
+        (picture.path).see_state(view.index, view.q, view.p);
         if let Some(defect) = view.energy_defect {
             (picture.energy).see(view.time.to_f64(), defect.to_f64());
         }
@@ -223,10 +223,4 @@ impl<T: Float> Observer<T> for Watch<'_, T> {
         let saved = self.save(checkpoint);
         self.go_on_if(saved)
     }
-}
-
-/// Component i of y = (q, p) as a double.
-fn component<T: Float>(q: &[T], p: &[T], i: usize) -> f64 {
-    let y = if i < q.len() { q[i] } else { p[i - q.len()] };
-    y.to_f64()
 }

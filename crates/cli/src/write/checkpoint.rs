@@ -5,9 +5,9 @@
 //! is written to a file of its own beside the one asked for and then takes its name: whenever the program
 //! ends, the file is a whole checkpoint, the last or the one before it.
 
+use crate::args::number;
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
-use crate::number::number;
 use crate::write::checksum::checksum;
 use crate::write::csv::Mark;
 use equip_integrate::Checkpoint;

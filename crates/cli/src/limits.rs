@@ -1,0 +1,8 @@
+//! The limits by which `equip check` judges a row, and which its help names.
+
+/// Largest energy defect in round-off floors.
+pub(crate) const FLOORS: f64 = 8.0;
+/// Largest energy defect beside carried steps over that of Gauss.
+pub(crate) const CARRIED: f64 = 2.0;
+/// Largest trajectory error over that of Gauss.
+pub(crate) const TRAJECTORY: f64 = 3.0;
