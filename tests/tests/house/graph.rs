@@ -42,6 +42,29 @@ impl<'a> Graph<'a> {
         circles
     }
 
+    /// The folder of a module; a folder's own file is in it, and files beside the root are in none.
+    fn folder(&self, module: &'a str) -> Option<&'a str> {
+        match self.imports.keys().any(|m| is_within(m, module)) {
+            true => Some(module),
+            false => module.rsplit_once('/').map(|(folder, _)| folder),
+        }
+    }
+
+    /// The pairs of folders each of which imports from the other. Of a folder's own file it does not count
+    /// what it imports from folders within: they are there for it.
+    pub(super) fn folders_both_ways(&self) -> Vec<[&'a str; 2]> {
+        let mut arrows = BTreeSet::new();
+        for (&module, others) in &self.imports {
+            for &other in others.iter().filter(|other| !is_within(other, module)) {
+                if let (Some(from), Some(to)) = (self.folder(module), self.folder(other)) {
+                    arrows.insert([from, to]);
+                }
+            }
+        }
+        let is_pair = |&[a, b]: &[&str; 2]| a < b && arrows.contains(&[b, a]);
+        arrows.iter().copied().filter(is_pair).collect()
+    }
+
     /// The longest chain of imports, from the ground up. A circle is one floor; the root, which names what is
     /// to be seen from outside, is none.
     pub(super) fn longest_chain(&self) -> Vec<String> {
@@ -79,4 +102,9 @@ impl<'a> Graph<'a> {
             .max_by_key(Vec::len)
             .unwrap_or_default()
     }
+}
+
+fn is_within(module: &str, folder: &str) -> bool {
+    let rest = module.strip_prefix(folder);
+    rest.is_some_and(|rest| rest.starts_with('/'))
 }
