@@ -10,12 +10,11 @@ mod shared;
 
 pub(crate) use number::number;
 pub(crate) use others::{CheckArgs, GrowthArgs, PaperArgs, ReportArgs, ScenesArgs, SectionArgs};
-pub(crate) use run::{Precision, ReachName, RunArgs};
-pub(crate) use shared::MethodName;
+pub(crate) use run::{MethodName, Precision, ReachName, RunArgs};
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use equip_scenes::Scene;
-use shared::PARAMETERS;
+use run::PARAMETERS;
 use std::ffi::OsString;
 
 #[derive(Debug, Parser)]
@@ -75,7 +74,7 @@ pub(crate) fn parse() -> Cli {
     }
     let mut cli = Cli::from_arg_matches_mut(&mut matches).unwrap_or_else(|error| error.exit());
     if let Command::Run(run) = &mut cli.command {
-        run.problem.set.extend(given);
+        run.set.extend(given);
     }
     cli
 }

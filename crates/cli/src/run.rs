@@ -36,7 +36,7 @@ use watch::{Resumed, Watch};
 
 pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
     asked::check(args)?;
-    let instance = args.problem.instance()?;
+    let instance = args.instance()?;
     match args.precision {
         Precision::F64 => run_in::<f64>(args, &instance),
         Precision::Dd => run_in::<DoubleDouble>(args, &instance),
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Fault> {
 /// The whole command in float type `T`.
 fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     let (h, end) = time_scale::<T>(args, instance)?;
-    let method = method::<T>(args.stepping.stages, &args.stepping.method)?;
+    let method = method::<T>(args.stages, &args.method)?;
     let h = match &args.target_error {
         None => h,
         Some(text) => step_for(target_error(text)?, instance, method, end)?,
@@ -121,7 +121,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         run,
         error,
     };
-    let gauss = Integrator::new(Gauss::stages(args.stepping.stages), tolerance, h);
+    let gauss = Integrator::new(Gauss::stages(args.stages), tolerance, h);
     picture(args, [integrator, gauss], &finished, &mut watch)?;
     drop(watch);
     drop(claim);
@@ -173,7 +173,7 @@ fn resume<T: Float>(
     let rounding = T::int(4) * T::EPSILON * end.abs();
     if time * end > T::int(0) && time.abs() > end.abs() + rounding {
         return Err(Fault::Option {
-            option: if args.span.periods.is_some() {
+            option: if args.periods.is_some() {
                 "--periods"
             } else {
                 "--until"
@@ -223,9 +223,8 @@ fn picture<T: Float>(
     let (Some(mut file), Some(path)) = (watch.drawing.take(), &args.plot) else {
         return Ok(());
     };
-    let compare = !args.no_compare
-        && args.stepping.method != MethodName::Gauss
-        && signals::caught().is_none();
+    let compare =
+        !args.no_compare && args.method != MethodName::Gauss && signals::caught().is_none();
     let comparison = compare.then(|| {
         let shown = !args.quiet && args.tolerance().is_none();
         let progress = Progress::new("Gauss for comparison", watch.progress.steps(), shown);
@@ -249,7 +248,7 @@ fn picture<T: Float>(
 /// Step and end time.
 fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), Fault> {
     let period = || instance.period::<T>();
-    let h = match (&args.stepping.step, &args.steps_per_period) {
+    let h = match (&args.step, &args.steps_per_period) {
         (Some(text), _) => number::<T>("--step", text)?,
         (None, Some(text)) => {
             let steps = number::<T>("--steps-per-period", text)?;
@@ -265,7 +264,7 @@ fn time_scale<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(T, T), F
         }
         (None, None) => T::exact(instance.suggested_step()),
     };
-    let end = match (&args.span.until, &args.span.periods) {
+    let end = match (&args.until, &args.periods) {
         (Some(text), _) => number::<T>("--until", text)?,
         (None, Some(text)) => number::<T>("--periods", text)? * period(),
         (None, None) => T::exact(instance.suggested_end()),

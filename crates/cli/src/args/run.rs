@@ -1,8 +1,13 @@
 //! Options of `equip run`.
 
-use super::shared::{Problem, Span, Stepping, whole};
+use super::shared::{stages, whole};
+use crate::fault::Fault;
 use clap::{Args, ValueEnum};
+use equip_scenes::Instance;
 use std::path::PathBuf;
+
+/// Heading of the options that are parameters of the scene.
+pub(super) const PARAMETERS: &str = "Parameters of the scene";
 
 #[derive(Debug, Args)]
 #[command(
@@ -22,10 +27,37 @@ use std::path::PathBuf;
         `equip run SCENE --help` lists the parameters of that scene."
 )]
 pub(crate) struct RunArgs {
-    #[command(flatten)]
-    pub(crate) problem: Problem,
-    #[command(flatten)]
-    pub(crate) stepping: Stepping,
+    /// Scene to integrate; `equip scenes` lists them
+    pub(crate) scene: String,
+    /// Set a parameter of the scene; `--NAME VALUE` does the same where no option here has that name
+    #[arg(long, value_name = "NAME=VALUE", value_parser = pair, help_heading = PARAMETERS)]
+    pub(crate) set: Vec<(String, String)>,
+    /// Stages s: the order is 2s, the cost of a step grows like s², or s³ where
+    /// Newton's method makes it
+    #[arg(long, short, default_value_t = 8, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
+    pub(crate) stages: usize,
+    /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not
+    /// given)
+    #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
+    pub(crate) method: MethodName,
+    /// Fixed step, positive or, back in time, negative
+    #[arg(
+        long,
+        value_name = "H",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub(crate) step: Option<String>,
+    /// Variable steps whose local error relative to the change over the step is at most TOL; 1e-12 if no step
+    /// is given either (1e-24 in double-double)
+    #[arg(
+        long,
+        value_name = "TOL",
+        allow_hyphen_values = true,
+        conflicts_with = "step",
+        help_heading = "Method"
+    )]
+    pub(crate) tolerance: Option<String>,
     /// Step as the scene's period divided by N
     #[arg(
         long,
@@ -46,8 +78,24 @@ pub(crate) struct RunArgs {
         help_heading = "Method"
     )]
     pub(crate) target_error: Option<String>,
-    #[command(flatten)]
-    pub(crate) span: Span,
+    /// Time to end at, from the start at 0; a negative one runs back in time; the scene's suggestion if not
+    /// given
+    #[arg(
+        long,
+        value_name = "T",
+        allow_hyphen_values = true,
+        conflicts_with = "periods",
+        help_heading = "Method"
+    )]
+    pub(crate) until: Option<String>,
+    /// Time to end at, in periods of the scene; negative back in time
+    #[arg(
+        long,
+        value_name = "P",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub(crate) periods: Option<String>,
     /// Numbers to compute in: f64 has 16 digits, dd (double-double) about 31
     #[arg(long, value_enum, default_value = "f64", help_heading = "Method")]
     pub(crate) precision: Precision,
@@ -100,16 +148,30 @@ pub(crate) struct RunArgs {
 }
 
 impl RunArgs {
-    /// The tolerance, unless the steps are fixed.
+    /// The scene with its parameters.
+    pub(crate) fn instance(&self) -> Result<Instance, Fault> {
+        let scene = equip_scenes::find(&self.scene)?;
+        let values = self.set.iter().map(|(n, v)| (n.as_str(), v.as_str()));
+        Ok(scene.instance(&values.collect::<Vec<_>>())?)
+    }
+
+    /// The tolerance, given or not, unless the steps are fixed.
     pub(crate) fn tolerance(&self) -> Option<&str> {
-        let is_fixed = self.stepping.step.is_some()
-            || self.steps_per_period.is_some()
-            || self.target_error.is_some();
-        match &self.stepping.tolerance {
+        let is_fixed =
+            self.step.is_some() || self.steps_per_period.is_some() || self.target_error.is_some();
+        match &self.tolerance {
             Some(text) => Some(text),
             None => (!is_fixed).then(|| self.precision.tolerance()),
         }
     }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum MethodName {
+    Equip,
+    EquipLast,
+    Gauss,
+    FixedAlpha(String),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -132,5 +194,44 @@ impl Precision {
             Precision::F64 => "1e-12",
             Precision::Dd => "1e-24",
         }
+    }
+}
+
+fn pair(text: &str) -> Result<(String, String), &'static str> {
+    let (name, value) = text
+        .split_once('=')
+        .ok_or("write it as NAME=VALUE, like e=0.9")?;
+    Ok((name.trim().to_owned(), value.trim().to_owned()))
+}
+
+fn method(text: &str) -> Result<MethodName, &'static str> {
+    match text.split_once('=') {
+        None => match text {
+            "equip" => Ok(MethodName::Equip),
+            "equip-last" => Ok(MethodName::EquipLast),
+            "gauss" => Ok(MethodName::Gauss),
+            "fixed-alpha" => Ok(MethodName::FixedAlpha("0.02".into())),
+            _ => Err("choose equip, equip-last, gauss or fixed-alpha=VALUE"),
+        },
+        Some(("fixed-alpha", value)) => Ok(MethodName::FixedAlpha(value.into())),
+        Some(_) => Err("only fixed-alpha takes a value"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MethodName, method};
+
+    #[test]
+    fn method_names() {
+        assert_eq!(
+            method("fixed-alpha=-1/50"),
+            Ok(MethodName::FixedAlpha("-1/50".into()))
+        );
+        assert_eq!(
+            method("fixed-alpha"),
+            Ok(MethodName::FixedAlpha("0.02".into()))
+        );
+        assert!(method("gauss=2").is_err() && method("euler").is_err());
     }
 }

@@ -29,10 +29,7 @@ pub(crate) fn check(args: &RunArgs) -> Result<(), Fault> {
 
 /// Options given that change nothing, and why.
 fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
-    let asks_for_energy = matches!(
-        args.stepping.method,
-        MethodName::Equip | MethodName::EquipLast
-    );
+    let asks_for_energy = matches!(args.method, MethodName::Equip | MethodName::EquipLast);
     let has_file = [&args.out, &args.plot, &args.checkpoint]
         .into_iter()
         .any(Option::is_some);
@@ -49,7 +46,7 @@ fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
         ),
         (
             "--no-compare",
-            args.no_compare && args.plot.is_some() && args.stepping.method == MethodName::Gauss,
+            args.no_compare && args.plot.is_some() && args.method == MethodName::Gauss,
             "Gauss is not drawn beside itself",
         ),
         (
