@@ -1,7 +1,7 @@
 //! [`Fault`]: why the program ends without success, and with which exit code.
 
 use crate::text::significant;
-use equip_integrate::IntegrateError;
+use equip_integrate::{IntegrateError, RunFailure};
 use equip_scalar::{Float, ParseFloatError};
 use equip_scenes::SceneError;
 use std::io::ErrorKind;
@@ -115,6 +115,17 @@ impl Fault {
             cause: in_flags(error).into(),
             reached: significant(reached, 7),
             written,
+        }
+    }
+
+    /// A fault of a run that is drawn when it is finished.
+    pub(crate) fn undrawn(failure: RunFailure<f64>) -> Self {
+        match failure.partial {
+            None => Fault::start(failure.error),
+            Some(partial) => {
+                let reached = partial.certificate().end;
+                Fault::integration(&failure.error, reached, "nothing was drawn")
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 
 use super::measure::Row;
 use super::summary::Summary;
-use crate::write::csv::digits;
+use crate::write::csv::cell;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -108,17 +108,14 @@ pub(crate) fn csv(rows: &[Row]) -> String {
     let mut text = format!("{HEADER}\n");
     for row in rows {
         let m = &row.measured;
-        let number = |x: Option<f64>| match x {
-            Some(x) if x.is_finite() => digits(x),
-            _ => String::new(),
-        };
+        let number = |x: Option<f64>| x.map_or(String::new(), cell);
         let outcomes = m.outcomes.iter().map(|(label, n)| format!("{label}: {n}"));
         let worst = m.worst_invariant();
         let cells = [
             quoted(row.theme),
             quoted(&row.name),
             row.stages.to_string(),
-            number(Some(row.h)),
+            cell(row.h),
             number(row.omega.map(|omega| omega * row.h)),
             row.numbers.to_owned(),
             row.wanted.to_string(),
@@ -126,17 +123,17 @@ pub(crate) fn csv(rows: &[Row]) -> String {
             quoted(&outcomes.collect::<Vec<_>>().join("; ")),
             number(m.floors),
             number(m.independent_floors),
-            number(Some(m.energy)),
-            number(Some(m.gauss_energy)),
+            cell(m.energy),
+            cell(m.gauss_energy),
             quoted(worst.map_or("", |i| &i.name)),
             number(worst.map(|i| i.defect)),
             number(m.error),
             number(m.gauss_error),
             number(m.ratio()),
             number(m.noise),
-            number(Some(m.seconds)),
-            number(Some(m.gauss_seconds)),
-            number(Some(row.all_seconds)),
+            cell(m.seconds),
+            cell(m.gauss_seconds),
+            cell(row.all_seconds),
             quoted(row.verdict.word.label()),
             quoted(&row.verdict.notes.join("; ")),
         ];

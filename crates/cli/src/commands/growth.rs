@@ -121,14 +121,7 @@ fn follow(instance: &Instance, method: Method, tolerance: f64, last: u64) -> Res
         .record(Record::Ends)
         .output_at(&times)
         .integrate(instance.hamiltonian(), &q, &p, 0.0..=end)
-        .map_err(|failure| match failure.partial {
-            None => Fault::start(failure.error),
-            Some(partial) => Fault::integration(
-                &failure.error,
-                partial.certificate().end,
-                "nothing was drawn",
-            ),
-        })?;
+        .map_err(Fault::undrawn)?;
     let error = |(t, q, p): (f64, &[f64], &[f64])| {
         let (exact_q, exact_p) = instance.exact(t).unwrap_or_default();
         let pairs = q.iter().chain(p).zip(exact_q.iter().chain(&exact_p));

@@ -92,14 +92,7 @@ fn orbit(
         .record(Record::Ends)
         .event(crossing)
         .integrate(instance.hamiltonian(), &q, &p, 0.0..=end)
-        .map_err(|failure| match failure.partial {
-            None => Fault::start(failure.error),
-            Some(partial) => Fault::integration(
-                &failure.error,
-                partial.certificate().end,
-                "nothing was drawn",
-            ),
-        })?;
+        .map_err(Fault::undrawn)?;
     let start = std::iter::once((q[1], p[1]));
     let crossings = run.events().iter().map(|event| (event.q[1], event.p[1]));
     let certificate = run.certificate();

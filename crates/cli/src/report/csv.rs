@@ -3,6 +3,7 @@
 
 use super::accuracy::Time;
 use super::results::{Results, times};
+use crate::write::csv::cell;
 use std::fmt::Write;
 
 /// Every run of every scene. Defects of invariants stand in one cell, `name=value` joined by semicolons.
@@ -17,7 +18,7 @@ pub(super) fn runs(results: &[Results]) -> String {
                 let o = &point.outcome;
                 let named = result.invariants.iter().zip(&o.invariants);
                 let invariants: Vec<_> = named
-                    .map(|(name, x)| format!("{name}={}", number(*x)))
+                    .map(|(name, x)| format!("{name}={}", cell(*x)))
                     .collect();
                 let (least, most) = point.spread();
                 // Writing to a String does not fail.
@@ -30,14 +31,14 @@ pub(super) fn runs(results: &[Results]) -> String {
                     curve.contender.order(),
                     point.setting,
                     o.steps,
-                    number(o.error),
-                    number(o.energy),
+                    cell(o.error),
+                    cell(o.energy),
                     invariants.join(";"),
                     o.gradients,
                     o.iterations,
-                    number(point.median()),
-                    number(least),
-                    number(most),
+                    cell(point.median()),
+                    cell(least),
+                    cell(most),
                     point.milliseconds.len()
                 );
             }
@@ -57,7 +58,7 @@ pub(super) fn accuracies(results: &[Results]) -> String {
                     Time::AtMost(_) => "at most",
                     Time::NotReached => "not reached",
                 };
-                let ms = time.milliseconds().map_or(String::new(), number);
+                let ms = time.milliseconds().map_or(String::new(), cell);
                 let name = curve.contender.name();
                 let _ = writeln!(
                     text,
@@ -68,12 +69,4 @@ pub(super) fn accuracies(results: &[Results]) -> String {
         }
     }
     text
-}
-
-fn number(x: f64) -> String {
-    if x.is_finite() {
-        format!("{x:e}")
-    } else {
-        String::new()
-    }
 }

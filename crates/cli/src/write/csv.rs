@@ -266,6 +266,14 @@ pub(crate) fn digits<T: Float>(x: T) -> String {
     }
 }
 
+/// The cell of a number: its digits, or nothing if it is not finite.
+pub(crate) fn cell(x: f64) -> String {
+    match x.is_finite() {
+        true => digits(x),
+        false => String::new(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Mark, Row, Rows, digits};
