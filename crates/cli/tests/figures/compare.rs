@@ -1,6 +1,6 @@
 //! When two figures, or two tables, are alike.
 
-use crate::marks::Limit;
+use crate::sources::Limit;
 
 /// A number as it is written.
 #[derive(Debug, PartialEq)]

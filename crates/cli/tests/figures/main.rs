@@ -1,45 +1,47 @@
 //! The figures of the documents, measured again.
 //!
-//! A figure is followed by a comment that says where it comes from,
-//! `4.1e-9<!--= run kepler -\-method gauss ; energy/max ; 2 -->`: the command, as a shell takes it, the place
-//! in what it prints, and the factor by which it may differ. Commands are those of the program, whose JSON is
-//! read, or those of a shell at the root, which print tables. Places in JSON are names, lists are entered by
-//! `name`, by number or by `key=value, key=value`; in tables they are `ROW/COLUMN`. Behind a whole table
-//! stands `<!--= growth ; table ; 3 -->`: it is the one that the command prints, cell by cell; `table 2` is
-//! the second of several. In place of a factor `shape` compares no times: titles are those that the command
-//! prints, and rows are among its rows. With `, long` behind the factor it is measured only when asked for.
+//! `docs/figures.toml` says where each figure comes from: its page, an anchor that is there once (text
+//! around the number, `{}`; a cell by section, row and column; or a table of a section), the command, as a
+//! shell takes it, the place in what it prints (`path`), and the factor by which it may differ. Commands are
+//! those of the program, whose JSON is read, or those of a shell at the root, which print tables. Paths in
+//! JSON are names, lists are entered by `name`, by number or by `key=value, key=value`; in tables they are
+//! `ROW/COLUMN`. A whole table has the path `table`: it is the one that the command prints, cell by cell;
+//! `table 2` is the second of several. In place of a factor `shape` compares no times: titles are those that
+//! the command prints, and rows are among its rows. With `long = true` it is measured only when requested.
 //!
 //! `.ci/figures` runs this. `EQUIP_FIGURES` in the environment may have `write`, which puts figures right,
 //! and `long`; other words pick the commands that contain one of them.
 #![allow(clippy::unwrap_used)] // the lint does not see that helpers of tests are tests
 
 mod compare;
-mod marks;
 mod measure;
+mod pages;
+mod sources;
 
 use compare::{differences, is_within, like, numbers};
-use marks::{Figure, Limit, documents, figures, without_source};
 use measure::{Measured, measure, tables};
+use pages::{Figure, all_sources, documents, figures, read, root, without_source};
+use sources::{Anchor, Limit, Source, sources};
 use std::collections::{BTreeSet, HashMap};
 use std::time::Instant;
 
 /// What stands there, and if that is not what is measured: both in words, and what is to stand there.
-fn compared(claimed: &str, figure: &Figure, measured: &Measured) -> Result<(), (String, String)> {
+fn compared(claimed: &str, source: &Source, measured: &Measured) -> Result<(), (String, String)> {
     let nothing = || Err(("nothing measured".to_owned(), claimed.to_owned()));
-    if let Some(number) = figure.table() {
+    if let Some(number) = source.table() {
         let Some(now) = measured.table(number) else {
             return nothing();
         };
-        let all = differences(claimed, now, figure.limit);
+        let all = differences(claimed, now, source.limit);
         return match all.is_empty() {
             true => Ok(()),
             false => Err((all.join("; "), now.to_owned())),
         };
     }
-    let Some(now) = measured.at(&figure.place) else {
+    let Some(now) = measured.at(&source.path) else {
         return nothing();
     };
-    let is_alike = match figure.limit {
+    let is_alike = match source.limit {
         Limit::Factor(factor) => is_within(claimed.parse().unwrap(), now, factor),
         Limit::Shape => true,
     };
@@ -60,15 +62,16 @@ fn the_figures_of_the_documents_are_those_measured() {
     let mut results: HashMap<String, Measured> = HashMap::new();
     let (mut wrong, mut count, mut left) = (Vec::new(), 0, 0);
     let mut others = BTreeSet::new();
-    for path in documents() {
-        let mut text = std::fs::read_to_string(&path).unwrap();
+    let sources = all_sources();
+    for page in documents() {
+        let mut text = read(&page);
         // From the end, so that what is put right moves no other.
-        for figure in figures(&text).into_iter().rev() {
-            let command = &figure.command;
+        for Figure { place, source } in figures(&page, &text.clone(), &sources).into_iter().rev() {
+            let command = &source.command;
             if !picked.is_empty() && !picked.iter().any(|word| command.contains(word)) {
                 continue;
             }
-            if figure.is_long && !has("long") {
+            if source.is_long && !has("long") {
                 left += 1;
                 others.insert(command.clone());
                 continue;
@@ -80,17 +83,15 @@ fn the_figures_of_the_documents_are_those_measured() {
                 measured
             });
             count += 1;
-            let claimed = &text[figure.from..figure.to];
-            if let Err((what, now)) = compared(claimed, &figure, measured) {
-                let name = path.file_name().unwrap().display();
-                wrong.push(format!("{name}: {what}: {command} ({})", figure.place));
+            if let Err((what, now)) = compared(&text[place.clone()], source, measured) {
+                wrong.push(format!("{page}: {what}: {command} ({})", source.path));
                 if has("write") {
-                    text.replace_range(figure.from..figure.to, &now);
+                    text.replace_range(place, &now);
                 }
             }
         }
         if has("write") {
-            std::fs::write(&path, text).unwrap();
+            std::fs::write(root().join(&page), text).unwrap();
         }
     }
     assert!(count > 100 || !picked.is_empty(), "{count} figures");
@@ -108,28 +109,90 @@ fn the_figures_of_the_documents_are_those_measured() {
     assert!(has("write") || wrong.is_empty());
 }
 
+const SOURCES: &str = r#"
+# Of two pages.
+[[figure]]
+page = "a.md"
+at = "about {}. Of"
+command = "run kepler"
+path = "energy/max"
+factor = 2
+
+[[figure]]
+page = "a.md"
+section = "Steps"
+row = "`fpu`"
+column = "steps"
+command = "run fpu --quiet"
+path = "steps"
+factor = 1
+long = true
+
+[[figure]]
+page = "a.md"
+section = "Growth"
+table = 2
+command = "growth"
+path = "table 2"
+factor = "shape"
+
+[[figure]]
+page = "b.md"
+at = "\"{}\""
+command = "growth"
+path = "x/y"
+factor = 1.5
+"#;
+
+const PAGE: &str = "An error of\nabout 4.1e-9. Of 5.1e-9 nothing.\n\n## Steps\n\n\
+    | | energy | steps |\n|---|---|---|\n| `kepler` | 1 | 2 |\n| `fpu` | 3 | -12 |\n\n\
+    ```sh\n# Growth\n```\n\n### Growth\n\n| a |\n|---|\n\n| a | b |\n|---|---|\n| 1e-3 | 2 |\n";
+
 #[test]
 fn figures_are_found_where_they_stand() {
-    let text = "| 4.1e-9<!--= run kepler ; energy/max ; 2 --> | 12<!--= run fpu -\\-quiet ; steps ; 1, long --> |";
-    let found = figures(text);
-    assert_eq!(found.len(), 2);
-    assert_eq!(&text[found[0].from..found[0].to], "4.1e-9");
+    let sources = sources(SOURCES);
+    let found = figures("a.md", PAGE, &sources);
+    let texts: Vec<&str> = found.iter().map(|x| &PAGE[x.place.clone()]).collect();
+    let table = "| a | b |\n|---|---|\n| 1e-3 | 2 |\n";
+    assert_eq!(texts, ["4.1e-9", "-12", table]);
+    let of_fpu = found[1].source;
     assert_eq!(
-        (found[0].limit, found[0].is_long),
-        (Limit::Factor(2.0), false)
-    );
-    assert_eq!(
-        (found[1].command.as_str(), found[1].place.as_str()),
+        (of_fpu.command.as_str(), of_fpu.path.as_str()),
         ("run fpu --quiet", "steps")
     );
-    assert!(found[1].is_long);
-    let table = "text\n\n| a | b |\n|---|---|\n| 1e-3 | 2 |\n<!--= growth ; table 2 ; shape -->";
-    let found = figures(table);
+    assert!(of_fpu.is_long && !found[0].source.is_long);
+    assert_eq!(found[0].source.limit, Limit::Factor(2.0));
     assert_eq!(
-        &table[found[0].from..found[0].to],
-        "| a | b |\n|---|---|\n| 1e-3 | 2 |\n"
+        (found[2].source.table(), found[2].source.limit),
+        (Some(2), Limit::Shape)
     );
-    assert_eq!((found[0].table(), found[0].limit), (Some(2), Limit::Shape));
+    let quoted = Anchor::Between {
+        before: "\"".into(),
+        after: "\"".into(),
+    };
+    assert_eq!(sources[3].anchor, quoted);
+}
+
+/// An anchor that is not there, or there twice, and two sources of one figure would measure something else.
+#[test]
+fn an_anchor_is_there_once() {
+    let source = |at: &str| SOURCES.replace("about {}. Of", at);
+    let found = |text: &str| figures("a.md", PAGE, &sources(text)).len();
+    assert_eq!(found(&source("of about {}.")), 3);
+    for at in ["about {} of", "{}e-9", " {}. of", "{}", "| `fpu` | 3 | {}"] {
+        let text = source(at);
+        assert!(std::panic::catch_unwind(|| found(&text)).is_err(), "{at}");
+    }
+    for (old, new) in [
+        ("`fpu`", "fpu"),
+        ("Growth", "Grown"),
+        ("table = 2", "table = 3"),
+        ("factor = 2", "factor = 2\nfactors = 2"),
+        ("long = true", "long = yes"),
+    ] {
+        let text = SOURCES.replace(old, new);
+        assert!(std::panic::catch_unwind(|| found(&text)).is_err(), "{new}");
+    }
 }
 
 #[test]
@@ -187,20 +250,17 @@ fn tables_are_compared_by_cells() {
     assert!(!differences(table, &printed.replace('t', "r"), Limit::Shape).is_empty());
 }
 
-/// A figure whose source cannot be read would never be measured, and one without a source is not either:
-/// tables of figures have a mark behind or within them, and numbers like 4.1e-9 one behind them.
+/// A figure whose source cannot be found would never be measured, and one without a source is not either:
+/// tables of figures, and numbers like 4.1e-9, are in `docs/figures.toml`.
 #[test]
 fn every_figure_has_a_source() {
+    let sources = all_sources();
     let mut wrong = Vec::new();
-    for path in documents() {
-        let text = std::fs::read_to_string(&path).unwrap();
-        figures(&text);
-        let name = path.file_name().unwrap().display();
-        wrong.extend(
-            without_source(&text)
-                .iter()
-                .map(|figure| format!("{name}: {figure}")),
-        );
+    for page in documents() {
+        let text = read(&page);
+        let all = figures(&page, &text, &sources);
+        let without = without_source(&text, &all);
+        wrong.extend(without.iter().map(|figure| format!("{page}: {figure}")));
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
@@ -208,14 +268,15 @@ fn every_figure_has_a_source() {
 /// The same figure of two places has the same digits in both.
 #[test]
 fn no_figure_contradicts_another() {
-    let mut first: HashMap<(String, String), String> = HashMap::new();
+    let sources = all_sources();
+    let mut first: HashMap<(&str, &str), String> = HashMap::new();
     let mut wrong = Vec::new();
-    for path in documents() {
-        let text = std::fs::read_to_string(&path).unwrap();
-        for figure in figures(&text) {
-            let claimed = text[figure.from..figure.to].trim().to_owned();
-            let source = (figure.command, figure.place);
-            let other = first.entry(source.clone()).or_insert(claimed.clone());
+    for page in documents() {
+        let text = read(&page);
+        for Figure { place, source } in figures(&page, &text, &sources) {
+            let claimed = text[place].trim().to_owned();
+            let source = (source.command.as_str(), source.path.as_str());
+            let other = first.entry(source).or_insert(claimed.clone());
             if *other != claimed {
                 wrong.push(format!("{source:?}: {other} and {claimed}"));
             }
@@ -226,10 +287,13 @@ fn no_figure_contradicts_another() {
 
 #[test]
 fn figures_without_a_source_are_found() {
-    let all = without_source(
-        "About 1.5e-3 of `2.5e-3`, 3.5e-3<!--= run fpu ; steps ; 1 -->.\n```\n4.5e-3\n```\n\
-         | a |\n|---|\n| 5.5e-3 |\n<!--= growth ; table ; 3 -->\n\
-         | b |\n|---|\n| 1.5, 2.5 |\n| 3.5; 4.5 |\n\n",
-    );
-    assert_eq!(all, ["1.5e-3", "| b |"]);
+    let text = "About 1.5e-3 of `2.5e-3`, about 3.5e-3. Of\n```\n4.5e-3\n```\n\
+         ## Growth\n| a |\n|---|\n| 5.5e-3 |\n\n| b |\n|---|\n| 1.5, 2.5 |\n| 3.5; 4.5 |\n\n";
+    let mut all = sources(SOURCES);
+    all.retain(|source| source.table().is_some() || source.path == "energy/max");
+    let missing = |all: &[Source]| without_source(text, &figures("a.md", text, all));
+    assert_eq!(missing(&all), ["1.5e-3"]);
+    all.pop();
+    assert_eq!(missing(&all), ["1.5e-3", "| b |"]);
+    assert_eq!(missing(&[]), ["1.5e-3", "3.5e-3", "| b |"]);
 }

@@ -1,7 +1,7 @@
 //! What commands measure: the JSON of the program, or tables that they print.
 
 use crate::compare::numbers;
-use crate::marks::root;
+use crate::pages::root;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::Command;
