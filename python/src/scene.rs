@@ -3,7 +3,7 @@
 use crate::faults::value_error;
 use crate::recording::recorded::Recorded;
 use crate::runs::patience::patiently;
-use equip::prelude::{DoubleDouble, Hamiltonian, System};
+use equip::prelude::{DoubleDouble, Hamiltonian};
 use equip::scenes;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;

@@ -1,7 +1,7 @@
 //! Random Hamiltonians of known families, each from a seed: the same on every machine.
 
 use crate::Seeded;
-use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
+use equip_autodiff::{Hamiltonian, Var};
 
 /// What the terms beyond the quadratic ones are made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

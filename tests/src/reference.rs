@@ -4,7 +4,7 @@
 //! the solver's code runs here. The whole is done with twice as many steps until two solutions agree; the
 //! last difference bounds the error of the coarser one, and the finer one is the reference.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::{Evaluator, Hamiltonian};
 use equip_scalar::Float;
 use equip_tableau::{Gauss, TableauError};
 
@@ -146,7 +146,7 @@ impl<T: Float> Steps<T> {
 
 /// Coefficients, and the workspace of a step. Component c of stage i stands at `c·STAGES + i`.
 struct Stages<T: Float> {
-    evaluator: <Hamiltonian as System>::Evaluator<T>,
+    evaluator: Evaluator<T>,
     a: Vec<T>,
     b: Vec<T>,
     z: Vec<T>,

@@ -2,7 +2,7 @@
 //! steps.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
+use equip_autodiff::{Hamiltonian, Var};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::find;
 use equip_tests::{Limits, Misses, Reference, Seeded, Start, Trial, Who, trend};

@@ -2,10 +2,11 @@
 //! stages slowly. Counts, no clock.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Energy, Hamiltonian};
+use equip_autodiff::Hamiltonian;
 use equip_integrate::{Counts, Equip, Gauss, Method, Outcome, Preconditioner};
 use equip_scalar::Constant;
-use equip_scenes::{Instance, energies::FputBeta};
+use equip_scenes::Instance;
+use equip_scenes::energies::{FputBeta, Model as _};
 use equip_tests::{Start, henon_heiles, kepler};
 
 fn counts(
@@ -104,7 +105,7 @@ fn the_longest_chain_takes_no_more_gradients() {
             beta: Constant::from(0.3),
             amplitude: Constant::from(10.0),
         };
-        let energy = Hamiltonian::new(n, |q, p| chain.energy(q, p)).unwrap();
+        let energy = chain.hamiltonian().unwrap();
         let mode = |i: usize| 10.0 * (std::f64::consts::PI * i as f64 / (n + 1) as f64).sin();
         let q: Vec<f64> = (1..=n).map(mode).collect();
         let p = vec![0.0; n];

@@ -2,10 +2,9 @@
 //! own, as the choice is made once in a program.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_integrate::{Equip, Gauss, Preconditioner, Record};
-use equip_scalar::{DoubleDouble, Float, decimal, ratio};
-use equip_scenes::energies::{HenonHeiles, Kepler};
+use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::{Instance, find};
 use std::process::Command;
 
@@ -13,7 +12,7 @@ use std::process::Command;
 const STEPS: i64 = 25;
 
 /// A line for each method: what it is, the words of the end state, and the work.
-fn lines<T: Float, H: System>(name: &str, system: &H, scene: &Instance, h: f64, s: &[usize]) {
+fn lines<T: Float>(name: &str, system: &Hamiltonian, scene: &Instance, h: f64, s: &[usize]) {
     let (q, p) = scene.initial::<T>();
     let step = T::exact(h);
     for &s in s {
@@ -44,25 +43,20 @@ fn print_bits() {
     let scene = |name: &str, values: &[(&str, &str)]| find(name).unwrap().instance(values).unwrap();
 
     let instance = scene("kepler", &[]);
-    let kepler = Kepler {
-        e: decimal("0.6").unwrap(),
-        mu: decimal("1").unwrap(),
-    };
-    let by_type = Hamiltonian::from_energy(kepler).unwrap();
     // 12 and 20 stages have no kernel with the energy, 16 one of two groups, the others one of one.
     let stages = [3, 4, 6, 8, 12, 16, 20];
-    lines::<f64, _>("Kepler as a type", &by_type, &instance, 0.3, &stages);
-    lines::<f64, _>("Kepler", instance.hamiltonian(), &instance, 0.3, &stages);
-    lines::<DoubleDouble, _>("Kepler, double-double", &by_type, &instance, 0.3, &[8, 16]);
+    lines::<f64>("Kepler", instance.hamiltonian(), &instance, 0.3, &stages);
+    let kepler = instance.hamiltonian();
+    lines::<DoubleDouble>("Kepler, double-double", kepler, &instance, 0.3, &[8, 16]);
 
     let instance = scene("henon-heiles", &[]);
-    let henon_heiles = HenonHeiles {
-        energy: ratio(1, 12),
-        q2: decimal("0.3").unwrap(),
-        p2: decimal("0.2").unwrap(),
-    };
-    let by_type = Hamiltonian::from_energy(henon_heiles).unwrap();
-    lines::<f64, _>("Hénon–Heiles as a type", &by_type, &instance, 0.5, &stages);
+    lines::<f64>(
+        "Hénon–Heiles",
+        instance.hamiltonian(),
+        &instance,
+        0.5,
+        &stages,
+    );
 
     let values: &[(&str, &str)] = &[("n", "70")];
     for (name, values, h, stages) in [
@@ -74,7 +68,7 @@ fn print_bits() {
         ("fput-beta", values, 0.7, &[4, 8, 16]),
     ] {
         let instance = scene(name, values);
-        lines::<f64, _>(name, instance.hamiltonian(), &instance, h, stages);
+        lines::<f64>(name, instance.hamiltonian(), &instance, h, stages);
     }
 }
 

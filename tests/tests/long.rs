@@ -1,7 +1,7 @@
 //! Long runs: nothing grows but what must. Figures of the longest ones stand in `docs/long-runs.md`.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_integrate::{Counts, Equip, Gauss, Method, Outcome};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;

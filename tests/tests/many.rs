@@ -2,10 +2,10 @@
 //! motion is too fast for sweeps.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Energy, Hamiltonian, Var};
+use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{Counts, Equip, Gauss, Method, Outcome, Preconditioner, Record, Run};
 use equip_scalar::Constant;
-use equip_scenes::energies::FputBeta;
+use equip_scenes::energies::{FputBeta, Model as _};
 use equip_tests::{Seeded, distance};
 
 const MASSES: usize = 64;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use cpu_time::ThreadTime;
-use equip_autodiff::{Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_integrate::{Equip, Gauss, IntegrateError, Run};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tables::{Custom, Table, Table2};

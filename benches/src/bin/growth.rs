@@ -7,10 +7,10 @@
 //! Times are medians of rounds in which all rows of a table run in turn. They are wall-clock times of the
 //! steps, set-up not counted.
 
-use equip_autodiff::{BuildError, Energy, Hamiltonian, System};
+use equip_autodiff::{BuildError, Hamiltonian};
 use equip_integrate::{Equip, Gauss, IntegrateError, Method, Preconditioner};
-use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar};
-use equip_scenes::energies::{FputBeta, HenonHeiles, Kepler, Ring};
+use equip_scalar::{Constant, DoubleDouble, Float};
+use equip_scenes::energies::{FputBeta, HenonHeiles, Kepler, Model as _, Ring};
 use equip_scenes::find;
 use std::collections::BTreeSet;
 use std::error::Error;
@@ -54,8 +54,8 @@ fn gauss(stages: usize) -> Way {
 }
 
 /// `steps` steps of size h from the start.
-fn run<T: Float, H: System>(
-    system: &H,
+fn run<T: Float>(
+    system: &Hamiltonian,
     (method, solver): Way,
     h: T,
     steps: u64,
@@ -77,9 +77,9 @@ fn run<T: Float, H: System>(
     })
 }
 
-fn row<'a, T: Float, H: System>(
+fn row<'a, T: Float>(
     name: String,
-    system: &'a H,
+    system: &'a Hamiltonian,
     method: Way,
     h: T,
     steps: u64,
@@ -165,10 +165,7 @@ fn chains(counts_only: bool) -> Result<(), Box<dyn Error>> {
         amplitude: Constant::from(10.0),
     };
     let sizes = [16_usize, 64, 256, 1024, 4096, 16384];
-    let tapes: Result<Vec<_>, BuildError> = sizes
-        .iter()
-        .map(|&n| Hamiltonian::new(n, |q, p| chain(n).energy(q, p)))
-        .collect();
+    let tapes: Result<Vec<_>, BuildError> = sizes.iter().map(|&n| chain(n).hamiltonian()).collect();
     let tapes = tapes?;
     let mut rows = Vec::new();
     for (&n, tape) in sizes.iter().zip(&tapes) {
@@ -190,7 +187,7 @@ fn chains(counts_only: bool) -> Result<(), Box<dyn Error>> {
             ));
         }
     }
-    let title = "FPUT-β chain of n masses, h = 0.2, tape";
+    let title = "FPUT-β chain of n masses, h = 0.2";
     linearity(&table(title, &rows, counts_only)?, counts_only);
     Ok(())
 }
@@ -207,12 +204,7 @@ fn bodies(counts_only: bool) -> Result<(), Box<dyn Error>> {
             disorder: Constant::from(0.01),
             seed: 1,
         };
-        systems.push((
-            n,
-            h,
-            scene.initial::<f64>(),
-            Hamiltonian::new(3 * n, |q, p| ring.energy(q, p))?,
-        ));
+        systems.push((n, h, scene.initial::<f64>(), ring.hamiltonian()?));
     }
     let mut rows = Vec::new();
     for (n, h, start, system) in &systems {
@@ -231,21 +223,23 @@ fn bodies(counts_only: bool) -> Result<(), Box<dyn Error>> {
             ));
         }
     }
-    table("n bodies in a ring, tape", &rows, counts_only)?;
+    table("n bodies in a ring", &rows, counts_only)?;
     Ok(())
 }
 
 /// Stages and precision on two small systems.
 fn stages(counts_only: bool) -> Result<(), Box<dyn Error>> {
-    let kepler = Hamiltonian::from_energy(Kepler {
+    let kepler = Kepler {
         e: Constant::from(0.6),
         mu: Constant::from(1.0),
-    })?;
-    let henon = Hamiltonian::from_energy(HenonHeiles {
+    }
+    .hamiltonian()?;
+    let henon = HenonHeiles {
         energy: Constant::from(0.125),
         q2: Constant::from(0.3),
         p2: Constant::from(0.0),
-    })?;
+    }
+    .hamiltonian()?;
     let mut rows = Vec::new();
     for s in [2, 3, 4, 6, 8, 10, 12, 16] {
         for (name, method) in [("EQUIP", equip(s)), ("Gauss", gauss(s))] {
@@ -271,7 +265,7 @@ fn stages(counts_only: bool) -> Result<(), Box<dyn Error>> {
             ));
         }
     }
-    table("stages, trait", &rows, counts_only)?;
+    table("stages", &rows, counts_only)?;
 
     let mut rows = Vec::new();
     for s in [4, 8, 12] {
@@ -296,85 +290,60 @@ fn stages(counts_only: bool) -> Result<(), Box<dyn Error>> {
             start,
         ));
     }
-    table("precision, Kepler e = 0.6, trait", &rows, counts_only)?;
+    table("precision, Kepler e = 0.6", &rows, counts_only)?;
     Ok(())
 }
 
-/// A chain with its gradient by hand.
-struct ByHand(FputBeta);
-
-impl Energy for ByHand {
-    fn degrees_of_freedom(&self) -> usize {
-        self.0.n
+/// ∇H of an FPUT-β chain by hand.
+fn chain_by_hand(beta: f64, q: &[f64], p: &[f64], dq: &mut [f64], dp: &mut [f64]) {
+    let spring = |d: f64| d + beta * (d * d * d);
+    dp.copy_from_slice(p);
+    let mut left = spring(q[0]);
+    for (slope, pair) in dq.iter_mut().zip(q.windows(2)) {
+        let right = spring(pair[1] - pair[0]);
+        *slope = left - right;
+        left = right;
     }
-
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        self.0.energy(q, p)
-    }
-
-    fn gradient<T: Float>(&self, q: &[T], p: &[T], dq: &mut [T], dp: &mut [T]) -> bool {
-        let beta = self.0.beta.to::<T>();
-        let spring = |d: T| d + beta * (d * d * d);
-        dp.copy_from_slice(p);
-        let mut left = spring(q[0]);
-        for (slope, pair) in dq.iter_mut().zip(q.windows(2)) {
-            let right = spring(pair[1] - pair[0]);
-            *slope = left - right;
-            left = right;
-        }
-        let last = q.len() - 1;
-        dq[last] = left - spring(-q[last]);
-        true
-    }
+    let last = q.len() - 1;
+    dq[last] = left - spring(-q[last]);
 }
 
-/// The same chain by tape and by hand.
+/// The same chain as a closure, with its gradient by hand, and as an external energy.
 fn routes(counts_only: bool) -> Result<(), Box<dyn Error>> {
     let n = 512;
-    let chain = FputBeta {
-        n,
-        beta: Constant::from(0.3),
-        amplitude: Constant::from(10.0),
-    };
-    let tape = Hamiltonian::new(n, |q, p| chain.energy(q, p))?;
-    let compiled = Hamiltonian::from_energy(chain)?;
-    let by_hand = Hamiltonian::from_energy(ByHand(chain))?;
     let scene = find("fput-beta")?.instance(&[("n", "512")])?;
     let start = scene.initial::<f64>();
-    by_hand.check_gradient(&[start.0.clone(), start.1.clone()].concat())?;
+    let closure = scene.hamiltonian().clone();
+    let beta = 0.3;
+    let by_hand =
+        (closure.clone()).with_gradient(move |q, p, dq, dp| chain_by_hand(beta, q, p, dq, dp));
+    let external = Hamiltonian::external(
+        n,
+        f64::EPSILON,
+        move |q, p| {
+            let spring = |d: f64| 0.5 * d * d + 0.25 * beta * d.powi(4);
+            let inner: f64 = q.windows(2).map(|pair| spring(pair[1] - pair[0])).sum();
+            let kinetic: f64 = p.iter().map(|p| 0.5 * p * p).sum();
+            kinetic + inner + spring(q[0]) + spring(q[n - 1])
+        },
+        move |q, p, dq, dp| chain_by_hand(beta, q, p, dq, dp),
+    )?;
+    for given in [&by_hand, &external] {
+        given.check_gradient(&[start.0.clone(), start.1.clone()].concat())?;
+    }
     let mut rows = Vec::new();
     for s in [4, 8] {
-        let method = equip(s);
-        rows.push(row(
-            format!("closure (tape), s = {s}"),
-            &tape,
-            method,
-            0.2,
-            20,
-            start.clone(),
-        ));
-        rows.push(row(
-            format!("trait, s = {s}"),
-            &compiled,
-            method,
-            0.2,
-            20,
-            start.clone(),
-        ));
-        rows.push(row(
-            format!("gradient by hand, s = {s}"),
-            &by_hand,
-            method,
-            0.2,
-            20,
-            start.clone(),
-        ));
+        for (name, system) in [
+            ("closure", &closure),
+            ("gradient by hand", &by_hand),
+            ("external", &external),
+        ] {
+            let name = format!("{name}, s = {s}");
+            rows.push(row(name, system, equip(s), 0.2, 20, start.clone()));
+        }
     }
-    table(
-        "FPUT-β chain of 512 masses, three ways to give H",
-        &rows,
-        counts_only,
-    )?;
+    let title = "FPUT-β chain of 512 masses, three ways to give H";
+    table(title, &rows, counts_only)?;
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! References on disk: they take longer than the grid, and do not depend on what is measured.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::DoubleDouble;
 use equip_tableau::TableauError;
 use equip_tests::Reference;

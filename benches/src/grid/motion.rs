@@ -1,6 +1,6 @@
 //! What is known of a motion from its reference.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_tests::{Reference, sizes};
 
 /// Extremes over the start and the states of the reference.

@@ -1,32 +1,22 @@
-//! Cost of ∇H and ∇²H: by hand, by dual numbers, by the tape; and how it grows with the length of a chain.
+//! Cost of ∇H and ∇²H: by hand and from the trace of H; and how it grows with the length of a chain.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use equip_autodiff::{Energy, Evaluate, Hamiltonian, System, Var, hamiltonian};
-use equip_scalar::{Float, InstructionSet, Num, Scalar, mix_stages};
+use equip_autodiff::{Hamiltonian, Var};
+use equip_scalar::{InstructionSet, mix_stages};
 use std::hint::black_box;
 
-struct Kepler {
-    by_hand: bool,
+fn recorded_kepler() -> Hamiltonian {
+    Hamiltonian::new(2, |q, p| {
+        0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
+    })
+    .unwrap()
 }
 
-impl Energy for Kepler {
-    fn degrees_of_freedom(&self) -> usize {
-        2
-    }
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        0.5 * (p[0] * p[0] + p[1] * p[1]) - 1.0 / (q[0] * q[0] + q[1] * q[1]).sqrt()
-    }
-    #[inline(always)]
-    fn gradient<T: Float>(&self, q: &[T], p: &[T], dq: &mut [T], dp: &mut [T]) -> bool {
-        if self.by_hand {
-            let r2 = q[0] * q[0] + q[1] * q[1];
-            let factor = T::int(1) / (r2 * <T as Scalar>::sqrt(r2));
-            (dq[0], dq[1], dp[0], dp[1]) = (q[0] * factor, q[1] * factor, p[0], p[1]);
-        }
-        self.by_hand
-    }
+fn kepler_by_hand(q: &[f64], p: &[f64], dq: &mut [f64], dp: &mut [f64]) {
+    let r2 = q[0] * q[0] + q[1] * q[1];
+    let factor = 1.0 / (r2 * r2.sqrt());
+    (dq[0], dq[1], dp[0], dp[1]) = (q[0] * factor, q[1] * factor, p[0], p[1]);
 }
 
 fn chain(q: &[Var], p: &[Var]) -> Var {
@@ -60,7 +50,7 @@ fn state(n: usize) -> Vec<f64> {
         .collect()
 }
 
-fn time<H: System>(c: &mut Criterion, group: &str, name: impl ToString, h: &H, hessian: bool) {
+fn time(c: &mut Criterion, group: &str, name: impl ToString, h: &Hamiltonian, hessian: bool) {
     let n = 2 * h.degrees_of_freedom();
     let (y, mut gradient) = (state(n), vec![0.0; n]);
     let mut entries = vec![0.0; h.structure().hessian.len()];
@@ -82,20 +72,11 @@ fn time<H: System>(c: &mut Criterion, group: &str, name: impl ToString, h: &H, h
 }
 
 fn kepler(c: &mut Criterion) {
-    let by_hand = Hamiltonian::from_energy(Kepler { by_hand: true }).unwrap();
-    let dual = Hamiltonian::from_energy(Kepler { by_hand: false }).unwrap();
-    let mu = 1.0;
-    let written = hamiltonian!(2; mu; |q, p| {
-        0.5 * (p[0] * p[0] + p[1] * p[1]) - mu / (q[0] * q[0] + q[1] * q[1]).sqrt()
-    })
-    .unwrap();
-    let tape = Hamiltonian::new(2, |q, p| Kepler { by_hand: false }.energy(q, p)).unwrap();
+    let trace = recorded_kepler();
+    let by_hand = trace.clone().with_gradient(kepler_by_hand);
     time(c, "kepler/gradient", "by hand", &by_hand, false);
-    time(c, "kepler/gradient", "dual", &dual, false);
-    time(c, "kepler/gradient", "macro", &written, false);
-    time(c, "kepler/gradient", "tape", &tape, false);
-    time(c, "kepler/hessian", "dual", &dual, true);
-    time(c, "kepler/hessian", "tape", &tape, true);
+    time(c, "kepler/gradient", "trace", &trace, false);
+    time(c, "kepler/hessian", "trace", &trace, true);
 }
 
 fn growth(c: &mut Criterion) {
@@ -116,7 +97,7 @@ fn many_bodies(c: &mut Criterion) {
 }
 
 /// ∇H, and ∇U, at eight points, with each set of instructions; times are for all eight.
-fn lanes_of<H: System>(c: &mut Criterion, name: &str, h: &H) {
+fn lanes_of(c: &mut Criterion, name: &str, h: &Hamiltonian) {
     let n = 2 * h.degrees_of_freedom();
     let (y, mut gradient) = (state(8 * n), vec![0.0; 8 * n]);
     let mut evaluator = h.evaluator::<f64>();
@@ -137,10 +118,13 @@ fn lanes_of<H: System>(c: &mut Criterion, name: &str, h: &H) {
 }
 
 fn lanes(c: &mut Criterion) {
-    let dual = Hamiltonian::from_energy(Kepler { by_hand: false }).unwrap();
-    let tape = Hamiltonian::new(2, |q, p| Kepler { by_hand: false }.energy(q, p)).unwrap();
-    lanes_of(c, "kepler/dual", &dual);
-    lanes_of(c, "kepler/tape", &tape);
+    let trace = recorded_kepler();
+    lanes_of(
+        c,
+        "kepler/by hand",
+        &trace.clone().with_gradient(kepler_by_hand),
+    );
+    lanes_of(c, "kepler/trace", &trace);
     lanes_of(c, "bodies/6", &bodies(6));
     for m in [64, 256, 1024] {
         lanes_of(

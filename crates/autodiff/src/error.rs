@@ -68,6 +68,16 @@ pub enum BuildError {
     )]
     ConstantInfinite,
 
+    /// The accuracy of an external energy is no relative rounding error.
+    #[error(
+        "the accuracy {accuracy:e} of an external energy is no relative error of its values; give 2.2e-16 for \
+         values computed in doubles, 1e-7 for those in single precision"
+    )]
+    Accuracy {
+        /// As given.
+        accuracy: f64,
+    },
+
     /// The supplied gradient is not the gradient of the energy.
     #[error(
         "component {component} of the supplied gradient is {given:e}, but the energy has {expected:e} there \
@@ -96,6 +106,12 @@ pub enum BytesError {
         /// As it describes itself.
         function: String,
     },
+
+    /// H is computed by functions from outside.
+    #[error(
+        "the energy is computed by code of its own and cannot be written; write it as a closure of q and p"
+    )]
+    External,
 
     /// H has many components, and depends on few of them.
     #[error(

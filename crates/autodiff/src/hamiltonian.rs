@@ -3,17 +3,19 @@
 use crate::recording::bytes;
 use crate::recording::recorder::Recording;
 use crate::recording::trace::record;
-use crate::{BuildError, BytesError, Recorded, Var};
-use equip_scalar::Outside;
+use crate::routes::external::External;
+use crate::routes::given::GivenGradient;
+use crate::routes::traced::Traced;
+use crate::{BuildError, BytesError, Evaluator, Structure, Switches, Var};
+use equip_scalar::{Float, Outside};
 use std::sync::Arc;
 
 /// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any float type.
 ///
-/// The parameter says how H was given: [`Recorded`] from a closure, [`Static`](crate::Static) from a type
-/// with one generic method. An invariant is a scalar function of (q, p) as well, and is given the same way.
+/// An invariant is a scalar function of (q, p) as well, and is given the same way.
 ///
 /// ```
-/// use equip_autodiff::{Evaluate, Hamiltonian, System};
+/// use equip_autodiff::Hamiltonian;
 ///
 /// let mu = 1.0;
 /// let kepler = Hamiltonian::new(2, |q, p| {
@@ -28,10 +30,19 @@ use std::sync::Arc;
 /// # Ok::<(), equip_autodiff::BuildError>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Hamiltonian<R = Recorded> {
-    pub(crate) route: R,
-    /// H(t, q, p) alone, where the route has H + p_t.
-    pub(crate) alone: Option<Recorded>,
+pub struct Hamiltonian {
+    pub(crate) energy: Energy,
+    /// A gradient of the user's own, for doubles.
+    pub(crate) gradient: Option<GivenGradient>,
+    /// H(t, q, p) alone, where the trace has H + p_t.
+    alone: Option<Traced>,
+}
+
+/// Where H comes from.
+#[derive(Debug, Clone)]
+pub(crate) enum Energy {
+    Traced(Traced),
+    External(External),
 }
 
 /// The formula of an energy, recorded from a closure in this thread: another thread may make the
@@ -94,14 +105,20 @@ impl Formula {
     /// # Ok::<(), equip_autodiff::BuildError>(())
     /// ```
     pub fn hamiltonian(self) -> Result<Hamiltonian, BuildError> {
-        Ok(Hamiltonian {
-            alone: self.alone.map(Recorded::of).transpose()?,
-            route: Recorded::of(self.route)?,
-        })
+        let alone = self.alone.map(Traced::of).transpose()?;
+        Ok(Hamiltonian::traced(Traced::of(self.route)?, alone))
     }
 }
 
-impl Hamiltonian<Recorded> {
+impl Hamiltonian {
+    fn traced(energy: Traced, alone: Option<Traced>) -> Self {
+        Hamiltonian {
+            energy: Energy::Traced(energy),
+            gradient: None,
+            alone,
+        }
+    }
+
     /// Records the energy of a system with m degrees of freedom. The closure is called once, here; what it
     /// captures is recorded as constants, which each float type reads in its own precision.
     ///
@@ -125,7 +142,7 @@ impl Hamiltonian<Recorded> {
     /// Records an energy H(t, q, p) that depends on time, of a system with m degrees of freedom. Runs of it
     /// start, and are read, like all others; as a function to be watched or to find events of it is H itself.
     ///
-    /// As a [`System`](crate::System) it is what an integrator can keep: time as a further position, and its
+    /// What is integrated is an energy that can be conserved: time as a further position, and its
     /// momentum p_t as a further one,
     ///
     /// $$ K = H(t, q, p) + p_t, \qquad \frac{dt}{dt} = 1, \qquad \frac{dp_t}{dt} = -\frac{\partial
@@ -138,7 +155,7 @@ impl Hamiltonian<Recorded> {
     /// See [`new`](Self::new). The closure is called twice.
     ///
     /// ```
-    /// use equip_autodiff::{Hamiltonian, System};
+    /// use equip_autodiff::Hamiltonian;
     ///
     /// // An oscillator that is pushed: q'' = −q + cos t/2.
     /// let pushed = Hamiltonian::with_time(1, |t, q, p| {
@@ -160,9 +177,9 @@ impl Hamiltonian<Recorded> {
     /// position then.
     #[must_use]
     pub fn alone(&self) -> Hamiltonian {
-        Hamiltonian {
-            route: self.alone.as_ref().unwrap_or(&self.route).clone(),
-            alone: None,
+        match &self.alone {
+            Some(alone) => Hamiltonian::traced(alone.clone(), None),
+            None => self.clone(),
         }
     }
 
@@ -170,11 +187,12 @@ impl Hamiltonian<Recorded> {
     /// [`from_bytes`](Self::from_bytes) makes it again, on any machine, without the closure.
     ///
     /// # Errors
-    /// [`BytesError::NotData`] if H calls closures from outside, as those of `Custom`;
+    /// [`BytesError::External`] if H is external; [`BytesError::NotData`] if it calls closures, as those of
+    /// `Custom`;
     /// [`BytesError::ComponentsNotUsed`] if it has more than 65 536 components and depends on few of them.
     ///
     /// ```
-    /// use equip_autodiff::{Evaluate, Hamiltonian, System};
+    /// use equip_autodiff::Hamiltonian;
     /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
     /// let again = Hamiltonian::from_bytes(&pendulum.to_bytes()?)?;
     /// let y = [0.3, 0.4];
@@ -182,7 +200,10 @@ impl Hamiltonian<Recorded> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn to_bytes(&self) -> Result<Vec<u8>, BytesError> {
-        let all = [Some(&self.route), self.alone.as_ref()];
+        let Energy::Traced(energy) = &self.energy else {
+            return Err(BytesError::External);
+        };
+        let all = [Some(energy), self.alone.as_ref()];
         let all: Vec<_> = all.iter().flatten().map(|r| r.recording()).collect();
         bytes::write(&all)
     }
@@ -208,13 +229,13 @@ impl Hamiltonian<Recorded> {
         functions: impl Fn(&[u8]) -> Option<Arc<dyn Outside>>,
     ) -> Result<Self, BytesError> {
         let (energy, alone) = bytes::read(bytes, &functions)?;
-        let route = Recorded::of(energy)?;
-        let alone = alone.map(Recorded::of).transpose()?;
-        Ok(Hamiltonian { route, alone })
+        let alone = alone.map(Traced::of).transpose()?;
+        Ok(Hamiltonian::traced(Traced::of(energy)?, alone))
     }
 
     /// Arithmetic operations and function calls of one evaluation of H as it is replayed: repeated
-    /// subexpressions counted once, those of constants and those that do not reach H not at all.
+    /// subexpressions counted once, those of constants and those that do not reach H not at all. 0 of an
+    /// external energy.
     ///
     /// ```
     /// use equip_autodiff::Hamiltonian;
@@ -223,7 +244,7 @@ impl Hamiltonian<Recorded> {
     /// # Ok::<(), equip_autodiff::BuildError>(())
     /// ```
     pub fn operations(&self) -> usize {
-        self.route.operations()
+        self.counted(Traced::operations)
     }
 
     /// The same for one evaluation of ∇H.
@@ -235,7 +256,7 @@ impl Hamiltonian<Recorded> {
     /// # Ok::<(), equip_autodiff::BuildError>(())
     /// ```
     pub fn gradient_operations(&self) -> usize {
-        self.route.gradient_operations()
+        self.counted(Traced::gradient_operations)
     }
 
     /// The same for all entries of ∇²H. Where these are too many to be recorded, and are made by products
@@ -248,6 +269,141 @@ impl Hamiltonian<Recorded> {
     /// # Ok::<(), equip_autodiff::BuildError>(())
     /// ```
     pub fn hessian_operations(&self) -> usize {
-        self.route.hessian_operations()
+        self.counted(Traced::hessian_operations)
+    }
+
+    fn counted(&self, operations: impl Fn(&Traced) -> usize) -> usize {
+        match &self.energy {
+            Energy::Traced(traced) => operations(traced),
+            Energy::External(_) => 0,
+        }
+    }
+}
+
+/// What is known of H, and what evaluates it.
+impl Hamiltonian {
+    /// Degrees of freedom m; the state y = (q, p) has 2m components. Where H depends on time it counts as
+    /// one, the last.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.structure().degrees_of_freedom
+    }
+
+    /// Whether H depends on time, which is the last position then, and K = H + p_t is what is integrated
+    /// ([`with_time`](Self::with_time)).
+    pub fn has_time(&self) -> bool {
+        self.alone.is_some()
+    }
+
+    /// Separability, degree and sparsity of H.
+    pub fn structure(&self) -> &Structure {
+        match &self.energy {
+            Energy::Traced(traced) => &traced.shared.structure,
+            Energy::External(external) => &external.structure,
+        }
+    }
+
+    /// Where H or a derivative of it jumps, as far as that is known. Computed anew at each call, in time and
+    /// memory in proportion to the operations of H.
+    pub fn switches(&self) -> Switches {
+        match &self.energy {
+            Energy::Traced(traced) => Switches::of(traced.recording()),
+            Energy::External(_) => Switches::none(),
+        }
+    }
+
+    /// An evaluator in float type `T`: constants are read in it once, workspace is allocated once.
+    pub fn evaluator<T: Float>(&self) -> Evaluator<T> {
+        Evaluator::new(self)
+    }
+}
+
+/// Functions of the user's own.
+impl Hamiltonian {
+    /// An energy that is not recorded but computed by code of its own, in doubles: C code, an interpolator, a
+    /// learned energy. `value(q, p)` is H, `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into
+    /// `dp`; all slices have length m. `accuracy` is the relative rounding error of the values, below which
+    /// differences of H mean nothing: [`f64::EPSILON`] where they are computed in doubles.
+    ///
+    /// A run compares the gradient with differences of H where it starts, and now and then on its way. Of the
+    /// structure of H nothing is known: ∇²H, where it is needed, is made by 2n gradients and has n² entries,
+    /// kinks are not seen, and a run in another float knows H and ∇H to doubles only. A closure of
+    /// [`new`](Self::new) is faster in each respect.
+    ///
+    /// # Errors
+    /// [`BuildError::NoDegreesOfFreedom`], [`BuildError::TooManyDegreesOfFreedom`]; [`BuildError::Accuracy`]
+    /// outside of ε ≤ `accuracy` < 1.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// let pendulum = Hamiltonian::external(
+    ///     1,
+    ///     f64::EPSILON,
+    ///     |q, p| 0.5 * p[0] * p[0] - q[0].cos(),
+    ///     |q, p, dq, dp| (dq[0], dp[0]) = (q[0].sin(), p[0]),
+    /// )?;
+    /// assert_eq!(pendulum.evaluator().value(&[0.0, 1.0]), -0.5);
+    /// pendulum.check_gradient(&[0.3, 0.1])?;
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn external(
+        m: usize,
+        accuracy: f64,
+        value: impl Fn(&[f64], &[f64]) -> f64 + Send + Sync + 'static,
+        gradient: impl Fn(&[f64], &[f64], &mut [f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Result<Self, BuildError> {
+        let gradient = GivenGradient(Arc::new(gradient));
+        Ok(Hamiltonian {
+            energy: Energy::External(External::new(m, accuracy, Arc::new(value), gradient)?),
+            gradient: None,
+            alone: None,
+        })
+    }
+
+    /// The same energy with a gradient written by hand, used in place of automatic differentiation when the
+    /// float type is `f64`: `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into `dp`. Where H
+    /// depends on time these are (q, t) and (p, p_t), and ∂/∂p_t is 1.
+    ///
+    /// ```
+    /// use equip_autodiff::Hamiltonian;
+    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?
+    ///     .with_gradient(|q, p, dq, dp| {
+    ///         dq[0] = q[0].sin();
+    ///         dp[0] = p[0];
+    ///     });
+    /// pendulum.check_gradient(&[0.3, 0.1])?;
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    #[must_use]
+    pub fn with_gradient(
+        mut self,
+        gradient: impl Fn(&[f64], &[f64], &mut [f64], &mut [f64]) + Send + Sync + 'static,
+    ) -> Self {
+        let gradient = GivenGradient(Arc::new(gradient));
+        match &mut self.energy {
+            Energy::Traced(_) => self.gradient = Some(gradient),
+            Energy::External(external) => external.gradient = gradient,
+        }
+        self
+    }
+
+    /// Compares a gradient written by hand with H at the state y = (q, p): with automatic differentiation, of
+    /// which components may differ by √ε of the largest one, or, of an external energy, with differences.
+    ///
+    /// # Errors
+    /// [`BuildError::WrongGradient`] names the first component that differs.
+    ///
+    /// # Panics
+    /// If `y` does not have length n = 2m.
+    ///
+    /// ```
+    /// use equip_autodiff::{BuildError, Hamiltonian};
+    /// let wrong = Hamiltonian::new(1, |q, p| p[0] * p[0] - q[0].cos())?
+    ///     .with_gradient(|q, p, dq, dp| (dq[0], dp[0]) = (q[0].sin(), p[0]));
+    /// let found = wrong.check_gradient(&[0.3, 0.1]);
+    /// assert!(matches!(found, Err(BuildError::WrongGradient { component: 1, .. })));
+    /// # Ok::<(), equip_autodiff::BuildError>(())
+    /// ```
+    pub fn check_gradient(&self, y: &[f64]) -> Result<(), BuildError> {
+        Ok(self.evaluator().check_gradient(y)?)
     }
 }

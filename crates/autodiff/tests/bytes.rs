@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use crate::allocations::peak;
-use crate::common::{PROGRAM_M, Program, Random, same_bits, widened};
-use equip_autodiff::{BuildError, BytesError, Energy, Evaluate, Hamiltonian, System, Var};
+use crate::common::{Energy, PROGRAM_M, Program, Random, same_bits, widened};
+use equip_autodiff::{BuildError, BytesError, Hamiltonian, Var};
 use equip_scalar::{Constant, DoubleDouble, Float, Num, Outside, Scalar, decimal, ratio};
 use std::sync::Arc;
 

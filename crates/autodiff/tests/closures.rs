@@ -1,7 +1,7 @@
 //! Energies as users write them.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
-use equip_scalar::{decimal, ratio};
+use equip_autodiff::{Hamiltonian, Var};
+use equip_scalar::{DoubleDouble, Float, decimal, ratio};
 
 #[test]
 fn captured_parameters() {
@@ -18,6 +18,25 @@ fn captured_parameters() {
     assert_eq!(value, 16.0 / 4.0 + 1.5 * 4.0 + (1.0 / 3.0) * 8.0 + 0.1);
     assert_eq!(gradient, [3.0 * 2.0 + 3.0 * (1.0 / 3.0) * 4.0, 4.0 / 2.0]);
     assert_eq!(h.structure().degree, Some(3));
+}
+
+#[test]
+fn constants_keep_their_digits() {
+    let (third, tenth) = (DoubleDouble::ratio(1, 3), decimal("0.1").unwrap());
+    let h = Hamiltonian::new(1, |q, p| third * q[0] + tenth * p[0]).unwrap();
+    let (three, ten) = (DoubleDouble::from(3.0), DoubleDouble::from(10.0));
+    let mut gradient = [DoubleDouble::ZERO; 2];
+    let value = h.evaluator().gradient(&[three, ten], &mut gradient);
+    // 2 units in the last of 31 digits; with 1/3 or 1/10 as a double the error would be 2e-17.
+    let allowed = DoubleDouble::EPSILON + DoubleDouble::EPSILON;
+    assert!(
+        (value - DoubleDouble::from(2.0)).abs() <= allowed,
+        "{value}"
+    );
+    assert_eq!(gradient, [third, DoubleDouble::ratio(1, 10)]);
+    let capped = Hamiltonian::new(1, |q, _| 0.1 * q[0]).unwrap();
+    let error = (capped.evaluator().value(&[ten; 2]) - DoubleDouble::ONE).hi();
+    assert!(error > 5e-17, "the literal 0.1 is the double: {error:e}");
 }
 
 #[test]

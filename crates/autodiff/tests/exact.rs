@@ -1,14 +1,14 @@
 //! Operations that are exact add nothing to the running error bounds of H and of its gradient.
 #![allow(clippy::unwrap_used)]
 
-use crate::common::{PROGRAM_M, Program, Random, widened};
-use equip_autodiff::{Energy, Evaluate, Hamiltonian, RecordedEvaluator, System, Var};
+use crate::common::{Energy, PROGRAM_M, Program, Random, widened};
+use equip_autodiff::{Evaluator, Hamiltonian, Var};
 use equip_scalar::{Float, ratio};
 
 /// What the evaluators say of H and of a multiple of it, written as a change of it that is not rounded.
 fn is_a_multiple<T: Float>(h: &Hamiltonian, other: &Hamiltonian, factor: f64, y: &[T]) {
     let (mut own, mut of_other) = (h.evaluator::<T>(), other.evaluator::<T>());
-    let of = |evaluator: &mut RecordedEvaluator<T>| {
+    let of = |evaluator: &mut Evaluator<T>| {
         let mut all = vec![T::int(0); 2 * y.len()];
         let (slopes, rounding) = all.split_at_mut(y.len());
         let (value, bound) = evaluator.gradient_with_bound(y, slopes);

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use crate::common::Random;
-use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
+use equip_autodiff::{Hamiltonian, Var};
 use equip_scalar::{DoubleDouble, Float, Scalar};
 use std::ops::Range;
 

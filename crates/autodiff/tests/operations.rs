@@ -3,8 +3,8 @@
 // Matrix code reads best with its indices.
 #![allow(clippy::unwrap_used, clippy::needless_range_loop)]
 
-use crate::common::{Random, same_bits, widened};
-use equip_autodiff::{Energy, Evaluate, Hamiltonian, System};
+use crate::common::{Energy, Random, same_bits, widened};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::{DoubleDouble, FirstOrder, Float, Num, Scalar, SecondOrder, ratio};
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ struct Derivatives<T> {
 }
 
 fn by_tape<E: Energy, T: Float>(energy: &E, y: &[T]) -> Derivatives<T> {
-    let h = Hamiltonian::new(1, |q, p| energy.energy(q, p)).unwrap();
+    let h = energy.hamiltonian();
     let mut evaluator = h.evaluator::<T>();
     let zero = T::int(0);
     let mut gradient = [zero; 2];
@@ -51,8 +51,7 @@ fn by_tape<E: Energy, T: Float>(energy: &E, y: &[T]) -> Derivatives<T> {
 }
 
 fn by_num_dual<E: Energy, T: Float>(energy: &E, y: &[T]) -> Derivatives<T> {
-    let y: [Num<T::Forward2<2>>; 2] = std::array::from_fn(|i| Num(T::Forward2::variable(y[i], i)));
-    let Num(h) = energy.energy(&y[..1], &y[1..]);
+    let h = energy.by_num_dual::<T, 2>(y);
     Derivatives {
         value: h.value(),
         gradient: h.gradient(),
@@ -63,7 +62,7 @@ fn by_num_dual<E: Energy, T: Float>(energy: &E, y: &[T]) -> Derivatives<T> {
 /// Central differences of the value (gradient) and of the tape's gradient (Hessian), step 1e-10.
 fn by_differences<E: Energy>(energy: &E, y: &[DoubleDouble]) -> Derivatives<DoubleDouble> {
     let step = DoubleDouble::exact(1e-10);
-    let h = Hamiltonian::new(1, |q, p| energy.energy(q, p)).unwrap();
+    let h = energy.hamiltonian();
     let mut evaluator = h.evaluator::<DoubleDouble>();
     let zero = DoubleDouble::int(0);
     let mut all = Derivatives {
@@ -113,14 +112,14 @@ fn verify<E: Energy>(name: &str, energy: &E, x: Range<f64>, y: Range<f64>) {
         let wide = widened(&point);
 
         let double = by_tape(energy, &point);
-        let direct = energy.energy(&[Num(point[0])], &[Num(point[1])]).0;
+        let direct = energy.direct(&point);
         assert!(
             same_bits(double.value, direct),
             "{name}: {} {direct}",
             double.value
         );
         let extended = by_tape(energy, &wide);
-        let direct = energy.energy(&[Num(wide[0])], &[Num(wide[1])]).0;
+        let direct = energy.direct(&wide);
         assert!(
             same_bits(extended.value, direct),
             "{name}: {} {direct}",

@@ -1,9 +1,9 @@
 //! Random expressions: the replayed value has every bit of the energy evaluated directly.
 #![allow(clippy::unwrap_used)]
 
-use crate::common::{PROGRAM_M as M, Program, Random, same_bits, widened};
-use equip_autodiff::{Energy, Evaluate, Hamiltonian, System};
-use equip_scalar::{DoubleDouble, Float, Num};
+use crate::common::{Energy, PROGRAM_M as M, Program, Random, same_bits, widened};
+use equip_autodiff::Hamiltonian;
+use equip_scalar::DoubleDouble;
 
 const EXPRESSIONS: usize = 400;
 
@@ -20,11 +20,11 @@ fn replay_has_every_bit_of_direct_evaluation() {
         for _ in 0..3 {
             let y: Vec<f64> = (0..2 * M).map(|_| random.within(-2.0, 2.0)).collect();
             let replayed = h.evaluator::<f64>().value(&y);
-            assert!(same_bits(replayed, direct(&program, &y)), "{y:?}");
+            assert!(same_bits(replayed, program.direct(&y)), "{y:?}");
             finite += usize::from(replayed.is_finite());
             let wide = widened(&y);
             let replayed = h.evaluator::<DoubleDouble>().value(&wide);
-            assert!(same_bits(replayed, direct(&program, &wide)), "{y:?}");
+            assert!(same_bits(replayed, program.direct(&wide)), "{y:?}");
         }
     }
     assert!(finite > EXPRESSIONS, "only {finite} finite values");
@@ -64,9 +64,4 @@ fn tangents_and_gradients_agree_on_random_expressions() {
         compared > EXPRESSIONS / 4,
         "only {compared} expressions compared"
     );
-}
-
-fn direct<T: Float>(program: &Program, y: &[T]) -> T {
-    let y: Vec<Num<T>> = y.iter().copied().map(Num).collect();
-    program.energy(&y[..M], &y[M..]).0
 }

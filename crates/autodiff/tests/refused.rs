@@ -1,6 +1,6 @@
 //! What an energy must not do, and that the refusal points at the user's own line.
 
-use equip_autodiff::{BuildError, Evaluate, Hamiltonian, System, Var};
+use equip_autodiff::{BuildError, Hamiltonian, Var};
 use std::panic::Location;
 
 #[track_caller]
@@ -9,7 +9,7 @@ fn line_before() -> u32 {
 }
 
 #[track_caller]
-fn assert_branch<R>(built: Result<Hamiltonian<R>, BuildError>, line: u32) {
+fn assert_branch(built: Result<Hamiltonian, BuildError>, line: u32) {
     match built.map(|_| ()) {
         Err(error @ BuildError::Branch { location }) => {
             assert!(location.file().ends_with("tests/refused.rs"), "{location}");

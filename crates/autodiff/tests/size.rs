@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::allocations::peak;
-use equip_autodiff::{BuildError, Evaluate, Hamiltonian, System, Var};
+use equip_autodiff::{BuildError, Hamiltonian, Var};
 use equip_scalar::Float;
 use std::time::{Duration, Instant};
 

@@ -1,6 +1,6 @@
 //! Everything a program that integrates its own Hamiltonian needs: `use equip::prelude::*;`.
 
-pub use equip_autodiff::{BuildError, Energy, Hamiltonian, System, Var, hamiltonian};
+pub use equip_autodiff::{BuildError, Hamiltonian, Var};
 pub use equip_integrate::{
     Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, ChaosIndicators, Checkpoint, Counts,
     Direction, Equip, Event, FixedStep, Gauss, IntegrateError, Integrator, Invariant, Method,

@@ -2,7 +2,7 @@
 //! anew in double-double, and the counts of the steps.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_integrate::{Certificate, Equip, Gauss, Integrator, Run, StepSizes};
 use equip_scalar::{DoubleDouble, Float};
 

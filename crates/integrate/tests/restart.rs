@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use crate::memory::allocations;
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_integrate::{
     AdaptiveStepper, Alphas, Equip, Gauss, IntegrateError, Integrator, Invariant, Method,
     Preconditioner, Record, ReversibleStepper, StepRule, StepSizes, StepView, Stepper,
@@ -26,7 +26,7 @@ trait Steps<T: Float> {
 
 macro_rules! steps {
     ($($stepper:ident),*) => {$(
-        impl<T: Float, E: Evaluate<T>> Steps<T> for $stepper<T, E> {
+        impl<T: Float> Steps<T> for $stepper<T> {
             fn make(&mut self) -> StepView<'_, T> {
                 self.advance().unwrap()
             }
@@ -69,7 +69,7 @@ fn elsewhere<T: Float>(q: &[T], p: &[T]) -> (Vec<T>, Vec<T>) {
 /// before.
 fn same_again<T: Float, S: StepSizes<T>>(scene: &Instance, options: &Integrator<T, S>, steps: usize)
 where
-    S::Stepper<<Hamiltonian as System>::Evaluator<T>>: Steps<T>,
+    S::Stepper: Steps<T>,
 {
     let h = scene.hamiltonian();
     let (q, p) = scene.initial::<T>();

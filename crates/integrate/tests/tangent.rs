@@ -1,7 +1,7 @@
 //! The tangent map against finite differences, and what it says about chaos.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_integrate::{
     ChaosIndicators, Checkpoint, Equip, Gauss, IntegrateError, Method, NoObserver, Observer,
     StepView, TangentMap,

@@ -3,8 +3,7 @@
 //! [`all`] is the catalogue, [`find`] looks up a name, [`Scene::instance`] fills in parameters given as text
 //! and records H, and [`Instance`] has everything a run needs, in any float type.
 //! [`Instance::from_reference`] starts where a stored reference started. The Hamiltonians themselves are in
-//! [`energies`], as types that implement [`Energy`](equip_autodiff::Energy), for code that wants them
-//! compiled and not recorded.
+//! [`energies`], as types with their parameters.
 //!
 //! ```
 //! let scene = equip_scenes::find("pendulum")?;
@@ -38,5 +37,6 @@ pub use parameter::{Parameter, Range};
 
 /// The scenes' Hamiltonians as types.
 pub mod energies {
+    pub use crate::model::{Model, State};
     pub use crate::scenes::*;
 }

@@ -1,11 +1,11 @@
 //! What every scene's Hamiltonian says of itself.
 
 use crate::invariant::Invariant;
-use equip_autodiff::{BuildError, Energy};
+use equip_autodiff::{BuildError, Hamiltonian, Var};
 use equip_scalar::Float;
 
 /// Positions q and momenta p.
-pub(crate) type State<T> = (Vec<T>, Vec<T>);
+pub type State<T> = (Vec<T>, Vec<T>);
 
 /// What to draw of a solution.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,7 +29,21 @@ pub struct Units {
 }
 
 /// A Hamiltonian with its start, its time scale and what is known of its solutions.
-pub(crate) trait Model: Energy {
+pub trait Model {
+    /// Number m of positions, and of momenta.
+    fn degrees_of_freedom(&self) -> usize;
+
+    /// H(q, p); both slices have length m.
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var;
+
+    /// H, recorded.
+    ///
+    /// # Errors
+    /// [`BuildError`] where a parameter makes H infinite or no number.
+    fn hamiltonian(&self) -> Result<Hamiltonian, BuildError> {
+        Hamiltonian::new(self.degrees_of_freedom(), |q, p| self.energy(q, p))
+    }
+
     /// The state at t = 0, computed in `T`.
     fn initial<T: Float>(&self) -> State<T>;
 
@@ -50,7 +64,10 @@ pub(crate) trait Model: Energy {
         Units::default()
     }
 
-    /// Quantities kept besides H.
+    /// Quantities conserved besides H.
+    ///
+    /// # Errors
+    /// As [`hamiltonian`](Self::hamiltonian).
     fn invariants(&self) -> Result<Vec<Invariant>, BuildError> {
         Ok(Vec::new())
     }

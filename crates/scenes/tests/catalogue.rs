@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{every_instance, gradient, start};
-use equip_autodiff::System;
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::{Instance, SceneError, View, all, find};
 

@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{every_instance, gradient, random_state};
-use equip_autodiff::System;
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::{InvariantKind, find};
 

@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::{start, value};
-use equip_autodiff::System;
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::{Instance, find, reference_names};
 

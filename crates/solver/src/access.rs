@@ -7,7 +7,7 @@ use crate::outcome::failure::Damaged;
 use crate::outcome::outcome::Counts;
 use crate::outcome::parts::Part;
 use crate::step::core::Core;
-use equip_autodiff::Evaluate;
+use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 use equip_sweeps::State;
 use equip_tableau::Gauss;
@@ -26,7 +26,7 @@ pub struct FailedPart<'a, T> {
 }
 
 /// What is fixed, and what has been counted.
-impl<T: Float, E: Evaluate<T>> Core<T, E> {
+impl<T: Float> Core<T> {
     /// Nodes and weights.
     pub fn gauss(&self) -> &Gauss<T> {
         &self.stages.gauss
@@ -44,7 +44,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 
     /// H and its derivatives, for evaluations beside the steps.
-    pub fn energy_mut(&mut self) -> &mut E {
+    pub fn energy_mut(&mut self) -> &mut Evaluator<T> {
         &mut self.energy
     }
 
@@ -59,13 +59,13 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
     }
 
     /// The evaluator with the counts.
-    pub fn energy_and_counts(&mut self) -> (&mut E, &mut Counts) {
+    pub fn energy_and_counts(&mut self) -> (&mut Evaluator<T>, &mut Counts) {
         (&mut self.energy, &mut self.counts)
     }
 }
 
 /// The step made last.
-impl<T: Float, E: Evaluate<T>> Core<T, E> {
+impl<T: Float> Core<T> {
     /// α_1 … α_{s−1} of the step, or of its last part.
     pub fn alphas(&self) -> &[T] {
         &self.alphas
@@ -148,7 +148,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 }
 
 /// The start of a run.
-impl<T: Float, E: Evaluate<T>> Core<T, E> {
+impl<T: Float> Core<T> {
     /// A run begins at `y`, length n, where the energy is `h_ref`: the steps from here on are those of a new
     /// solver. Counts stay. Allocates nothing.
     pub fn begin(&mut self, h_ref: T, y: &[T]) {
@@ -162,7 +162,7 @@ impl<T: Float, E: Evaluate<T>> Core<T, E> {
 }
 
 /// What the next step is to do.
-impl<T: Float, E: Evaluate<T>> Core<T, E> {
+impl<T: Float> Core<T> {
     /// Keep the parts of every step from the next on.
     pub fn keep_parts(&mut self) {
         self.parts.wanted = true;
@@ -231,7 +231,7 @@ impl<T: Float> Constraint<T> {
 }
 
 /// What is remembered between steps.
-impl<T: Float, E: Evaluate<T>> Core<T, E> {
+impl<T: Float> Core<T> {
     /// Everything the next step depends on besides state, time, size and counts.
     pub fn memory(&mut self) -> SolverMemory<T> {
         let mut memory = SolverMemory::from_parts(Vec::new());

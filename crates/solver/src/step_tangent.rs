@@ -26,15 +26,15 @@ use crate::outcome::outcome::Counts;
 use crate::outcome::parts::Part;
 use crate::precondition::choice::Choice;
 use crate::step::core::Core;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::{Evaluator, Hamiltonian};
 use equip_scalar::Float;
 use equip_sweeps::{Held, Iterate, LinearSweeps, State};
 use equip_tableau::Gauss;
 
 /// The tangent map of one step after the other.
 #[derive(Debug)]
-pub struct StepTangent<T: Float, E> {
-    energy: E,
+pub struct StepTangent<T: Float> {
+    energy: Evaluator<T>,
     gauss: Gauss<T>,
     iterate: Iterate<T>,
     linear: LinearSweeps<T>,
@@ -60,9 +60,9 @@ pub struct StepTangent<T: Float, E> {
     gradients: Vec<T>,
 }
 
-impl<T: Float, E: Evaluate<T>> StepTangent<T, E> {
+impl<T: Float> StepTangent<T> {
     /// For the steps of `core`, made of the same `system`.
-    pub fn new<H: System<Evaluator<T> = E>>(system: &H, core: &Core<T, E>) -> Self {
+    pub fn new(system: &Hamiltonian, core: &Core<T>) -> Self {
         let gauss = core.gauss().clone();
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let zeros = |len: usize| vec![T::int(0); len];

@@ -19,7 +19,7 @@ type Function<T> = Box<dyn Fn(T) -> T + Send + Sync>;
 /// closures for it with [`in_double_double`](Self::in_double_double) to have 31 digits.
 ///
 /// ```
-/// use equip_autodiff::{Evaluate, Hamiltonian, System};
+/// use equip_autodiff::Hamiltonian;
 /// use equip_tables::Custom;
 ///
 /// let v = Custom::new(|x| -x.cos(), |x| x.sin(), |x| x.cos());

@@ -8,7 +8,7 @@
 //! | [`Custom`] | closures for f, f′, f″ | f‴ by differences |
 //!
 //! ```
-//! use equip_autodiff::{Evaluate, Hamiltonian, System};
+//! use equip_autodiff::Hamiltonian;
 //! use equip_tables::Table;
 //!
 //! let x = [0.0, 0.5, 1.5, 2.0];

@@ -126,7 +126,7 @@ impl Table {
     /// without data.
     ///
     /// ```
-    /// use equip_autodiff::{Hamiltonian, System};
+    /// use equip_autodiff::Hamiltonian;
     /// use equip_tables::Table;
     ///
     /// let v = Table::natural(&[0.0, 1.0, 2.0], &[0.0, -0.5, 0.0])?;

@@ -22,7 +22,7 @@ static WAVES: LazyLock<Arc<dyn Outside>> = LazyLock::new(|| Arc::new(Waves));
 /// The largest integer up to x, in an energy. Its derivatives are 0, and steps end where it jumps.
 ///
 /// ```
-/// use equip_autodiff::{Evaluate, Hamiltonian, System};
+/// use equip_autodiff::Hamiltonian;
 /// use equip_tables::floor;
 ///
 /// // A pendulum in a periodic box of length 3: the distance to the nearest image of the origin.

@@ -1,7 +1,7 @@
 //! Tables as bytes, alone and within an energy.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{BytesError, Evaluate, Hamiltonian, System};
+use equip_autodiff::{BytesError, Hamiltonian};
 use equip_scalar::{DoubleDouble, Num, Outside, Scalar};
 use equip_tables::{Custom, Table, Table2, TableError, from_bytes};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Closures in an energy.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
+use equip_autodiff::{Hamiltonian, Var};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tables::{Custom, TableError};
 

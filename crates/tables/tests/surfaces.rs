@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 #![allow(clippy::excessive_precision)] // Digits of another program.
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::{DoubleDouble, Float};
 use equip_tables::Table2;
 

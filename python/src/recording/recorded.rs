@@ -4,8 +4,8 @@ use crate::faults::value_error;
 use crate::recording::constant::constant;
 use crate::recording::variable::{Begun, Variable};
 use crate::runs::patience::{Stop, lock, patiently};
-use equip::autodiff::{Evaluate, Formula, RecordedEvaluator};
-use equip::prelude::{BuildError, Hamiltonian, System, Var};
+use equip::autodiff::Formula;
+use equip::prelude::{BuildError, Hamiltonian, Var};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 type Doubles<'py> = Bound<'py, PyArray1<f64>>;
-type Evaluator = RecordedEvaluator<f64>;
+type Evaluator = equip::autodiff::Evaluator<f64>;
 
 /// Operations and positions of an H of which all is made ready, and evaluated once, within some
 /// milliseconds: 60 operations of ∇²H for each one of H, a microsecond for a hundred of them.

@@ -9,7 +9,6 @@ use crate::runs::curve::{Curve, Kept};
 use crate::runs::keeping::Keeping;
 use crate::runs::patience::patiently_with;
 use crate::runs::signals::{Signals, Watch};
-use equip::autodiff::Evaluate;
 use equip::prelude::*;
 use equip::solver::{Fixed, StepSizes, Symmetric, Tolerance};
 use numpy::IntoPyArray;

@@ -6,7 +6,6 @@ use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
 use crate::runs::patience::{Stop, lock, patiently};
 use crate::runs::signals::{Reached, Signals};
-use equip::autodiff::RecordedEvaluator;
 use equip::prelude::*;
 use equip::solver::{Fixed, StepSizes, Steps as _, Symmetric, Tolerance};
 use numpy::{IntoPyArray, PyArray1};
@@ -14,13 +13,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-type Evaluator = RecordedEvaluator<f64>;
-
 #[expect(clippy::large_enum_variant, reason = "all are ten thousand bytes")]
 enum Sized {
-    Fixed(Stepper<f64, Evaluator>),
-    Adaptive(AdaptiveStepper<f64, Evaluator>),
-    Reversible(ReversibleStepper<f64, Evaluator>),
+    Fixed(Stepper<f64>),
+    Adaptive(AdaptiveStepper<f64>),
+    Reversible(ReversibleStepper<f64>),
 }
 
 macro_rules! each {
@@ -36,9 +33,9 @@ macro_rules! each {
 struct Run {
     hamiltonian: Hamiltonian,
     stepper: Sized,
-    tangent: Option<TangentMap<f64, Evaluator>>,
+    tangent: Option<TangentMap<f64>>,
     deviations: Vec<f64>,
-    events: Option<StepEvents<f64, Evaluator>>,
+    events: Option<StepEvents<f64>>,
     /// The events of the steps of the last call.
     found: Vec<Occurrence<f64>>,
 }
@@ -260,7 +257,7 @@ impl Start<'_> {
     fn run<S: StepSizes<f64> + Send + 'static>(
         self,
         integrator: Integrator<f64, S>,
-        sized: fn(S::Stepper<Evaluator>) -> Sized,
+        sized: fn(S::Stepper) -> Sized,
     ) -> PyResult<Run> {
         let Start {
             hamiltonian,

@@ -1,7 +1,6 @@
 //! What a run must keep to: its work, and what it says of the energy.
 
 use super::case::{Case, Ran};
-use equip_autodiff::{Evaluate, System};
 use equip_integrate::{Outcome, Reach};
 use equip_scalar::{DoubleDouble, Float};
 

@@ -3,7 +3,6 @@
 use super::case::{Case, run};
 use super::claims::{energy_is_as_claimed, work_is_bounded};
 use super::trajectory::errors;
-use equip_autodiff::System;
 use equip_integrate::{Alphas, IntegrateError, Outcome};
 use std::collections::BTreeMap;
 

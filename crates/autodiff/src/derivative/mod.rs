@@ -1,8 +1,6 @@
-//! Derivatives: appended to a recording, carried along a replay, or by dual numbers.
+//! Derivatives: appended to a recording, or propagated along a replay.
 
 pub(crate) mod bound;
-pub(crate) mod by_duals;
-pub(crate) mod dual;
 pub(crate) mod exact;
 pub(crate) mod hessian;
 pub(crate) mod rate;

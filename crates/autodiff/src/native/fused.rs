@@ -3,11 +3,8 @@
 //! A stage sweep of a small system is a gradient of 30 ns and a product with a matrix of 30 ns. As two
 //! kernels that hand each other numbers through memory, with lengths known when the program runs, it takes
 //! three times the sum. Here the energy calls the computation and not the other way round: the compiler sees
-//! both, and the number of components as a literal. A recorded energy is not known to the compiler, and is
-//! called as machine code from there.
+//! both, and the number of components as a literal. The energy itself is called as machine code from there.
 
-use crate::Energy;
-use crate::derivative::by_duals::{force, gradient};
 use equip_jit::Code;
 use equip_scalar::{Kernel, Lanes};
 use std::array::from_fn;
@@ -30,34 +27,6 @@ pub trait Fused<const N: usize> {
     fn run<const C: usize>(&mut self, slopes: &impl Slopes<C, N>) -> Self::Output;
     /// The same for few registers, as [`Kernel::run_narrow`].
     fn run_narrow<const C: usize>(&mut self, slopes: &impl Slopes<C, N>) -> Self::Output;
-}
-
-/// ∇U of a separable system with M positions.
-pub(crate) struct Forces<'a, E>(pub(crate) &'a E);
-
-impl<E: Energy, const M: usize, const N: usize> Slopes<M, N> for Forces<'_, E> {
-    #[inline(always)]
-    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; M]) -> [[Lanes<N>; M]; G] {
-        let mut slopes = [[Lanes::splat(0.0); M]; G];
-        for g in 0..G {
-            slopes[g] = force::<E, Lanes<N>, M>(self.0, from_fn(|c| Lanes(states[c][g])));
-        }
-        slopes
-    }
-}
-
-/// ∇H of a system with C components.
-pub(crate) struct Gradients<'a, E>(pub(crate) &'a E);
-
-impl<E: Energy, const C: usize, const N: usize> Slopes<C, N> for Gradients<'_, E> {
-    #[inline(always)]
-    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G] {
-        let mut slopes = [[Lanes::splat(0.0); C]; G];
-        for g in 0..G {
-            slopes[g] = gradient::<E, Lanes<N>, C>(self.0, from_fn(|c| Lanes(states[c][g]))).1;
-        }
-        slopes
-    }
 }
 
 /// Derivatives by machine code that was made for rows of this length.

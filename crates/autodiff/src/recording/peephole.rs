@@ -65,7 +65,7 @@ mod tests {
     use crate::replay::layout::{Blocks, layout};
     use crate::replay::tape::Tape;
     use crate::replay::values::Replay;
-    use crate::{Evaluate, Hamiltonian, System, Var};
+    use crate::{Hamiltonian, Var};
     use equip_scalar::{DoubleDouble, Scalar};
 
     fn potential(q: &[Var]) -> Var {

@@ -39,7 +39,7 @@ impl From<Constant> for ConstantKey {
 const MOST_OPERATIONS: usize = 1 << 31;
 
 /// Most degrees of freedom: components of the state take a quarter of the places of a recording.
-pub(super) const MOST: usize = 1 << 29;
+pub(crate) const MOST: usize = 1 << 29;
 
 /// The operations of one energy, each known by what it does.
 #[derive(Debug)]

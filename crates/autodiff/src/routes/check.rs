@@ -78,16 +78,18 @@ impl<T: Float> Checked<T> {
     }
 }
 
-/// A point beside `y`: each component moved by ⁴√ε of itself, or of the largest of its half where it is 0.
-fn beside<T: Float>(y: &[T], point: &mut [T]) {
+/// A point beside `y`: each component moved by about ⁴√ε of itself, or of the largest of its half where it
+/// is 0, no two of them by the same share, so that equal ones are equal no more.
+pub(crate) fn beside<T: Float>(y: &[T], point: &mut [T]) {
     let m = y.len() / 2;
     let share = T::EPSILON.sqrt().sqrt();
     for (half, point) in y.chunks_exact(m).zip(point.chunks_exact_mut(m)) {
         let of = largest(half);
         let of = if of > T::int(0) { of } else { T::int(1) };
-        for (point, &y) in point.iter_mut().zip(half) {
+        for (i, (point, &y)) in point.iter_mut().zip(half).enumerate() {
             let size = if y == T::int(0) { of } else { y };
-            *point = y + share * size;
+            let golden = (0.618_033_988_75 * (i + 1) as f64).fract();
+            *point = y + share * T::exact(0.5 + golden) * size;
         }
     }
 }
@@ -95,15 +97,18 @@ fn beside<T: Float>(y: &[T], point: &mut [T]) {
 /// Sizes of differences that are tried, each a 16th of the one before.
 const LEVELS: u32 = 4;
 
-/// A gradient written by hand, with the running error bound of H at `y`, against differences of `value`.
+/// A gradient written by hand, with the running error bound of H at `y`, against differences of `value`,
+/// which has the relative error `accuracy`.
 ///
 /// Two central differences of steps δ and 2δ tell the derivative, and how far they can be trusted: 16 times
 /// what they differ by, 16 times the rounding of H over δ, and ⁴√ε of the largest component. A component is
-/// wrong if it is beyond that for every δ from ε^{1/4} of the component down to a 4096th of it. Coarser than
-/// a comparison with the derivative itself. Allocates.
+/// wrong if it is beyond that for every δ from ⁴√accuracy of the component down to a 4096th of it, as far
+/// down as rounding leaves anything to tell, or if it is no number where H is one. Coarser than a comparison
+/// with the derivative itself. Allocates.
 pub(crate) fn by_differences<T: Float>(
     y: &[T],
     (given, bound): (&[T], T),
+    accuracy: f64,
     mut value: impl FnMut(&[T]) -> T,
 ) -> Result<(), WrongGradient<T>> {
     let (m, two, many) = (y.len() / 2, T::int(2), T::int(16));
@@ -122,12 +127,20 @@ pub(crate) fn by_differences<T: Float>(
             point[component] = y[component];
             (ahead - behind) / (two * delta)
         };
-        let mut delta = share * size.unwrap_or(T::int(1));
+        let mut delta = T::exact(accuracy).sqrt().sqrt() * size.unwrap_or(T::int(1));
         let mut wrong = None;
         for _ in 0..LEVELS {
+            let rounding = many * (T::EPSILON * bound / delta);
+            let tells = |fine: T| (given - fine).abs() > rounding;
+            if wrong.is_some_and(|fine| !tells(fine)) {
+                break;
+            }
             let (fine, coarse) = (difference(delta), difference(two * delta));
-            let rounding = T::EPSILON * bound / delta;
-            let trusted = many * ((fine - coarse).abs() + rounding) + share * largest_slope;
+            if !given.is_finite() && fine.is_finite() {
+                wrong = Some(fine);
+                break;
+            }
+            let trusted = many * (fine - coarse).abs() + rounding + share * largest_slope;
             if !((given - fine).abs() > trusted) {
                 wrong = None;
                 break;

@@ -1,19 +1,19 @@
 //! [`StateFunction`]: a recorded function of time and state, evaluated at (t, q, p).
 
-use crate::{Evaluate, Hamiltonian, Recorded, RecordedEvaluator, System};
+use crate::{Evaluator, Hamiltonian};
 use equip_scalar::Float;
 
 /// A recorded function (t, q, p) ↦ g in one float type, made by [`Hamiltonian::function`]. Its constants are
 /// as exact as those of an energy.
 #[derive(Debug)]
 pub struct StateFunction<T: Float> {
-    evaluator: RecordedEvaluator<T>,
+    evaluator: Evaluator<T>,
     has_time: bool,
     /// (q, p), or (q, t, p, 0).
     y: Vec<T>,
 }
 
-impl Hamiltonian<Recorded> {
+impl Hamiltonian {
     /// H as a function (t, q, p) ↦ H in one float type, for observers; t does not matter where H does not
     /// depend on it.
     pub fn function<T: Float>(&self) -> StateFunction<T> {
@@ -45,7 +45,7 @@ impl<T: Float> StateFunction<T> {
         self.evaluator.value(&self.y)
     }
 
-    /// The same, long sums in it [compensated](Evaluate::compensated_value).
+    /// The same, long sums in it [compensated](Evaluator::compensated_value).
     ///
     /// # Panics
     /// When `q` or `p` has another length.
@@ -56,7 +56,7 @@ impl<T: Float> StateFunction<T> {
 
     /// What evaluates it, and the point (t, `q`, `p`) as that takes it.
     #[doc(hidden)]
-    pub fn evaluator_at(&mut self, t: T, q: &[T], p: &[T]) -> (&mut RecordedEvaluator<T>, &[T]) {
+    pub fn evaluator_at(&mut self, t: T, q: &[T], p: &[T]) -> (&mut Evaluator<T>, &[T]) {
         self.place(t, q, p);
         (&mut self.evaluator, &self.y)
     }

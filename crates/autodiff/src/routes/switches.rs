@@ -32,14 +32,14 @@ pub enum SwitchKind {
 }
 
 /// The functions g(q, p) at whose roots H or a derivative of it jumps; made by
-/// [`System::switches`](crate::System::switches).
+/// [`Hamiltonian::switches`](crate::Hamiltonian::switches).
 ///
 /// One for each argument of |x|, min, max, clamp, signum, select and tables in H, if it depends on the state,
 /// equal ones once, in the order of H. Within one sign of all of them H is smooth. Of closures nothing is
 /// known.
 ///
 /// ```
-/// use equip_autodiff::{Hamiltonian, SwitchKind, System};
+/// use equip_autodiff::{Hamiltonian, SwitchKind};
 /// let wall = Hamiltonian::new(1, |q, p| p[0] * p[0] / 2 + (q[0] - 1).max(0).powi(2))?;
 /// let switches = wall.switches();
 /// assert_eq!(switches.kinds(), [SwitchKind::Extremum]);
@@ -68,7 +68,7 @@ impl Switches {
         }
     }
 
-    pub(super) fn of(recording: &Recording) -> Self {
+    pub(crate) fn of(recording: &Recording) -> Self {
         let mut recorder = recording.resume();
         let found = Found::in_recording(&mut recorder, recording.root);
         let results = || Results::new(Arc::new(Graph::new(&recorder, &found.nodes)));

@@ -11,21 +11,33 @@ use std::sync::{Arc, OnceLock};
 /// by dereference.
 #[derive(Clone)]
 pub struct HessianPattern {
-    energy: Arc<Graph>,
+    dimension: usize,
+    /// `None` where all entries may be there.
+    energy: Option<Arc<Graph>>,
     found: Arc<OnceLock<Pattern>>,
 }
 
 impl HessianPattern {
     pub(crate) fn new(energy: Arc<Graph>) -> Self {
         HessianPattern {
-            energy,
+            dimension: energy.inputs,
+            energy: Some(energy),
+            found: Arc::default(),
+        }
+    }
+
+    /// Of a matrix that may have all n² entries.
+    pub(crate) fn full(dimension: usize) -> Self {
+        HessianPattern {
+            dimension,
+            energy: None,
             found: Arc::default(),
         }
     }
 
     /// Rows (and columns) of the matrix, without finding the pattern.
     pub fn dimension(&self) -> usize {
-        self.energy.inputs
+        self.dimension
     }
 
     /// A copy of the pattern.
@@ -35,7 +47,10 @@ impl HessianPattern {
 
     /// The block of these rows and columns, counted from 0, without finding the rest.
     pub(crate) fn block(&self, variables: Range<usize>) -> Pattern {
-        sparsity::hessian_pattern(&self.energy, variables)
+        match &self.energy {
+            Some(energy) => sparsity::hessian_pattern(energy, variables),
+            None => Pattern::full(variables.len()),
+        }
     }
 }
 

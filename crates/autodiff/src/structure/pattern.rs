@@ -10,6 +10,14 @@ pub struct Pattern {
 }
 
 impl Pattern {
+    /// Of a matrix that may have all n² entries.
+    pub(crate) fn full(n: usize) -> Self {
+        Pattern {
+            row_starts: (0..=n).map(|i| i * n).collect(),
+            columns: (0..n * n).map(|k| k % n).collect(),
+        }
+    }
+
     /// Rows (and columns) of the matrix.
     pub fn dimension(&self) -> usize {
         self.row_starts.len() - 1

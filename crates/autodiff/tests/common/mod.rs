@@ -7,8 +7,8 @@
     unreachable_pub
 )]
 
-use equip_autodiff::Energy;
-use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};
+use equip_autodiff::Hamiltonian;
+use equip_scalar::{Constant, DoubleDouble, FirstOrder, Float, Num, Scalar, decimal, ratio};
 
 /// xorshift64*, Vigna 2016.
 pub struct Random(pub u64);
@@ -40,7 +40,30 @@ pub fn widened(y: &[f64]) -> Vec<DoubleDouble> {
     y.iter().map(|&x| DoubleDouble::exact(x)).collect()
 }
 
-/// An energy as data: number of degrees of freedom and a generic method.
+/// An energy written for every kind of number: recorded, and evaluated without a recording.
+pub trait Energy {
+    fn degrees_of_freedom(&self) -> usize;
+    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S>;
+
+    fn hamiltonian(&self) -> Hamiltonian {
+        Hamiltonian::new(self.degrees_of_freedom(), |q, p| self.energy(q, p)).unwrap()
+    }
+
+    /// H(y) by the operations as they are written.
+    fn direct<S: Scalar>(&self, y: &[S]) -> S {
+        let y: Vec<Num<S>> = y.iter().copied().map(Num).collect();
+        let (q, p) = y.split_at(self.degrees_of_freedom());
+        self.energy(q, p).0
+    }
+
+    /// The same with all first and second derivatives, by num-dual.
+    fn by_num_dual<T: Float, const N: usize>(&self, y: &[T]) -> T::Forward2<N> {
+        let y: [_; N] = std::array::from_fn(|i| T::Forward2::variable(y[i], i));
+        self.direct(&y)
+    }
+}
+
+/// Energies without data.
 macro_rules! energies {
     ($($(#[$doc:meta])* $name:ident($m:expr): |$q:ident, $p:ident| $h:expr;)*) => {$(
         $(#[$doc])*
@@ -51,7 +74,6 @@ macro_rules! energies {
             fn degrees_of_freedom(&self) -> usize {
                 $m
             }
-            #[inline(always)]
             fn energy<S: Scalar>(&self, $q: &[Num<S>], $p: &[Num<S>]) -> Num<S> {
                 $h
             }

@@ -1,7 +1,7 @@
 //! [`Leg`]: one method on one problem, with all that is measured of it.
 
 use super::case::{Kind, Problem, State};
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::{Evaluator, Hamiltonian};
 use equip_integrate::{Counts, IntegrateError, Method, Outcome, StepView};
 use equip_scalar::{DoubleDouble, Float};
 use std::time::{Duration, Instant};
@@ -105,7 +105,7 @@ pub(crate) struct Leg<T> {
 
 /// The value of H and of invariants, and how large the rounding of the state makes them.
 struct Watched<T: Float> {
-    evaluator: <Hamiltonian as System>::Evaluator<T>,
+    evaluator: Evaluator<T>,
     gradient: Vec<T>,
     name: String,
     start: T,
@@ -159,7 +159,7 @@ impl<T: Float> Watched<T> {
 
 /// H in double-double at states of the run.
 struct Independent {
-    evaluator: <Hamiltonian as System>::Evaluator<DoubleDouble>,
+    evaluator: Evaluator<DoubleDouble>,
     y: Vec<DoubleDouble>,
     h_ref: DoubleDouble,
 }

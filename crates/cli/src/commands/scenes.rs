@@ -4,7 +4,6 @@ use crate::args::ScenesArgs;
 use crate::fault::Fault;
 use crate::text::significant;
 use crate::text::wrapped;
-use equip_autodiff::System;
 use equip_scenes::{Parameter, Scene};
 use std::io::{Write, stdout};
 

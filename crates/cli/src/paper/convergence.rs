@@ -1,7 +1,7 @@
 //! Errors after two periods against the number of steps, in double-double.
 
 use crate::fault::Fault;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Evaluator;
 use equip_integrate::{Alphas, Equip, Gauss, Method, Observer, Reach, Record, StepView};
 use equip_scalar::{Constant, DoubleDouble, Float, ratio};
 use equip_scenes::Instance;
@@ -142,8 +142,8 @@ fn momentum<T: Float>(q: &[T], p: &[T]) -> T {
     q[0] * p[1] - q[1] * p[0]
 }
 
-struct Watch<T, E> {
-    evaluator: E,
+struct Watch<T: Float> {
+    evaluator: Evaluator<T>,
     /// H and L at the start.
     start: (T, T),
     /// Steps of a period.
@@ -152,7 +152,7 @@ struct Watch<T, E> {
     state: Vec<T>,
 }
 
-impl<T: Float, E: Evaluate<T>> Observer<T> for Watch<T, E> {
+impl<T: Float> Observer<T> for Watch<T> {
     fn step(&mut self, view: &StepView<'_, T>) -> ControlFlow<()> {
         self.state.clear();
         self.state.extend_from_slice(view.q);

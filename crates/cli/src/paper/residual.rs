@@ -3,7 +3,6 @@
 
 use super::convergence::{STEPS, fixed};
 use crate::fault::Fault;
-use equip_autodiff::{Evaluate, System};
 use equip_integrate::Record;
 use equip_scalar::{Constant, DoubleDouble, Float};
 use equip_scenes::Instance;

@@ -4,7 +4,7 @@
 //! differ in one byte never have the same sum.
 
 use crate::checkpoints::exact::Exact;
-use equip_autodiff::Evaluate;
+use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 
 /// A sum over bytes.
@@ -57,7 +57,7 @@ impl Checksum {
 /// The checksum of a function: of its formula, if that is recorded, and of its values and gradients at `y`
 /// and at two states beside it, so that energies that are types are told apart by their parameters too.
 /// Three gradients.
-pub(crate) fn of_function<T: Float, E: Evaluate<T>>(function: &mut E, y: &[T]) -> String {
+pub(crate) fn of_function<T: Float>(function: &mut Evaluator<T>, y: &[T]) -> String {
     let mut sum = Checksum::new();
     if let Some(formula) = function.formula_checksum() {
         sum.count(formula);

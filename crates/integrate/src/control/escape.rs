@@ -8,11 +8,11 @@
 //! Cost: one gradient, after a step has failed for good.
 
 use crate::control::policy::ESCAPING;
-use equip_autodiff::Evaluate;
+use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 
 /// |q| at `y` if the motion from there reaches infinity within about a step of `h`.
-pub(crate) fn escapes<T: Float, E: Evaluate<T>>(energy: &mut E, y: &[T], h: T) -> Option<T> {
+pub(crate) fn escapes<T: Float>(energy: &mut Evaluator<T>, y: &[T], h: T) -> Option<T> {
     let m = y.len() / 2;
     let mut gradient = vec![T::int(0); y.len()];
     energy.gradient(y, &mut gradient);

@@ -13,7 +13,7 @@
 //! rounding of the whole step.
 
 use crate::control::policy::{MOST_CHANGE, SHORT};
-use equip_autodiff::Evaluate;
+use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 
 /// Workspace for it.
@@ -37,7 +37,7 @@ impl<T: Float> FirstSize<T> {
     }
 
     /// Size of the first try from `y`, 1 where nothing moves, and that of the longest.
-    pub(crate) fn sizes<E: Evaluate<T>>(&mut self, energy: &mut E, y: &[T]) -> [f64; 2] {
+    pub(crate) fn sizes(&mut self, energy: &mut Evaluator<T>, y: &[T]) -> [f64; 2] {
         let n = y.len();
         let FirstSize {
             slope,

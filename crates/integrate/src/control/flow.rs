@@ -22,7 +22,7 @@
 
 use crate::control::estimate::Decay;
 use crate::control::first_step::turn;
-use equip_autodiff::Evaluate;
+use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 use equip_scalar::power::power;
 
@@ -46,9 +46,9 @@ impl<T: Float> Flow<T> {
     }
 
     /// Φ_s^{1/s} of the step of size `h` to `y` that was estimated last; zero where it is not finite.
-    pub(crate) fn decay<E: Evaluate<T>>(
+    pub(crate) fn decay(
         &mut self,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         (y, h): (&[T], T),
         estimated: &Decay<T>,
     ) -> f64 {

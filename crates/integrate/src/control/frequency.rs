@@ -8,7 +8,7 @@
 //!
 //! Cost: one Hessian, and the iteration.
 
-use equip_autodiff::{Evaluate, Pattern, System};
+use equip_autodiff::{Evaluator, Hamiltonian, Pattern};
 use equip_scalar::Float;
 use equip_solver::PowerIteration;
 
@@ -21,7 +21,7 @@ pub(crate) struct Frequency<T> {
 }
 
 impl<T: Float> Frequency<T> {
-    pub(crate) fn new<H: System>(system: &H) -> Self {
+    pub(crate) fn new(system: &Hamiltonian) -> Self {
         Frequency {
             pattern: system.structure().hessian.to_pattern(),
             entries: Vec::new(),
@@ -30,7 +30,7 @@ impl<T: Float> Frequency<T> {
     }
 
     /// ω at `y`, per unit of time; 0 if nothing bends the motion or ∇²H is not finite.
-    pub(crate) fn at<E: Evaluate<T>>(&mut self, energy: &mut E, y: &[T]) -> f64 {
+    pub(crate) fn at(&mut self, energy: &mut Evaluator<T>, y: &[T]) -> f64 {
         self.entries.resize(self.pattern.len(), T::int(0));
         energy.hessian(y, &mut self.entries);
         let entries = self.entries.iter().map(|x| x.to_f64());

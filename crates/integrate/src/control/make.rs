@@ -2,13 +2,13 @@
 
 use crate::control::escape::escapes;
 use crate::error::IntegrateError;
-use equip_autodiff::Evaluate;
+use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Failure, Outcome, State};
 
 /// Whether a gradient written by hand is that of H at `y`, at time `t`.
-pub(crate) fn check_gradient<T: Float, E: Evaluate<T>>(
-    energy: &mut E,
+pub(crate) fn check_gradient<T: Float>(
+    energy: &mut Evaluator<T>,
     t: T,
     y: &[T],
 ) -> Result<(), IntegrateError<T>> {
@@ -26,8 +26,8 @@ pub(crate) fn check_gradient<T: Float, E: Evaluate<T>>(
 }
 
 /// One step of size `h` from `y` at time `t` into `next`.
-pub(crate) fn make_step<T: Float, E: Evaluate<T>>(
-    core: &mut Core<T, E>,
+pub(crate) fn make_step<T: Float>(
+    core: &mut Core<T>,
     (y, t, h): (&State<T>, T, T),
     next: &mut State<T>,
 ) -> Result<Outcome, IntegrateError<T>> {
@@ -36,8 +36,8 @@ pub(crate) fn make_step<T: Float, E: Evaluate<T>>(
 }
 
 /// The α's of that step, if they were deferred.
-pub(crate) fn complete_step<T: Float, E: Evaluate<T>>(
-    core: &mut Core<T, E>,
+pub(crate) fn complete_step<T: Float>(
+    core: &mut Core<T>,
     (y, t, h): (&State<T>, T, T),
     next: &mut State<T>,
 ) -> Result<Outcome, IntegrateError<T>> {
@@ -46,10 +46,7 @@ pub(crate) fn complete_step<T: Float, E: Evaluate<T>>(
 }
 
 /// The error of the step that has just failed.
-fn error_of<T: Float, E: Evaluate<T>>(
-    core: &mut Core<T, E>,
-    failure: Failure<T>,
-) -> IntegrateError<T> {
+fn error_of<T: Float>(core: &mut Core<T>, failure: Failure<T>) -> IntegrateError<T> {
     let part = core.failed_part();
     let (time, step, halvings) = (part.time, part.step, part.max_halvings);
     let unsolved = matches!(

@@ -23,7 +23,7 @@ use crate::control::first_step::turn;
 use crate::control::policy::PART;
 use crate::error::IntegrateError;
 use crate::time::direction::TimeDirection;
-use equip_autodiff::{Evaluate, Hamiltonian, Pattern, System};
+use equip_autodiff::{Evaluator, Hamiltonian, Pattern};
 use equip_scalar::Float;
 use equip_solver::Counts;
 
@@ -42,7 +42,7 @@ pub(crate) struct StepDensity<T: Float> {
 #[derive(Debug)]
 enum Source<T: Float> {
     /// σ.
-    Given(Box<<Hamiltonian as System>::Evaluator<T>>),
+    Given(Box<Evaluator<T>>),
     Automatic {
         pattern: Pattern,
         entries: Vec<T>,
@@ -53,8 +53,8 @@ enum Source<T: Float> {
 
 impl<T: Float> StepDensity<T> {
     /// That of `sigma`, or the automatic one.
-    pub(crate) fn new<H: System>(
-        system: &H,
+    pub(crate) fn new(
+        system: &Hamiltonian,
         sigma: Option<&Hamiltonian>,
     ) -> Result<Self, IntegrateError<T>> {
         let (m, zero) = (system.degrees_of_freedom(), T::int(0));
@@ -96,21 +96,21 @@ impl<T: Float> StepDensity<T> {
     }
 
     /// 1/σ at `y`.
-    pub(crate) fn at<E: Evaluate<T>>(
+    pub(crate) fn at(
         &mut self,
         y: &[T],
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         counts: &mut Counts,
     ) -> Result<T, IntegrateError<T>> {
         self.source.at(y, energy, counts)
     }
 
     /// d ln(1/σ)/dt along the motion at `y`, t growing the way that a run goes.
-    pub(crate) fn rate<E: Evaluate<T>>(
+    pub(crate) fn rate(
         &mut self,
         y: &[T],
         direction: TimeDirection,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         counts: &mut Counts,
     ) -> Result<T, IntegrateError<T>> {
         counts.gradients += 1;
@@ -145,10 +145,10 @@ impl<T: Float> StepDensity<T> {
 }
 
 impl<T: Float> Source<T> {
-    fn at<E: Evaluate<T>>(
+    fn at(
         &mut self,
         y: &[T],
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         counts: &mut Counts,
     ) -> Result<T, IntegrateError<T>> {
         let sigma = match self {

@@ -9,7 +9,7 @@
 use crate::control::escape::escapes;
 use crate::control::policy::GROWN;
 use crate::error::IntegrateError;
-use equip_autodiff::Evaluate;
+use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 
 /// A step that is too small to be made.
@@ -27,9 +27,9 @@ pub(crate) struct TooSmall<T> {
 impl<T: Float> TooSmall<T> {
     /// The error of a run that came from the state `start` and stands at `y`. `cause` is why the last step
     /// tried was not found, if it was not.
-    pub(crate) fn error<E: Evaluate<T>>(
+    pub(crate) fn error(
         self,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         (start, y): (&[T], &[T]),
         cause: Option<IntegrateError<T>>,
     ) -> IntegrateError<T> {
@@ -51,7 +51,7 @@ impl<T: Float> TooSmall<T> {
 }
 
 /// How many times as large the force or the speed is at `y` as it is at `start`, whichever has grown more.
-fn growth<T: Float, E: Evaluate<T>>(energy: &mut E, start: &[T], y: &[T]) -> T {
+fn growth<T: Float>(energy: &mut Evaluator<T>, start: &[T], y: &[T]) -> T {
     let m = y.len() / 2;
     let mut sizes = |y: &[T]| {
         let mut gradient = vec![T::int(0); y.len()];

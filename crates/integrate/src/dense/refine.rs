@@ -17,26 +17,23 @@
 use crate::dense::piece::Piece;
 use crate::error::IntegrateError;
 use crate::options::common::gauss_with;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Core, Family, MAX_STAGES, Part, State, StepOptions};
 use equip_tableau::{Gauss, legendre_at};
 
 /// Makes refined polynomials.
 #[derive(Debug)]
-pub(crate) struct Refiner<T: Float, E> {
-    core: Core<T, E>,
+pub(crate) struct Refiner<T: Float> {
+    core: Core<T>,
     /// M × s: from the L of the step to those of the guess.
     prolongation: Vec<T>,
     guess: Vec<T>,
     end: State<T>,
 }
 
-impl<T: Float, E: Evaluate<T>> Refiner<T, E> {
-    pub(crate) fn new<H: System<Evaluator<T> = E>>(
-        system: &H,
-        gauss: &Gauss<T>,
-    ) -> Result<Self, IntegrateError<T>> {
+impl<T: Float> Refiner<T> {
+    pub(crate) fn new(system: &Hamiltonian, gauss: &Gauss<T>) -> Result<Self, IntegrateError<T>> {
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
         let fine = (2 * s).min(MAX_STAGES);
         let rule = gauss_with::<T>(fine)?;

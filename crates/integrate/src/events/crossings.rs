@@ -15,7 +15,7 @@ use crate::control::estimate::Decay;
 use crate::control::policy::{BESIDE, MOST_TRIES, ROUNDING, SOON};
 use crate::events::path::{Path, Place};
 use crate::events::roughness::Roughness;
-use equip_autodiff::{Evaluate, SwitchKind, Switches};
+use equip_autodiff::{SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
 use equip_tableau::Gauss;
@@ -201,9 +201,9 @@ impl<T: Float> Crossings<T> {
 
     /// Whether kinks in the step of size `h` last looked at, the first two of them at `roots`, make more of
     /// it than the tolerance of `decay`, coefficients decaying by ϱ.
-    pub(crate) fn is_rough<E: Evaluate<T>>(
+    pub(crate) fn is_rough(
         &mut self,
-        core: &mut Core<T, E>,
+        core: &mut Core<T>,
         (h, roots): (T, [T; 2]),
         decay: (&Decay<T>, f64),
     ) -> bool {
@@ -223,9 +223,9 @@ impl<T: Float> Crossings<T> {
     }
 
     /// Where the step just made from `y` to `end` meets the first switch; the next try is to end there.
-    pub(crate) fn look<E: Evaluate<T>>(
+    pub(crate) fn look(
         &mut self,
-        core: &mut Core<T, E>,
+        core: &mut Core<T>,
         y: &State<T>,
         end: &State<T>,
     ) -> Option<Meeting<T>> {
@@ -261,20 +261,20 @@ impl<T: Float> Crossings<T> {
     }
 
     /// By how much H jumps where the step last looked at ends on a switch.
-    pub(crate) fn jump<E: Evaluate<T>>(&mut self, core: &mut Core<T, E>) -> Option<T> {
+    pub(crate) fn jump(&mut self, core: &mut Core<T>) -> Option<T> {
         let may_jump = self.met.iter().any(|&(j, _)| self.may_jump[j]);
         may_jump.then(|| self.across(core, T::int(1))).flatten()
     }
 
     /// The same at the first switch that it meets.
-    pub(crate) fn jump_at<E: Evaluate<T>>(&mut self, core: &mut Core<T, E>, root: T) -> Option<T> {
+    pub(crate) fn jump_at(&mut self, core: &mut Core<T>, root: T) -> Option<T> {
         let may_jump = self.aim.is_some_and(|j| self.may_jump[j]);
         may_jump.then(|| self.across(core, root)).flatten()
     }
 
     /// By how much H jumps at a root, if that is more than rounding: the difference of H a little beyond and
     /// before is the same twice as far. One that bends differs twice as much there, or more.
-    fn across<E: Evaluate<T>>(&mut self, core: &mut Core<T, E>, root: T) -> Option<T> {
+    fn across(&mut self, core: &mut Core<T>, root: T) -> Option<T> {
         let mut rounding = T::int(0);
         let mut across = |distance: T| {
             let [before, beyond] = [-distance, distance].map(|distance| {

@@ -11,7 +11,7 @@ use crate::control::policy::{MOST_TRIES, PART};
 use crate::dense::polynomial::Polynomial;
 use crate::events::narrow::{Hidden, MOST_PAIRS, vertex};
 use crate::events::roots::{Interval, enclose};
-use equip_autodiff::{Evaluate, SwitchEvaluator, SwitchKind, Switches};
+use equip_autodiff::{SwitchEvaluator, SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
 
@@ -99,12 +99,7 @@ impl<T: Float> Path<T> {
     }
 
     /// Evaluates the switches along the step just made from `y` to `end`.
-    pub(crate) fn follow<E: Evaluate<T>>(
-        &mut self,
-        core: &mut Core<T, E>,
-        y: &State<T>,
-        end: &State<T>,
-    ) {
+    pub(crate) fn follow(&mut self, core: &mut Core<T>, y: &State<T>, end: &State<T>) {
         core.stages_by_stage(y, &mut self.stages);
         let (n, count) = (y.hi.len(), self.g.len());
         let stages = self.stages.chunks_exact(n);
@@ -119,7 +114,7 @@ impl<T: Float> Path<T> {
     }
 
     /// Takes over the polynomial of the step just made from `y`.
-    pub(crate) fn take_polynomial<E: Evaluate<T>>(&mut self, core: &Core<T, E>, y: &State<T>) {
+    pub(crate) fn take_polynomial(&mut self, core: &Core<T>, y: &State<T>) {
         let Polynomial {
             start,
             coefficients,

@@ -15,7 +15,6 @@
 
 use crate::control::estimate::Decay;
 use crate::events::path::Path;
-use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Core, MAX_STAGES};
 use equip_tableau::{Gauss, legendre_at};
@@ -49,9 +48,9 @@ impl<T: Float> Roughness<T> {
 
     /// The largest ϱ^k (γ̃_k − γ_k) of a step of size `h` along `path`, with kinks at two roots and
     /// ϱ = `rho`, as `decay` measures errors.
-    pub(crate) fn of_step<E: Evaluate<T>>(
+    pub(crate) fn of_step(
         &mut self,
-        core: &mut Core<T, E>,
+        core: &mut Core<T>,
         path: &mut Path<T>,
         (h, [first, second]): (T, [T; 2]),
         (decay, rho): (&Decay<T>, f64),
@@ -85,9 +84,9 @@ impl<T: Float> Roughness<T> {
     /// The largest that J∇H(u) − u' makes of the step of size `h` between neighbouring roots without a stage
     /// between them: its value at two places times their distance, as `decay` measures errors. Between the
     /// sides of a smooth obstacle the force vanishes in the middle.
-    pub(crate) fn between_pairs<E: Evaluate<T>>(
+    pub(crate) fn between_pairs(
         &mut self,
-        core: &mut Core<T, E>,
+        core: &mut Core<T>,
         path: &mut Path<T>,
         h: T,
         decay: &Decay<T>,
@@ -119,9 +118,9 @@ impl<T: Float> Roughness<T> {
     }
 
     /// Adds ∫ h J∇H(u) P_k over `length` from `start`, by one of the rules.
-    fn add<E: Evaluate<T>>(
+    fn add(
         &mut self,
-        core: &mut Core<T, E>,
+        core: &mut Core<T>,
         path: &mut Path<T>,
         h: T,
         (rule, start, length): (usize, T, T),

@@ -1,7 +1,7 @@
 //! [`Defect`]: how far a quantity has strayed along a run.
 
 use crate::time::visible::visible;
-use equip_autodiff::{RecordedEvaluator, StateFunction};
+use equip_autodiff::{Evaluator, StateFunction};
 use equip_scalar::Float;
 use equip_solver::Invariant;
 
@@ -65,7 +65,7 @@ impl<T: Float> Watched<T> {
     }
 
     /// What evaluates the function, and the state as that takes it.
-    pub(crate) fn evaluator_at(&mut self, t: T, y: &[T]) -> (&mut RecordedEvaluator<T>, &[T]) {
+    pub(crate) fn evaluator_at(&mut self, t: T, y: &[T]) -> (&mut Evaluator<T>, &[T]) {
         let (q, p) = visible(y, self.function.degrees_of_freedom());
         self.function.evaluator_at(t, q, p)
     }

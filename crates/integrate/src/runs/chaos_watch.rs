@@ -5,7 +5,7 @@ use crate::error::IntegrateError;
 use crate::options::common::Options;
 use crate::steppers::stepper::Stepper;
 use crate::tangent::chaos::{Chaos, any_deviation};
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
 /// What a whole run with `options` follows, if it follows anything, from its start or from the checkpoint it
@@ -13,12 +13,12 @@ use equip_scalar::Float;
 ///
 /// # Errors
 /// A checkpoint of a run that followed no deviation where this one does, or the other way round.
-pub(crate) fn chaos_of_run<T: Float, E: Evaluate<T>, H: System<Evaluator<T> = E>>(
-    system: &H,
+pub(crate) fn chaos_of_run<T: Float>(
+    system: &Hamiltonian,
     options: &Options<T>,
-    stepper: &mut Stepper<T, E>,
+    stepper: &mut Stepper<T>,
     from: Option<&Checkpoint>,
-) -> Result<Option<Chaos<T, E>>, IntegrateError<T>> {
+) -> Result<Option<Chaos<T>>, IntegrateError<T>> {
     let follows = from.map_or(options.chaos, |from| from.chaos.is_some());
     if follows != options.chaos {
         let word = |follows| if follows { "followed" } else { "none followed" };

@@ -10,14 +10,14 @@ use crate::options::event::Action;
 use crate::runs::run::Run;
 use crate::steppers::stepper::Stepper;
 use crate::time::direction::TimeDirection;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
 /// Dense output of a run; made only if something asks for it.
 #[derive(Debug)]
-pub(crate) struct DenseWatch<T: Float, E> {
-    refiner: Refiner<T, E>,
+pub(crate) struct DenseWatch<T: Float> {
+    refiner: Refiner<T>,
     trajectory: Option<Trajectory<T>>,
     events: Option<EventWatch<T>>,
     /// Times asked for, and how many are done.
@@ -26,13 +26,13 @@ pub(crate) struct DenseWatch<T: Float, E> {
     y: Vec<T>,
 }
 
-impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
+impl<T: Float> DenseWatch<T> {
     /// `times` are to be served from dense output. `None` if nothing asks for it.
-    pub(crate) fn new<H: System<Evaluator<T> = E>>(
-        system: &H,
+    pub(crate) fn new(
+        system: &Hamiltonian,
         options: &Options<T>,
         times: &[T],
-        stepper: &mut Stepper<T, E>,
+        stepper: &mut Stepper<T>,
     ) -> Result<Option<Self>, IntegrateError<T>> {
         if !options.dense && options.events.is_empty() && times.is_empty() {
             return Ok(None);
@@ -56,7 +56,7 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
     /// time and state of an event that ends the run or changes its state.
     pub(crate) fn see(
         &mut self,
-        stepper: &Stepper<T, E>,
+        stepper: &Stepper<T>,
         time_low: T,
         run: &mut Run<T>,
     ) -> Result<ControlFlow<(T, &[T])>, IntegrateError<T>> {
@@ -122,7 +122,7 @@ impl<T: Float, E: Evaluate<T>> DenseWatch<T, E> {
     }
 
     /// The outputs that are left when the run has reached its end.
-    pub(crate) fn last_outputs(&mut self, stepper: &Stepper<T, E>, run: &mut Run<T>) {
+    pub(crate) fn last_outputs(&mut self, stepper: &Stepper<T>, run: &mut Run<T>) {
         for &time in &self.times[self.done..] {
             run.output(time, &stepper.y.hi);
         }

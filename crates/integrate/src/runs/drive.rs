@@ -10,7 +10,6 @@ use crate::runs::run::{Run, RunFailure};
 use crate::steppers::sizes::Advance;
 use crate::steppers::view::StepView;
 use crate::tangent::chaos::Chaos;
-use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
@@ -19,18 +18,18 @@ const CLOSEST: i64 = 256;
 
 /// What watches a run.
 #[derive(Debug)]
-pub(crate) struct Watchers<'a, T: Float, E> {
+pub(crate) struct Watchers<'a, T: Float> {
     pub(crate) record: Record,
     /// Output by extra steps.
-    pub(crate) outputs: Option<Outputs<'a, T, E>>,
-    pub(crate) dense: Option<DenseWatch<T, E>>,
-    pub(crate) chaos: Option<Chaos<T, E>>,
+    pub(crate) outputs: Option<Outputs<'a, T>>,
+    pub(crate) dense: Option<DenseWatch<T>>,
+    pub(crate) chaos: Option<Chaos<T>>,
 }
 
 /// Makes the run.
-pub(crate) fn drive<T: Float, E: Evaluate<T>>(
-    steps: &mut impl Advance<T, E>,
-    mut watchers: Watchers<'_, T, E>,
+pub(crate) fn drive<T: Float>(
+    steps: &mut impl Advance<T>,
+    mut watchers: Watchers<'_, T>,
     observer: &mut impl Observer<T>,
 ) -> Result<Run<T>, RunFailure<T>> {
     let mut run = Run::new(steps.inner());
@@ -47,9 +46,9 @@ pub(crate) fn drive<T: Float, E: Evaluate<T>>(
     }
 }
 
-fn watch<T: Float, E: Evaluate<T>>(
-    steps: &mut impl Advance<T, E>,
-    watchers: &mut Watchers<'_, T, E>,
+fn watch<T: Float>(
+    steps: &mut impl Advance<T>,
+    watchers: &mut Watchers<'_, T>,
     observer: &mut impl Observer<T>,
     run: &mut Run<T>,
 ) -> Result<(), IntegrateError<T>> {
@@ -122,9 +121,9 @@ fn watch<T: Float, E: Evaluate<T>>(
 }
 
 /// Continues from the state that an event has made, at its time.
-fn kick<T: Float, E: Evaluate<T>>(
-    steps: &mut impl Advance<T, E>,
-    watchers: &mut Watchers<'_, T, E>,
+fn kick<T: Float>(
+    steps: &mut impl Advance<T>,
+    watchers: &mut Watchers<'_, T>,
     (y, time): (&[T], T),
     run: &Run<T>,
 ) -> Result<(), IntegrateError<T>> {

@@ -9,7 +9,7 @@ use crate::runs::observer::{NoObserver, Observer};
 use crate::runs::outputs::Outputs;
 use crate::runs::run::{Run, RunFailure};
 use crate::steppers::sizes::{Advance, StepSizes};
-use equip_autodiff::System;
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
 
@@ -36,9 +36,9 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     ///
     /// # Errors
     /// [`RunFailure`], which carries the part that was made.
-    pub fn integrate<H: System>(
+    pub fn integrate(
         &self,
-        system: &H,
+        system: &Hamiltonian,
         q0: &[T],
         p0: &[T],
         interval: RangeInclusive<T>,
@@ -50,9 +50,9 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     ///
     /// # Errors
     /// [`RunFailure`], which carries the part that was made.
-    pub fn integrate_observed<H: System>(
+    pub fn integrate_observed(
         &self,
-        system: &H,
+        system: &Hamiltonian,
         q0: &[T],
         p0: &[T],
         interval: RangeInclusive<T>,
@@ -72,9 +72,9 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     /// # Errors
     /// Those of [`resume`](Self::resume), a checkpoint that is not on the grid of fixed steps, and
     /// [`RunFailure`].
-    pub fn integrate_from<H: System>(
+    pub fn integrate_from(
         &self,
-        system: &H,
+        system: &Hamiltonian,
         checkpoint: &Checkpoint,
         end: T,
         observer: &mut impl Observer<T>,
@@ -84,10 +84,10 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     }
 
     /// A run of `stepper`, which has begun or been resumed, to `end`.
-    pub(crate) fn run<H: System>(
+    pub(crate) fn run(
         &self,
-        system: &H,
-        stepper: &mut S::Stepper<H::Evaluator<T>>,
+        system: &Hamiltonian,
+        stepper: &mut S::Stepper,
         end: T,
         from: Option<&Checkpoint>,
         observer: &mut impl Observer<T>,

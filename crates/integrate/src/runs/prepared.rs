@@ -5,7 +5,7 @@ use crate::options::integrator::Integrator;
 use crate::runs::observer::{NoObserver, Observer};
 use crate::runs::run::{Run, RunFailure};
 use crate::steppers::sizes::{Advance, StepSizes};
-use equip_autodiff::System;
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
 
@@ -28,27 +28,27 @@ use std::ops::RangeInclusive;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Prepared<T: Float, S: StepSizes<T>, H: System> {
+pub struct Prepared<T: Float, S: StepSizes<T>> {
     integrator: Integrator<T, S>,
-    system: H,
-    stepper: S::Stepper<H::Evaluator<T>>,
+    system: Hamiltonian,
+    stepper: S::Stepper,
 }
 
 impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
-    /// Makes everything ready that does not depend on where a run starts. `system` may be lent.
+    /// Makes everything ready that does not depend on where a run starts.
     ///
     /// # Errors
     /// Every fault of options and steps.
-    pub fn prepare<H: System>(&self, system: H) -> Result<Prepared<T, S, H>, IntegrateError<T>> {
+    pub fn prepare(&self, system: &Hamiltonian) -> Result<Prepared<T, S>, IntegrateError<T>> {
         Ok(Prepared {
-            stepper: S::stepper(self, &system)?,
+            stepper: S::stepper(self, system)?,
             integrator: self.clone(),
-            system,
+            system: system.clone(),
         })
     }
 }
 
-impl<T: Float, S: StepSizes<T>, H: System> Prepared<T, S, H> {
+impl<T: Float, S: StepSizes<T>> Prepared<T, S> {
     /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, and lends what makes its steps: those of
     /// [`Integrator::start`] bit for bit. Costs less than two steps and allocates nothing.
     ///
@@ -59,7 +59,7 @@ impl<T: Float, S: StepSizes<T>, H: System> Prepared<T, S, H> {
         q0: &[T],
         p0: &[T],
         t0: T,
-    ) -> Result<&mut S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
+    ) -> Result<&mut S::Stepper, IntegrateError<T>> {
         self.stepper.begin((q0, p0), t0, None)?;
         Ok(&mut self.stepper)
     }

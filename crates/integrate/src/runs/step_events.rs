@@ -5,7 +5,7 @@ use crate::error::IntegrateError;
 use crate::events::watch::EventWatch;
 use crate::options::event::{Event, Occurrence};
 use crate::steppers::sizes::Advance;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
 
@@ -34,22 +34,22 @@ use std::ops::ControlFlow;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct StepEvents<T: Float, E> {
-    refiner: Refiner<T, E>,
+pub struct StepEvents<T: Float> {
+    refiner: Refiner<T>,
     events: EventWatch<T>,
     found: Vec<Occurrence<T>>,
     /// Number and end of the last step seen, and the part of that time that is lost to rounding.
     seen: (u64, T, T),
 }
 
-impl<T: Float, E: Evaluate<T>> StepEvents<T, E> {
+impl<T: Float> StepEvents<T> {
     /// Finds the roots of `events` from the next step of `run` on, which is made of the same `system`.
     ///
     /// # Errors
     /// When the tables of the polynomial of a step cannot be made.
-    pub fn new<H: System<Evaluator<T> = E>>(
-        system: &H,
-        run: &mut impl Advance<T, E>,
+    pub fn new(
+        system: &Hamiltonian,
+        run: &mut impl Advance<T>,
         events: &[Event<T>],
     ) -> Result<Self, IntegrateError<T>> {
         let low = run.time_low();
@@ -74,7 +74,7 @@ impl<T: Float, E: Evaluate<T>> StepEvents<T, E> {
     /// faults of a changed state.
     pub fn find(
         &mut self,
-        run: &mut impl Advance<T, E>,
+        run: &mut impl Advance<T>,
     ) -> Result<&[Occurrence<T>], IntegrateError<T>> {
         self.found.clear();
         let (index, end, low) = self.seen;

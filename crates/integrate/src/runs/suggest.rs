@@ -24,7 +24,7 @@ use crate::options::record::Record;
 use crate::runs::observer::{NoObserver, Observer};
 use crate::runs::run::{Run, RunFailure};
 use crate::steppers::view::StepView;
-use equip_autodiff::System;
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_scalar::power::power;
 use equip_solver::Family;
@@ -68,9 +68,9 @@ impl Method {
     /// ([`IntegrateError::TargetBelowRoundOff`]), one that no trial of reasonable length reaches
     /// ([`IntegrateError::TargetNotReached`]), a phase where H's second derivatives vanish, and every fault
     /// of the start.
-    pub fn suggest_step<T: Float, H: System>(
+    pub fn suggest_step<T: Float>(
         self,
-        system: &H,
+        system: &Hamiltonian,
         q0: &[T],
         p0: &[T],
         interval: RangeInclusive<T>,
@@ -85,9 +85,9 @@ impl Method {
     ///
     /// # Errors
     /// As of [`suggest_step`](Self::suggest_step).
-    pub fn suggest_step_observed<T: Float, H: System>(
+    pub fn suggest_step_observed<T: Float>(
         self,
-        system: &H,
+        system: &Hamiltonian,
         q0: &[T],
         p0: &[T],
         interval: RangeInclusive<T>,
@@ -142,9 +142,9 @@ impl Method {
 }
 
 /// The search for a number of steps.
-struct Trials<'a, T: Float, H, O> {
+struct Trials<'a, T: Float, O> {
     method: Method,
-    system: &'a H,
+    system: &'a Hamiltonian,
     start: (&'a [T], &'a [T]),
     interval: RangeInclusive<T>,
     length: T,
@@ -154,7 +154,7 @@ struct Trials<'a, T: Float, H, O> {
     is_ended: bool,
 }
 
-impl<T: Float, H: System, O: Observer<T>> Trials<'_, T, H, O> {
+impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
     fn search(&mut self, target: T, first: f64) -> Result<T, IntegrateError<T>> {
         let order = 2.0 * self.method.stages as f64;
         let (q, p) = self.start;
@@ -299,9 +299,9 @@ impl<T: Float> Adaptive<T> {
     ///
     /// # Errors
     /// Those of [`integrate`](Self::integrate), and an interval without length.
-    pub fn suggest_step<H: System>(
+    pub fn suggest_step(
         &self,
-        system: &H,
+        system: &Hamiltonian,
         q0: &[T],
         p0: &[T],
         interval: RangeInclusive<T>,

@@ -10,12 +10,11 @@ use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::steppers::stepper::Stepper;
 use crate::time::direction::TimeDirection;
-use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Damaged, SolverMemory};
 use std::time::{Duration, Instant};
 
-impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+impl<T: Float> Stepper<T> {
     /// The names of the invariants, kept and watched, and their checksums at `y` and time `t`.
     fn invariants(&mut self, t: T, y: &[T]) -> Vec<(String, String)> {
         let all = self.watched.iter_mut();

@@ -3,7 +3,7 @@
 //! Cost: the arguments of these tables at the stages and the end of each step that is accepted.
 
 use crate::error::IntegrateError;
-use equip_autodiff::{DomainEvaluator, Evaluate, OutsideDomain, Switches};
+use equip_autodiff::{DomainEvaluator, OutsideDomain, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
 
@@ -53,9 +53,9 @@ impl<T: Float> WithinDomains<T> {
     ///
     /// # Errors
     /// That of the first state that does not; the next step is not guessed from this one then.
-    pub(crate) fn check_step<E: Evaluate<T>>(
+    pub(crate) fn check_step(
         &mut self,
-        core: &mut Core<T, E>,
+        core: &mut Core<T>,
         (y, next): (&State<T>, &State<T>),
         (time, h): (T, T),
     ) -> Result<(), IntegrateError<T>> {

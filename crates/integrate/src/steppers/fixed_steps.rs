@@ -9,10 +9,10 @@ use crate::steppers::grid::Grid;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
-impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+impl<T: Float> Stepper<T> {
     /// Goes to the time `t`, forward or back: steps of the grid, and a shorter one that ends at `t` if that
     /// is none of its points. The grid then begins anew there. At `t` already, no step is made.
     ///
@@ -37,12 +37,12 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> Advance<T, E> for Stepper<T, E> {
-    fn inner(&self) -> &Stepper<T, E> {
+impl<T: Float> Advance<T> for Stepper<T> {
+    fn inner(&self) -> &Stepper<T> {
         self
     }
 
-    fn inner_mut(&mut self) -> &mut Stepper<T, E> {
+    fn inner_mut(&mut self) -> &mut Stepper<T> {
         self
     }
 
@@ -138,12 +138,12 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for Stepper<T, E> {
 }
 
 impl<T: Float> StepSizes<T> for Fixed<T> {
-    type Stepper<E: Evaluate<T>> = Stepper<T, E>;
+    type Stepper = Stepper<T>;
 
-    fn stepper<H: System>(
+    fn stepper(
         integrator: &Integrator<T, Self>,
-        system: &H,
-    ) -> Result<Stepper<T, H::Evaluator<T>>, IntegrateError<T>> {
+        system: &Hamiltonian,
+    ) -> Result<Stepper<T>, IntegrateError<T>> {
         integrator.sizes.validate()?;
         Stepper::prepare(
             integrator,

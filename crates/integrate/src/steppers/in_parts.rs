@@ -13,7 +13,7 @@ use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
 use crate::steppers::adaptive::made::shortest_at;
 use crate::steppers::stepper::{InParts, Stepper};
-use equip_autodiff::{Evaluate, Switches};
+use equip_autodiff::Switches;
 use equip_scalar::Float;
 use equip_solver::{Outcome, Part, State};
 use equip_tableau::Gauss;
@@ -34,11 +34,11 @@ pub(super) struct Substeps<T: Float> {
 
 impl<T: Float> Substeps<T> {
     /// Of steps with these nodes of states with n components; none of an H without such switches.
-    pub(super) fn boxed<E: Evaluate<T>>(
+    pub(super) fn boxed(
         switches: &Switches,
         gauss: &Gauss<T>,
         n: usize,
-    ) -> Option<Box<dyn InParts<T, E>>> {
+    ) -> Option<Box<dyn InParts<T>>> {
         // Crossings are found to rounding.
         let crossings = Crossings::but_knots(switches, gauss, n, T::int(0))?;
         Some(Box::new(Substeps {
@@ -51,8 +51,8 @@ impl<T: Float> Substeps<T> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> InParts<T, E> for Substeps<T> {
-    fn attempt(&mut self, run: &mut Stepper<T, E>, h: T) -> Result<Outcome, IntegrateError<T>> {
+impl<T: Float> InParts<T> for Substeps<T> {
+    fn attempt(&mut self, run: &mut Stepper<T>, h: T) -> Result<Outcome, IntegrateError<T>> {
         let time = run.time;
         self.start.copy_from(&run.y);
         self.parts.clear();
@@ -76,7 +76,7 @@ impl<T: Float, E: Evaluate<T>> InParts<T, E> for Substeps<T> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+impl<T: Float> Stepper<T> {
     /// Whether the step of size `h` just made stays where H has data.
     pub(crate) fn check_domains(&mut self, h: T) -> Result<(), IntegrateError<T>> {
         let Some(domains) = &mut self.domains else {

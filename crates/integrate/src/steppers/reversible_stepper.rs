@@ -7,14 +7,13 @@ use crate::options::reversible::StepRule;
 use crate::report::certificate::Certificate;
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
-use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// A run with reversible steps that is made step by step.
 #[derive(Debug)]
-pub struct ReversibleStepper<T: Float, E> {
-    pub(crate) inner: Stepper<T, E>,
+pub struct ReversibleStepper<T: Float> {
+    pub(crate) inner: Stepper<T>,
     pub(super) sigma: StepDensity<T>,
     pub(super) rule: StepRule,
     pub(super) epsilon: T,
@@ -26,7 +25,7 @@ pub struct ReversibleStepper<T: Float, E> {
     pub(super) points: Vec<T>,
 }
 
-impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
+impl<T: Float> ReversibleStepper<T> {
     /// ε G at the present state, G in the direction in which the run goes.
     fn change(&mut self) -> Result<T, IntegrateError<T>> {
         let direction = self.inner.direction;

@@ -13,16 +13,16 @@ use crate::steppers::reversible_stepper::ReversibleStepper;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
 impl<T: Float> StepSizes<T> for Symmetric<T> {
-    type Stepper<E: Evaluate<T>> = ReversibleStepper<T, E>;
+    type Stepper = ReversibleStepper<T>;
 
-    fn stepper<H: System>(
+    fn stepper(
         integrator: &Integrator<T, Self>,
-        system: &H,
-    ) -> Result<ReversibleStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
+        system: &Hamiltonian,
+    ) -> Result<ReversibleStepper<T>, IntegrateError<T>> {
         let sizes = &integrator.sizes;
         sizes.validate()?;
         let inner = Stepper::prepare(integrator, system, None, integrator.words())?;
@@ -54,12 +54,12 @@ impl<T: Float> StepSizes<T> for Symmetric<T> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
-    fn inner(&self) -> &Stepper<T, E> {
+impl<T: Float> Advance<T> for ReversibleStepper<T> {
+    fn inner(&self) -> &Stepper<T> {
         &self.inner
     }
 
-    fn inner_mut(&mut self) -> &mut Stepper<T, E> {
+    fn inner_mut(&mut self) -> &mut Stepper<T> {
         &mut self.inner
     }
 
@@ -129,7 +129,7 @@ impl<T: Float, E: Evaluate<T>> Advance<T, E> for ReversibleStepper<T, E> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> ReversibleStepper<T, E> {
+impl<T: Float> ReversibleStepper<T> {
     /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
     ///
     /// # Errors

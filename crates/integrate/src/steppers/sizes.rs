@@ -6,7 +6,7 @@ use crate::options::common::Words;
 use crate::options::integrator::Integrator;
 use crate::steppers::stepper::Stepper;
 use crate::tangent::steps::sealed::Followed;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Core, Part};
 use std::fmt;
@@ -15,14 +15,14 @@ use std::fmt;
 /// [`Symmetric`](crate::Symmetric).
 pub trait StepSizes<T: Float>: Clone + fmt::Debug {
     /// What makes the steps.
-    type Stepper<E: Evaluate<T>>: Advance<T, E>;
+    type Stepper: Advance<T>;
 
     /// A stepper without a start: options checked, tables and workspace made.
     #[doc(hidden)]
-    fn stepper<H: System>(
+    fn stepper(
         integrator: &Integrator<T, Self>,
-        system: &H,
-    ) -> Result<Self::Stepper<H::Evaluator<T>>, IntegrateError<T>>;
+        system: &Hamiltonian,
+    ) -> Result<Self::Stepper, IntegrateError<T>>;
 
     /// The sizes in words: what has to be the same again for a checkpoint to fit.
     #[doc(hidden)]
@@ -36,24 +36,24 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     ///
     /// # Errors
     /// Every fault of options, steps and initial values, and an H that is not finite at the start.
-    pub fn start<H: System>(
+    pub fn start(
         &self,
-        system: &H,
+        system: &Hamiltonian,
         q0: &[T],
         p0: &[T],
         t0: T,
-    ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
+    ) -> Result<S::Stepper, IntegrateError<T>> {
         self.start_towards(system, (q0, p0), t0, None)
     }
 
     /// The same, to go `towards` a time if that is known.
-    pub(crate) fn start_towards<H: System>(
+    pub(crate) fn start_towards(
         &self,
-        system: &H,
+        system: &Hamiltonian,
         start: (&[T], &[T]),
         t0: T,
         towards: Option<T>,
-    ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
+    ) -> Result<S::Stepper, IntegrateError<T>> {
         let mut stepper = S::stepper(self, system)?;
         stepper.begin(start, t0, towards)?;
         Ok(stepper)
@@ -65,11 +65,11 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     /// # Errors
     /// When the checkpoint was made in another float type, with another method, other options or another H,
     /// or is damaged; every fault of [`start`](Self::start).
-    pub fn resume<H: System>(
+    pub fn resume(
         &self,
-        system: &H,
+        system: &Hamiltonian,
         checkpoint: &Checkpoint,
-    ) -> Result<S::Stepper<H::Evaluator<T>>, IntegrateError<T>> {
+    ) -> Result<S::Stepper, IntegrateError<T>> {
         checkpoint.check::<T>(&self.words())?;
         let mut stepper = S::stepper(self, system)?;
         // H(t, q, p) may be none at another pair of time and state.
@@ -89,19 +89,16 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>, S: Advance<T, E>> Followed<T, E> for S {
-    fn core(&self) -> &Core<T, E> {
+impl<T: Float, S: Advance<T>> Followed<T> for S {
+    fn core(&self) -> &Core<T> {
         &self.inner().core
     }
 
-    fn core_mut(&mut self) -> &mut Core<T, E> {
+    fn core_mut(&mut self) -> &mut Core<T> {
         &mut self.inner_mut().core
     }
 
-    fn parts_made<'a>(&'a self) -> &'a [Part<T>]
-    where
-        E: 'a,
-    {
+    fn parts_made(&self) -> &[Part<T>] {
         self.inner().parts()
     }
 
@@ -119,11 +116,11 @@ impl<T: Float, E: Evaluate<T>, S: Advance<T, E>> Followed<T, E> for S {
 }
 
 /// What steppers of all step sizes have in common, as whole runs and preparations use it.
-pub trait Advance<T: Float, E: Evaluate<T>> {
+pub trait Advance<T: Float> {
     /// State, references and defects.
-    fn inner(&self) -> &Stepper<T, E>;
+    fn inner(&self) -> &Stepper<T>;
     /// The same, to be asked for the parts of its steps.
-    fn inner_mut(&mut self) -> &mut Stepper<T, E>;
+    fn inner_mut(&mut self) -> &mut Stepper<T>;
     /// Begins anew at a state (q0, p0) and `t0`, to go `towards` a time if that is known.
     ///
     /// # Errors

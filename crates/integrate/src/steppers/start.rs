@@ -13,16 +13,16 @@ use crate::steppers::in_parts::Substeps;
 use crate::steppers::stepper::Stepper;
 use crate::time::direction::TimeDirection;
 use crate::time::visible::visible;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Counts, Invariant, Outcome, State};
 use std::time::Instant;
 
-impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+impl<T: Float> Stepper<T> {
     /// Everything but a start, for steps of `h`, whose sign is the way a run begins to go, or of any size.
-    pub(super) fn prepare<H: System<Evaluator<T> = E>, S>(
+    pub(super) fn prepare<S>(
         integrator: &Integrator<T, S>,
-        system: &H,
+        system: &Hamiltonian,
         h: Option<T>,
         words: Words,
     ) -> Result<Self, IntegrateError<T>> {
@@ -110,10 +110,10 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     }
 
     /// Another one for the same steps, at the same state.
-    pub(crate) fn beside<H: System<Evaluator<T> = E>, S>(
+    pub(crate) fn beside<S>(
         &self,
         integrator: &Integrator<T, S>,
-        system: &H,
+        system: &Hamiltonian,
     ) -> Result<Self, IntegrateError<T>> {
         let mut other = Self::prepare(integrator, system, self.size, Words::new())?;
         let (q, p) = visible(&self.y.hi, self.m);

@@ -17,16 +17,15 @@ use crate::steppers::grid::{Grid, is_same_time};
 use crate::steppers::view::{Step, StepView};
 use crate::time::direction::TimeDirection;
 use crate::time::visible::visible;
-use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Core, Counts, Outcome, Part, State};
 use std::fmt;
 use std::time::Instant;
 
 /// Makes steps of the grid in parts where they are over switches of H.
-pub(super) trait InParts<T: Float, E>: fmt::Debug + Send + Sync {
+pub(super) trait InParts<T: Float>: fmt::Debug + Send + Sync {
     /// Makes a step of size `h` that may still be refused.
-    fn attempt(&mut self, run: &mut Stepper<T, E>, h: T) -> Result<Outcome, IntegrateError<T>>;
+    fn attempt(&mut self, run: &mut Stepper<T>, h: T) -> Result<Outcome, IntegrateError<T>>;
 
     /// The parts of the step made last, if it was made in several.
     fn parts(&self) -> Option<&[Part<T>]>;
@@ -34,8 +33,8 @@ pub(super) trait InParts<T: Float, E>: fmt::Debug + Send + Sync {
 
 /// A run that is made step by step: an endless iterator, or [`advance`](Self::advance) without copies.
 #[derive(Debug)]
-pub struct Stepper<T: Float, E> {
-    pub(crate) core: Core<T, E>,
+pub struct Stepper<T: Float> {
+    pub(crate) core: Core<T>,
     /// Degrees of freedom, time not counted.
     pub(crate) m: usize,
     pub(super) method: Method,
@@ -55,7 +54,7 @@ pub struct Stepper<T: Float, E> {
     /// None if H has data everywhere as far as is known.
     pub(super) domains: Option<WithinDomains<T>>,
     /// None if H is smooth as far as is known, or the steps vary.
-    pub(super) in_parts: Option<Box<dyn InParts<T, E>>>,
+    pub(super) in_parts: Option<Box<dyn InParts<T>>>,
     /// Crossings of switches at which a step, or a part of one, ended.
     pub(crate) switches_crossed: u64,
     pub(crate) energy_jumps: Option<EnergyJumps<T>>,
@@ -87,7 +86,7 @@ pub struct Stepper<T: Float, E> {
     pub(super) start: Vec<T>,
 }
 
-impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
+impl<T: Float> Stepper<T> {
     /// Makes the next step.
     ///
     /// # Errors
@@ -390,7 +389,7 @@ impl<T: Float, E: Evaluate<T>> Stepper<T, E> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> Iterator for Stepper<T, E> {
+impl<T: Float> Iterator for Stepper<T> {
     type Item = Result<Step<T>, IntegrateError<T>>;
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -19,7 +19,7 @@ use crate::report::chaos_indicators::ChaosIndicators;
 use crate::tangent::steps::Steps;
 use crate::tangent::tangent_map::TangentMap;
 use crate::time::visible;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
 /// Lyapunov exponent and MEGNO along a run that is made step by step;
@@ -37,8 +37,8 @@ use equip_scalar::Float;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Chaos<T: Float, E> {
-    tangent: TangentMap<T, E>,
+pub struct Chaos<T: Float> {
+    tangent: TangentMap<T>,
     deviation: Vec<T>,
     /// Time of the run, and how much of it was covered since the deviation began.
     time: T,
@@ -49,14 +49,10 @@ pub struct Chaos<T: Float, E> {
     sum: T,
 }
 
-impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
+impl<T: Float> Chaos<T> {
     /// Follows `run`, made of the same `system`, from now on, with a deviation of any length but zero (2m
     /// components, time not counted).
-    pub fn new<H: System<Evaluator<T> = E>>(
-        system: &H,
-        run: &mut impl Steps<T, E>,
-        deviation: &[T],
-    ) -> Self {
+    pub fn new(system: &Hamiltonian, run: &mut impl Steps<T>, deviation: &[T]) -> Self {
         let zero = T::int(0);
         let time = run.time_reached();
         let n = 2 * system.degrees_of_freedom();
@@ -81,7 +77,7 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
     ///
     /// # Errors
     /// Those of [`TangentMap::carry`].
-    pub fn see(&mut self, run: &impl Steps<T, E>) -> Result<(), IntegrateError<T>> {
+    pub fn see(&mut self, run: &impl Steps<T>) -> Result<(), IntegrateError<T>> {
         self.tangent.carry(run, &mut self.deviation)?;
         let growth = self.normalise().ln();
         let (before, step) = (self.elapsed, (run.time_reached() - self.time).abs());
@@ -98,11 +94,7 @@ impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
     ///
     /// # Errors
     /// Those of the run's own `advance_to`, and those of [`see`](Self::see).
-    pub fn advance_to(
-        &mut self,
-        run: &mut impl Steps<T, E>,
-        t: T,
-    ) -> Result<(), IntegrateError<T>> {
+    pub fn advance_to(&mut self, run: &mut impl Steps<T>, t: T) -> Result<(), IntegrateError<T>> {
         while run.step_to(t)? {
             self.see(run)?;
         }
@@ -146,7 +138,7 @@ pub(crate) fn any_deviation<T: Float>(n: usize) -> Vec<T> {
     (1..=n).map(|j| T::int(j as i64).sin()).collect()
 }
 
-impl<T: Float, E: Evaluate<T>> Chaos<T, E> {
+impl<T: Float> Chaos<T> {
     /// Goes on with what a checkpoint has of a deviation.
     pub(crate) fn restore(&mut self, memory: &ChaosMemory) -> Result<(), IntegrateError<T>> {
         Exact::read_all(&memory.deviation, &mut self.deviation, "the deviation")?;

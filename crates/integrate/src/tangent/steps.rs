@@ -4,7 +4,7 @@ use crate::error::IntegrateError;
 use equip_scalar::Float;
 
 /// A run whose steps can be followed by a [`TangentMap`](crate::TangentMap).
-pub trait Steps<T: Float, E>: sealed::Followed<T, E> {
+pub trait Steps<T: Float>: sealed::Followed<T> {
     /// Makes the next step towards the time `t`, forward or back, but not beyond it: repeated while it
     /// returns
     /// `true`, it makes the steps of the run's own `advance_to`, and the caller may stop between two of them.
@@ -16,7 +16,7 @@ pub trait Steps<T: Float, E>: sealed::Followed<T, E> {
     }
 }
 
-impl<T: Float, E, S: sealed::Followed<T, E>> Steps<T, E> for S {}
+impl<T: Float, S: sealed::Followed<T>> Steps<T> for S {}
 
 pub(crate) mod sealed {
     use crate::error::IntegrateError;
@@ -24,15 +24,13 @@ pub(crate) mod sealed {
     use equip_solver::{Core, Part};
 
     /// What a tangent map reads of a run.
-    pub trait Followed<T: Float, E> {
+    pub trait Followed<T: Float> {
         /// The solver of its steps.
-        fn core(&self) -> &Core<T, E>;
+        fn core(&self) -> &Core<T>;
         /// The same, to ask it for the parts of its steps.
-        fn core_mut(&mut self) -> &mut Core<T, E>;
+        fn core_mut(&mut self) -> &mut Core<T>;
         /// What the step made last has passed through, part by part.
-        fn parts_made<'a>(&'a self) -> &'a [Part<T>]
-        where
-            E: 'a;
+        fn parts_made(&self) -> &[Part<T>];
         /// The time it has reached.
         fn time_reached(&self) -> T;
         /// How many steps it has made.

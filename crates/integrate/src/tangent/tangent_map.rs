@@ -6,7 +6,7 @@
 
 use crate::error::IntegrateError;
 use crate::tangent::steps::Steps;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Failure, StepTangent};
 
@@ -33,15 +33,15 @@ use equip_solver::{Failure, StepTangent};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct TangentMap<T: Float, E> {
-    step: StepTangent<T, E>,
+pub struct TangentMap<T: Float> {
+    step: StepTangent<T>,
     /// Number of the step up to which deviations were carried.
     carried: u64,
 }
 
-impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
+impl<T: Float> TangentMap<T> {
     /// Follows `run`, made of the same `system`, from its next step on.
-    pub fn new<H: System<Evaluator<T> = E>>(system: &H, run: &mut impl Steps<T, E>) -> Self {
+    pub fn new(system: &Hamiltonian, run: &mut impl Steps<T>) -> Self {
         run.core_mut().keep_parts();
         TangentMap {
             step: StepTangent::new(system, run.core()),
@@ -59,7 +59,7 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
     /// When the length of `deviations` is no multiple of that of one.
     pub fn advance_to(
         &mut self,
-        run: &mut impl Steps<T, E>,
+        run: &mut impl Steps<T>,
         t: T,
         deviations: &mut [T],
     ) -> Result<(), IntegrateError<T>> {
@@ -81,7 +81,7 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
     /// When the length of `deviations` is no multiple of that of one.
     pub fn carry(
         &mut self,
-        run: &impl Steps<T, E>,
+        run: &impl Steps<T>,
         deviations: &mut [T],
     ) -> Result<(), IntegrateError<T>> {
         let n = self.step.components();
@@ -112,7 +112,7 @@ impl<T: Float, E: Evaluate<T>> TangentMap<T, E> {
 
     /// Whether the run has made no more than so many steps since deviations were last carried, or since it
     /// was begun anew.
-    fn check_followed(&self, run: &impl Steps<T, E>, most: u64) -> Result<(), IntegrateError<T>> {
+    fn check_followed(&self, run: &impl Steps<T>, most: u64) -> Result<(), IntegrateError<T>> {
         let made = run.steps_made();
         let steps = made.checked_sub(self.carried).unwrap_or(made);
         if steps > most {

@@ -11,7 +11,7 @@
 //!
 //! An H(t, q, p) at the rate of time itself is a [`Hamiltonian::with_time`].
 
-use equip_autodiff::{BuildError, Evaluate, Hamiltonian, System, Var};
+use equip_autodiff::{BuildError, Hamiltonian, Var};
 use equip_scalar::Float;
 
 /// A Hamiltonian H(t, q, p) in a transformed time τ, on the extended phase space: positions (q, t), momenta

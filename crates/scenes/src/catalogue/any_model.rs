@@ -7,7 +7,7 @@ use crate::scenes::{
     HenonHeiles, Kepler, LennardJones, LotkaVolterra, OuterSolarSystem, Pendulum, Pythagorean,
     Quartic, Ring, SineGordon, SpringPendulum,
 };
-use equip_autodiff::{BuildError, Energy, Hamiltonian};
+use equip_autodiff::{BuildError, Hamiltonian};
 use equip_scalar::Float;
 
 macro_rules! models {
@@ -58,7 +58,7 @@ models!(
 
 impl AnyModel {
     pub(crate) fn record(&self) -> Result<Hamiltonian, BuildError> {
-        with_model!(self, m => Hamiltonian::new(m.degrees_of_freedom(), |q, p| m.energy(q, p)))
+        with_model!(self, m => m.hamiltonian())
     }
 
     pub(crate) fn initial<T: Float>(&self) -> State<T> {

@@ -7,8 +7,8 @@
 use crate::entry::Entry;
 use crate::model::{Model, State, View, read};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::Energy;
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::Var;
+use equip_scalar::{Constant, Float};
 
 /// A satellite of Earth and Moon in the frame that rotates with them.
 #[derive(Debug, Clone, Copy)]
@@ -62,23 +62,20 @@ impl Arenstorf {
     }
 }
 
-impl Energy for Arenstorf {
+impl Model for Arenstorf {
     fn degrees_of_freedom(&self) -> usize {
         2
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        let mu = Num::<S>::from(self.mu);
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
+        let mu = Var::from(self.mu);
         let rest = 1.0 - mu;
-        let distance = |x: Num<S>| (x * x + q[1] * q[1]).sqrt();
+        let distance = |x: Var| (x * x + q[1] * q[1]).sqrt();
         0.5 * (p[0] * p[0] + p[1] * p[1]) + (p[0] * q[1] - p[1] * q[0])
             - rest / distance(q[0] + mu)
             - mu / distance(q[0] - rest)
     }
-}
 
-impl Model for Arenstorf {
     fn initial<T: Float>(&self) -> State<T> {
         let x = read::<T>("0.994");
         let (velocity, _) = self.orbit();

@@ -9,8 +9,8 @@ use crate::entry::Entry;
 use crate::invariant::{Invariant, angular_momenta};
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Constant, Float, Num, Scalar, ratio};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::{Constant, Float, ratio};
 
 /// ½|p − A(q)|² + c/|q| in the field b|q|.
 #[derive(Debug, Clone, Copy)]
@@ -51,21 +51,18 @@ pub(crate) const SCENE: Entry<ChargedParticle> = Entry {
     },
 };
 
-impl Energy for ChargedParticle {
+impl Model for ChargedParticle {
     fn degrees_of_freedom(&self) -> usize {
         2
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let r = (q[0] * q[0] + q[1] * q[1]).sqrt();
         let strength = ratio(1, 3) * (self.b * r);
         let (v1, v2) = (p[0] + strength * q[1], p[1] - strength * q[0]);
         0.5 * (v1 * v1 + v2 * v2) + self.c / r
     }
-}
 
-impl Model for ChargedParticle {
     fn initial<T: Float>(&self) -> State<T> {
         // A(0, −1) = (b/3, 0).
         let p1 = T::ratio(1, 10) + self.b.to::<T>() / T::int(3);

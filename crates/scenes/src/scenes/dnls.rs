@@ -12,8 +12,8 @@ use crate::entry::Entry;
 use crate::invariant::{Invariant, InvariantKind};
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Constant, Float, Num, Scalar, ratio};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::{Constant, Float, Num, ratio};
 
 /// ½ Σ |Δψ|² − (γ/8) Σ |ψ|⁴ on a ring, with ψ = q + ip.
 #[derive(Debug, Clone, Copy)]
@@ -80,25 +80,22 @@ impl Dnls {
     }
 }
 
-impl Energy for Dnls {
+impl Model for Dnls {
     fn degrees_of_freedom(&self) -> usize {
         self.n
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let hop = |j: usize| {
             let (dq, dp) = (q[(j + 1) % self.n] - q[j], p[(j + 1) % self.n] - p[j]);
             dq * dq + dp * dp
         };
         let square = |j: usize| (q[j] * q[j] + p[j] * p[j]).powi(2);
-        let hopping: Num<S> = (0..self.n).map(hop).sum();
-        let local: Num<S> = (0..self.n).map(square).sum();
+        let hopping: Var = (0..self.n).map(hop).sum();
+        let local: Var = (0..self.n).map(square).sum();
         0.5 * hopping - ratio(1, 8) * (self.gamma * local)
     }
-}
 
-impl Model for Dnls {
     fn initial<T: Float>(&self) -> State<T> {
         let (amplitude, modulation) = (self.amplitude.to::<T>(), self.modulation.to::<T>());
         let angle = T::two_pi() / T::int(self.n as i64);

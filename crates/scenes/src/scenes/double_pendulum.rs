@@ -13,8 +13,8 @@ use crate::entry::Entry;
 use crate::invariant::{Invariant, InvariantKind};
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Constant, Float, Num, Scalar, ratio};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::{Constant, Float, ratio};
 
 /// Two unit rods with unit masses, and a spring ½C²Q₂² between them.
 #[derive(Debug, Clone, Copy)]
@@ -93,13 +93,12 @@ pub(crate) const STIFF: Entry<DoublePendulum> = Entry {
     },
 };
 
-impl Energy for DoublePendulum {
+impl Model for DoublePendulum {
     fn degrees_of_freedom(&self) -> usize {
         2
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let d = p[1] - p[0];
         let kinetic = (2.0 * (p[1] * p[1]) + d * d + 2.0 * (p[1] * d * q[1].cos()))
             / (3.0 - (2.0 * q[1]).cos());
@@ -112,9 +111,7 @@ impl Energy for DoublePendulum {
             }
         }
     }
-}
 
-impl Model for DoublePendulum {
     fn initial<T: Float>(&self) -> State<T> {
         let [q1, q2, p1, p2] = self.start.map(|c| c.to::<T>());
         let q2 = match self.spring {

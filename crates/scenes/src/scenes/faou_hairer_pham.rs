@@ -6,8 +6,8 @@
 
 use crate::entry::Entry;
 use crate::model::{Model, State, View};
-use equip_autodiff::Energy;
-use equip_scalar::{Float, Num, Scalar, ratio};
+use equip_autodiff::Var;
+use equip_scalar::{Float, ratio};
 
 /// p³/3 − p/2 + q⁶/30 + q⁴/4 − q³/3 + 1/6.
 #[derive(Debug, Clone, Copy)]
@@ -25,21 +25,18 @@ pub(crate) const SCENE: Entry<FaouHairerPham> = Entry {
     build: |_| Ok(FaouHairerPham),
 };
 
-impl Energy for FaouHairerPham {
+impl Model for FaouHairerPham {
     fn degrees_of_freedom(&self) -> usize {
         1
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let (q, p) = (q[0], p[0]);
         let kinetic = ratio(1, 3) * p.powi(3) - 0.5 * p;
         kinetic + ratio(1, 30) * q.powi(6) + 0.25 * q.powi(4) - ratio(1, 3) * q.powi(3)
             + ratio(1, 6)
     }
-}
 
-impl Model for FaouHairerPham {
     fn initial<T: Float>(&self) -> State<T> {
         (vec![T::int(0)], vec![T::int(1)])
     }

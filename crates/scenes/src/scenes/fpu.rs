@@ -11,8 +11,8 @@
 use crate::entry::Entry;
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::Energy;
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::Var;
+use equip_scalar::{Constant, Float};
 
 /// m stiff springs of frequency ω between soft ones.
 #[derive(Debug, Clone, Copy)]
@@ -48,26 +48,23 @@ pub(crate) const SCENE: Entry<Fpu> = Entry {
     },
 };
 
-impl Energy for Fpu {
+impl Model for Fpu {
     fn degrees_of_freedom(&self) -> usize {
         2 * self.m
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let (slow, fast) = q.split_at(self.m);
-        let omega = Num::<S>::from(self.omega);
-        let kinetic: Num<S> = p.iter().map(|&y| y * y).sum();
-        let stiff: Num<S> = fast.iter().map(|&x| x * x).sum();
+        let omega = Var::from(self.omega);
+        let kinetic: Var = p.iter().map(|&y| y * y).sum();
+        let stiff: Var = fast.iter().map(|&x| x * x).sum();
         let mut soft = (slow[0] - fast[0]).powi(4) + (slow[self.m - 1] + fast[self.m - 1]).powi(4);
         for i in 1..self.m {
             soft += (slow[i] - fast[i] - slow[i - 1] - fast[i - 1]).powi(4);
         }
         0.5 * kinetic + 0.5 * (omega * omega * stiff) + 0.25 * soft
     }
-}
 
-impl Model for Fpu {
     fn initial<T: Float>(&self) -> State<T> {
         let mut q = vec![T::int(0); 2 * self.m];
         let mut p = q.clone();

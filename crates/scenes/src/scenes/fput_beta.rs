@@ -7,8 +7,8 @@
 use crate::entry::Entry;
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::Energy;
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::Var;
+use equip_scalar::{Constant, Float};
 
 /// n masses between fixed ends, springs d + βd³.
 #[derive(Debug, Clone, Copy)]
@@ -64,27 +64,24 @@ impl FputBeta {
     }
 }
 
-impl Energy for FputBeta {
+impl Model for FputBeta {
     fn degrees_of_freedom(&self) -> usize {
         self.n
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        let kinetic: Num<S> = p.iter().map(|&p| p * p).sum();
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
+        let kinetic: Var = p.iter().map(|&p| p * p).sum();
         let inner = q.windows(2).map(|pair| pair[1] - pair[0]);
         let stretches: Vec<_> = inner.chain([q[0], q[self.n - 1]]).collect();
-        let linear: Num<S> = stretches.iter().map(|&d| d * d).sum();
+        let linear: Var = stretches.iter().map(|&d| d * d).sum();
         let quadratic = 0.5 * kinetic + 0.5 * linear;
         if self.is_linear() {
             return quadratic;
         }
-        let quartic: Num<S> = stretches.iter().map(|&d| d.powi(4)).sum();
+        let quartic: Var = stretches.iter().map(|&d| d.powi(4)).sum();
         quadratic + 0.25 * (self.beta * quartic)
     }
-}
 
-impl Model for FputBeta {
     fn initial<T: Float>(&self) -> State<T> {
         let angle = T::pi() / T::int(self.n as i64 + 1);
         let amplitude = self.amplitude.to::<T>();

@@ -1,21 +1,15 @@
 //! Bodies that attract each other: H = Σ |p_i|²/(2m_i) − G Σ_{i<j} m_i m_j/|q_i − q_j|, in d dimensions, body
 //! after body.
 
-use equip_scalar::{Num, Scalar};
+use equip_autodiff::Var;
 
 /// The energy of bodies with masses m in d dimensions.
 #[inline(always)]
-pub(crate) fn energy<S: Scalar>(
-    d: usize,
-    gravity: Num<S>,
-    masses: &[Num<S>],
-    q: &[Num<S>],
-    p: &[Num<S>],
-) -> Num<S> {
-    let kinetic: Num<S> = masses
+pub(crate) fn energy(d: usize, gravity: Var, masses: &[Var], q: &[Var], p: &[Var]) -> Var {
+    let kinetic: Var = masses
         .iter()
         .zip(p.chunks_exact(d))
-        .map(|(&m, p)| p.iter().map(|&p| p * p).sum::<Num<S>>() / (2.0 * m))
+        .map(|(&m, p)| p.iter().map(|&p| p * p).sum::<Var>() / (2.0 * m))
         .sum();
     let mut attraction = Vec::with_capacity(masses.len() * masses.len() / 2);
     for (i, a) in q.chunks_exact(d).enumerate() {
@@ -23,10 +17,10 @@ pub(crate) fn energy<S: Scalar>(
             attraction.push(masses[i] * masses[j] / distance(a, b));
         }
     }
-    kinetic - gravity * attraction.into_iter().sum::<Num<S>>()
+    kinetic - gravity * attraction.into_iter().sum::<Var>()
 }
 
-fn distance<S: Scalar>(a: &[Num<S>], b: &[Num<S>]) -> Num<S> {
-    let square: Num<S> = a.iter().zip(b).map(|(&a, &b)| (a - b) * (a - b)).sum();
+fn distance(a: &[Var], b: &[Var]) -> Var {
+    let square: Var = a.iter().zip(b).map(|(&a, &b)| (a - b) * (a - b)).sum();
     square.sqrt()
 }

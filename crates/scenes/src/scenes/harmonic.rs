@@ -7,8 +7,8 @@ use crate::entry::Entry;
 use crate::invariant::{Invariant, InvariantKind, moment};
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::{Constant, Float, Num};
 
 /// ½ Σ (p_j² + ω_j² q_j²) with frequencies in geometric progression.
 #[derive(Debug, Clone, Copy)]
@@ -57,14 +57,13 @@ impl Harmonic {
     }
 }
 
-impl Energy for Harmonic {
+impl Model for Harmonic {
     fn degrees_of_freedom(&self) -> usize {
         self.m
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        let mut omega = Num::from(self.omega);
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
+        let mut omega = Var::from(self.omega);
         let mut twice = p[0] * p[0] + omega * omega * (q[0] * q[0]);
         for j in 1..self.m {
             omega *= self.ratio;
@@ -72,9 +71,7 @@ impl Energy for Harmonic {
         }
         0.5 * twice
     }
-}
 
-impl Model for Harmonic {
     /// Even oscillators start displaced by 1, odd ones with speed 1.
     fn initial<T: Float>(&self) -> State<T> {
         let parity = |j: usize, r: usize| T::int(i64::from(j % 2 == r));

@@ -7,8 +7,8 @@ use crate::entry::Entry;
 use crate::error::SceneError;
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range, Value};
-use equip_autodiff::Energy;
-use equip_scalar::{Constant, Float, Num, Scalar, ratio};
+use equip_autodiff::Var;
+use equip_scalar::{Constant, Float, ratio};
 
 /// (|p|² + |q|²)/2 + q₁²q₂ − q₂³/3.
 #[derive(Debug, Clone, Copy)]
@@ -75,19 +75,16 @@ impl HenonHeiles {
     }
 }
 
-impl Energy for HenonHeiles {
+impl Model for HenonHeiles {
     fn degrees_of_freedom(&self) -> usize {
         2
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let quadratic = 0.5 * (p[0] * p[0] + p[1] * p[1] + q[0] * q[0] + q[1] * q[1]);
         quadratic + q[0] * q[0] * q[1] - ratio(1, 3) * (q[1] * q[1] * q[1])
     }
-}
 
-impl Model for HenonHeiles {
     fn initial<T: Float>(&self) -> State<T> {
         let p1 = self.free_square::<T>().max(T::int(0)).sqrt();
         (vec![T::int(0), self.q2.to()], vec![p1, self.p2.to()])

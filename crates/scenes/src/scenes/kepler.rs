@@ -8,8 +8,8 @@ use crate::invariant::{Invariant, InvariantKind, angular_momenta, moment};
 use crate::maths::anomaly::{advance, ellipse};
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::{Constant, Float};
 
 /// |p|²/2 − μ/|q| in the plane.
 #[derive(Debug, Clone, Copy)]
@@ -45,18 +45,15 @@ pub(crate) const SCENE: Entry<Kepler> = Entry {
     },
 };
 
-impl Energy for Kepler {
+impl Model for Kepler {
     fn degrees_of_freedom(&self) -> usize {
         2
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         0.5 * (p[0] * p[0] + p[1] * p[1]) - self.mu / (q[0] * q[0] + q[1] * q[1]).sqrt()
     }
-}
 
-impl Model for Kepler {
     fn initial<T: Float>(&self) -> State<T> {
         let (e, mu) = (self.e.to::<T>(), self.mu.to::<T>());
         let (zero, one) = (T::int(0), T::int(1));

@@ -10,8 +10,8 @@ use crate::invariant::{Invariant, angular_momenta, linear_momenta};
 use crate::maths::seeded::Seeded;
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::{Constant, Float};
 
 /// N atoms near a triangular lattice.
 #[derive(Debug, Clone, Copy)]
@@ -65,14 +65,13 @@ impl LennardJones {
     }
 }
 
-impl Energy for LennardJones {
+impl Model for LennardJones {
     fn degrees_of_freedom(&self) -> usize {
         2 * self.n
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        let kinetic: Num<S> = p.iter().map(|&p| p * p).sum();
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
+        let kinetic: Var = p.iter().map(|&p| p * p).sum();
         let mut pairs = Vec::with_capacity(self.n * self.n / 2);
         for (i, a) in q.chunks_exact(2).enumerate() {
             for b in q.chunks_exact(2).take(i) {
@@ -81,11 +80,9 @@ impl Energy for LennardJones {
                 pairs.push(sixth * sixth - sixth);
             }
         }
-        0.5 * kinetic + 4.0 * pairs.into_iter().sum::<Num<S>>()
+        0.5 * kinetic + 4.0 * pairs.into_iter().sum::<Var>()
     }
-}
 
-impl Model for LennardJones {
     fn initial<T: Float>(&self) -> State<T> {
         let spacing = T::int(2).sqrt().cbrt();
         let height = spacing * T::int(3).sqrt() * T::ratio(1, 2);

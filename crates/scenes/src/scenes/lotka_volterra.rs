@@ -6,8 +6,8 @@
 use crate::entry::Entry;
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::Energy;
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::Var;
+use equip_scalar::{Constant, Float};
 
 /// eᵖ − bp + e^q − aq.
 #[derive(Debug, Clone, Copy)]
@@ -44,18 +44,15 @@ pub(crate) const SCENE: Entry<LotkaVolterra> = Entry {
     },
 };
 
-impl Energy for LotkaVolterra {
+impl Model for LotkaVolterra {
     fn degrees_of_freedom(&self) -> usize {
         1
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         (p[0].exp() - self.b * p[0]) + (q[0].exp() - self.a * q[0])
     }
-}
 
-impl Model for LotkaVolterra {
     fn initial<T: Float>(&self) -> State<T> {
         (vec![self.u.to::<T>().ln()], vec![self.v.to::<T>().ln()])
     }

@@ -11,8 +11,8 @@ use crate::invariant::{Invariant, angular_momenta, linear_momenta};
 use crate::maths::seeded::Seeded;
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Constant, Float, Num, Scalar, ratio};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::{Constant, Float, ratio};
 
 /// N bodies of mass 1/N, started near a turning ring of radius 1.
 #[derive(Debug, Clone, Copy)]
@@ -77,19 +77,16 @@ impl Ring {
     }
 }
 
-impl Energy for Ring {
+impl Model for Ring {
     fn degrees_of_freedom(&self) -> usize {
         3 * self.n
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        let masses = vec![Num::from(ratio(1, self.n as i64)); self.n];
-        gravity::energy(3, Num::from(1.0), &masses, q, p)
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
+        let masses = vec![Var::from(ratio(1, self.n as i64)); self.n];
+        gravity::energy(3, Var::from(1.0), &masses, q, p)
     }
-}
 
-impl Model for Ring {
     fn initial<T: Float>(&self) -> State<T> {
         let (mut q, p) = self.rigid(T::int(0));
         let disorder = self.disorder.to::<T>();

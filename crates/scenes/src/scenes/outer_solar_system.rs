@@ -11,8 +11,8 @@ use crate::entry::Entry;
 use crate::invariant::{Invariant, angular_momenta, linear_momenta};
 use crate::model::{Model, State, Units, View};
 use crate::parameter::Parameter;
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Float, Num, Scalar};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::Float;
 
 /// The Sun and its first outer planets.
 #[derive(Debug, Clone, Copy)]
@@ -106,24 +106,21 @@ impl OuterSolarSystem {
     }
 }
 
-impl Energy for OuterSolarSystem {
+impl Model for OuterSolarSystem {
     fn degrees_of_freedom(&self) -> usize {
         3 * self.bodies()
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        let gravity = Num::from(G);
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
+        let gravity = Var::from(G);
         let masses: Vec<_> = GM
             .iter()
             .take(self.bodies())
-            .map(|&gm| Num::from(gm) / gravity)
+            .map(|&gm| Var::from(gm) / gravity)
             .collect();
         gravity::energy(3, gravity, &masses, q, p)
     }
-}
 
-impl Model for OuterSolarSystem {
     fn initial<T: Float>(&self) -> State<T> {
         let n = self.degrees_of_freedom();
         let q = Q.iter().take(n).map(|&q| T::exact(q)).collect();

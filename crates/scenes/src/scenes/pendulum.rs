@@ -13,8 +13,8 @@ use crate::entry::Entry;
 use crate::maths::elliptic::{Jacobi, add, jacobi, quarter_period};
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::Energy;
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::Var;
+use equip_scalar::{Constant, Float};
 
 /// p²/2 − cos q.
 #[derive(Debug, Clone, Copy)]
@@ -76,18 +76,15 @@ impl<T: Float> Modulus<T> {
     }
 }
 
-impl Energy for Pendulum {
+impl Model for Pendulum {
     fn degrees_of_freedom(&self) -> usize {
         1
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         0.5 * (p[0] * p[0]) - q[0].cos()
     }
-}
 
-impl Model for Pendulum {
     fn initial<T: Float>(&self) -> State<T> {
         (vec![self.q.to()], vec![self.p.to()])
     }

@@ -7,8 +7,8 @@ use super::gravity;
 use crate::entry::Entry;
 use crate::invariant::{Invariant, angular_momenta, linear_momenta};
 use crate::model::{Model, State, View};
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Float, Num, Scalar};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::Float;
 
 /// Three bodies of masses 5, 4 and 3.
 #[derive(Debug, Clone, Copy)]
@@ -28,18 +28,15 @@ pub(crate) const SCENE: Entry<Pythagorean> = Entry {
 
 const MASSES: [i32; 3] = [5, 4, 3];
 
-impl Energy for Pythagorean {
+impl Model for Pythagorean {
     fn degrees_of_freedom(&self) -> usize {
         6
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        gravity::energy(2, Num::from(1.0), &MASSES.map(Num::from), q, p)
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
+        gravity::energy(2, Var::from(1.0), &MASSES.map(Var::from), q, p)
     }
-}
 
-impl Model for Pythagorean {
     fn initial<T: Float>(&self) -> State<T> {
         (
             [1, -1, -2, -1, 1, 3].map(T::int).to_vec(),

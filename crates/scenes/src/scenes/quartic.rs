@@ -7,8 +7,8 @@ use crate::entry::Entry;
 use crate::maths::elliptic::{Jacobi, add, jacobi, quarter_period};
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::Energy;
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::Var;
+use equip_scalar::{Constant, Float};
 
 /// p²/2 + q⁴/4.
 #[derive(Debug, Clone, Copy)]
@@ -45,18 +45,15 @@ fn amplitude<T: Float>(q: T, p: T) -> T {
     (T::int(2) * p * p + square * square).sqrt().sqrt()
 }
 
-impl Energy for Quartic {
+impl Model for Quartic {
     fn degrees_of_freedom(&self) -> usize {
         1
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         0.5 * (p[0] * p[0]) + 0.25 * q[0].powi(4)
     }
-}
 
-impl Model for Quartic {
     fn initial<T: Float>(&self) -> State<T> {
         (vec![self.q.to()], vec![self.p.to()])
     }

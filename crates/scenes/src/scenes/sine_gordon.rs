@@ -10,8 +10,8 @@
 use crate::entry::Entry;
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::Energy;
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::Var;
+use equip_scalar::{Constant, Float};
 
 /// Σ [½p² + (Δq)²/(2Δ²) + 1 − cos q] on a ring.
 #[derive(Debug, Clone, Copy)]
@@ -61,23 +61,20 @@ pub(crate) const SCENE: Entry<SineGordon> = Entry {
     },
 };
 
-impl Energy for SineGordon {
+impl Model for SineGordon {
     fn degrees_of_freedom(&self) -> usize {
         self.n
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        let density = Num::<S>::from(self.n as f64) / self.length;
-        let kinetic: Num<S> = p.iter().map(|&p| p * p).sum();
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
+        let density = Var::from(self.n as f64) / self.length;
+        let kinetic: Var = p.iter().map(|&p| p * p).sum();
         let neighbours = q.iter().cycle().skip(1).zip(q);
-        let stretch: Num<S> = neighbours.map(|(&next, &q)| (next - q) * (next - q)).sum();
-        let local: Num<S> = q.iter().map(|&q| 1.0 - q.cos()).sum();
+        let stretch: Var = neighbours.map(|(&next, &q)| (next - q) * (next - q)).sum();
+        let local: Var = q.iter().map(|&q| 1.0 - q.cos()).sum();
         0.5 * kinetic + 0.5 * (density * density * stretch) + local
     }
-}
 
-impl Model for SineGordon {
     fn initial<T: Float>(&self) -> State<T> {
         let omega = self.omega.to::<T>();
         let root = ((T::int(1) - omega) * (T::int(1) + omega)).sqrt();

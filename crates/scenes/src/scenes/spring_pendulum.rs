@@ -9,8 +9,8 @@ use crate::entry::Entry;
 use crate::invariant::{Invariant, angular_momenta};
 use crate::model::{Model, State, View};
 use crate::parameter::{Parameter, Range};
-use equip_autodiff::{BuildError, Energy};
-use equip_scalar::{Constant, Float, Num, Scalar};
+use equip_autodiff::{BuildError, Var};
+use equip_scalar::{Constant, Float};
 
 /// ½|p|² + g q₂ + ½k(|q| − 1)².
 #[derive(Debug, Clone, Copy)]
@@ -46,19 +46,16 @@ pub(crate) const SCENE: Entry<SpringPendulum> = Entry {
     },
 };
 
-impl Energy for SpringPendulum {
+impl Model for SpringPendulum {
     fn degrees_of_freedom(&self) -> usize {
         2
     }
 
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
+    fn energy(&self, q: &[Var], p: &[Var]) -> Var {
         let stretch = (q[0] * q[0] + q[1] * q[1]).sqrt() - 1.0;
         0.5 * (p[0] * p[0] + p[1] * p[1]) + self.g * q[1] + 0.5 * (self.k * (stretch * stretch))
     }
-}
 
-impl Model for SpringPendulum {
     fn initial<T: Float>(&self) -> State<T> {
         let (zero, one) = (T::int(0), T::int(1));
         (vec![one + self.k.to::<T>().recip(), zero], vec![zero, -one])

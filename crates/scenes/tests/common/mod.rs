@@ -1,7 +1,7 @@
 //! Instances at the ends of their parameters' ranges, and random states.
 #![allow(clippy::unwrap_used, clippy::expect_used, dead_code)]
 
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_scenes::{Instance, Parameter, Scene, SceneError, all};
 

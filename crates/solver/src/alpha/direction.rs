@@ -18,7 +18,7 @@
 use crate::alpha::least_displacement::{LeastDisplacement, dot};
 use crate::equations::constraint::Constraint;
 use crate::policy::LEADING;
-use equip_autodiff::{Evaluate, Pattern};
+use equip_autodiff::{Evaluator, Pattern};
 use equip_linear::DenseLu;
 use equip_scalar::{Float, mix_stages};
 use equip_sweeps::{Held, Iterate, LinearSweeps, Preconditioner, State};
@@ -151,11 +151,7 @@ impl<T: Float> Direction<T> {
     }
 
     /// Linearises at the stages in `iterate`. Returns whether the result is finite.
-    pub(crate) fn linearise<E: Evaluate<T>>(
-        &mut self,
-        iterate: &Iterate<T>,
-        energy: &mut E,
-    ) -> bool {
+    pub(crate) fn linearise(&mut self, iterate: &Iterate<T>, energy: &mut Evaluator<T>) -> bool {
         self.linear.linearise(iterate, energy)
     }
 

@@ -15,7 +15,7 @@
 use crate::alpha::direction::Direction;
 use crate::outcome::outcome::Counts;
 use crate::policy::FARTHEST;
-use equip_autodiff::Evaluate;
+use equip_autodiff::Evaluator;
 use equip_scalar::{Float, mix_stages};
 use equip_sweeps::{Held, Iterate, Preconditioner, State, stride_for, turned};
 use equip_tableau::{Gauss, legendre_integrals_at};
@@ -74,9 +74,9 @@ impl<T: Float> LocalError<T> {
 
     /// The largest component of e in the units of each of [`Direction::motion`], of a step of size `h` from
     /// `y` with these L at α = 0, by component; `direction` is linearised there. `None` if e is not finite.
-    pub(crate) fn estimate<E: Evaluate<T>>(
+    pub(crate) fn estimate(
         &mut self,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         (y, h): (&State<T>, T),
         (iterate, l): (&Iterate<T>, &[T]),
         (direction, m): (&mut Direction<T>, Option<&mut (dyn Preconditioner<T> + '_)>),

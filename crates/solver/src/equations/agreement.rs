@@ -6,7 +6,7 @@ use crate::options::family::{Alphas, Family};
 use crate::options::step_options::{Preconditioner, StepOptions};
 use crate::outcome::outcome::Outcome;
 use crate::step::core::Core;
-use equip_autodiff::{Evaluate, Hamiltonian, System, Var};
+use equip_autodiff::{Hamiltonian, Var};
 use equip_scalar::{DoubleDouble, Float};
 use equip_sweeps::State;
 use equip_tableau::Gauss;

@@ -15,7 +15,7 @@
 
 use crate::options::invariant::Invariant;
 use crate::policy::FADING;
-use equip_autodiff::{Evaluate, Hamiltonian, System};
+use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 use equip_sweeps::State;
 
@@ -23,7 +23,7 @@ use equip_sweeps::State;
 #[derive(Debug)]
 pub struct Constraint<T: Float> {
     /// `None` for the energy, which has the run's evaluator.
-    evaluator: Option<<Hamiltonian as System>::Evaluator<T>>,
+    evaluator: Option<Evaluator<T>>,
     pub(crate) reference: T,
     /// g at the end of the step, and at its start.
     pub(crate) defect: T,
@@ -82,9 +82,9 @@ impl<T: Float> Constraint<T> {
 
     /// Evaluates I, ∇I and the floor at `y1`; ν is the rounding of the stages relative to `sizes`. Returns
     /// whether they are finite.
-    pub(crate) fn evaluate<E: Evaluate<T>>(
+    pub(crate) fn evaluate(
         &mut self,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         y1: &State<T>,
         (nu, sizes): (T, &[T]),
     ) -> bool {
@@ -99,7 +99,7 @@ impl<T: Float> Constraint<T> {
     }
 
     /// Evaluates ∇I and g at the start of a step.
-    pub(crate) fn evaluate_start<E: Evaluate<T>>(&mut self, energy: &mut E, y0: &State<T>) {
+    pub(crate) fn evaluate_start(&mut self, energy: &mut Evaluator<T>, y0: &State<T>) {
         let value = match &mut self.evaluator {
             None => energy.gradient_with_compensated_value(&y0.hi, &mut self.start_gradient),
             Some(evaluator) => {

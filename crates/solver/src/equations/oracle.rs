@@ -19,7 +19,7 @@
 
 use crate::outcome::outcome::Outcome;
 use crate::policy::{FARTHEST, LEADING, RIDGE, SMALL};
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::{Evaluator, Hamiltonian};
 use equip_linear::DenseLu;
 use equip_scalar::Float;
 use equip_sweeps::turned;
@@ -27,8 +27,8 @@ use equip_tableau::Gauss;
 use nalgebra::{DMatrix, DVector};
 
 /// A step by the book.
-pub(crate) struct Oracle<T: Float, E> {
-    energy: E,
+pub(crate) struct Oracle<T: Float> {
+    energy: Evaluator<T>,
     /// Rows and columns of the entries of ∇²H.
     places: Vec<(usize, usize)>,
     h_ref: T,
@@ -49,8 +49,8 @@ struct Stages<T> {
     end: Vec<T>,
 }
 
-impl<T: Float, E: Evaluate<T>> Oracle<T, E> {
-    pub(crate) fn new<H: System<Evaluator<T> = E>>(system: &H, h_ref: T, alpha_bound: T) -> Self {
+impl<T: Float> Oracle<T> {
+    pub(crate) fn new(system: &Hamiltonian, h_ref: T, alpha_bound: T) -> Self {
         let pattern = &system.structure().hessian;
         let rows = 0..pattern.dimension();
         let places = rows.flat_map(|i| pattern.row(i).map(move |(_, j)| (i, j)));

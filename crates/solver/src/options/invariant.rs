@@ -1,6 +1,6 @@
 //! Further quantities to watch or to keep along a run.
 
-use equip_autodiff::{Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 
 /// A named function of the state, recorded like an energy, whose change along the run the certificate shows.
 ///

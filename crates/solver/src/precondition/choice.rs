@@ -12,7 +12,7 @@ use crate::policy::{LONGEST_WAIT, MOST_DENSE};
 use crate::precondition::diagonal::Diagonal;
 use crate::precondition::frozen::Frozen;
 use crate::precondition::full::Full;
-use equip_autodiff::{Evaluate, Structure};
+use equip_autodiff::{Evaluator, Structure};
 use equip_scalar::Float;
 use equip_sweeps::{Iterate, Preconditioner, State};
 use equip_tableau::Gauss;
@@ -123,10 +123,10 @@ impl<T: Float> Choice<T> {
 
     /// Sees to it that M is there for a step of size `h` from `y`, at the stages as they are. Returns whether
     /// it is.
-    pub(crate) fn make<E: Evaluate<T>>(
+    pub(crate) fn make(
         &mut self,
         (gauss, iterate): (&Gauss<T>, &Iterate<T>),
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         (y, h): (&State<T>, T),
         counts: &mut Counts,
     ) -> bool {

@@ -9,7 +9,7 @@
 //! Cost: 2/3 (s u)³ operations to factorise for u unknown components, 2 (s u)² for each right-hand side.
 
 use crate::precondition::rows::Rows;
-use equip_autodiff::{Evaluate, Pattern};
+use equip_autodiff::{Evaluator, Pattern};
 use equip_linear::{DenseLu, Singular};
 use equip_scalar::Float;
 use equip_sweeps::{Held, Iterate, Preconditioner, State, turned};
@@ -68,10 +68,10 @@ impl Full {
 
     /// Takes ∇²H at the stages of a step of size `h` from `y`, and factorises M; from the end of the step it
     /// is factorised when it is asked for.
-    pub(crate) fn linearise<T: Float, E: Evaluate<T>>(
+    pub(crate) fn linearise<T: Float>(
         &mut self,
         iterate: &Iterate<T>,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         (y, h): (&State<T>, T),
         (state, entries): (&mut [T], &mut [T]),
     ) -> Result<(), Singular> {

@@ -3,8 +3,7 @@
 use crate::options::step_options::Preconditioner as Wanted;
 use crate::outcome::outcome::Counts;
 use crate::precondition::choice::Choice;
-use equip_autodiff::Evaluate;
-use equip_autodiff::{Hamiltonian, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::DoubleDouble;
 use equip_scalar::Float;
 use equip_sweeps::{Contraction, Held, LinearSweeps, Progress};

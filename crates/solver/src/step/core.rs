@@ -7,15 +7,15 @@ use crate::options::step_options::StepOptions;
 use crate::outcome::outcome::{Counts, Outcome};
 use crate::outcome::parts::Parts;
 use crate::step::stages::Stages;
-use equip_autodiff::{Evaluate, Structure, System};
+use equip_autodiff::{Evaluator, Hamiltonian, Structure};
 use equip_scalar::Float;
 use equip_sweeps::{Kept, State};
 use equip_tableau::Gauss;
 
 /// Everything a step works with; no allocation after it is made.
 #[derive(Debug)]
-pub struct Core<T: Float, E> {
-    pub(crate) energy: E,
+pub struct Core<T: Float> {
+    pub(crate) energy: Evaluator<T>,
     pub(crate) options: StepOptions<T>,
     pub(crate) counts: Counts,
     /// What the α's are solved for: the energy first, if it needs any, then further invariants; empty if
@@ -78,11 +78,11 @@ impl<T: Float> AlphaSolver<T> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> Core<T, E> {
+impl<T: Float> Core<T> {
     /// `constraints` holds what the α's are to be solved for.
-    pub fn new<H: System<Evaluator<T> = E>>(
-        system: &H,
-        mut energy: E,
+    pub fn new(
+        system: &Hamiltonian,
+        mut energy: Evaluator<T>,
         options: StepOptions<T>,
         gauss: Gauss<T>,
         constraints: Vec<Constraint<T>>,

@@ -4,7 +4,7 @@ use crate::options::step_options::Preconditioner;
 use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Counts;
 use crate::precondition::choice::Choice;
-use equip_autodiff::{Evaluate, Kinetic, Structure};
+use equip_autodiff::{Evaluator, Kinetic, Structure};
 use equip_scalar::Float;
 use equip_sweeps::{Contraction, Iterate, MOST_ITERATIONS, Polynomial, Progress, State};
 use equip_tableau::Gauss;
@@ -55,9 +55,9 @@ impl<T: Float> Stages<T> {
     ///
     /// From the polynomial M ≠ 1 takes as many iterations in the mean over the grid (1.01 of Gauss, 1.04 of
     /// EQUIP), and up to 3 times as many where the step does not resolve the motion.
-    pub(crate) fn solve<E: Evaluate<T>>(
+    pub(crate) fn solve(
         &mut self,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         (y, h): (&State<T>, T),
         known: Option<&[T]>,
         noise: f64,
@@ -83,9 +83,9 @@ impl<T: Float> Stages<T> {
 
     /// Iterates with the α as they are, from Z as it is, until Z has converged to round-off or its noise at
     /// y1 is at most `noise`. Returns whether it has converged.
-    pub(crate) fn converge<E: Evaluate<T>>(
+    pub(crate) fn converge(
         &mut self,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         (y, h): (&State<T>, T),
         noise: f64,
         counts: &mut Counts,

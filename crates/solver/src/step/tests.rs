@@ -6,7 +6,7 @@ use crate::options::invariant::Invariant;
 use crate::options::step_options::{Reach, StepOptions};
 use crate::outcome::outcome::Outcome;
 use crate::step::core::Core;
-use equip_autodiff::{Evaluate, Hamiltonian, RecordedEvaluator, System};
+use equip_autodiff::Hamiltonian;
 use equip_sweeps::State;
 use equip_tableau::Gauss;
 
@@ -24,7 +24,7 @@ fn core(
     s: usize,
     (reach, constraint): (Reach, Constraint<f64>),
     y: &[f64],
-) -> Core<f64, RecordedEvaluator<f64>> {
+) -> Core<f64> {
     let options = StepOptions {
         reach,
         ..StepOptions::new(s, Family::Equip(Alphas::All))

@@ -10,7 +10,7 @@ use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
 use crate::layout::row::{HALF, fills_two};
 use crate::layout::state::State;
-use equip_autodiff::{Evaluate, Kinetic};
+use equip_autodiff::{Evaluator, Kinetic};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
 
@@ -72,9 +72,9 @@ impl<T: Float> Iterate<T> {
 
     /// One sweep from the step's start `y`, or as many incremental ones as leave others to come. Returns what
     /// the last change of Z says, and how many sweeps were made; each has evaluated the gradient at s points.
-    pub fn sweep<E: Evaluate<T>>(
+    pub fn sweep(
         &mut self,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         y: &State<T>,
         contraction: &mut Contraction,
     ) -> (Progress, u32) {
@@ -112,9 +112,9 @@ impl<T: Float> Iterate<T> {
     }
 
     /// One sweep, and M⁻¹ applied to what it changes.
-    pub fn sweep_with<E: Evaluate<T>>(
+    pub fn sweep_with(
         &mut self,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         y: &State<T>,
         contraction: &mut Contraction,
         m: &mut dyn Preconditioner<T>,
@@ -158,12 +158,12 @@ impl<T: Float> Iterate<T> {
 
     /// Sweeps of one form, by one kernel where there is one. Returns the last change.
     #[inline(always)]
-    fn run<E: Evaluate<T>>(&mut self, energy: &mut E, y: &State<T>, again: &mut impl Again) -> f64 {
+    fn run(&mut self, energy: &mut Evaluator<T>, y: &State<T>, again: &mut impl Again) -> f64 {
         let fused = if T::IS_DOUBLE {
             match self.stride {
-                4 => self.fuse::<4, E>(energy, y, again),
-                8 => self.fuse::<8, E>(energy, y, again),
-                16 if fills_two::<T>(self.s) => self.fuse::<HALF, E>(energy, y, again),
+                4 => self.fuse::<4>(energy, y, again),
+                8 => self.fuse::<8>(energy, y, again),
+                16 if fills_two::<T>(self.s) => self.fuse::<HALF>(energy, y, again),
                 _ => None,
             }
         } else {
@@ -182,9 +182,9 @@ impl<T: Float> Iterate<T> {
 
     /// The whole sweep as one kernel, if there is one for this energy in this float type.
     #[inline(always)]
-    fn fuse<const N: usize, E: Evaluate<T>>(
+    fn fuse<const N: usize>(
         &mut self,
-        energy: &mut E,
+        energy: &mut Evaluator<T>,
         y: &State<T>,
         again: &mut impl Again,
     ) -> Option<f64> {
@@ -207,7 +207,7 @@ impl<T: Float> Iterate<T> {
     }
 
     /// ∇H, or ∇U, at the stages.
-    fn evaluate<E: Evaluate<T>>(&mut self, energy: &mut E) {
+    fn evaluate(&mut self, energy: &mut Evaluator<T>) {
         let (s, stride) = (self.s, self.stride);
         let len = self.unknowns() * stride;
         let (points, gradients) = (&self.points[..len], &mut self.gradients[..len]);

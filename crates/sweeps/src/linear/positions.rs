@@ -323,7 +323,7 @@ mod tests {
     use crate::convergence::contraction::{Contraction, Progress};
     use crate::layout::state::State;
     use crate::linear::linear_sweeps::LinearSweeps;
-    use equip_autodiff::{Evaluate, Hamiltonian, System};
+    use equip_autodiff::Hamiltonian;
     use equip_scalar::DoubleDouble;
 
     /// The sums, and X where it is made, of all components and of the positions alone, in doubles and wider.

@@ -4,7 +4,7 @@ use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
 use crate::linear::compiled::ready;
 use crate::linear::linear_sweeps::{LinearSweeps, Sides};
-use equip_autodiff::{Evaluate, Pattern};
+use equip_autodiff::{Evaluator, Pattern};
 use equip_scalar::Float;
 use equip_tableau::Gauss;
 
@@ -16,7 +16,7 @@ impl<T: Float> LinearSweeps<T> {
 
     /// Takes ∇²H at the stages of an iterate that has converged, all of which are there: s Hessians. Returns
     /// whether it is finite.
-    pub fn linearise<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) -> bool {
+    pub fn linearise(&mut self, iterate: &Iterate<T>, energy: &mut Evaluator<T>) -> bool {
         self.hessians.evaluate(iterate, energy);
         (ready::<T>().weigh)(self, iterate)
     }

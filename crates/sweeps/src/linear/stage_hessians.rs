@@ -7,7 +7,7 @@ use crate::layout::conjugate::turned;
 use crate::layout::row::{by_groups, fused, scaled, stride_for};
 use crate::linear::power_iteration::PowerIteration;
 use crate::linear::row_times::row_times;
-use equip_autodiff::{Evaluate, Pattern};
+use equip_autodiff::{Evaluator, Pattern};
 use equip_scalar::{Float, InstructionSet, Kernel};
 
 /// h b_i ∇²H(Y_i).
@@ -40,7 +40,7 @@ impl<T: Float> StageHessians<T> {
     }
 
     /// ∇²H at the stages of an iterate that has converged.
-    pub(crate) fn evaluate<E: Evaluate<T>>(&mut self, iterate: &Iterate<T>, energy: &mut E) {
+    pub(crate) fn evaluate(&mut self, iterate: &Iterate<T>, energy: &mut Evaluator<T>) {
         energy.hessians_by_component(&iterate.points, &mut self.entries, self.stride, self.s);
     }
 

@@ -8,7 +8,7 @@ use crate::options::integrator::Integrator;
 use crate::runs::run::{Run, RunFailure};
 use crate::steppers::sizes::StepSizes;
 use crate::steppers::view::StepView;
-use equip_autodiff::System;
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::{ControlFlow, RangeInclusive};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -61,9 +61,9 @@ impl<T: Float, S: StepSizes<T> + Sync> Integrator<T, S> {
     /// assert!(ends.iter().all(|end| matches!(end, Some(Ok(angle)) if angle.abs() <= 1.5)));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn ensemble<H: System + Sync, R: Send>(
+    pub fn ensemble<R: Send>(
         &self,
-        system: &H,
+        system: &Hamiltonian,
         starts: Starts<'_, T>,
         row: impl Fn(usize, Result<Run<T>, RunFailure<T>>) -> R + Sync,
         stop: impl Fn() -> bool + Sync,

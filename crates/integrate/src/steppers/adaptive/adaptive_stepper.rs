@@ -19,15 +19,14 @@ use crate::report::variable_steps::VariableSteps;
 use crate::steppers::adaptive::made::{EndIs, Made, Place};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::{Step, StepView};
-use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// A run with variable steps that is made step by step: an endless iterator, or [`advance`](Self::advance)
 /// without copies.
 #[derive(Debug)]
-pub struct AdaptiveStepper<T: Float, E> {
-    pub(crate) inner: Stepper<T, E>,
+pub struct AdaptiveStepper<T: Float> {
+    pub(crate) inner: Stepper<T>,
     pub(super) control: Control,
     pub(super) decay: Decay<T>,
     pub(super) flow: Flow<T>,
@@ -52,7 +51,7 @@ pub struct AdaptiveStepper<T: Float, E> {
     pub(super) tries: Option<u32>,
 }
 
-impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
+impl<T: Float> AdaptiveStepper<T> {
     /// Makes the next step, of the size that control proposes, the way the run goes: forward in time, unless
     /// it was [turned back](Self::turn_back).
     ///
@@ -271,7 +270,7 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> Iterator for AdaptiveStepper<T, E> {
+impl<T: Float> Iterator for AdaptiveStepper<T> {
     type Item = Result<Step<T>, IntegrateError<T>>;
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -17,16 +17,16 @@ use crate::steppers::adaptive::made::shortest_at;
 use crate::steppers::sizes::{Advance, StepSizes};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
-use equip_autodiff::{Evaluate, System};
+use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
 impl<T: Float> StepSizes<T> for Tolerance<T> {
-    type Stepper<E: Evaluate<T>> = AdaptiveStepper<T, E>;
+    type Stepper = AdaptiveStepper<T>;
 
-    fn stepper<H: System>(
+    fn stepper(
         integrator: &Integrator<T, Self>,
-        system: &H,
-    ) -> Result<AdaptiveStepper<T, H::Evaluator<T>>, IntegrateError<T>> {
+        system: &Hamiltonian,
+    ) -> Result<AdaptiveStepper<T>, IntegrateError<T>> {
         let sizes = &integrator.sizes;
         sizes.validate(integrator.method.stages)?;
         let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
@@ -81,7 +81,7 @@ impl<T: Float> StepSizes<T> for Tolerance<T> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
+impl<T: Float> AdaptiveStepper<T> {
     /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
     ///
     /// # Errors
@@ -123,12 +123,12 @@ impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
     }
 }
 
-impl<T: Float, E: Evaluate<T>> Advance<T, E> for AdaptiveStepper<T, E> {
-    fn inner(&self) -> &Stepper<T, E> {
+impl<T: Float> Advance<T> for AdaptiveStepper<T> {
+    fn inner(&self) -> &Stepper<T> {
         &self.inner
     }
 
-    fn inner_mut(&mut self) -> &mut Stepper<T, E> {
+    fn inner_mut(&mut self) -> &mut Stepper<T> {
         &mut self.inner
     }
 

@@ -11,10 +11,9 @@ use crate::events::crossings::{Crossings, Meeting};
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
 use crate::steppers::adaptive::made::{EndIs, Made, Place, shortest_at};
 use crate::steppers::stepper::Stepper;
-use equip_autodiff::Evaluate;
 use equip_scalar::Float;
 
-impl<T: Float, E: Evaluate<T>> AdaptiveStepper<T, E> {
+impl<T: Float> AdaptiveStepper<T> {
     /// Makes a step with its estimate, or only its stages if it is to end on a switch before.
     pub(super) fn make_up_to_switches(
         &mut self,

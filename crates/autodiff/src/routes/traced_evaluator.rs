@@ -1,8 +1,8 @@
-//! [`RecordedEvaluator`]: what is evaluated of a recording, in one float type.
+//! [`TracedEvaluator`]: what is evaluated of a recording, in one float type.
 
 use super::many::Many;
 use super::one::One;
-use super::recorded::{Derived, Hessian};
+use super::traced::{Derived, Hessian};
 use crate::Kinetic;
 use crate::derivative::rate::{Change, Rounding};
 use crate::derivative::tangent::Tangent;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// Evaluates a recorded energy in the float type `T`. Workspace is allocated at the first call of a kind.
 #[derive(Debug, Clone)]
-pub struct RecordedEvaluator<T: Float> {
+pub(crate) struct TracedEvaluator<T: Float> {
     pub(super) shared: Arc<Derived>,
     pub(super) set: InstructionSet,
     energy: One<T>,
@@ -32,9 +32,9 @@ pub struct RecordedEvaluator<T: Float> {
     pub(super) forces: Many<T>,
 }
 
-impl<T: Float> RecordedEvaluator<T> {
+impl<T: Float> TracedEvaluator<T> {
     pub(crate) fn new(of: &Arc<Derived>) -> Self {
-        RecordedEvaluator {
+        TracedEvaluator {
             shared: Arc::clone(of),
             set: InstructionSet::best(),
             energy: One::new(),
@@ -232,48 +232,41 @@ impl<T: Float> RecordedEvaluator<T> {
     }
 }
 
-impl<T: Float> RecordedEvaluator<T> {
-    /// The second number of [`gradient_with_bound`](Evaluate::gradient_with_bound).
-    pub(crate) fn bound(&mut self, y: &[T]) -> T {
-        (ready::<T>().bound)(self, y)
-    }
-}
-
 /// What is compiled once, with this crate, by [`equip_scalar::ready!`]: the functions of
-/// [`Evaluate`](crate::Evaluate), by their names there, and the bound alone.
+/// [`Evaluator`](crate::Evaluator), by their names there, and the bound alone.
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
-    pub(crate) evaluator: fn(&Arc<Derived>) -> RecordedEvaluator<T>,
-    pub(crate) value: fn(&mut RecordedEvaluator<T>, &[T]) -> T,
-    pub(crate) compensated_value: fn(&mut RecordedEvaluator<T>, &[T]) -> T,
-    pub(crate) gradient_with_bound: fn(&mut RecordedEvaluator<T>, &[T], &mut [T]) -> (T, T),
-    pub(crate) bound: fn(&mut RecordedEvaluator<T>, &[T]) -> T,
-    pub(crate) gradients: fn(&mut RecordedEvaluator<T>, &[T], &mut [T], usize),
-    pub(crate) gradients_by_component: fn(&mut RecordedEvaluator<T>, &[T], &mut [T], usize, usize),
-    pub(crate) forces_by_component: fn(&mut RecordedEvaluator<T>, &[T], &mut [T], usize, usize),
-    pub(crate) kinetic: fn(&mut RecordedEvaluator<T>) -> Option<Kinetic<T>>,
-    pub(crate) gradient_rounding: fn(&mut RecordedEvaluator<T>, &[T], &mut [T]),
-    pub(crate) hessian_vector: fn(&mut RecordedEvaluator<T>, &[T], &[T], &mut [T]),
-    pub(crate) hessian: fn(&mut RecordedEvaluator<T>, &[T], &mut [T]),
-    pub(crate) hessians_by_component: fn(&mut RecordedEvaluator<T>, &[T], &mut [T], usize, usize),
+    pub(crate) evaluator: fn(&Arc<Derived>) -> TracedEvaluator<T>,
+    pub(crate) value: fn(&mut TracedEvaluator<T>, &[T]) -> T,
+    pub(crate) compensated_value: fn(&mut TracedEvaluator<T>, &[T]) -> T,
+    pub(crate) gradient_with_bound: fn(&mut TracedEvaluator<T>, &[T], &mut [T]) -> (T, T),
+    pub(crate) bound: fn(&mut TracedEvaluator<T>, &[T]) -> T,
+    pub(crate) gradients: fn(&mut TracedEvaluator<T>, &[T], &mut [T], usize),
+    pub(crate) gradients_by_component: fn(&mut TracedEvaluator<T>, &[T], &mut [T], usize, usize),
+    pub(crate) forces_by_component: fn(&mut TracedEvaluator<T>, &[T], &mut [T], usize, usize),
+    pub(crate) kinetic: fn(&mut TracedEvaluator<T>) -> Option<Kinetic<T>>,
+    pub(crate) gradient_rounding: fn(&mut TracedEvaluator<T>, &[T], &mut [T]),
+    pub(crate) hessian_vector: fn(&mut TracedEvaluator<T>, &[T], &[T], &mut [T]),
+    pub(crate) hessian: fn(&mut TracedEvaluator<T>, &[T], &mut [T]),
+    pub(crate) hessians_by_component: fn(&mut TracedEvaluator<T>, &[T], &mut [T], usize, usize),
 }
 
 impl<T: Float> Ready<T> {
     const HERE: Self = Ready {
-        evaluator: RecordedEvaluator::new,
-        value: RecordedEvaluator::value_at,
-        compensated_value: RecordedEvaluator::compensated_value_at,
-        gradient_with_bound: RecordedEvaluator::gradient_with_bound_at,
-        bound: RecordedEvaluator::bound_at,
-        gradients: RecordedEvaluator::gradients_at,
-        gradients_by_component: RecordedEvaluator::gradients_of,
-        forces_by_component: RecordedEvaluator::forces_of,
-        kinetic: RecordedEvaluator::kinetic_energy,
-        gradient_rounding: RecordedEvaluator::gradient_rounding_at,
-        hessian_vector: RecordedEvaluator::hessian_times,
-        hessian: RecordedEvaluator::hessian_at,
-        hessians_by_component: RecordedEvaluator::hessians_of,
+        evaluator: TracedEvaluator::new,
+        value: TracedEvaluator::value_at,
+        compensated_value: TracedEvaluator::compensated_value_at,
+        gradient_with_bound: TracedEvaluator::gradient_with_bound_at,
+        bound: TracedEvaluator::bound_at,
+        gradients: TracedEvaluator::gradients_at,
+        gradients_by_component: TracedEvaluator::gradients_of,
+        forces_by_component: TracedEvaluator::forces_of,
+        kinetic: TracedEvaluator::kinetic_energy,
+        gradient_rounding: TracedEvaluator::gradient_rounding_at,
+        hessian_vector: TracedEvaluator::hessian_times,
+        hessian: TracedEvaluator::hessian_at,
+        hessians_by_component: TracedEvaluator::hessians_of,
     };
 }
 

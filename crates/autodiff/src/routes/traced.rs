@@ -1,5 +1,5 @@
-//! [`Recorded`]: the closure route. H is recorded once; what is derived from the recording is made when it is
-//! first asked for, and shared by the evaluators of all float types.
+//! [`Traced`]: the trace of H. What is derived from it is made at its first use, and shared by the evaluators
+//! of all float types.
 
 use super::results::Results;
 use crate::derivative::bound::differentiate_with_bound;
@@ -9,33 +9,25 @@ use crate::derivative::reverse::differentiate;
 use crate::recording::bytes;
 use crate::recording::graph::{Graph, partial_sums};
 use crate::recording::recorder::Recording;
-use crate::recording::trace::record;
 use crate::replay::tape::LONG;
 use crate::replay::values::constants;
 use crate::structure::colouring::Colouring;
 use crate::structure::facts::HessianPattern;
 use crate::structure::{degree, separable};
-use crate::{BuildError, Structure, Var};
+use crate::{BuildError, Structure};
 use std::sync::{Arc, OnceLock};
 
-/// An energy recorded from a closure; made by [`Hamiltonian::new`](crate::Hamiltonian::new).
+/// An energy recorded from a closure.
 #[derive(Debug, Clone)]
-pub struct Recorded {
-    pub(super) shared: Arc<Derived>,
+pub(crate) struct Traced {
+    pub(crate) shared: Arc<Derived>,
 }
 
-impl Recorded {
-    pub(crate) fn new(
-        m: usize,
-        energy: impl FnOnce(&[Var], &[Var]) -> Var,
-    ) -> Result<Self, BuildError> {
-        Self::of(record(m, energy)?)
-    }
-
+impl Traced {
     pub(crate) fn of(recording: Recording) -> Result<Self, BuildError> {
         let m = recording.operations.inputs / 2;
         let shared = Arc::new(Derived::new(m, recording)?);
-        Ok(Recorded { shared })
+        Ok(Traced { shared })
     }
 
     pub(crate) fn hessian_operations(&self) -> usize {
@@ -52,12 +44,6 @@ impl Recorded {
     /// The operations of H.
     pub(crate) fn recording(&self) -> &Recording {
         &self.shared.recording
-    }
-
-    /// Whether H has a sum that is worth compensating.
-    #[inline]
-    pub(crate) fn has_long_sums(&self) -> bool {
-        self.shared.has_long_sums
     }
 
     pub(crate) fn gradient_operations(&self) -> usize {

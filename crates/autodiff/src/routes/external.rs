@@ -1,0 +1,205 @@
+//! [`External`]: an energy that is computed by the user's own code, value and gradient, in doubles.
+
+use super::check::{beside, by_differences};
+use super::given::{Given, GivenGradient};
+use crate::recording::recorder::MOST;
+use crate::replay::point::{Points, check_hessians};
+use crate::structure::facts::HessianPattern;
+use crate::{BuildError, Structure, WrongGradient};
+use equip_scalar::Float;
+use std::fmt;
+use std::sync::Arc;
+
+type Value = dyn Fn(&[f64], &[f64]) -> f64 + Send + Sync;
+
+/// H as a function of (q, p) that is not recorded: C code, an interpolator, a learned energy.
+#[derive(Clone)]
+pub(crate) struct External {
+    value: Arc<Value>,
+    /// Relative rounding error of the value.
+    accuracy: f64,
+    pub(crate) gradient: GivenGradient,
+    pub(crate) structure: Arc<Structure>,
+}
+
+impl fmt::Debug for External {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let mut shown = f.debug_struct("External");
+        shown.field("accuracy", &self.accuracy);
+        shown.field("structure", &self.structure).finish()
+    }
+}
+
+impl External {
+    pub(crate) fn new(
+        m: usize,
+        accuracy: f64,
+        value: Arc<Value>,
+        gradient: GivenGradient,
+    ) -> Result<Self, BuildError> {
+        if m == 0 {
+            return Err(BuildError::NoDegreesOfFreedom);
+        }
+        if m > MOST {
+            return Err(BuildError::TooManyDegreesOfFreedom { m });
+        }
+        if !(f64::EPSILON..1.0).contains(&accuracy) {
+            return Err(BuildError::Accuracy { accuracy });
+        }
+        Ok(External {
+            value,
+            accuracy,
+            gradient,
+            structure: Arc::new(Structure {
+                degrees_of_freedom: m,
+                separable: false,
+                degree: None,
+                degree_in_q: None,
+                degree_in_p: None,
+                hessian: HessianPattern::full(2 * m),
+            }),
+        })
+    }
+}
+
+/// It with its workspace.
+#[derive(Debug, Clone)]
+pub(crate) struct ExternalEvaluator<T> {
+    pub(crate) of: External,
+    pub(crate) given: Given<T>,
+    points: Points<T>,
+    /// A state beside the one that is asked for, ∇H there, and a vector.
+    point: Vec<T>,
+    ahead: Vec<T>,
+    unit: Vec<T>,
+}
+
+impl<T: Float> ExternalEvaluator<T> {
+    pub(crate) fn new(of: &External) -> Self {
+        ExternalEvaluator {
+            of: of.clone(),
+            given: Given::new(&of.gradient, 2 * of.structure.degrees_of_freedom),
+            points: Points::default(),
+            point: Vec::new(),
+            ahead: Vec::new(),
+            unit: Vec::new(),
+        }
+    }
+
+    fn check(&self, lengths: &[usize]) {
+        let n = 2 * self.of.structure.degrees_of_freedom;
+        assert!(
+            lengths.iter().all(|&l| l == n),
+            "a state of this system has {n} components"
+        );
+    }
+
+    pub(crate) fn value(&mut self, y: &[T]) -> T {
+        self.check(&[y.len()]);
+        let (q, p) = self.given.in_doubles(y).split_at(y.len() / 2);
+        T::exact((self.of.value)(q, p))
+    }
+
+    /// The bound is that of the value, and of what rounding y makes of it: nothing is known of terms that
+    /// cancel within H.
+    pub(crate) fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
+        self.given.at(y, gradient);
+        let h = self.value(y);
+        let terms = y
+            .iter()
+            .zip(&*gradient)
+            .map(|(&y, &slope)| (y * slope).abs());
+        let of_state = T::exact(f64::EPSILON) * terms.fold(T::int(0), |sum, term| sum + term);
+        let of_value = T::exact(self.of.accuracy) * h.abs();
+        (h, (of_value + of_state) / T::EPSILON)
+    }
+
+    /// At a kink of H differences are those of neither side, so what differs is looked at once more beside.
+    pub(crate) fn check_gradient(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
+        let Err(wrong) = self.check_at(y) else {
+            return Ok(());
+        };
+        let mut point = y.to_vec();
+        beside(y, &mut point);
+        self.check_at(&point).map_err(|_| wrong)
+    }
+
+    fn check_at(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
+        let mut given = vec![T::int(0); y.len()];
+        let (_, bound) = self.gradient_with_bound(y, &mut given);
+        by_differences(y, (&given, bound), self.of.accuracy, |y| self.value(y))
+    }
+
+    /// Not known.
+    pub(crate) fn gradient_rounding(&self, y: &[T], off: &mut [T]) {
+        self.check(&[y.len(), off.len()]);
+        off.fill(T::int(0));
+    }
+
+    /// By central differences of the gradient. Positions and momenta have units of their own: neither moves
+    /// by more than ε^{1/3} of its largest.
+    pub(crate) fn hessian_times(&mut self, y: &[T], v: &[T], product: &mut [T]) {
+        self.check(&[y.len(), v.len(), product.len()]);
+        let (zero, one) = (T::int(0), T::int(1));
+        let m = y.len() / 2;
+        let largest = |x: &[T]| x.iter().fold(zero, |most, x| most.max(x.abs()));
+        let rates = y.chunks_exact(m).zip(v.chunks_exact(m)).map(|(y, v)| {
+            let of = largest(y);
+            largest(v) / if of > zero { of } else { one }
+        });
+        let rate = rates.fold(zero, |most, rate| most.max(rate));
+        if rate == zero {
+            return product.fill(zero);
+        }
+        let delta = T::exact(f64::EPSILON.cbrt()) / rate;
+        self.point.resize(y.len(), zero);
+        self.ahead.resize(y.len(), zero);
+        for (delta, gradient) in [(delta, &mut self.ahead[..]), (-delta, &mut *product)] {
+            for ((point, &y), &v) in self.point.iter_mut().zip(y).zip(v) {
+                *point = y + delta * v;
+            }
+            self.given.at(&self.point, gradient);
+        }
+        for (product, &ahead) in product.iter_mut().zip(&self.ahead) {
+            *product = (ahead - *product) / (T::int(2) * delta);
+        }
+    }
+
+    /// All n² entries, symmetric.
+    pub(crate) fn hessian(&mut self, y: &[T], entries: &mut [T]) {
+        let n = y.len();
+        check_hessians(&self.of.structure, [n, entries.len()], 1, 1);
+        let mut unit = std::mem::take(&mut self.unit);
+        unit.clear();
+        unit.resize(n, T::int(0));
+        for (k, row) in entries.chunks_exact_mut(n).enumerate() {
+            unit[k] = T::int(1);
+            self.hessian_times(y, &unit, row);
+            unit[k] = T::int(0);
+        }
+        self.unit = unit;
+        for i in 0..n {
+            for k in 0..i {
+                let mean = (entries[i * n + k] + entries[k * n + i]) / T::int(2);
+                (entries[i * n + k], entries[k * n + i]) = (mean, mean);
+            }
+        }
+    }
+
+    pub(crate) fn hessians(
+        &mut self,
+        states: &[T],
+        entries: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let lengths = [states.len(), entries.len()];
+        check_hessians(&self.of.structure, lengths, stride, count);
+        let mut points = std::mem::take(&mut self.points);
+        points.make_room(states.len() / stride, entries.len() / stride);
+        points.each(states, entries, stride, count, |y, entries| {
+            self.hessian(y, entries)
+        });
+        self.points = points;
+    }
+}

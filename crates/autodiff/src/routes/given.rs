@@ -1,0 +1,117 @@
+//! [`Given`]: a gradient that is a function of the user's own, in doubles.
+
+use super::check::Checked;
+use crate::WrongGradient;
+use crate::replay::point::{Points, check_batch};
+use equip_scalar::Float;
+use std::fmt;
+use std::sync::Arc;
+
+type Gradient = dyn Fn(&[f64], &[f64], &mut [f64], &mut [f64]) + Send + Sync;
+
+/// `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into `dp`.
+#[derive(Clone)]
+pub(crate) struct GivenGradient(pub(crate) Arc<Gradient>);
+
+impl fmt::Debug for GivenGradient {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("GivenGradient(..)")
+    }
+}
+
+impl GivenGradient {
+    /// ∇H at y = (q, p), both slices of length n = 2m.
+    pub(crate) fn at(&self, y: &[f64], gradient: &mut [f64]) {
+        let (q, p) = y.split_at(y.len() / 2);
+        let (dq, dp) = gradient.split_at_mut(q.len());
+        (self.0)(q, p, dq, dp);
+    }
+}
+
+/// The same with its workspace. In another float its argument and its result are rounded to doubles.
+#[derive(Debug, Clone)]
+pub(crate) struct Given<T> {
+    gradient: GivenGradient,
+    state: Vec<f64>,
+    slope: Vec<f64>,
+    points: Points<T>,
+    checked: Checked<T>,
+}
+
+impl<T: Float> Given<T> {
+    pub(crate) fn new(gradient: &GivenGradient, n: usize) -> Self {
+        Given {
+            gradient: gradient.clone(),
+            state: vec![0.0; n],
+            slope: vec![0.0; n],
+            points: Points::new(n),
+            checked: Checked::new(n),
+        }
+    }
+
+    /// `y`, which may be the positions alone, in doubles; momenta that are not there are 0.
+    pub(crate) fn in_doubles(&mut self, y: &[T]) -> &[f64] {
+        let (given, missing) = self.state.split_at_mut(y.len());
+        given.iter_mut().zip(y).for_each(|(x, y)| *x = y.to_f64());
+        missing.fill(0.0);
+        &self.state
+    }
+
+    /// ∇H at `y`, length n.
+    ///
+    /// # Panics
+    /// If `y` or `gradient` has another length.
+    pub(crate) fn at(&mut self, y: &[T], gradient: &mut [T]) {
+        let n = self.state.len();
+        let fits = y.len() == n && gradient.len() == n;
+        assert!(fits, "a state of this system has {n} components");
+        self.in_doubles(y);
+        self.gradient.at(&self.state, &mut self.slope);
+        let slopes = gradient.iter_mut().zip(&self.slope);
+        slopes.for_each(|(slope, &x)| *slope = T::exact(x));
+    }
+
+    /// At states that stand one after the other.
+    pub(crate) fn one_by_one(&mut self, states: &[T], gradients: &mut [T], n: usize) {
+        for (y, gradient) in states.chunks_exact(n).zip(gradients.chunks_exact_mut(n)) {
+            self.at(y, gradient);
+        }
+    }
+
+    /// At states that stand component by component.
+    pub(crate) fn by_component(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let lengths = [states.len(), gradients.len()];
+        check_batch(self.state.len(), lengths, stride, count);
+        self.each(states, gradients, stride, count);
+    }
+
+    /// At each point of a batch that stands component by component, all n components or the positions alone.
+    pub(crate) fn each(&mut self, states: &[T], gradients: &mut [T], stride: usize, count: usize) {
+        let mut points = std::mem::take(&mut self.points);
+        points.each(states, gradients, stride, count, |y, slope| {
+            self.at(y, slope);
+        });
+        self.points = points;
+    }
+
+    /// Held against what `expected` says at `y`.
+    pub(crate) fn check(
+        &mut self,
+        y: &[T],
+        mut expected: impl FnMut(&[T], &mut [T]),
+    ) -> Result<(), WrongGradient<T>> {
+        let mut checked = std::mem::replace(&mut self.checked, Checked::new(0));
+        let agrees = checked.at(y, |y, given, right| {
+            self.at(y, given);
+            expected(y, right);
+        });
+        self.checked = checked;
+        agrees
+    }
+}

@@ -1,0 +1,36 @@
+//! An energy from outside: value and gradient by code of one's own, here a molecule's Morse potential as a library
+//! would compute it. What can be written as a closure is better written so: H is differentiated then.
+
+use equip::prelude::*;
+
+const DEPTH: f64 = 4.5;
+const WIDTH: f64 = 1.9;
+const LENGTH: f64 = 0.74;
+
+/// U(r) and U'(r).
+fn morse(r: f64) -> (f64, f64) {
+    let e = (-WIDTH * (r - LENGTH)).exp();
+    (DEPTH * (1.0 - e).powi(2), 2.0 * DEPTH * WIDTH * (1.0 - e) * e)
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let radius = |q: &[f64]| q[0].hypot(q[1]);
+    let molecule = Hamiltonian::external(
+        2,
+        4.0 * f64::EPSILON,
+        move |q, p| 0.5 * (p[0] * p[0] + p[1] * p[1]) + morse(radius(q)).0,
+        move |q, p, dq, dp| {
+            let pull = morse(radius(q)).1 / radius(q);
+            (dq[0], dq[1]) = (pull * q[0], pull * q[1]);
+            dp.copy_from_slice(p);
+        },
+    )?;
+    let angular_momentum = Hamiltonian::new(2, |q, p| q[0] * p[1] - q[1] * p[0])?;
+    let run = Equip::stages(6)
+        .tolerance(1e-10)
+        .invariant(Invariant::new("angular momentum", angular_momentum))
+        .integrate(&molecule, &[0.9, 0.0], &[0.3, 1.2], 0.0..=50.0)?;
+    println!("{}", run.certificate());
+    assert!(run.certificate().energy_kept_on_every_step());
+    Ok(())
+}
