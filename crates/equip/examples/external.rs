@@ -10,7 +10,10 @@ const LENGTH: f64 = 0.74;
 /// U(r) and U'(r).
 fn morse(r: f64) -> (f64, f64) {
     let e = (-WIDTH * (r - LENGTH)).exp();
-    (DEPTH * (1.0 - e).powi(2), 2.0 * DEPTH * WIDTH * (1.0 - e) * e)
+    (
+        DEPTH * (1.0 - e).powi(2),
+        2.0 * DEPTH * WIDTH * (1.0 - e) * e,
+    )
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -39,6 +39,7 @@ pub use report::energy_floor::EnergyFloor;
 pub use report::energy_jumps::EnergyJumps;
 pub use report::phase_per_step::PhasePerStep;
 pub use report::variable_steps::VariableSteps;
+pub use runs::compiled::StepSizes;
 #[cfg(feature = "rayon")]
 pub use runs::ensemble::drawn::drawn_start;
 #[cfg(feature = "rayon")]
@@ -50,7 +51,6 @@ pub use runs::step_events::StepEvents;
 pub use runs::suggest::Target;
 pub use steppers::adaptive::adaptive_stepper::AdaptiveStepper;
 pub use steppers::reversible_stepper::ReversibleStepper;
-pub use steppers::sizes::StepSizes;
 pub use steppers::stepper::Stepper;
 pub use steppers::view::{Step, StepView};
 pub use tangent::chaos::Chaos;

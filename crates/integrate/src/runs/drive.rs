@@ -30,7 +30,7 @@ pub(crate) struct Watchers<'a, T: Float> {
 pub(crate) fn drive<T: Float>(
     steps: &mut impl Advance<T>,
     mut watchers: Watchers<'_, T>,
-    observer: &mut impl Observer<T>,
+    observer: &mut dyn Observer<T>,
 ) -> Result<Run<T>, RunFailure<T>> {
     let mut run = Run::new(steps.inner());
     let made = watch(steps, &mut watchers, observer, &mut run);
@@ -49,7 +49,7 @@ pub(crate) fn drive<T: Float>(
 fn watch<T: Float>(
     steps: &mut impl Advance<T>,
     watchers: &mut Watchers<'_, T>,
-    observer: &mut impl Observer<T>,
+    observer: &mut dyn Observer<T>,
     run: &mut Run<T>,
 ) -> Result<(), IntegrateError<T>> {
     let mut changed: Option<T> = None;

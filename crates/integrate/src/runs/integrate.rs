@@ -3,12 +3,13 @@
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::options::integrator::Integrator;
 use crate::runs::chaos_watch::chaos_of_run;
+use crate::runs::compiled::StepSizes;
 use crate::runs::dense_watch::DenseWatch;
 use crate::runs::drive::{Watchers, drive};
 use crate::runs::observer::{NoObserver, Observer};
 use crate::runs::outputs::Outputs;
 use crate::runs::run::{Run, RunFailure};
-use crate::steppers::sizes::{Advance, StepSizes};
+use crate::steppers::sizes::{Advance, Sizes};
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
@@ -61,7 +62,7 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         let (t0, t1) = interval.into_inner();
         self.options.check_times(t0, t1)?;
         let mut stepper = self.start_towards(system, (q0, p0), t0, Some(t1))?;
-        self.run(system, &mut stepper, t1, None, observer)
+        (S::entries().run)(self, system, &mut stepper, (t1, None), observer)
     }
 
     /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at
@@ -80,17 +81,24 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
         let mut stepper = self.resume(system, checkpoint)?;
-        self.run(system, &mut stepper, end, Some(checkpoint), observer)
+        (S::entries().run)(
+            self,
+            system,
+            &mut stepper,
+            (end, Some(checkpoint)),
+            observer,
+        )
     }
+}
 
+impl<T: Float, S: Sizes<T>> Integrator<T, S> {
     /// A run of `stepper`, which has begun or been resumed, to `end`.
     pub(crate) fn run(
         &self,
         system: &Hamiltonian,
         stepper: &mut S::Stepper,
-        end: T,
-        from: Option<&Checkpoint>,
-        observer: &mut impl Observer<T>,
+        (end, from): (T, Option<&Checkpoint>),
+        observer: &mut dyn Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
         stepper.inner().check_end(end)?;
         let start = stepper.inner().stretch_start();

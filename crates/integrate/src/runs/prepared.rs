@@ -2,9 +2,9 @@
 
 use crate::error::IntegrateError;
 use crate::options::integrator::Integrator;
+use crate::runs::compiled::StepSizes;
 use crate::runs::observer::{NoObserver, Observer};
 use crate::runs::run::{Run, RunFailure};
-use crate::steppers::sizes::{Advance, StepSizes};
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
@@ -41,7 +41,7 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     /// Every fault of options and steps.
     pub fn prepare(&self, system: &Hamiltonian) -> Result<Prepared<T, S>, IntegrateError<T>> {
         Ok(Prepared {
-            stepper: S::stepper(self, system)?,
+            stepper: (S::entries().make)(self, system)?,
             integrator: self.clone(),
             system: system.clone(),
         })
@@ -60,7 +60,7 @@ impl<T: Float, S: StepSizes<T>> Prepared<T, S> {
         p0: &[T],
         t0: T,
     ) -> Result<&mut S::Stepper, IntegrateError<T>> {
-        self.stepper.begin((q0, p0), t0, None)?;
+        (S::entries().begin)(&mut self.stepper, (q0, p0), t0, None)?;
         Ok(&mut self.stepper)
     }
 
@@ -90,8 +90,8 @@ impl<T: Float, S: StepSizes<T>> Prepared<T, S> {
     ) -> Result<Run<T>, RunFailure<T>> {
         let (t0, t1) = interval.into_inner();
         self.integrator.options.check_times(t0, t1)?;
-        self.stepper.begin((q0, p0), t0, Some(t1))?;
+        (S::entries().begin)(&mut self.stepper, (q0, p0), t0, Some(t1))?;
         let (system, stepper) = (&self.system, &mut self.stepper);
-        self.integrator.run(system, stepper, t1, None, observer)
+        (S::entries().run)(&self.integrator, system, stepper, (t1, None), observer)
     }
 }

@@ -6,36 +6,10 @@ use crate::options::common::{Words, in_digits};
 use crate::options::fixed_step::Fixed;
 use crate::options::integrator::Integrator;
 use crate::steppers::grid::Grid;
-use crate::steppers::sizes::{Advance, StepSizes};
+use crate::steppers::sizes::{Advance, Sizes};
 use crate::steppers::stepper::Stepper;
-use crate::steppers::view::StepView;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
-
-impl<T: Float> Stepper<T> {
-    /// Goes to the time `t`, forward or back: steps of the grid, and a shorter one that ends at `t` if that
-    /// is none of its points. The grid then begins anew there. At `t` already, no step is made.
-    ///
-    /// ```
-    /// use equip_autodiff::Hamiltonian;
-    /// use equip_integrate::Equip;
-    ///
-    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
-    /// let mut run = Equip::stages(6).step(0.1).start(&pendulum, &[1.0], &[0.5], 0.0)?;
-    /// assert_eq!(run.advance_to(2.345)?.time, 2.345);
-    /// let back = run.advance_to(0.0)?;
-    /// assert!((back.q[0] - 1.0).abs() < 1e-13 && (back.p[0] - 0.5).abs() < 1e-13);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// A time that is not finite, and a step that cannot be made; the run then is where the last good one
-    /// ended.
-    pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        while self.step_towards(t)? {}
-        Ok(self.view())
-    }
-}
 
 impl<T: Float> Advance<T> for Stepper<T> {
     fn inner(&self) -> &Stepper<T> {
@@ -88,13 +62,22 @@ impl<T: Float> Advance<T> for Stepper<T> {
         self.grid.is_some_and(|grid| self.place >= grid.last())
     }
 
+    fn go_on(&mut self) -> Result<(), IntegrateError<T>> {
+        if !self.is_on_grid() {
+            self.begin_grid();
+        }
+        let h = self.grid_step();
+        let time = self.grid_start + T::int(self.place + 1) * h;
+        self.make(time, h)
+    }
+
     fn step(&mut self) -> Result<(), IntegrateError<T>> {
         match self.grid {
             Some(grid) => {
                 let next = self.place + 1;
                 self.make(grid.time(next), grid.size(next))
             }
-            None => self.advance().map(|_| ()),
+            None => self.go_on(),
         }
     }
 
@@ -137,7 +120,7 @@ impl<T: Float> Advance<T> for Stepper<T> {
     }
 }
 
-impl<T: Float> StepSizes<T> for Fixed<T> {
+impl<T: Float> Sizes<T> for Fixed<T> {
     type Stepper = Stepper<T>;
 
     fn stepper(

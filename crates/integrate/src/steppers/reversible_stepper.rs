@@ -34,15 +34,6 @@ impl<T: Float> ReversibleStepper<T> {
         Ok(self.epsilon * rate)
     }
 
-    /// Makes the next step.
-    ///
-    /// # Errors
-    /// When the step cannot be made, or σ or the density is not positive; the state then is that before
-    /// the step.
-    pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        self.advance_within(None)
-    }
-
     /// Makes the next step, but not beyond `end`, which the last step meets exactly.
     pub(super) fn advance_within(
         &mut self,

@@ -10,13 +10,12 @@ use crate::options::integrator::Integrator;
 use crate::options::reversible::Symmetric;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::reversible_stepper::ReversibleStepper;
-use crate::steppers::sizes::{Advance, StepSizes};
+use crate::steppers::sizes::{Advance, Sizes};
 use crate::steppers::stepper::Stepper;
-use crate::steppers::view::StepView;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
-impl<T: Float> StepSizes<T> for Symmetric<T> {
+impl<T: Float> Sizes<T> for Symmetric<T> {
     type Stepper = ReversibleStepper<T>;
 
     fn stepper(
@@ -108,6 +107,10 @@ impl<T: Float> Advance<T> for ReversibleStepper<T> {
         self.end.is_some_and(|end| !is_ahead(end))
     }
 
+    fn go_on(&mut self) -> Result<(), IntegrateError<T>> {
+        self.advance_within(None).map(|_| ())
+    }
+
     fn step(&mut self) -> Result<(), IntegrateError<T>> {
         self.advance_within(self.end).map(|_| ())
     }
@@ -136,28 +139,6 @@ impl<T: Float> ReversibleStepper<T> {
     /// Faults of the initial values, an H that is not finite there, and a σ that is not positive.
     pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
         self.begin((q0, p0), t0, None)
-    }
-
-    /// Goes to the time `t`, forward or back, which the last step meets exactly: a shorter one, so that the
-    /// steps back from there are other ones. At `t` already, no step is made.
-    ///
-    /// ```
-    /// use equip_autodiff::Hamiltonian;
-    /// use equip_integrate::Equip;
-    ///
-    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
-    /// let options = Equip::stages(6).reversible_automatic(0.3);
-    /// let mut run = options.start(&pendulum, &[1.0], &[0.5], 0.0)?;
-    /// assert_eq!(run.advance_to(-4.5)?.time, -4.5);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// A time that is not finite, and those of [`advance`](Self::advance); the run then is where the last
-    /// good step ended.
-    pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        while self.step_towards(t)? {}
-        Ok(self.view())
     }
 
     /// The present state of the run, to be resumed by the same options.

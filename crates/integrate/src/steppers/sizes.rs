@@ -1,4 +1,4 @@
-//! [`StepSizes`]: from step sizes to the stepper that makes them.
+//! [`Sizes`]: from step sizes to the stepper that makes them.
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
@@ -11,9 +11,8 @@ use equip_scalar::Float;
 use equip_solver::{Core, Part};
 use std::fmt;
 
-/// How an [`Integrator`] sizes its steps: [`Fixed`](crate::Fixed), [`Tolerance`](crate::Tolerance) or
-/// [`Symmetric`](crate::Symmetric).
-pub trait StepSizes<T: Float>: Clone + fmt::Debug {
+/// What [`StepSizes`](crate::StepSizes) say of the steps.
+pub trait Sizes<T: Float>: Clone + fmt::Debug + 'static {
     /// What makes the steps.
     type Stepper: Advance<T>;
 
@@ -29,43 +28,9 @@ pub trait StepSizes<T: Float>: Clone + fmt::Debug {
     fn words(&self) -> Vec<(&'static str, String)>;
 }
 
-impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
-    /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, without making a step. It goes forward
-    /// in time, back if its step is negative, and either way by `advance_to` and `turn_back` of what makes
-    /// its steps.
-    ///
-    /// # Errors
-    /// Every fault of options, steps and initial values, and an H that is not finite at the start.
-    pub fn start(
-        &self,
-        system: &Hamiltonian,
-        q0: &[T],
-        p0: &[T],
-        t0: T,
-    ) -> Result<S::Stepper, IntegrateError<T>> {
-        self.start_towards(system, (q0, p0), t0, None)
-    }
-
-    /// The same, to go `towards` a time if that is known.
-    pub(crate) fn start_towards(
-        &self,
-        system: &Hamiltonian,
-        start: (&[T], &[T]),
-        t0: T,
-        towards: Option<T>,
-    ) -> Result<S::Stepper, IntegrateError<T>> {
-        let mut stepper = S::stepper(self, system)?;
-        stepper.begin(start, t0, towards)?;
-        Ok(stepper)
-    }
-
-    /// The run that `checkpoint` was made of, at the step where it was made. Bit for bit the same as if it
-    /// had not stopped.
-    ///
-    /// # Errors
-    /// When the checkpoint was made in another float type, with another method, other options or another H,
-    /// or is damaged; every fault of [`start`](Self::start).
-    pub fn resume(
+impl<T: Float, S: Sizes<T>> Integrator<T, S> {
+    /// The run that `checkpoint` was made of, at the step where it was made.
+    pub(crate) fn resumed(
         &self,
         system: &Hamiltonian,
         checkpoint: &Checkpoint,
@@ -151,6 +116,11 @@ pub trait Advance<T: Float> {
     /// # Errors
     /// Faults of the values, and an H that is not finite there.
     fn kick(&mut self, state: (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>>;
+    /// Makes the next step, whatever the end.
+    ///
+    /// # Errors
+    /// When it cannot be made.
+    fn go_on(&mut self) -> Result<(), IntegrateError<T>>;
     /// Makes the next step, up to the end.
     ///
     /// # Errors

@@ -87,21 +87,6 @@ pub struct Stepper<T: Float> {
 }
 
 impl<T: Float> Stepper<T> {
-    /// Makes the next step.
-    ///
-    /// # Errors
-    /// When the step cannot be made; the state then is that before the step, and may be read or stepped
-    /// again.
-    pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        if !self.is_on_grid() {
-            self.begin_grid();
-        }
-        let h = self.grid_step();
-        let time = self.grid_start + T::int(self.place + 1) * h;
-        self.make(time, h)?;
-        Ok(self.view())
-    }
-
     /// Turns the run round in time: the steps from here on go the other way.
     pub fn turn_back(&mut self) {
         self.direction = self.direction.turned();

@@ -50,7 +50,8 @@ fn compare<T: Float>(
     let ends = expected.end.iter().zip(&y);
     let motion = ends.fold(T::int(0), |a, (&x, &y)| a.max((x - y).abs()));
     // The relative error of D.
-    let turn = (T::int(64) * T::EPSILON.sqrt()).max(displacement / motion);
+    let turn = (displacement / motion).min(T::ratio(1, 1000));
+    let turn = turn.max(T::int(64) * T::EPSILON.sqrt());
     let size = y
         .iter()
         .chain(&expected.end)

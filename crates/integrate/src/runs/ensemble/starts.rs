@@ -5,8 +5,8 @@
 
 use crate::error::IntegrateError;
 use crate::options::integrator::Integrator;
+use crate::runs::compiled::StepSizes;
 use crate::runs::run::{Run, RunFailure};
-use crate::steppers::sizes::StepSizes;
 use crate::steppers::view::StepView;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;

@@ -52,15 +52,6 @@ pub struct AdaptiveStepper<T: Float> {
 }
 
 impl<T: Float> AdaptiveStepper<T> {
-    /// Makes the next step, of the size that control proposes, the way the run goes: forward in time, unless
-    /// it was [turned back](Self::turn_back).
-    ///
-    /// # Errors
-    /// When no step above the smallest size can be made; the state then is that before the step.
-    pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        self.advance_within(None)
-    }
-
     /// Turns the run round in time: the steps from here on go the other way.
     pub fn turn_back(&mut self) {
         self.inner.turn_back();

@@ -14,13 +14,12 @@ use crate::options::integrator::Integrator;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
 use crate::steppers::adaptive::made::shortest_at;
-use crate::steppers::sizes::{Advance, StepSizes};
+use crate::steppers::sizes::{Advance, Sizes};
 use crate::steppers::stepper::Stepper;
-use crate::steppers::view::StepView;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
-impl<T: Float> StepSizes<T> for Tolerance<T> {
+impl<T: Float> Sizes<T> for Tolerance<T> {
     type Stepper = AdaptiveStepper<T>;
 
     fn stepper(
@@ -88,30 +87,6 @@ impl<T: Float> AdaptiveStepper<T> {
     /// Faults of the initial values, and an H that is not finite there.
     pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
         self.begin((q0, p0), t0, None)
-    }
-
-    /// Goes to the time `t`, forward or back, which the last step meets exactly. At `t` already, no step is
-    /// made.
-    ///
-    /// ```
-    /// use equip_autodiff::Hamiltonian;
-    /// use equip_integrate::Equip;
-    ///
-    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
-    /// let mut run = Equip::stages(6).tolerance(1e-12).start(&pendulum, &[1.0], &[0.5], 0.0)?;
-    /// for t in [1.0, 2.5, -4.0, 0.0] {
-    ///     assert_eq!(run.advance_to(t)?.time, t);
-    /// }
-    /// assert!((run.view().q[0] - 1.0).abs() < 1e-11);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// A time that is not finite, and those of [`advance`](Self::advance); the run then is where the last
-    /// good step ended.
-    pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        while self.step_towards(t)? {}
-        Ok(self.view())
     }
 
     /// The present state of the run, to be resumed by the same options.
@@ -196,6 +171,10 @@ impl<T: Float> Advance<T> for AdaptiveStepper<T> {
     fn is_done(&self) -> bool {
         let is_ahead = |end| self.inner.direction.is_before(self.time(), end);
         self.end.is_some_and(|end| !is_ahead(end))
+    }
+
+    fn go_on(&mut self) -> Result<(), IntegrateError<T>> {
+        self.advance_within(None).map(|_| ())
     }
 
     fn step(&mut self) -> Result<(), IntegrateError<T>> {
