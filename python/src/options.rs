@@ -64,7 +64,8 @@ impl Options {
             "fixed-alpha" => {
                 Method::fixed_alpha(self.stages, DoubleDouble::new(self.alpha.0, self.alpha.1))
             }
-            other => return Err(value_error(format!("unknown family {other}"))),
+            other => Method::named(other)
+                .ok_or_else(|| value_error(format!("unknown family {other}")))?,
         })
     }
 

@@ -6,7 +6,7 @@
 
 use equip_autodiff::{Evaluator, Hamiltonian};
 use equip_scalar::Float;
-use equip_tableau::{Gauss, TableauError};
+use equip_tableau::{Coefficients, TableauError};
 
 /// Stages of the reference.
 const STAGES: usize = 16;
@@ -156,7 +156,7 @@ struct Stages<T: Float> {
 
 impl<T: Float> Stages<T> {
     fn new(hamiltonian: &Hamiltonian) -> Result<Self, TableauError> {
-        let tableau = Gauss::<T>::new(STAGES)?.tableau(&[T::int(0); STAGES - 1]);
+        let tableau = Coefficients::<T>::gauss(STAGES)?.tableau(&[T::int(0); STAGES - 1]);
         let length = 2 * hamiltonian.degrees_of_freedom() * STAGES;
         let zeros = vec![T::int(0); length];
         Ok(Stages {

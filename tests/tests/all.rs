@@ -23,6 +23,7 @@ mod newton;
 mod order;
 mod pay_as_you_go;
 mod random;
+mod relatives;
 mod reproducibility;
 mod springs;
 mod stories;

@@ -45,6 +45,11 @@ pub enum IntegrateError<T: Float> {
         /// Most stages the tableau is made for.
         max: usize,
     },
+    /// A tolerance for a method of degree 1.
+    #[error(
+        "a method of order 2 has no estimate of its error: give a step, or take HBVM of degree 2 or more"
+    )]
+    NoErrorEstimate,
     /// The step is zero, infinite or NaN.
     #[error(
         "the step is {step}; it must be finite and not zero (a negative one goes back in time)",

@@ -181,7 +181,7 @@ fn the_integral_rule_holds_of_every_step() {
         .integrate(scene.hamiltonian(), &q, &p, 0.0..=20.0)
         .unwrap();
     let trajectory = run.trajectory().unwrap();
-    let rule = equip_tableau::Gauss::<f64>::new(12).unwrap();
+    let rule = equip_tableau::Coefficients::<f64>::gauss(12).unwrap();
     let mut worst = 0.0f64;
     let times = run.times();
     // The last step is cut to meet the end.

@@ -10,7 +10,7 @@ use crate::step::core::Core;
 use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 use equip_sweeps::State;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// Where the step that failed last began, or the part of it that failed.
 #[derive(Debug, Clone, Copy)]
@@ -28,8 +28,8 @@ pub struct FailedPart<'a, T> {
 /// What is fixed, and what has been counted.
 impl<T: Float> Core<T> {
     /// Nodes and weights.
-    pub fn gauss(&self) -> &Gauss<T> {
-        &self.stages.gauss
+    pub fn method(&self) -> &Coefficients<T> {
+        &self.stages.method
     }
 
     /// Whether α = 0 unless it conserves the energy, the one constraint.
@@ -93,14 +93,16 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// h γ_k = Σ_i P_k(c_i) L_i for k < s into `out`, blocks of length n: u'(τ) = Σ_k γ_k P_k(τ) within the
+    /// h γ_k = Σ_i P_k(c_i) L_i for k below the degree into `out`, blocks of length n, 0 in further ones: u'(τ) = Σ_k γ_k P_k(τ) within the
     /// step.
     pub fn legendre_coefficients(&self, out: &mut [T]) {
-        let (gauss, iterate) = (&self.stages.gauss, &self.stages.iterate);
-        for (k, out) in out.chunks_exact_mut(iterate.components()).enumerate() {
+        let (method, iterate) = (&self.stages.method, &self.stages.iterate);
+        out.fill(T::int(0));
+        let all = out.chunks_exact_mut(iterate.components());
+        for (k, out) in all.enumerate().take(method.degree()) {
             let rows = iterate.increments().chunks_exact(iterate.stride());
             for (out, row) in out.iter_mut().zip(rows) {
-                let terms = gauss.legendre(k).iter().zip(row);
+                let terms = method.legendre(k).iter().zip(row);
                 *out = terms.fold(T::int(0), |sum, (&p, &l)| sum + p * l);
             }
         }
@@ -299,6 +301,6 @@ impl<T: Float> Core<T> {
         self.stages.contraction.set_rate(rate.to_f64());
         self.stages
             .choice
-            .restore(&self.stages.gauss, &self.stages.iterate, memory)
+            .restore(&self.stages.method, &self.stages.iterate, memory)
     }
 }

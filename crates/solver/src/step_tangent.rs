@@ -29,13 +29,13 @@ use crate::step::core::Core;
 use equip_autodiff::{Evaluator, Hamiltonian};
 use equip_scalar::Float;
 use equip_sweeps::{Held, Iterate, LinearSweeps, State};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// The tangent map of one step after the other.
 #[derive(Debug)]
 pub struct StepTangent<T: Float> {
     energy: Evaluator<T>,
-    gauss: Gauss<T>,
+    method: Coefficients<T>,
     iterate: Iterate<T>,
     linear: LinearSweeps<T>,
     choice: Choice<T>,
@@ -63,18 +63,18 @@ pub struct StepTangent<T: Float> {
 impl<T: Float> StepTangent<T> {
     /// For the steps of `core`, made of the same `system`.
     pub fn new(system: &Hamiltonian, core: &Core<T>) -> Self {
-        let gauss = core.gauss().clone();
-        let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
+        let method = core.method().clone();
+        let (s, n) = (method.stages(), 2 * system.degrees_of_freedom());
         let zeros = |len: usize| vec![T::int(0); len];
         let structure = system.structure();
-        let iterate = Iterate::prepare(&gauss, n, None, &zeros(s - 1));
+        let iterate = Iterate::prepare(&method, n, None, &zeros(method.alphas()));
         let len = n * iterate.stride();
         let mut k_start = zeros(s * s);
-        gauss.skew_into(&zeros(s - 1), &mut k_start);
+        method.matrix_into(&zeros(method.alphas()), &mut k_start);
         StepTangent {
             energy: system.evaluator::<T>(),
-            linear: LinearSweeps::new(&gauss, &iterate, structure.hessian.to_pattern(), 1),
-            choice: Choice::new(Preconditioner::Automatic, (&gauss, &iterate), structure),
+            linear: LinearSweeps::new(&method, &iterate, structure.hessian.to_pattern(), 1),
+            choice: Choice::new(Preconditioner::Automatic, (&method, &iterate), structure),
             is_made: false,
             k: zeros(s * s),
             k_start,
@@ -89,7 +89,7 @@ impl<T: Float> StepTangent<T> {
             ends: zeros(2 * n),
             gradients: zeros(2 * n),
             iterate,
-            gauss,
+            method,
         }
     }
 
@@ -99,13 +99,13 @@ impl<T: Float> StepTangent<T> {
     }
 
     pub(crate) fn make(&mut self, part: &Part<T>) {
-        self.gauss.skew_into(&part.alphas, &mut self.k);
+        self.method.matrix_into(&part.alphas, &mut self.k);
         self.start.copy_from(&part.start);
         self.h = part.h;
         let of = (part.l.as_slice(), self.k.as_slice());
-        (self.iterate).set_stages(&self.gauss, (&part.start, part.h), of);
+        (self.iterate).set_stages(&self.method, (&part.start, part.h), of);
         self.linear
-            .set_k(&self.k, (self.gauss.stages(), self.iterate.stride()));
+            .set_k(&self.k, (self.method.stages(), self.iterate.stride()));
         self.is_finite = self.linear.linearise(&self.iterate, &mut self.energy);
         // What is carried depends on the part alone.
         self.choice.forget();
@@ -128,7 +128,7 @@ impl<T: Float> StepTangent<T> {
 
     /// r = (K(α) − K(0)) L.
     fn take_difference(&mut self, part: &Part<T>) {
-        let (s, stride, n) = (self.gauss.stages(), self.iterate.stride(), self.v.len());
+        let (s, stride, n) = (self.method.stages(), self.iterate.stride(), self.v.len());
         for (c, r) in self.r.chunks_exact_mut(stride).enumerate() {
             for (i, r) in r.iter_mut().enumerate().take(s) {
                 let row = self.k[i * s..].iter().zip(&self.k_start[i * s..]).take(s);
@@ -144,7 +144,7 @@ impl<T: Float> StepTangent<T> {
         if !self.is_finite {
             return Err(Failure::NotFinite);
         }
-        let (s, stride, n) = (self.gauss.stages(), self.iterate.stride(), self.v.len());
+        let (s, stride, n) = (self.method.stages(), self.iterate.stride(), self.v.len());
         if std::mem::replace(&mut self.needs_v, false) {
             // α is small: to what its rounding leaves of r. Without v the derivative is that at fixed α.
             if self.solve(T::EPSILON.sqrt()) {
@@ -178,7 +178,7 @@ impl<T: Float> StepTangent<T> {
 
     /// With the preconditioner that is chosen, to this relative error of Σ δL.
     fn solve(&mut self, tolerance: T) -> bool {
-        let (at, step) = ((&self.gauss, &self.iterate), (&self.start, self.h));
+        let (at, step) = ((&self.method, &self.iterate), (&self.start, self.h));
         self.is_made = self.is_made
             || self
                 .choice

@@ -15,7 +15,7 @@
 //!
 //! A defect is NaN when the tableau contains one. Cost: O(s² n) for n conditions.
 
-use crate::gauss::xi;
+use crate::coefficients::xi;
 use crate::legendre::{legendre_at, legendre_integrals_at};
 use crate::tableau::{Tableau, dot};
 use equip_scalar::Float;
@@ -85,8 +85,8 @@ pub fn d_defect<T: Float>(tableau: &Tableau<T>, zeta: usize) -> T {
 /// Necessary for order p where C(1) holds; they find the entry that an α has moved.
 ///
 /// ```
-/// use equip_tableau::{Gauss, conditions::bilinear_defect};
-/// let perturbed = Gauss::<f64>::new(8)?.tableau(&[0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.0]);
+/// use equip_tableau::{Coefficients, conditions::bilinear_defect};
+/// let perturbed = Coefficients::<f64>::gauss(8)?.tableau(&[0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.0]);
 /// assert!(bilinear_defect(&perturbed, 6) < 1e-14);
 /// assert!((bilinear_defect(&perturbed, 7) - 0.1).abs() < 1e-14);
 /// # Ok::<(), equip_tableau::TableauError>(())

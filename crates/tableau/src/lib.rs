@@ -3,9 +3,9 @@
 //!
 //! | item | what it is |
 //! |---|---|
-//! | [`Gauss`] | nodes, weights, Legendre vectors p_k, and the EQUIP matrix K(α) in skew form |
+//! | [`Coefficients`] | a method as data: nodes, weights, degree, Legendre vectors p_k and the matrix K(α) |
 //! | [`legendre_at`], [`legendre_integrals_at`], [`legendre_derivatives_at`] | the polynomials P_k anywhere |
-//! | [`Tableau`] | A, b, c of any Runge–Kutta method; [`Gauss::tableau`] and [`hbvm()`] make them |
+//! | [`Tableau`] | A, b, c of any Runge–Kutta method; [`Coefficients::tableau`] makes them |
 //! | [`conditions`] | defects of B(p), C(η), D(ζ), symplecticity, symmetry |
 //! | [`composition`] | coefficients of symmetric compositions, from the literature |
 //! | [`trees`], [`order()`] | rooted trees, order conditions, the order of a tableau |
@@ -18,20 +18,19 @@
 //! arXiv:1005.1930. The paper counts polynomials from 1, this crate from 0: P_0 = 1.
 //!
 //! ```
-//! use equip_tableau::{Gauss, conditions};
+//! use equip_tableau::{Coefficients, conditions};
 //!
-//! let gauss = Gauss::<f64>::new(3)?;
+//! let gauss = Coefficients::<f64>::gauss(3)?;
 //! let perturbed = gauss.tableau(&[0.0, 0.05]);
 //! assert!(conditions::symplecticity_defect(&perturbed) < 1e-15);
 //! # Ok::<(), equip_tableau::TableauError>(())
 //! ```
 #![forbid(unsafe_code)]
 
+mod coefficients;
 pub mod composition;
 pub mod conditions;
 mod error;
-mod gauss;
-mod hbvm;
 mod legendre;
 mod order;
 mod rule;
@@ -39,9 +38,8 @@ mod skew;
 mod tableau;
 pub mod trees;
 
+pub use coefficients::Coefficients;
 pub use error::TableauError;
-pub use gauss::Gauss;
-pub use hbvm::hbvm;
 pub use legendre::{legendre_at, legendre_derivatives_at, legendre_integrals_at};
 pub use order::order;
 pub use rule::MAX_STAGES;

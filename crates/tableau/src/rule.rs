@@ -41,6 +41,31 @@ impl<T: Float> Rule<T> {
         rule
     }
 
+    /// k ≥ 2 equidistant nodes from 0 to 1 with the weights of the closed Newton–Cotes rule, b_i the integral
+    /// of the Lagrange polynomial of node i, and P_0 at them.
+    pub(crate) fn newton_cotes(k: usize) -> Self {
+        let nodes: Vec<T> = (0..k).map(|i| T::ratio(i as i64, k as i64 - 1)).collect();
+        let exact = Rule::<T>::new(k.div_ceil(2), 0);
+        let mut weights = vec![T::int(0); k];
+        for (&x, &w) in exact.nodes.iter().zip(&exact.weights) {
+            for i in 0..k.div_ceil(2) {
+                let others = nodes.iter().enumerate().filter(|&(j, _)| j != i);
+                let lagrange = others.fold(T::int(1), |product, (_, &c)| {
+                    product * (x - c) / (nodes[i] - c)
+                });
+                weights[i] += w * lagrange;
+            }
+        }
+        for i in 0..k / 2 {
+            weights[k - 1 - i] = weights[i];
+        }
+        Rule {
+            legendre: vec![T::int(1); k],
+            nodes,
+            weights,
+        }
+    }
+
     /// Fills in the nodes c_i and 1 − c_i, the latter at distance t/2 from 1.
     fn mirrored_pair(&mut self, i: usize, t: T, n: usize) {
         let (one, two) = (T::int(1), T::int(2));

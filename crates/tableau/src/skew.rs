@@ -9,8 +9,8 @@
 //!
 //! | form | exact, not only to rounding | range |
 //! |---|---|---|
-//! | U of [`Gauss::antisymmetric_into`] | U_ji = −U_ij, U_ii = 0 | every finite α |
-//! | K of [`Gauss::skew_into`] | K_ij + K_ji = 1, K_ii = ½ | \|U_ij\| ≤ 2⁵² |
+//! | U of [`Coefficients::antisymmetric_into`] | U_ji = −U_ij, U_ii = 0 | every finite α |
+//! | K of [`Coefficients::matrix_into`] | K_ij + K_ji = 1, K_ii = ½ | \|U_ij\| ≤ 2⁵² |
 //! | both | U and K unchanged under (i, j) → (s+1−j, s+1−i): the method is symmetric | as above |
 //!
 //! Adding ½ to U rounds: K has the absolute accuracy of an ulp of max(1, |U_ij|), U the relative one of its
@@ -19,61 +19,69 @@
 //!
 //! Cost: s²/2 multiplications for each α_k ≠ 0, no allocation in the `_into` forms; α = 0 costs a copy.
 
-use crate::gauss::{Gauss, mirror};
+use crate::coefficients::{Coefficients, Unperturbed, mirror};
 use crate::rule::MAX_STAGES;
 use equip_scalar::{Float, Pack};
 
-impl<T: Float> Gauss<T> {
-    /// T_k, s × s in row-major order, for k = 1 … s − 1; antisymmetric to the last bit.
+impl<T: Float> Coefficients<T> {
+    /// T_k of α_k, s × s in row-major order, for k = 1 … s − 1; antisymmetric to the last bit.
     ///
     /// # Panics
-    /// When k = 0 or k ≥ s.
+    /// When there is no α_k.
     ///
     /// ```
-    /// let gauss = equip_tableau::Gauss::<f64>::new(2)?;
+    /// let gauss = equip_tableau::Coefficients::<f64>::gauss(2)?;
     /// let t = gauss.skew_basis(1);
     /// assert_eq!((t[0], t[3], t[1]), (0.0, 0.0, -t[2]));
     /// # Ok::<(), equip_tableau::TableauError>(())
     /// ```
     pub fn skew_basis(&self, k: usize) -> &[T] {
         let size = self.stages * self.stages;
-        assert!((1..self.stages).contains(&k), "T_k exists for k = 1..s-1");
+        assert!(
+            (1..=self.alphas()).contains(&k),
+            "T_k exists for k = 1..s-1"
+        );
         &self.basis[(k - 1) * size..k * size]
     }
 
     /// K(α), s × s in row-major order; entry k − 1 of `alphas` is α_k.
     ///
     /// # Panics
-    /// When `alphas` does not have s − 1 entries.
+    /// When `alphas` does not have an entry for each α.
     ///
     /// ```
-    /// let gauss = equip_tableau::Gauss::<f64>::new(3)?;
-    /// let k = gauss.skew(&[0.1, -2e3]);
+    /// let gauss = equip_tableau::Coefficients::<f64>::gauss(3)?;
+    /// let k = gauss.matrix(&[0.1, -2e3]);
     /// assert!((0..9).all(|ij| k[ij] + k[ij % 3 * 3 + ij / 3] == 1.0));
     /// # Ok::<(), equip_tableau::TableauError>(())
     /// ```
-    pub fn skew(&self, alphas: &[T]) -> Vec<T> {
+    pub fn matrix(&self, alphas: &[T]) -> Vec<T> {
         let mut k = vec![T::int(0); self.stages * self.stages];
-        self.skew_into(alphas, &mut k);
+        self.matrix_into(alphas, &mut k);
         k
     }
 
-    /// [`skew`](Self::skew) into `k`, without allocation.
+    /// [`matrix`](Self::matrix) into `k`, without allocation.
     ///
-    /// Of each pair the larger one, ½ + |U_ij| ≥ ½, is rounded; the smaller one is 1 minus that, which is
-    /// exact.
+    /// Of each pair of a skew one the larger, ½ + |U_ij| ≥ ½, is rounded; the smaller is 1 minus that, which
+    /// is exact.
     ///
     /// # Panics
-    /// When `alphas` does not have s − 1 entries, or `k` not s².
+    /// When `alphas` does not have an entry for each α, or `k` not s².
     ///
     /// ```
-    /// let gauss = equip_tableau::Gauss::<f64>::new(2)?;
+    /// let gauss = equip_tableau::Coefficients::<f64>::gauss(2)?;
     /// let mut k = [0.0; 4];
-    /// gauss.skew_into(&[0.3], &mut k);
+    /// gauss.matrix_into(&[0.3], &mut k);
     /// assert_eq!((k[0], k[1] + k[2], k[3]), (0.5, 1.0, 0.5));
     /// # Ok::<(), equip_tableau::TableauError>(())
     /// ```
-    pub fn skew_into(&self, alphas: &[T], k: &mut [T]) {
+    pub fn matrix_into(&self, alphas: &[T], k: &mut [T]) {
+        if let Unperturbed::Whole(matrix) = &self.unperturbed {
+            assert!(alphas.is_empty(), "this method has no alphas");
+            k.copy_from_slice(matrix);
+            return;
+        }
         self.antisymmetric_into(alphas, k);
         let (s, half, one) = (self.stages, T::ratio(1, 2), T::int(1));
         for i in 0..s {
@@ -95,10 +103,10 @@ impl<T: Float> Gauss<T> {
     /// The antisymmetric part U(α) = K(α) − ½, s × s in row-major order, into `u`: U_ji = −U_ij exactly.
     ///
     /// # Panics
-    /// When `alphas` does not have s − 1 entries, or `u` not s².
+    /// When K is not skew, `alphas` does not have s − 1 entries, or `u` not s².
     ///
     /// ```
-    /// let gauss = equip_tableau::Gauss::<f64>::new(2)?;
+    /// let gauss = equip_tableau::Coefficients::<f64>::gauss(2)?;
     /// let mut u = [0.0; 4];
     /// gauss.antisymmetric_into(&[1e300], &mut u);
     /// assert_eq!((u[0], u[1]), (0.0, -u[2]));
@@ -106,10 +114,13 @@ impl<T: Float> Gauss<T> {
     /// ```
     pub fn antisymmetric_into(&self, alphas: &[T], u: &mut [T]) {
         let s = self.stages;
+        let Unperturbed::Skew(unperturbed) = &self.unperturbed else {
+            panic!("K is skew of Gauss methods only");
+        };
         assert_eq!(alphas.len(), s - 1, "one alpha for each k = 1..s-1");
         assert_eq!(u.len(), s * s, "room for s x s entries");
         u.fill(T::int(0));
-        let mut matrices = [&*self.unperturbed; MAX_STAGES];
+        let mut matrices = [&**unperturbed; MAX_STAGES];
         let mut factors = [T::int(1); MAX_STAGES];
         let mut count = 1;
         for (t_k, &alpha) in self.basis.chunks_exact(s * s).zip(alphas) {

@@ -1,7 +1,7 @@
 //! [`Tableau`]: the coefficients of any Runge–Kutta method.
 
+use crate::coefficients::Coefficients;
 use crate::error::TableauError;
-use crate::gauss::Gauss;
 use equip_scalar::Float;
 
 /// A Runge–Kutta method: Y_i = y_0 + h Σ_j a_ij f(Y_j), y_1 = y_0 + h Σ_i b_i f(Y_i).
@@ -129,7 +129,7 @@ impl<T: Float> Tableau<T> {
     }
 }
 
-impl<T: Float> Gauss<T> {
+impl<T: Float> Coefficients<T> {
     /// The method A(α) = K(α) B with its b and c; entry k − 1 of `alphas` is α_k. All zero is the Gauss
     /// method.
     ///
@@ -137,17 +137,17 @@ impl<T: Float> Gauss<T> {
     /// c are the Gauss nodes; they are the row sums of A only if α_1 = 0.
     ///
     /// # Panics
-    /// When `alphas` does not have s − 1 entries.
+    /// When `alphas` does not have an entry for each α.
     ///
     /// ```
-    /// use equip_tableau::{Gauss, order};
-    /// let gauss = Gauss::<f64>::new(3)?;
+    /// use equip_tableau::{Coefficients, order};
+    /// let gauss = Coefficients::<f64>::gauss(3)?;
     /// assert_eq!(order(&gauss.tableau(&[0.0, 0.0]), 1e-12), 6);
     /// assert_eq!(order(&gauss.tableau(&[0.0, 0.1]), 1e-12), 4);
     /// # Ok::<(), equip_tableau::TableauError>(())
     /// ```
     pub fn tableau(&self, alphas: &[T]) -> Tableau<T> {
-        let mut a = self.skew(alphas);
+        let mut a = self.matrix(alphas);
         let b = self.weights().to_vec();
         for row in a.chunks_exact_mut(b.len()) {
             for (a_ij, &b_j) in row.iter_mut().zip(&b) {

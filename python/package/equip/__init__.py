@@ -21,7 +21,7 @@ from ._certificate import (
 from ._functions import Table, erf, erfc, table, table2
 from ._hamiltonian import Hamiltonian
 from ._many import Ensemble, draw_starts, ensemble
-from ._methods import Equip, FixedAlpha, Gauss, Reversible
+from ._methods import AveragedVectorField, Equip, FixedAlpha, Gauss, Hbvm, Reversible, Trapezoidal
 from ._native import FileFormatError, FileInUseError, IntegrationError, __version__
 from ._numbers import DoubleDouble
 from ._solution import Solution, load
@@ -29,6 +29,7 @@ from ._solve import solve
 from ._steps import Occurrence, Step, Steps, steps, suggest_step
 
 __all__ = [
+    "AveragedVectorField",
     "Certificate",
     "Counts",
     "Defect",
@@ -42,6 +43,7 @@ __all__ = [
     "FixedAlpha",
     "Gauss",
     "Hamiltonian",
+    "Hbvm",
     "IntegrationError",
     "Occurrence",
     "PhasePerStep",
@@ -50,6 +52,7 @@ __all__ = [
     "Step",
     "Steps",
     "Table",
+    "Trapezoidal",
     "VariableSteps",
     "__version__",
     "draw_starts",

@@ -1,4 +1,4 @@
-"""Methods: members of the Gauss family of Runge-Kutta methods."""
+"""Methods: Gauss, EQUIP, and their relatives among the Runge-Kutta methods."""
 
 from __future__ import annotations
 
@@ -107,6 +107,68 @@ class FixedAlpha:
 
 
 @dataclass(frozen=True)
+class Hbvm:
+    """HBVM(k, s) of order 2s: H is conserved as far as k Gauss nodes integrate its gradient along a step.
+
+    A polynomial H of degree up to 2k/s is conserved to round-off. Quadratic invariants are not conserved.
+
+    Parameters
+    ----------
+    nodes
+        k, from s to 32.
+    degree
+        s, from 1.
+    preconditioner
+        How the stages are iterated; the solution is the same.
+    """
+
+    nodes: int
+    degree: int
+    preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
+
+    def _options(self) -> dict[str, Any]:
+        degree = whole(self.degree, "degree", 1, MOST_STAGES)
+        nodes = whole(self.nodes, "nodes", degree, MOST_STAGES)
+        return {**_options("hbvm", max(2, degree), self.preconditioner), "family": f"hbvm={nodes},{degree}"}
+
+
+@dataclass(frozen=True)
+class AveragedVectorField:
+    """The averaged vector field method of order 2: HBVM(k, 1), k as H takes it, 16 of H that is no polynomial.
+
+    Parameters
+    ----------
+    preconditioner
+        How the stages are iterated; the solution is the same.
+    """
+
+    preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
+
+    def _options(self) -> dict[str, Any]:
+        return {**_options("avf", 2, self.preconditioner), "family": "avf"}
+
+
+@dataclass(frozen=True)
+class Trapezoidal:
+    """The trapezoidal method of order 2 with equidistant nodes, both ends of a step among them.
+
+    Parameters
+    ----------
+    nodes
+        k, from 2 to 8.
+    preconditioner
+        How the stages are iterated; the solution is the same.
+    """
+
+    nodes: int = 5
+    preconditioner: Literal["automatic", "identity", "diagonal", "frozen", "full"] = "automatic"
+
+    def _options(self) -> dict[str, Any]:
+        nodes = whole(self.nodes, "nodes", 2, 8)
+        return {**_options("trapezoidal", 2, self.preconditioner), "family": f"trapezoidal={nodes}"}
+
+
+@dataclass(frozen=True)
 class Reversible:
     """Variable steps that are the same backwards: given as `step`, for long runs of reversible systems.
 
@@ -132,17 +194,21 @@ class Reversible:
     rule: Literal["explicit", "integral"] = "explicit"
 
 
-Method = Union[Equip, Gauss, FixedAlpha]
+Method = Union[Equip, Gauss, FixedAlpha, Hbvm, AveragedVectorField, Trapezoidal]
 
 
 def method_options(method: Any, by_tolerance: bool) -> dict[str, Any]:
     """Options of a method as the native part reads them."""
-    if not isinstance(method, (Equip, Gauss, FixedAlpha)):
+    if not isinstance(method, (Equip, Gauss, FixedAlpha, Hbvm, AveragedVectorField, Trapezoidal)):
         raise TypeError(
-            f"method is {method!r}; it must be equip.Equip(stages=8), equip.Gauss(stages=8) or "
-            "equip.FixedAlpha(8, alpha)"
+            f"method is {method!r}; it must be equip.Equip(stages=8), equip.Gauss(stages=8), "
+            "equip.FixedAlpha(8, alpha), equip.Hbvm(nodes, degree), equip.AveragedVectorField() or "
+            "equip.Trapezoidal(nodes)"
         )
     found = method._options()
+    is_of_degree_one = isinstance(method, (AveragedVectorField, Trapezoidal)) or getattr(method, "degree", 2) == 1
+    if by_tolerance and is_of_degree_one:
+        raise ValueError("a method of order 2 has no estimate of its error: give a step")
     if by_tolerance and found["stages"] == 1:
         raise ValueError("one stage has no estimate of its error: give a step, or stages=2 or more")
     return found

@@ -3,6 +3,7 @@
 use super::shared::{stages, whole};
 use crate::fault::Fault;
 use clap::{Args, ValueEnum};
+use equip_integrate::Method;
 use equip_scenes::Instance;
 use std::path::PathBuf;
 
@@ -37,7 +38,8 @@ pub(crate) struct RunArgs {
     #[arg(long, short, default_value_t = 8, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
     /// equip | equip-last (the single α of the paper) | gauss (α = 0) | fixed-alpha[=VALUE] (0.02 if not
-    /// given)
+    /// given) | hbvm=K,S (K nodes, degree S) | avf (averaged vector field) | trapezoidal=K (K nodes); the
+    /// last three leave --stages out of account
     #[arg(long, value_name = "METHOD", default_value = "equip", value_parser = method, help_heading = "Method")]
     pub(crate) method: MethodName,
     /// Fixed step, positive or, back in time, negative
@@ -172,6 +174,8 @@ pub(crate) enum MethodName {
     EquipLast,
     Gauss,
     FixedAlpha(String),
+    /// HBVM, averaged vector field, trapezoidal.
+    Relative(Method),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -211,16 +215,23 @@ fn method(text: &str) -> Result<MethodName, &'static str> {
             "equip-last" => Ok(MethodName::EquipLast),
             "gauss" => Ok(MethodName::Gauss),
             "fixed-alpha" => Ok(MethodName::FixedAlpha("0.02".into())),
-            _ => Err("choose equip, equip-last, gauss or fixed-alpha=VALUE"),
+            _ => relative(text),
         },
         Some(("fixed-alpha", value)) => Ok(MethodName::FixedAlpha(value.into())),
-        Some(_) => Err("only fixed-alpha takes a value"),
+        Some(_) => relative(text),
     }
+}
+
+fn relative(text: &str) -> Result<MethodName, &'static str> {
+    Method::named(text)
+        .map(MethodName::Relative)
+        .ok_or("choose equip, equip-last, gauss, fixed-alpha=VALUE, hbvm=K,S, avf or trapezoidal=K")
 }
 
 #[cfg(test)]
 mod tests {
     use super::{MethodName, method};
+    use equip_integrate::Method;
 
     #[test]
     fn method_names() {
@@ -232,6 +243,9 @@ mod tests {
             method("fixed-alpha"),
             Ok(MethodName::FixedAlpha("0.02".into()))
         );
+        let hbvm = Method::hbvm(6, 2);
+        assert_eq!(method("hbvm=6,2"), Ok(MethodName::Relative(hbvm)));
         assert!(method("gauss=2").is_err() && method("euler").is_err());
+        assert!(method("hbvm=6").is_err() && method("avf=3").is_err());
     }
 }

@@ -11,6 +11,7 @@ pub(crate) fn method<T: Float>(stages: usize, name: &MethodName) -> Result<Metho
         MethodName::Equip => Equip::stages(stages),
         MethodName::EquipLast => Equip::stages(stages).alphas(Alphas::Last),
         MethodName::Gauss => Gauss::stages(stages),
+        MethodName::Relative(method) => *method,
         MethodName::FixedAlpha(text) => {
             let alpha = number::<T>("--method fixed-alpha", text)?;
             if !alpha.is_finite() {

@@ -50,7 +50,7 @@ use crate::control::rate::{Rate, Sizes};
 use equip_scalar::power::power;
 use equip_scalar::{Float, InstructionSet, mix_stages};
 use equip_solver::{State, stride_for};
-use equip_tableau::{Gauss, legendre_at};
+use equip_tableau::{Coefficients, legendre_at};
 
 /// What a step may be off in each component: relative to its motion in the step, and beside that.
 #[derive(Debug, Clone)]
@@ -83,6 +83,8 @@ pub(crate) struct End<'a, T> {
 #[derive(Debug)]
 pub(crate) struct Decay<T: Float> {
     set: InstructionSet,
+    stages: usize,
+    /// The degree of the method.
     s: usize,
     stride: usize,
     /// The first so many positions and momenta are judged.
@@ -112,15 +114,15 @@ impl<T: Float> Decay<T> {
     /// Of states with n components, of which the first `m` positions and momenta are judged: how long a step
     /// may be is no matter of the time it is made at.
     pub(crate) fn new(
-        gauss: &Gauss<T>,
+        gauss: &Coefficients<T>,
         (n, m): (usize, usize),
         tolerance: T,
         allowed: Option<Allowed<T>>,
     ) -> Self {
-        let s = gauss.stages();
-        let stride = stride_for::<T>(s);
+        let (stages, s) = (gauss.stages(), gauss.degree());
+        let stride = stride_for::<T>(stages);
         let zeros = |len: usize| vec![T::int(0); len];
-        let mut legendre = zeros(s * stride);
+        let mut legendre = zeros(stages * stride);
         for k in 0..s {
             for (i, &p) in gauss.legendre(k).iter().enumerate() {
                 legendre[i * stride + k] = p;
@@ -132,6 +134,7 @@ impl<T: Float> Decay<T> {
         }
         Decay {
             set: InstructionSet::best(),
+            stages,
             s,
             stride,
             m,
@@ -160,8 +163,15 @@ impl<T: Float> Decay<T> {
         ends: [End<'_, T>; 2],
         rounding: Option<&[T]>,
     ) -> Estimate {
-        let (set, s, stride) = (self.set, self.s, self.stride);
-        mix_stages(set, &self.legendre, l, &mut self.coefficients, s, stride);
+        let (stages, s, stride) = (self.stages, self.s, self.stride);
+        mix_stages(
+            self.set,
+            &self.legendre,
+            l,
+            &mut self.coefficients,
+            stages,
+            stride,
+        );
         let half = y.hi.len() / 2;
         let (mut rate, mut rest) = (Rate::new(s), 0.0_f64);
         let is_inset = ends.map(|end| end.is_inset);

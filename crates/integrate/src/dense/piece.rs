@@ -4,7 +4,7 @@ use crate::dense::polynomial::Polynomial;
 use crate::time::visible;
 use equip_scalar::Float;
 use equip_solver::{Part, State};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// The polynomial of one step (or part of a halved one).
 #[derive(Debug, Clone, PartialEq)]
@@ -44,10 +44,15 @@ impl<T: Float> Piece<T> {
     }
 
     /// The polynomial of the stages of that part themselves, of order s.
-    pub(crate) fn of_stages(gauss: &Gauss<T>, part: &Part<T>, time_low: T, end: &State<T>) -> Self {
+    pub(crate) fn of_stages(
+        gauss: &Coefficients<T>,
+        part: &Part<T>,
+        time_low: T,
+        end: &State<T>,
+    ) -> Self {
         let n = part.start.hi.len();
         let mut coefficients = vec![T::int(0); part.l.len()];
-        for (k, out) in coefficients.chunks_exact_mut(n).enumerate() {
+        for (k, out) in (coefficients.chunks_exact_mut(n).enumerate()).take(gauss.degree()) {
             for (&p, l) in gauss.legendre(k).iter().zip(part.l.chunks_exact(n)) {
                 out.iter_mut().zip(l).for_each(|(sum, &l)| *sum += p * l);
             }

@@ -16,11 +16,12 @@
 
 use crate::dense::piece::Piece;
 use crate::error::IntegrateError;
-use crate::options::common::gauss_with;
+use crate::options::common::coefficients;
+use crate::options::method::Gauss;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Core, Family, MAX_STAGES, Part, State, StepOptions};
-use equip_tableau::{Gauss, legendre_at};
+use equip_tableau::{Coefficients, legendre_at};
 
 /// Makes refined polynomials.
 #[derive(Debug)]
@@ -33,16 +34,20 @@ pub(crate) struct Refiner<T: Float> {
 }
 
 impl<T: Float> Refiner<T> {
-    pub(crate) fn new(system: &Hamiltonian, gauss: &Gauss<T>) -> Result<Self, IntegrateError<T>> {
+    pub(crate) fn new(
+        system: &Hamiltonian,
+        gauss: &Coefficients<T>,
+    ) -> Result<Self, IntegrateError<T>> {
         let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
-        let fine = (2 * s).min(MAX_STAGES);
-        let rule = gauss_with::<T>(fine)?;
+        let degree = gauss.degree();
+        let fine = (2 * degree).min(MAX_STAGES);
+        let rule = coefficients::<T>(Gauss::stages(fine))?;
         let mut prolongation = Vec::with_capacity(fine * s);
-        let mut values = vec![T::int(0); s];
+        let mut values = vec![T::int(0); degree];
         for (&c, &b) in rule.nodes().iter().zip(rule.weights()) {
             legendre_at(c, &mut values);
             prolongation.extend((0..s).map(|i| {
-                b * (0..s).fold(T::int(0), |sum, k| sum + values[k] * gauss.legendre(k)[i])
+                b * (0..degree).fold(T::int(0), |sum, k| sum + values[k] * gauss.legendre(k)[i])
             }));
         }
         let options = StepOptions {
@@ -62,7 +67,7 @@ impl<T: Float> Refiner<T> {
     /// in `end`; if its stages are not found the one of the stages of the step. Whether it is refined.
     pub(crate) fn refine(
         &mut self,
-        (gauss, part): (&Gauss<T>, &Part<T>),
+        (gauss, part): (&Coefficients<T>, &Part<T>),
         time_low: T,
         end: &State<T>,
     ) -> (Piece<T>, bool) {
@@ -81,7 +86,7 @@ impl<T: Float> Refiner<T> {
         if found.is_err() {
             return (Piece::of_stages(gauss, part, time_low, end), false);
         }
-        let fine = core.gauss().stages();
+        let fine = core.method().stages();
         let mut coefficients = vec![T::int(0); fine * n];
         core.legendre_coefficients(&mut coefficients);
         (Piece::new(part, time_low, coefficients, end), true)

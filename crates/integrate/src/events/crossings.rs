@@ -18,7 +18,7 @@ use crate::events::roughness::Roughness;
 use equip_autodiff::{SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// Where a step as made meets the first switch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,7 +68,7 @@ impl<T: Float> Crossings<T> {
     /// Of steps by this rule of states with n components. None of an H without switches.
     pub(crate) fn new(
         switches: &Switches,
-        gauss: &Gauss<T>,
+        gauss: &Coefficients<T>,
         n: usize,
         tolerance: T,
     ) -> Option<Self> {
@@ -105,7 +105,7 @@ impl<T: Float> Crossings<T> {
     /// The same, passing over knots of tables; none if there is nothing else.
     pub(crate) fn but_knots(
         switches: &Switches,
-        gauss: &Gauss<T>,
+        gauss: &Coefficients<T>,
         n: usize,
         tolerance: T,
     ) -> Option<Self> {

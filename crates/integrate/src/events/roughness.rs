@@ -17,7 +17,7 @@ use crate::control::estimate::Decay;
 use crate::events::path::Path;
 use equip_scalar::Float;
 use equip_solver::{Core, MAX_STAGES};
-use equip_tableau::{Gauss, legendre_at};
+use equip_tableau::{Coefficients, legendre_at};
 
 /// Coefficients that are compared.
 const COMPARED: usize = 3;
@@ -26,7 +26,7 @@ const COMPARED: usize = 3;
 #[derive(Debug)]
 pub(crate) struct Roughness<T: Float> {
     /// Of s nodes, and of 2s.
-    rules: [Gauss<T>; 2],
+    rules: [Coefficients<T>; 2],
     slope: Vec<T>,
     /// P_k at a place.
     values: Vec<T>,
@@ -36,8 +36,8 @@ pub(crate) struct Roughness<T: Float> {
 
 impl<T: Float> Roughness<T> {
     /// Of steps with these nodes of states with n components; none if there is no such rule.
-    pub(crate) fn new(gauss: &Gauss<T>, n: usize) -> Option<Self> {
-        let fine = Gauss::new((2 * gauss.stages()).min(MAX_STAGES)).ok()?;
+    pub(crate) fn new(gauss: &Coefficients<T>, n: usize) -> Option<Self> {
+        let fine = Coefficients::gauss((2 * gauss.stages()).min(MAX_STAGES)).ok()?;
         Some(Roughness {
             rules: [gauss.clone(), fine],
             slope: vec![T::int(0); n],

@@ -126,7 +126,11 @@ impl<T: Float> Adaptive<T> {
 }
 
 impl<T: Float> Tolerance<T> {
-    pub(crate) fn validate(&self, stages: usize) -> Result<(), IntegrateError<T>> {
+    pub(crate) fn validate(&self, method: Method) -> Result<(), IntegrateError<T>> {
+        let stages = method.degree();
+        if stages < MIN_STAGES && method.stage_count() > stages {
+            return Err(IntegrateError::NoErrorEstimate);
+        }
         if stages < MIN_STAGES {
             return Err(IntegrateError::StagesOutOfRange {
                 stages,

@@ -7,7 +7,7 @@ use crate::options::record::Record;
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 use equip_solver::{Family, Invariant, MAX_STAGES, Preconditioner, Reach, StepOptions};
-use equip_tableau::Gauss;
+use equip_tableau::{Coefficients, TableauError};
 
 /// What has to be the same again for a checkpoint to fit: names and values.
 pub(crate) type Words = Vec<(&'static str, String)>;
@@ -21,12 +21,16 @@ pub(crate) fn in_digits<T: Float>(x: T) -> String {
     }
 }
 
-/// The rule with so many stages.
-pub(crate) fn gauss_with<T: Float>(stages: usize) -> Result<Gauss<T>, IntegrateError<T>> {
-    Gauss::new(stages).map_err(|_| IntegrateError::StagesOutOfRange {
-        stages,
-        min: 1,
-        max: MAX_STAGES,
+/// The coefficients of a method.
+pub(crate) fn coefficients<T: Float>(method: Method) -> Result<Coefficients<T>, IntegrateError<T>> {
+    let made = method.family.coefficients(method.stages);
+    made.map_err(|error| {
+        let (stages, min, max) = match error {
+            TableauError::StagesOutOfRange { stages, min, max } => (stages, min, max),
+            TableauError::TooFewNodes { nodes, degree } => (nodes, degree, MAX_STAGES),
+            _ => (method.stages, 1, MAX_STAGES),
+        };
+        IntegrateError::StagesOutOfRange { stages, min, max }
     })
 }
 
@@ -89,15 +93,6 @@ impl<T: Float> Default for Options<T> {
 impl<T: Float> Options<T> {
     /// Checks everything that needs neither the Hamiltonian nor the sizes of the steps.
     pub(crate) fn validate(&self, method: Method) -> Result<StepOptions<T>, IntegrateError<T>> {
-        let s = method.stages;
-        let min = method.family.fewest_stages();
-        if !(min..=MAX_STAGES).contains(&s) {
-            return Err(IntegrateError::StagesOutOfRange {
-                stages: s,
-                min,
-                max: MAX_STAGES,
-            });
-        }
         let bound = self.alpha_bound;
         check(
             bound > T::int(0) && bound.is_finite(),
@@ -125,7 +120,7 @@ impl<T: Float> Options<T> {
             alpha_bound: bound,
             max_halvings: halvings,
             preconditioner: self.preconditioner,
-            ..StepOptions::new(s, method.family)
+            ..StepOptions::new(method.stages, method.family)
         })
     }
 

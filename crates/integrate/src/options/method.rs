@@ -1,8 +1,11 @@
-//! Which member of the Gauss family: [`Equip`], [`Gauss`], or one with a fixed α.
+//! Which method: [`Equip`], [`Gauss`], one with a fixed α, or one of their relatives.
 
 use equip_scalar::Constant;
 use equip_solver::{Alphas, Family};
 use std::fmt;
+
+/// Nodes of the averaged vector field of an H that is no polynomial.
+const MOST_NODES: usize = 16;
 
 /// Energy and quadratic invariants preserving methods: Gauss methods whose α's are solved for at every step.
 #[derive(Debug, Clone, Copy)]
@@ -53,6 +56,67 @@ impl Method {
         }
     }
 
+    /// HBVM(k, s) with k Gauss nodes and degree s, 1 ≤ s ≤ k, of order 2s (Brugnano, Iavernaro, Trigiante
+    /// 2010). It conserves a polynomial H of degree ν ≤ 2k/s, and any other as far as k nodes integrate ∇H
+    /// along a step; no quadratic invariants.
+    ///
+    /// ```
+    /// use equip_integrate::Method;
+    /// assert_eq!(Method::hbvm(6, 2).order(), 4);
+    /// ```
+    pub fn hbvm(k: usize, s: usize) -> Method {
+        Method {
+            stages: k,
+            family: Family::Hbvm { degree: s },
+        }
+    }
+
+    /// The averaged vector field method, of order 2: y1 = y0 + h ∫₀¹ J∇H(y0 + c (y1 − y0)) dc. It is HBVM(k, 1)
+    /// with k = ⌈ν/2⌉ of a polynomial H of degree ν, else k = 16.
+    pub fn averaged_vector_field() -> Method {
+        Method {
+            stages: MOST_NODES,
+            family: Family::AveragedVectorField,
+        }
+    }
+
+    /// The trapezoidal method with k equidistant nodes, 2 ≤ k ≤ 8, of order 2 (Iavernaro, Pace 2007): the
+    /// averaged vector field by the closed Newton–Cotes rule.
+    pub fn trapezoidal(k: usize) -> Method {
+        Method {
+            stages: k,
+            family: Family::Trapezoidal,
+        }
+    }
+
+    /// The method of a name with its numbers: `hbvm=k,s`, `avf` or `trapezoidal=k`; none of any other.
+    ///
+    /// ```
+    /// use equip_integrate::Method;
+    /// assert_eq!(Method::named("hbvm=6,2"), Some(Method::hbvm(6, 2)));
+    /// assert_eq!(Method::named("hbvm=6"), None);
+    /// ```
+    pub fn named(name: &str) -> Option<Method> {
+        let (family, numbers) = name.split_once('=').unwrap_or((name, ""));
+        let numbers = numbers.split(',').filter(|number| !number.is_empty());
+        let numbers: Option<Vec<usize>> =
+            numbers.map(|number| number.trim().parse().ok()).collect();
+        match (family, numbers?.as_slice()) {
+            ("hbvm", &[k, s]) => Some(Method::hbvm(k, s)),
+            ("avf", []) => Some(Method::averaged_vector_field()),
+            ("trapezoidal", &[k]) => Some(Method::trapezoidal(k)),
+            _ => None,
+        }
+    }
+
+    /// The method as it is for an energy of this degree, if it is a polynomial.
+    pub(crate) fn for_degree(mut self, degree: Option<u32>) -> Method {
+        if let (Family::AveragedVectorField, Some(degree)) = (self.family, degree) {
+            self.stages = (degree as usize).div_ceil(2).clamp(1, MOST_NODES);
+        }
+        self
+    }
+
     /// Which α's EQUIP solves for; no effect on the other families.
     #[must_use]
     pub fn alphas(mut self, alphas: Alphas) -> Method {
@@ -62,7 +126,7 @@ impl Method {
         self
     }
 
-    /// Number of stages s.
+    /// Number of stages.
     pub fn stage_count(&self) -> usize {
         self.stages
     }
@@ -72,11 +136,16 @@ impl Method {
         self.family
     }
 
+    /// Degree s of the polynomial that a step is: the number of stages of all but HBVM and its relatives.
+    pub fn degree(&self) -> usize {
+        self.family.degree(self.stages)
+    }
+
     /// Order of the method: 2s, or 2s − 2 with a fixed α ≠ 0.
     pub fn order(&self) -> usize {
         match self.family {
             Family::FixedAlpha(alpha) if alpha.to::<f64>() != 0.0 => 2 * self.stages - 2,
-            _ => 2 * self.stages,
+            _ => 2 * self.degree(),
         }
     }
 }

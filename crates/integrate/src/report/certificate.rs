@@ -69,7 +69,7 @@ pub struct Certificate<T> {
 impl<T: Float> Certificate<T> {
     /// Whether the steps resolve the fastest motion: hω ≤ s wherever it was looked at.
     pub fn motion_is_resolved(&self) -> bool {
-        let stages = self.method.stage_count();
+        let stages = self.method.degree();
         (self.phase_per_step).is_none_or(|phase| phase.is_resolved(stages))
     }
 }
@@ -162,7 +162,7 @@ impl<T: Float> Certificate<T> {
         if let Some(phase) = self.phase_per_step
             && !self.motion_is_resolved()
         {
-            let stages = self.method.stage_count();
+            let stages = self.method.degree();
             let (angle, step, most) = (phase.angle, phase.step, stages as f64);
             line(
                 "  not resolved",

@@ -40,7 +40,7 @@ impl<T: Float> DenseWatch<T> {
         stepper.core.keep_parts();
         let m = stepper.m;
         Ok(Some(DenseWatch {
-            refiner: Refiner::new(system, stepper.core.gauss())?,
+            refiner: Refiner::new(system, stepper.core.method())?,
             trajectory: options.dense.then(|| Trajectory::new(m, stepper.time())),
             events: (!options.events.is_empty()).then(|| {
                 let from = (stepper.time(), stepper.direction);
@@ -70,7 +70,7 @@ impl<T: Float> DenseWatch<T> {
                 continue;
             }
             let end_state = next.map_or(&stepper.y, |next| &next.start);
-            let part = (stepper.core.gauss(), part);
+            let part = (stepper.core.method(), part);
             let (piece, is_refined) = self.refiner.refine(part, time_low, end_state);
             run.certificate.coarse_outputs += u64::from(!is_refined);
             let stop = match &mut self.events {

@@ -68,7 +68,7 @@ impl<'a, T: Float> Outputs<'a, T> {
                 return;
             };
             let end = parts.get(i + 1).map_or(&main.y, |next| &next.start);
-            let piece = Piece::of_stages(main.core.gauss(), part, T::int(0), end);
+            let piece = Piece::of_stages(main.core.method(), part, T::int(0), end);
             y.resize(2 * main.m, T::int(0));
             piece.state_at(piece.place_of(time), &mut y);
             run.output(time, &y);

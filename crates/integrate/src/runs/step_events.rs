@@ -57,7 +57,7 @@ impl<T: Float> StepEvents<T> {
         stepper.core.keep_parts();
         let from = (stepper.time(), stepper.direction);
         Ok(StepEvents {
-            refiner: Refiner::new(system, stepper.core.gauss())?,
+            refiner: Refiner::new(system, stepper.core.method())?,
             events: EventWatch::new(events, 2 * stepper.m, from),
             found: Vec::new(),
             seen: (stepper.index, stepper.time(), low),
@@ -97,7 +97,7 @@ impl<T: Float> StepEvents<T> {
         let mut changed = None;
         for (i, part) in parts.iter().enumerate() {
             let end = parts.get(i + 1).map_or(&stepper.y, |next| &next.start);
-            let part = (stepper.core.gauss(), part);
+            let part = (stepper.core.method(), part);
             let (piece, _) = self.refiner.refine(part, time_low, end);
             if let Some(place) = self.events.see(&piece, &mut self.found)? {
                 let mut y = vec![T::int(0); 2 * stepper.m];

@@ -135,7 +135,7 @@ impl Method {
             observer,
             is_ended: false,
         };
-        let phase = T::ratio(self.stages as i64, 4);
+        let phase = T::ratio(self.degree() as i64, 4);
         let steps = (length * pace / phase).to_f64();
         trials.search(value, if steps.is_finite() { steps } else { 1.0 })
     }
@@ -156,7 +156,7 @@ struct Trials<'a, T: Float, O> {
 
 impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
     fn search(&mut self, target: T, first: f64) -> Result<T, IntegrateError<T>> {
-        let order = 2.0 * self.method.stages as f64;
+        let order = 2.0 * self.method.degree() as f64;
         let (q, p) = self.start;
         let most = MOST_STEPS.min(MOST_NUMBERS / (q.len() + p.len()) as f64);
         // Rounding is not blamed for errors above the root of it.
@@ -241,8 +241,8 @@ impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
         if let Target::Energy(_) = self.target {
             let gauss = Gauss::stages(self.method.stages);
             let method = match self.method.family {
-                Family::FixedAlpha(_) => self.method,
-                _ => gauss,
+                Family::Equip(_) => gauss,
+                _ => self.method,
             };
             let run = self.run(method, steps, Record::Ends)?;
             let worst = run.and_then(|run| run.certificate().energy.as_ref().map(|e| e.max));

@@ -65,7 +65,7 @@ impl<T: Float> WithinDomains<T> {
         if is_one {
             let mut stages = std::mem::take(&mut self.stages);
             core.stages_by_stage(y, &mut stages);
-            let mut at = stages.chunks_exact(y.hi.len()).zip(core.gauss().nodes());
+            let mut at = stages.chunks_exact(y.hi.len()).zip(core.method().nodes());
             checked = at.try_for_each(|(y, &c)| self.check(time + c * h, y));
             self.stages = stages;
         }

@@ -16,7 +16,7 @@ use crate::steppers::stepper::{InParts, Stepper};
 use equip_autodiff::Switches;
 use equip_scalar::Float;
 use equip_solver::{Outcome, Part, State};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// The switches along the steps of a grid, and the parts of the step made last.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ impl<T: Float> Substeps<T> {
     /// Of steps with these nodes of states with n components; none of an H without such switches.
     pub(super) fn boxed(
         switches: &Switches,
-        gauss: &Gauss<T>,
+        gauss: &Coefficients<T>,
         n: usize,
     ) -> Option<Box<dyn InParts<T>>> {
         // Crossings are found to rounding.

@@ -151,7 +151,7 @@ impl<T: Float> ReversibleStepper<T> {
         core.stages_by_stage(y, &mut self.points);
         let mut sum = T::int(0);
         for (i, point) in self.points.chunks_exact(n).enumerate() {
-            let b = core.gauss().weights()[i];
+            let b = core.method().weights()[i];
             let (energy, counts) = core.energy_and_counts();
             sum += b * self.sigma.at(point, energy, counts)?;
         }

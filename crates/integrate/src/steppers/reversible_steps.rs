@@ -25,7 +25,7 @@ impl<T: Float> Sizes<T> for Symmetric<T> {
         let sizes = &integrator.sizes;
         sizes.validate()?;
         let inner = Stepper::prepare(integrator, system, None, integrator.words())?;
-        let (n, stages) = (inner.y.hi.len(), inner.core.gauss().stages());
+        let (n, stages) = (inner.y.hi.len(), inner.core.method().stages());
         Ok(ReversibleStepper {
             sigma: StepDensity::new(system, sizes.sigma.as_ref())?,
             rule: sizes.rule,

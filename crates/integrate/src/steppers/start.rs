@@ -3,7 +3,7 @@
 use crate::control::frequency::Frequency;
 use crate::control::make::check_gradient;
 use crate::error::IntegrateError;
-use crate::options::common::{Options, Words, gauss_with};
+use crate::options::common::{Options, Words, coefficients};
 use crate::options::event::Event;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
@@ -26,13 +26,14 @@ impl<T: Float> Stepper<T> {
         h: Option<T>,
         words: Words,
     ) -> Result<Self, IntegrateError<T>> {
-        let (method, options) = (integrator.method, &integrator.options);
+        let options = &integrator.options;
+        let method = integrator.method.for_degree(system.structure().degree);
+        let gauss = coefficients(method)?;
         let settings = options.validate(method)?;
         // Time counts as one of `all`.
         let (all, zero) = (system.degrees_of_freedom(), T::int(0));
         let m = all - usize::from(system.has_time());
         let stages = settings.stages;
-        let gauss = gauss_with(stages)?;
         check_functions(options, m, all)?;
         let has_target = settings.first_alpha.is_some() && !system.structure().is_quadratic();
         let mut constraints = Vec::new();
@@ -51,7 +52,7 @@ impl<T: Float> Stepper<T> {
         let alphas = if constraints.is_empty() {
             0
         } else {
-            stages - 1
+            gauss.alphas()
         };
         let measured = has_target || options.measure_energy;
         let switches = system.switches();

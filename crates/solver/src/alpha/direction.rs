@@ -22,7 +22,7 @@ use equip_autodiff::{Evaluator, Pattern};
 use equip_linear::DenseLu;
 use equip_scalar::{Float, mix_stages};
 use equip_sweeps::{Held, Iterate, LinearSweeps, Preconditioner, State};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
 /// D, and t as far as it has been solved for.
@@ -70,7 +70,7 @@ pub(crate) struct Direction<T: Float> {
 impl<T: Float> Direction<T> {
     /// For α_`first` and those after it, from 1, and so many constraints.
     pub(crate) fn new(
-        gauss: &Gauss<T>,
+        method: &Coefficients<T>,
         iterate: &Iterate<T>,
         pattern: &Pattern,
         (first, constraints): (usize, usize),
@@ -80,7 +80,7 @@ impl<T: Float> Direction<T> {
         let zeros = |len: usize| vec![T::int(0); len];
         let t_columns = (first..first + free).map(|k| {
             let mut columns = zeros(s * stride);
-            for (i, row) in gauss.skew_basis(k).chunks_exact(s).enumerate() {
+            for (i, row) in method.skew_basis(k).chunks_exact(s).enumerate() {
                 for (j, &x) in row.iter().enumerate() {
                     columns[j * stride + i] = x;
                 }
@@ -93,7 +93,7 @@ impl<T: Float> Direction<T> {
             stride,
             first: first - 1,
             free,
-            linear: LinearSweeps::new(gauss, iterate, pattern.clone(), free),
+            linear: LinearSweeps::new(method, iterate, pattern.clone(), free),
             t_columns: t_columns.collect(),
             rhs: zeros(n * free * stride),
             x: zeros(n * free * stride),

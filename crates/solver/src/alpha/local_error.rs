@@ -18,7 +18,7 @@ use crate::policy::FARTHEST;
 use equip_autodiff::Evaluator;
 use equip_scalar::{Float, mix_stages};
 use equip_sweeps::{Held, Iterate, Preconditioner, State, stride_for, turned};
-use equip_tableau::{Gauss, legendre_integrals_at};
+use equip_tableau::{Coefficients, legendre_integrals_at};
 
 /// Further stages.
 const MORE: usize = 2;
@@ -28,7 +28,7 @@ const MORE: usize = 2;
 /// All rows have the places of s + [`MORE`] stages.
 #[derive(Debug)]
 pub(crate) struct LocalError<T: Float> {
-    finer: Gauss<T>,
+    finer: Coefficients<T>,
     stride: usize,
     /// ∫_0^{c̃_j} along the polynomial of L_i, E, and K(0): column by column.
     prolongation: Vec<T>,
@@ -47,19 +47,19 @@ pub(crate) struct LocalError<T: Float> {
 
 impl<T: Float> LocalError<T> {
     /// `None` if there is no method with so many stages.
-    pub(crate) fn new(gauss: &Gauss<T>, iterate: &Iterate<T>) -> Option<Self> {
-        let s = gauss.stages();
+    pub(crate) fn new(method: &Coefficients<T>, iterate: &Iterate<T>) -> Option<Self> {
+        let s = method.stages();
         if s + MORE > equip_sweeps::MAX_STAGES {
             return None;
         }
-        let finer = Gauss::new(s + MORE).ok()?;
+        let finer = Coefficients::gauss(s + MORE).ok()?;
         let (n, stride) = (iterate.components(), stride_for::<T>(s + MORE));
         let zeros = |len: usize| vec![T::int(0); len];
         let rows = || zeros(n * stride);
         Some(LocalError {
-            prolongation: integrals(finer.nodes(), gauss, stride),
-            integration: integrals(gauss.nodes(), &finer, stride),
-            k: integrals(gauss.nodes(), gauss, stride),
+            prolongation: integrals(finer.nodes(), method, stride),
+            integration: integrals(method.nodes(), &finer, stride),
+            k: integrals(method.nodes(), method, stride),
             finer,
             stride,
             coarse: rows(),
@@ -151,14 +151,14 @@ fn rows<T>(x: &mut [T], stride: usize) -> impl Iterator<Item = &mut [T]> {
 }
 
 /// Σ_k (∫_0^c P_k) P_k(c_j) for these c and the nodes c_j of `gauss`, column by column.
-fn integrals<T: Float>(at: &[T], gauss: &Gauss<T>, stride: usize) -> Vec<T> {
-    let s = gauss.stages();
+fn integrals<T: Float>(at: &[T], method: &Coefficients<T>, stride: usize) -> Vec<T> {
+    let s = method.stages();
     let mut matrix = vec![T::int(0); stride * stride];
     let mut integrals = vec![T::int(0); s];
     for (i, &c) in at.iter().enumerate() {
         legendre_integrals_at(c, &mut integrals);
         for (k, &integral) in integrals.iter().enumerate() {
-            for (j, &p) in gauss.legendre(k).iter().enumerate() {
+            for (j, &p) in method.legendre(k).iter().enumerate() {
                 matrix[j * stride + i] += integral * p;
             }
         }

@@ -9,7 +9,7 @@ use crate::step::core::Core;
 use equip_autodiff::{Hamiltonian, Var};
 use equip_scalar::{DoubleDouble, Float};
 use equip_sweeps::State;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 const ALL: [Preconditioner; 5] = [
     Preconditioner::Automatic,
@@ -29,7 +29,7 @@ fn compare<T: Float>(
     most: f64,
 ) -> Outcome {
     let y: Vec<T> = y.iter().map(|&x| T::exact(x)).collect();
-    let (gauss, step) = (Gauss::<T>::new(s).unwrap(), T::exact(step));
+    let (gauss, step) = (Coefficients::<T>::gauss(s).unwrap(), T::exact(step));
     let h_ref = h.evaluator::<T>().compensated_value(&y);
     let options = StepOptions::<T>::new(s, Family::Equip(Alphas::All));
     let mut oracle = Oracle::new(h, h_ref, options.alpha_bound);

@@ -8,7 +8,7 @@
 //!
 //! | part | in the paper | here |
 //! |---|---|---|
-//! | K(α) = ½ 1 1ᵀ + Σ (ξ_k + α_k) T_k | (3)–(6), A = K B | [`equip_tableau::Gauss::skew_into`] |
+//! | K(α) = ½ 1 1ᵀ + Σ (ξ_k + α_k) T_k | (3)–(6), A = K B | [`equip_tableau::Coefficients::skew_into`] |
 //! | residual Z − K L | (7), first line | [`stages`] |
 //! | g = H(y1) − H_ref and its floor | (7), second line | [`Oracle::step`] |
 //! | D at α = 0, the direction of least displacement | project note, section 10 | [`direction`] |
@@ -23,7 +23,7 @@ use equip_autodiff::{Evaluator, Hamiltonian};
 use equip_linear::DenseLu;
 use equip_scalar::Float;
 use equip_sweeps::turned;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
 /// A step by the book.
@@ -66,7 +66,7 @@ impl<T: Float> Oracle<T> {
     /// converge.
     pub(crate) fn step(
         &mut self,
-        gauss: &Gauss<T>,
+        gauss: &Coefficients<T>,
         y: &[T],
         h: T,
         start_defect: T,
@@ -144,7 +144,7 @@ impl<T: Float> Oracle<T> {
     /// Z − K(α) L(Z) = 0 by Newton's method, from Z = 0 or from a guess.
     fn stages(
         &mut self,
-        gauss: &Gauss<T>,
+        gauss: &Coefficients<T>,
         (y, h): (&[T], T),
         alphas: &[T],
         guess: Option<Vec<Vec<T>>>,
@@ -183,7 +183,12 @@ impl<T: Float> Oracle<T> {
     }
 
     /// L_i = h b_i J∇H(y0 + Z_i).
-    fn increments(&mut self, gauss: &Gauss<T>, (y, h): (&[T], T), z: &[Vec<T>]) -> Vec<Vec<T>> {
+    fn increments(
+        &mut self,
+        gauss: &Coefficients<T>,
+        (y, h): (&[T], T),
+        z: &[Vec<T>],
+    ) -> Vec<Vec<T>> {
         let n = y.len();
         let each = z.iter().zip(gauss.weights()).map(|(z, &b)| {
             let point: Vec<T> = y.iter().zip(z).map(|(&y, &z)| y + z).collect();
@@ -199,7 +204,12 @@ impl<T: Float> Oracle<T> {
     }
 
     /// B_i = h b_i J∇²H(y0 + Z_i).
-    fn linearise(&mut self, gauss: &Gauss<T>, (y, h): (&[T], T), z: &[Vec<T>]) -> Vec<DMatrix<T>> {
+    fn linearise(
+        &mut self,
+        gauss: &Coefficients<T>,
+        (y, h): (&[T], T),
+        z: &[Vec<T>],
+    ) -> Vec<DMatrix<T>> {
         let n = y.len();
         let each = z.iter().zip(gauss.weights()).map(|(z, &weight)| {
             let point: Vec<T> = y.iter().zip(z).map(|(&y, &z)| y + z).collect();
@@ -216,7 +226,7 @@ impl<T: Float> Oracle<T> {
     }
 
     /// hω, ω the largest |λ| of J∇²H in the mean over the step, by power iteration on its square.
-    fn fastest(&mut self, gauss: &Gauss<T>, step: (&[T], T), at: &Stages<T>) -> T {
+    fn fastest(&mut self, gauss: &Coefficients<T>, step: (&[T], T), at: &Stages<T>) -> T {
         let b = self.linearise(gauss, step, &at.z);
         let n = step.0.len();
         let mean = b.iter().fold(DMatrix::zeros(n, n), |sum, b| sum + b);
@@ -234,7 +244,7 @@ impl<T: Float> Oracle<T> {
     /// and ∂g/∂t.
     fn direction(
         &mut self,
-        gauss: &Gauss<T>,
+        gauss: &Coefficients<T>,
         (y, h): (&[T], T),
         at: &Stages<T>,
         [start_gradient, gradient]: [&Vec<T>; 2],
@@ -299,8 +309,13 @@ impl<T: Float> Oracle<T> {
     }
 
     /// How far the method with two stages more comes from the same start.
-    fn local_error(&mut self, gauss: &Gauss<T>, step: (&[T], T), at: &Stages<T>) -> Option<Vec<T>> {
-        let finer = Gauss::new(gauss.stages() + 2).ok()?;
+    fn local_error(
+        &mut self,
+        gauss: &Coefficients<T>,
+        step: (&[T], T),
+        at: &Stages<T>,
+    ) -> Option<Vec<T>> {
+        let finer = Coefficients::gauss(gauss.stages() + 2).ok()?;
         let finer = self.stages(&finer, step, &vec![T::int(0); gauss.stages() + 1], None)?;
         Some(
             finer
@@ -343,10 +358,10 @@ fn motion<T: Float>(y: &[T], at: &Stages<T>) -> [Vec<T>; 2] {
 }
 
 /// K(α).
-fn matrix<T: Float>(gauss: &Gauss<T>, alphas: &[T]) -> DMatrix<T> {
+fn matrix<T: Float>(gauss: &Coefficients<T>, alphas: &[T]) -> DMatrix<T> {
     let s = gauss.stages();
     let mut k = vec![T::int(0); s * s];
-    gauss.skew_into(alphas, &mut k);
+    gauss.matrix_into(alphas, &mut k);
     DMatrix::from_row_slice(s, s, &k)
 }
 

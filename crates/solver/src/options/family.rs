@@ -1,6 +1,7 @@
-//! The members of the Gauss family that a step can be made with.
+//! The families of methods that a step can be made with.
 
-use equip_scalar::Constant;
+use equip_scalar::{Constant, Float};
+use equip_tableau::{Coefficients, TableauError};
 use std::fmt;
 
 /// Which α's are solved for.
@@ -15,7 +16,7 @@ pub enum Alphas {
     Last,
 }
 
-/// What the α's of a method are.
+/// What a method is, besides its number of stages.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -26,15 +27,54 @@ pub enum Family {
     FixedAlpha(Constant),
     /// α solved for at every step.
     Equip(Alphas),
+    /// HBVM(k, s) of this degree s, on as many Gauss nodes k as there are stages: order 2s, conserves H as far
+    /// as k nodes integrate ∇H along a step, and no quadratic invariant.
+    Hbvm {
+        /// The degree s, from 1 to the number of stages.
+        degree: usize,
+    },
+    /// HBVM(k, 1) whose stages integrate ∇H along a step to round-off: k of H of degree 2k, else those given.
+    AveragedVectorField,
+    /// The trapezoidal method on equidistant nodes, 2 to 8 of them: order 2.
+    Trapezoidal,
 }
 
 impl Family {
-    /// Fewest stages that a member has.
-    pub fn fewest_stages(self) -> usize {
+    /// The method with so many stages.
+    ///
+    /// # Errors
+    /// [`TableauError`] if there is none.
+    pub fn coefficients<T: Float>(self, stages: usize) -> Result<Coefficients<T>, TableauError> {
         match self {
-            Family::Gauss => 1,
-            Family::FixedAlpha(_) | Family::Equip(_) => 2,
+            Family::FixedAlpha(_) | Family::Equip(_) if stages < 2 => {
+                Err(TableauError::StagesOutOfRange {
+                    stages,
+                    min: 2,
+                    max: equip_sweeps::MAX_STAGES,
+                })
+            }
+            Family::Gauss | Family::FixedAlpha(_) | Family::Equip(_) => Coefficients::gauss(stages),
+            Family::Hbvm { degree } => Coefficients::hbvm(stages, degree),
+            Family::AveragedVectorField => Coefficients::hbvm(stages, 1),
+            Family::Trapezoidal => Coefficients::trapezoidal(stages),
         }
+    }
+
+    /// The degree of a step with so many stages, half of its order but for a fixed α ≠ 0.
+    pub fn degree(self, stages: usize) -> usize {
+        match self {
+            Family::Hbvm { degree } => degree,
+            Family::AveragedVectorField | Family::Trapezoidal => 1,
+            _ => stages,
+        }
+    }
+
+    /// Whether quadratic invariants are conserved.
+    pub fn conserves_quadratic_invariants(self) -> bool {
+        matches!(
+            self,
+            Family::Gauss | Family::FixedAlpha(_) | Family::Equip(_)
+        )
     }
 }
 
@@ -47,6 +87,9 @@ impl fmt::Display for Family {
             }
             Family::Equip(Alphas::All) => f.write_str("EQUIP"),
             Family::Equip(Alphas::Last) => f.write_str("EQUIP with the last α only"),
+            Family::Hbvm { degree } => write!(f, "HBVM of degree {degree}"),
+            Family::AveragedVectorField => f.write_str("averaged vector field"),
+            Family::Trapezoidal => f.write_str("trapezoidal"),
         }
     }
 }

@@ -4,7 +4,7 @@ use equip_autodiff::Hamiltonian;
 
 /// A named function of the state, recorded like an energy, whose change along the run the certificate shows.
 ///
-/// Quadratic invariants of the flow (angular and linear momentum, norms) are kept by every method here for
+/// Quadratic invariants of the flow (angular and linear momentum, norms) are kept by EQUIP and Gauss for
 /// any step; others are measured only.
 #[derive(Debug, Clone)]
 pub struct Invariant {

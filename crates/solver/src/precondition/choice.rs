@@ -15,7 +15,7 @@ use crate::precondition::full::Full;
 use equip_autodiff::{Evaluator, Structure};
 use equip_scalar::Float;
 use equip_sweeps::{Iterate, Preconditioner, State};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// The preconditioners, from the cheapest on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -65,7 +65,7 @@ pub(crate) struct Choice<T: Float> {
 impl<T: Float> Choice<T> {
     pub(crate) fn new(
         wanted: Wanted,
-        (gauss, iterate): (&Gauss<T>, &Iterate<T>),
+        (method, iterate): (&Coefficients<T>, &Iterate<T>),
         structure: &Structure,
     ) -> Self {
         Choice {
@@ -77,12 +77,12 @@ impl<T: Float> Choice<T> {
             is_fresh: false,
             amplification: f64::INFINITY,
             // What may never be needed is made when it is.
-            diagonal: (wanted == Wanted::Diagonal).then(|| Diagonal::new(gauss, iterate)),
+            diagonal: (wanted == Wanted::Diagonal).then(|| Diagonal::new(method, iterate)),
             frozen: (wanted == Wanted::Frozen)
-                .then(|| Frozen::new(iterate, structure))
+                .then(|| Frozen::new(method, iterate, structure))
                 .flatten(),
             full: (wanted == Wanted::Full)
-                .then(|| Full::new(gauss, iterate, structure.hessian.to_pattern())),
+                .then(|| Full::new(method, iterate, structure.hessian.to_pattern())),
             can_be_dense: iterate.stages() * iterate.unknowns() <= MOST_DENSE,
             state: vec![T::int(0); iterate.components()],
             hessian: match wanted {
@@ -125,7 +125,7 @@ impl<T: Float> Choice<T> {
     /// it is.
     pub(crate) fn make(
         &mut self,
-        (gauss, iterate): (&Gauss<T>, &Iterate<T>),
+        (method, iterate): (&Coefficients<T>, &Iterate<T>),
         energy: &mut Evaluator<T>,
         (y, h): (&State<T>, T),
         counts: &mut Counts,
@@ -141,7 +141,7 @@ impl<T: Float> Choice<T> {
                 let pattern = &self.structure.hessian;
                 let full = self
                     .full
-                    .get_or_insert_with(|| Full::new(gauss, iterate, pattern.to_pattern()));
+                    .get_or_insert_with(|| Full::new(method, iterate, pattern.to_pattern()));
                 let room = (&mut self.state[..], &mut self.hessian[..]);
                 self.is_fresh = true;
                 full.linearise(iterate, energy, (y, h), room).is_ok()
@@ -150,12 +150,12 @@ impl<T: Float> Choice<T> {
             kind => {
                 counts.hessians += 1;
                 self.hessian.resize(self.structure.hessian.len(), T::int(0));
-                self.mean(gauss, iterate, y);
+                self.mean(method, iterate, y);
                 energy.hessian(&self.state, &mut self.hessian);
                 let is_made = if kind == Kind::Diagonal {
-                    self.make_diagonal(gauss, iterate, h)
+                    self.make_diagonal(method, iterate, h)
                 } else {
-                    self.make_frozen(iterate, h, counts)
+                    self.make_frozen((method, iterate), h, counts)
                 };
                 self.made_for = if is_made { h } else { T::int(0) };
                 self.amplification = f64::INFINITY;
@@ -182,19 +182,24 @@ impl<T: Float> Choice<T> {
         }
     }
 
-    fn make_diagonal(&mut self, gauss: &Gauss<T>, iterate: &Iterate<T>, h: T) -> bool {
+    fn make_diagonal(&mut self, method: &Coefficients<T>, iterate: &Iterate<T>, h: T) -> bool {
         let Some(w) = iterate.inverse_masses() else {
             return false;
         };
         let diagonal = self
             .diagonal
-            .get_or_insert_with(|| Diagonal::new(gauss, iterate));
+            .get_or_insert_with(|| Diagonal::new(method, iterate));
         diagonal.find((&self.structure.hessian, &self.hessian), w, h)
     }
 
-    fn make_frozen(&mut self, iterate: &Iterate<T>, h: T, counts: &mut Counts) -> bool {
+    fn make_frozen(
+        &mut self,
+        (method, iterate): (&Coefficients<T>, &Iterate<T>),
+        h: T,
+        counts: &mut Counts,
+    ) -> bool {
         if self.frozen.is_none() {
-            self.frozen = Frozen::new(iterate, &self.structure);
+            self.frozen = Frozen::new(method, iterate, &self.structure);
         }
         let Some(frozen) = &mut self.frozen else {
             return false;
@@ -205,11 +210,11 @@ impl<T: Float> Choice<T> {
     }
 
     /// Σ_i b_i Y_i; of momenta that are no unknowns, and enter no derivative, those at the start.
-    fn mean(&mut self, gauss: &Gauss<T>, iterate: &Iterate<T>, y: &State<T>) {
+    fn mean(&mut self, method: &Coefficients<T>, iterate: &Iterate<T>, y: &State<T>) {
         let unknown = iterate.unknowns();
         let rows = iterate.points().chunks_exact(iterate.stride());
         for (c, (mean, row)) in self.state.iter_mut().zip(rows).enumerate() {
-            let terms = row.iter().zip(gauss.weights());
+            let terms = row.iter().zip(method.weights());
             *mean = if c < unknown {
                 terms.fold(T::int(0), |sum, (&x, &b)| sum + b * x)
             } else {
@@ -311,7 +316,7 @@ impl<T: Float> Choice<T> {
     /// Takes over what was saved.
     pub(crate) fn restore(
         &mut self,
-        gauss: &Gauss<T>,
+        method: &Coefficients<T>,
         iterate: &Iterate<T>,
         memory: &SolverMemory<T>,
     ) -> Result<(), Damaged> {
@@ -336,13 +341,13 @@ impl<T: Float> Choice<T> {
             Kind::Diagonal if made_of.len().is_multiple_of(2) => {
                 let diagonal = self
                     .diagonal
-                    .get_or_insert_with(|| Diagonal::new(gauss, iterate));
+                    .get_or_insert_with(|| Diagonal::new(method, iterate));
                 diagonal.restore(&made_of);
                 Ok(())
             }
             Kind::Frozen if made_of.len() == self.structure.hessian.len() + n => {
                 if self.frozen.is_none() {
-                    self.frozen = Frozen::new(iterate, &self.structure);
+                    self.frozen = Frozen::new(method, iterate, &self.structure);
                 }
                 let frozen = self.frozen.as_mut().ok_or(Damaged { what })?;
                 frozen.restore(&made_of).map_err(|_| Damaged { what })

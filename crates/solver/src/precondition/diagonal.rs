@@ -10,7 +10,7 @@ use equip_autodiff::Pattern;
 use equip_linear::DenseLu;
 use equip_scalar::Float;
 use equip_sweeps::{Held, Iterate, Preconditioner};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
 /// A component on a spring.
@@ -33,10 +33,10 @@ pub(crate) struct Diagonal {
 }
 
 impl Diagonal {
-    pub(crate) fn new<T: Float>(gauss: &Gauss<T>, iterate: &Iterate<T>) -> Self {
+    pub(crate) fn new<T: Float>(method: &Coefficients<T>, iterate: &Iterate<T>) -> Self {
         let s = iterate.stages();
-        let k = gauss.skew(&vec![T::int(0); s - 1]);
-        let a = DMatrix::from_fn(s, s, |i, j| (k[i * s + j] * gauss.weights()[j]).to_f64());
+        let k = method.matrix(&vec![T::int(0); method.alphas()]);
+        let a = DMatrix::from_fn(s, s, |i, j| (k[i * s + j] * method.weights()[j]).to_f64());
         Diagonal {
             s,
             stride: iterate.stride(),

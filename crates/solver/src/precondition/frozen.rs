@@ -15,6 +15,7 @@ use equip_autodiff::Structure;
 use equip_linear::Singular;
 use equip_scalar::Float;
 use equip_sweeps::{Held, Iterate, Preconditioner, turned};
+use equip_tableau::Coefficients;
 use nalgebra::{Complex, DMatrix};
 
 /// M of one ∇²H.
@@ -34,9 +35,13 @@ pub(crate) struct Frozen {
 
 impl Frozen {
     /// `None` if the tableau cannot be split.
-    pub(crate) fn new<T: Float>(iterate: &Iterate<T>, structure: &Structure) -> Option<Self> {
+    pub(crate) fn new<T: Float>(
+        method: &Coefficients<T>,
+        iterate: &Iterate<T>,
+        structure: &Structure,
+    ) -> Option<Self> {
         let (s, n) = (iterate.stages(), iterate.components());
-        let schur = Schur::new(s)?;
+        let schur = Schur::new(method)?;
         let systems = || {
             let pattern = structure.hessian.to_pattern();
             ShiftedSystems::new(pattern, structure.separable, schur.blocks.len())

@@ -13,7 +13,7 @@ use equip_autodiff::{Evaluator, Pattern};
 use equip_linear::{DenseLu, Singular};
 use equip_scalar::Float;
 use equip_sweeps::{Held, Iterate, Preconditioner, State, turned};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
 /// M of ∇²H at all stages.
@@ -37,11 +37,15 @@ pub(crate) struct Full {
 }
 
 impl Full {
-    pub(crate) fn new<T: Float>(gauss: &Gauss<T>, iterate: &Iterate<T>, pattern: Pattern) -> Self {
+    pub(crate) fn new<T: Float>(
+        method: &Coefficients<T>,
+        iterate: &Iterate<T>,
+        pattern: Pattern,
+    ) -> Self {
         let (s, unknown) = (iterate.stages(), iterate.unknowns());
-        let k = gauss.skew(&vec![T::int(0); s - 1]);
+        let k = method.matrix(&vec![T::int(0); method.alphas()]);
         let k = DMatrix::from_row_iterator(s, s, k.iter().map(|k| k.to_f64()));
-        let b: Vec<f64> = gauss.weights().iter().map(|b| b.to_f64()).collect();
+        let b: Vec<f64> = method.weights().iter().map(|b| b.to_f64()).collect();
         let inverse_masses = iterate.inverse_masses();
         let size = s * unknown;
         Full {

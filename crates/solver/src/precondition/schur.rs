@@ -15,9 +15,12 @@
 //! the blocks are joined by back substitution. The eigenvectors of A would do away with the joining, but
 //! their condition grows like 10^(s/2) (1e2 at s = 6, 3e10 at s = 20); W is orthogonal.
 //!
+//! Of a method without α's W S Wᵀ is the real Schur form of A itself, whose k − s further eigenvalues are 0.
+//!
 //! All in f64, once per run: cost O(s³).
 
-use equip_tableau::Gauss;
+use equip_scalar::Float;
+use equip_tableau::Coefficients;
 use nalgebra::linalg::Schur as SchurForm;
 use nalgebra::{Complex, DMatrix};
 
@@ -49,18 +52,32 @@ pub(crate) struct Schur {
 }
 
 impl Schur {
-    /// `None` if the number of stages is not offered or the QR algorithm fails; it does for no s up to 32.
-    pub(crate) fn new(s: usize) -> Option<Self> {
-        let gauss = Gauss::<f64>::new(s).ok()?;
+    /// Of the method with α = 0; `None` if the QR algorithm fails, as it does for no Gauss method.
+    pub(crate) fn new<T: Float>(method: &Coefficients<T>) -> Option<Self> {
+        let s = method.stages();
+        let b = DMatrix::from_fn(s, s, |i, j| match i == j {
+            true => method.weights()[i].to_f64(),
+            false => 0.0,
+        });
+        if !method.is_skew() {
+            let k = method.matrix(&[]);
+            let k = DMatrix::from_row_iterator(s, s, k.iter().map(|k| k.to_f64()));
+            let (w, schur) = SchurForm::try_new(k * b, f64::EPSILON, MAX_SWEEPS)?.unpack();
+            return Some(Schur {
+                left: w.transpose(),
+                right: w,
+                blocks: blocks(&schur),
+                schur,
+            });
+        }
         let mut x = DMatrix::zeros(s, s);
         x[(0, 0)] = 0.5;
         for k in 1..s {
-            x[(k, k - 1)] = gauss.xi(k);
-            x[(k - 1, k)] = -gauss.xi(k);
+            x[(k, k - 1)] = method.xi(k).to_f64();
+            x[(k - 1, k)] = -method.xi(k).to_f64();
         }
         let (w, schur) = SchurForm::try_new(x, f64::EPSILON, MAX_SWEEPS)?.unpack();
-        let p = DMatrix::from_fn(s, s, |i, k| gauss.legendre(k)[i]);
-        let b = DMatrix::from_fn(s, s, |i, j| if i == j { gauss.weights()[i] } else { 0.0 });
+        let p = DMatrix::from_fn(s, s, |i, k| method.legendre(k)[i].to_f64());
         Some(Schur {
             left: w.transpose() * p.transpose() * b,
             right: p * w,
@@ -109,8 +126,8 @@ mod tests {
     #[test]
     fn the_parts_make_up_the_tableau() {
         for s in 1..=equip_sweeps::MAX_STAGES {
-            let split = Schur::new(s).unwrap();
-            let gauss = Gauss::<f64>::new(s).unwrap();
+            let gauss = Coefficients::<f64>::gauss(s).unwrap();
+            let split = Schur::new(&gauss).unwrap();
             let mut u = vec![0.0; s * s];
             gauss.antisymmetric_into(&vec![0.0; s - 1], &mut u);
             let a = DMatrix::from_fn(s, s, |i, j| (0.5 + u[i * s + j]) * gauss.weights()[j]);

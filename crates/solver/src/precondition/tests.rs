@@ -8,7 +8,7 @@ use equip_scalar::DoubleDouble;
 use equip_scalar::Float;
 use equip_sweeps::{Contraction, Held, LinearSweeps, Progress};
 use equip_sweeps::{Iterate, Preconditioner, State};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// A stiff spring beside a soft one, along single components, and momenta that are put in.
 fn separable() -> Hamiltonian {
@@ -35,7 +35,7 @@ fn one_solution<T: Float>(energy: &Hamiltonian, tolerance: f64, most: f64) {
     let numbers = |x: [i64; 2]| x.map(|x| T::ratio(x, 10));
     let y = State::new(&numbers([10, 3]), &numbers([-2, 9]));
     for s in [2, 3, 6] {
-        let (h, gauss) = (T::ratio(3, 10), Gauss::<T>::new(s).unwrap());
+        let (h, gauss) = (T::ratio(3, 10), Coefficients::<T>::gauss(s).unwrap());
         let mut iterate = Iterate::prepare(&gauss, 4, evaluator.kinetic(), &vec![T::int(0); s - 1]);
         iterate.begin(&gauss, (&y, h));
         let mut contraction = Contraction::new(iterate.is_twofold(), T::EPSILON.to_f64());

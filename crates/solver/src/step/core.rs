@@ -10,7 +10,7 @@ use crate::step::stages::Stages;
 use equip_autodiff::{Evaluator, Hamiltonian, Structure};
 use equip_scalar::Float;
 use equip_sweeps::{Kept, State};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// Everything a step works with; no allocation after it is made.
 #[derive(Debug)]
@@ -66,11 +66,11 @@ impl<T: Float> AlphaSolver<T> {
         structure: &Structure,
         (first, constraints): (usize, &[Constraint<T>]),
     ) -> Self {
-        let (gauss, iterate) = (&stages.gauss, &stages.iterate);
+        let (method, iterate) = (&stages.method, &stages.iterate);
         let of = (first, constraints.len());
         AlphaSolver {
-            direction: Direction::new(gauss, iterate, &structure.hessian, of),
-            local_error: LocalError::new(gauss, iterate),
+            direction: Direction::new(method, iterate, &structure.hessian, of),
+            local_error: LocalError::new(method, iterate),
             kept: Kept::new(iterate),
             unperturbed: State::new(&vec![T::int(0); iterate.components()], &[]),
             handed_on: [T::int(0); 2],
@@ -84,19 +84,19 @@ impl<T: Float> Core<T> {
         system: &Hamiltonian,
         mut energy: Evaluator<T>,
         options: StepOptions<T>,
-        gauss: Gauss<T>,
+        method: Coefficients<T>,
         constraints: Vec<Constraint<T>>,
     ) -> Self {
         let n = 2 * system.degrees_of_freedom();
         let structure = system.structure();
-        let mut start_alphas = vec![T::int(0); gauss.stages() - 1];
+        let mut start_alphas = vec![T::int(0); method.alphas()];
         if let (Some(alpha), Some(last)) = (options.fixed_alpha, start_alphas.last_mut()) {
             *last = alpha;
         }
         let kinetic = energy.kinetic();
         let preconditioner = options.preconditioner;
         let free = options.first_alpha.filter(|_| !constraints.is_empty());
-        let stages = Stages::new(gauss, structure, kinetic, &start_alphas, preconditioner);
+        let stages = Stages::new(method, structure, kinetic, &start_alphas, preconditioner);
         let alpha_solver = free.map(|first| {
             let of = (first, constraints.as_slice());
             Box::new(AlphaSolver::new(&stages, structure, of))

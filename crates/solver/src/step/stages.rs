@@ -7,12 +7,12 @@ use crate::precondition::choice::Choice;
 use equip_autodiff::{Evaluator, Kinetic, Structure};
 use equip_scalar::Float;
 use equip_sweeps::{Contraction, Iterate, MOST_ITERATIONS, Polynomial, Progress, State};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// The stages, and what finds them.
 #[derive(Debug)]
 pub(crate) struct Stages<T: Float> {
-    pub(crate) gauss: Gauss<T>,
+    pub(crate) method: Coefficients<T>,
     pub(crate) iterate: Iterate<T>,
     pub(crate) contraction: Contraction,
     pub(crate) choice: Choice<T>,
@@ -25,21 +25,21 @@ pub(crate) struct Stages<T: Float> {
 impl<T: Float> Stages<T> {
     /// With the α's that a step starts from.
     pub(crate) fn new(
-        gauss: Gauss<T>,
+        method: Coefficients<T>,
         structure: &Structure,
         kinetic: Option<Kinetic<T>>,
         alphas: &[T],
         preconditioner: Preconditioner,
     ) -> Self {
         let n = structure.hessian.dimension();
-        let iterate = Iterate::prepare(&gauss, n, kinetic, alphas);
+        let iterate = Iterate::prepare(&method, n, kinetic, alphas);
         Stages {
             contraction: Contraction::new(iterate.is_twofold(), T::EPSILON.to_f64()),
-            choice: Choice::new(preconditioner, (&gauss, &iterate), structure),
-            polynomial: Polynomial::new(&gauss),
+            choice: Choice::new(preconditioner, (&method, &iterate), structure),
+            polynomial: Polynomial::new(&method),
             last: None,
             iterate,
-            gauss,
+            method,
         }
     }
 
@@ -68,9 +68,9 @@ impl<T: Float> Stages<T> {
             match last.take().filter(|_| self.choice.is_identity()) {
                 Some((start, size)) => {
                     let polynomial = (&mut self.polynomial, start, size);
-                    (self.iterate).begin_from_last(&self.gauss, (y, h), polynomial, known);
+                    (self.iterate).begin_from_last(&self.method, (y, h), polynomial, known);
                 }
-                None => self.iterate.begin(&self.gauss, (y, h)),
+                None => self.iterate.begin(&self.method, (y, h)),
             }
             self.contraction.begin(!self.choice.is_identity());
             let solved = self.converge(energy, (y, h), noise, counts);
@@ -96,7 +96,7 @@ impl<T: Float> Stages<T> {
         while iterations < MOST_ITERATIONS {
             let is_old = self.choice.follows_stages() && !self.contraction.is_near();
             if is_old || !is_made {
-                let at = (&self.gauss, &self.iterate);
+                let at = (&self.method, &self.iterate);
                 if !self.choice.make(at, energy, (y, h), counts) {
                     return Err(self.choice.failure());
                 }

@@ -8,7 +8,7 @@ use crate::outcome::outcome::Outcome;
 use crate::step::core::Core;
 use equip_autodiff::Hamiltonian;
 use equip_sweeps::State;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// A body around a centre at (1000, 0).
 fn far_kepler() -> Hamiltonian {
@@ -31,7 +31,7 @@ fn core(
     };
     let mut evaluator = h.evaluator::<f64>();
     let h_ref = evaluator.compensated_value(y);
-    let gauss = Gauss::new(s).unwrap();
+    let gauss = Coefficients::gauss(s).unwrap();
     let mut core = Core::new(h, evaluator, options, gauss, vec![constraint]);
     core.begin(h_ref, y);
     core

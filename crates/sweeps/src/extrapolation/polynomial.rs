@@ -12,7 +12,7 @@
 use crate::layout::row::{Row, groups_of, in_memory, lanes_of, literal, rows, stride_for};
 use crate::matrix::product::{applied, product_any};
 use equip_scalar::{Float, InstructionSet, Kernel};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// E in two factors, and ρ.
 #[derive(Debug)]
@@ -24,7 +24,8 @@ pub struct Polynomial<T> {
     coefficients: Vec<T>,
     /// c_i.
     nodes: Vec<T>,
-    /// (2k+1)/(k+1) and k/(k+1), of the recurrence of Legendre polynomials, k = 0 … s − 1.
+    stages: usize,
+    /// (2k+1)/(k+1) and k/(k+1), of the recurrence of Legendre polynomials, for k below the degree s.
     recurrence: Vec<[T; 2]>,
     /// Room for L_0 … L_s at the start of the step, and at a group of nodes.
     at_start: Vec<T>,
@@ -36,15 +37,15 @@ pub struct Polynomial<T> {
 
 impl<T: Float> Polynomial<T> {
     /// For steps of this method.
-    pub fn new(gauss: &Gauss<T>) -> Self {
-        let s = gauss.stages();
+    pub fn new(method: &Coefficients<T>) -> Self {
+        let (s, degree) = (method.stages(), method.degree());
         let stride = stride_for::<T>(s);
         let mut nodes = vec![T::int(0); stride];
-        nodes[..s].copy_from_slice(gauss.nodes());
+        nodes[..s].copy_from_slice(method.nodes());
         let mut coefficients = vec![T::int(0); stride * stride];
-        for k in 0..s {
+        for k in 0..degree {
             let norm = T::int(2 * k as i64 + 1).sqrt();
-            for (j, &p) in gauss.legendre(k).iter().enumerate() {
+            for (j, &p) in method.legendre(k).iter().enumerate() {
                 coefficients[j * stride + k] = norm * p;
             }
         }
@@ -54,9 +55,10 @@ impl<T: Float> Polynomial<T> {
             rho: vec![T::int(0); stride],
             coefficients,
             nodes,
-            recurrence: (0..s as i64).map(recurrence).collect(),
-            at_start: vec![T::int(0); s + 1],
-            at_node: vec![T::int(0); (s + 1) * stride],
+            recurrence: (0..degree as i64).map(recurrence).collect(),
+            at_start: vec![T::int(0); degree + 1],
+            at_node: vec![T::int(0); (degree + 1) * stride],
+            stages: s,
             made_for: None,
         }
     }
@@ -166,7 +168,7 @@ impl<T: Float> Kernel for Make<'_, T> {
     #[inline(always)]
     fn run(&mut self) {
         if T::IS_DOUBLE {
-            match lanes_of::<T>(self.to.recurrence.len()) {
+            match lanes_of::<T>(self.to.stages) {
                 4 => self.lanes::<4>(),
                 _ => self.lanes::<8>(),
             }
@@ -187,7 +189,7 @@ impl<T: Float> Make<'_, T> {
         classical(&to.recurrence, [self.start], at_start);
         let at_node = &mut to.at_node.as_chunks_mut::<N>().0[..=s];
         let scale = T::int(-1) / self.h;
-        let groups = groups_of::<T, N>(s);
+        let groups = groups_of::<T, N>(to.stages);
         let at_nodes = to.at_nodes.as_chunks_mut::<N>().0;
         let rho = to.rho.as_chunks_mut::<N>().0;
         for (g, nodes) in to.nodes.as_chunks::<N>().0.iter().enumerate() {
@@ -231,7 +233,7 @@ mod tests {
     /// exactly.
     fn polynomials_are_foretold<T: Float>(most: f64) {
         for s in 2..=16 {
-            let gauss = Gauss::<T>::new(s).unwrap_or_else(|e| panic!("{e}"));
+            let gauss = Coefficients::<T>::gauss(s).unwrap_or_else(|e| panic!("{e}"));
             for set in InstructionSet::available() {
                 let mut made = Polynomial::new(&gauss);
                 let (start, ratio, h) = (T::int(1), T::ratio(3, 4), T::ratio(1, 8));

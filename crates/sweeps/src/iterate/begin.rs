@@ -5,13 +5,13 @@ use crate::extrapolation::polynomial::Polynomial;
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
 use equip_scalar::Float;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 use std::ops::Range;
 
 impl<T: Float> Iterate<T> {
     /// A step of size `h` begins at `y` with Z = 0.
-    pub(crate) fn begin_at_rest(&mut self, gauss: &Gauss<T>, (y, h): (&State<T>, T)) {
-        self.set_step(gauss, h);
+    pub(crate) fn begin_at_rest(&mut self, method: &Coefficients<T>, (y, h): (&State<T>, T)) {
+        self.set_step(method, h);
         let len = self.unknowns() * self.stride;
         self.z[..len].fill(T::int(0));
         self.has_momenta = false;
@@ -30,12 +30,12 @@ impl<T: Float> Iterate<T> {
     /// polynomial of the last step leads to; `known` is ∇H at `y`.
     pub(crate) fn begin_from_polynomial(
         &mut self,
-        gauss: &Gauss<T>,
+        method: &Coefficients<T>,
         (y, h, ratio): (&State<T>, T, T),
         polynomial: &Polynomial<T>,
         known: Option<&[T]>,
     ) {
-        self.set_step(gauss, h);
+        self.set_step(method, h);
         std::mem::swap(&mut self.l, &mut self.l_before);
         (self.is_measured, self.is_incremental, self.z_is_k_l) = (true, false, true);
         self.has_momenta = true;
@@ -55,10 +55,10 @@ impl<T: Float> Iterate<T> {
         self.measure(y, 0..self.n);
     }
 
-    pub(crate) fn set_step(&mut self, gauss: &Gauss<T>, h: T) {
+    pub(crate) fn set_step(&mut self, method: &Coefficients<T>, h: T) {
         if self.h != h {
             self.h = h;
-            for (hb, &b) in self.hb.iter_mut().zip(gauss.weights()) {
+            for (hb, &b) in self.hb.iter_mut().zip(method.weights()) {
                 *hb = h * b;
             }
         }

@@ -5,16 +5,16 @@ use crate::extrapolation::polynomial::Polynomial;
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
 use equip_scalar::Float;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 use std::ops::Range;
 
 /// The functions, each as it is called.
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
-    pub(crate) iterate: fn(&Gauss<T>, usize, Option<equip_autodiff::Kinetic<T>>, &[T]) -> Iterate<T>,
-    pub(crate) at_rest: fn(&mut Iterate<T>, &Gauss<T>, (&State<T>, T)),
-    pub(crate) from_polynomial: fn(&mut Iterate<T>, &Gauss<T>, (&State<T>, T, T), &Polynomial<T>, Option<&[T]>),
+    pub(crate) iterate: fn(&Coefficients<T>, usize, Option<equip_autodiff::Kinetic<T>>, &[T]) -> Iterate<T>,
+    pub(crate) at_rest: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T)),
+    pub(crate) from_polynomial: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T, T), &Polynomial<T>, Option<&[T]>),
     pub(crate) polynomial: fn(&mut Polynomial<T>, equip_scalar::InstructionSet, [T; 3], bool),
     pub(crate) mix: fn(&mut Iterate<T>, &State<T>) -> f64,
     pub(crate) measure: fn(&mut Iterate<T>, &State<T>, Range<usize>),
@@ -24,7 +24,7 @@ pub(crate) struct Ready<T: Float> {
     pub(crate) keep_z: fn(&mut Iterate<T>),
     pub(crate) add_kept: fn(&mut Iterate<T>, &State<T>) -> f64,
     pub(crate) place: fn(&mut Iterate<T>, &State<T>),
-    pub(crate) stages: fn(&mut Iterate<T>, &Gauss<T>, (&State<T>, T), (&[T], &[T])),
+    pub(crate) stages: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T), (&[T], &[T])),
 }
 
 impl<T: Float> Ready<T> {

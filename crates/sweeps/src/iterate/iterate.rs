@@ -15,7 +15,7 @@ use crate::matrix::coefficients::Columns;
 use crate::matrix::twofold;
 use equip_autodiff::Kinetic;
 use equip_scalar::{Float, InstructionSet, Kernel};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// The stages and what a sweep needs of the method.
 #[derive(Debug)]
@@ -63,15 +63,20 @@ pub struct Iterate<T: Float> {
 
 impl<T: Float> Iterate<T> {
     /// For n components; `alphas` are those a step starts from.
-    pub fn new(gauss: &Gauss<T>, n: usize, kinetic: Option<Kinetic<T>>, alphas: &[T]) -> Self {
+    pub fn new(
+        method: &Coefficients<T>,
+        n: usize,
+        kinetic: Option<Kinetic<T>>,
+        alphas: &[T],
+    ) -> Self {
         let mut places = Places::default();
-        let s = gauss.stages();
+        let s = method.stages();
         let stride = stride_for::<T>(s);
         let set = InstructionSet::best();
         // One column for each place of L, also the padding: all zero there.
         let mut k = places.zeros(stride * stride);
         let mut k_start = places.zeros(stride * stride);
-        let columns = Columns::new(gauss);
+        let columns = Columns::new(method);
         columns.fill(set, alphas, &mut k_start);
         k.copy_from_slice(&k_start);
         let kinetic = kinetic.filter(|kinetic| kinetic.diagonal().is_some());
@@ -80,7 +85,7 @@ impl<T: Float> Iterate<T> {
         let mut rows = || places.zeros(n * stride);
         let [l, l_before, delta, z, z_before, points, gradients] = [(); 7].map(|()| rows());
         let twofold = (kinetic.is_some() && is_unperturbed)
-            .then(|| twofold::of(set, gauss, &k_start, &mut places));
+            .then(|| twofold::of(set, method, &k_start, &mut places));
         Iterate {
             s,
             stride,

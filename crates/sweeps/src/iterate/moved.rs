@@ -3,7 +3,7 @@
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
 use equip_scalar::Float;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// Stages put aside.
 #[derive(Debug)]
@@ -70,11 +70,11 @@ impl<T: Float> Iterate<T> {
 
     pub(crate) fn take_stages(
         &mut self,
-        gauss: &Gauss<T>,
+        method: &Coefficients<T>,
         (y, h): (&State<T>, T),
         (l, k): (&[T], &[T]),
     ) {
-        self.set_step(gauss, h);
+        self.set_step(method, h);
         self.set_increments(l);
         let (s, stride) = (self.s, self.stride);
         for c in 0..self.n {

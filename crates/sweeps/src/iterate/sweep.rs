@@ -12,24 +12,29 @@ use crate::layout::row::{HALF, fills_two};
 use crate::layout::state::State;
 use equip_autodiff::{Evaluator, Kinetic};
 use equip_scalar::Float;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 impl<T: Float> Iterate<T> {
     /// For n components; `alphas` are those a step starts from.
-    pub fn prepare(gauss: &Gauss<T>, n: usize, kinetic: Option<Kinetic<T>>, alphas: &[T]) -> Self {
-        (ready::<T>().iterate)(gauss, n, kinetic, alphas)
+    pub fn prepare(
+        method: &Coefficients<T>,
+        n: usize,
+        kinetic: Option<Kinetic<T>>,
+        alphas: &[T],
+    ) -> Self {
+        (ready::<T>().iterate)(method, n, kinetic, alphas)
     }
 
     /// A step of size `h` begins at `y` with Z = 0 and the α's to start from.
-    pub fn begin(&mut self, gauss: &Gauss<T>, step: (&State<T>, T)) {
-        (ready::<T>().at_rest)(self, gauss, step);
+    pub fn begin(&mut self, method: &Coefficients<T>, step: (&State<T>, T)) {
+        (ready::<T>().at_rest)(self, method, step);
     }
 
     /// A step of size `h` begins at `y`, where the last one began (`start` = 0) or ended (1), which had the
     /// size `last`; `known` is ∇H at `y`.
     pub fn begin_from_last(
         &mut self,
-        gauss: &Gauss<T>,
+        method: &Coefficients<T>,
         (y, h): (&State<T>, T),
         (polynomial, start, last): (&mut Polynomial<T>, T, T),
         known: Option<&[T]>,
@@ -37,7 +42,7 @@ impl<T: Float> Iterate<T> {
         let ready = ready::<T>();
         let ratio = h / last;
         (ready.polynomial)(polynomial, self.set, [start, ratio, last], known.is_some());
-        (ready.from_polynomial)(self, gauss, (y, h, ratio), polynomial, known);
+        (ready.from_polynomial)(self, method, (y, h, ratio), polynomial, known);
     }
 
     /// y1 = y0 + Σ L_i, compensated.
@@ -66,8 +71,8 @@ impl<T: Float> Iterate<T> {
 
     /// Takes over a step of size `h` from `y` that has these L, stage by stage in blocks of length n, and
     /// this K(α), row by row: Z = K L and the stages.
-    pub fn set_stages(&mut self, gauss: &Gauss<T>, step: (&State<T>, T), of: (&[T], &[T])) {
-        (ready::<T>().stages)(self, gauss, step, of);
+    pub fn set_stages(&mut self, method: &Coefficients<T>, step: (&State<T>, T), of: (&[T], &[T])) {
+        (ready::<T>().stages)(self, method, step, of);
     }
 
     /// One sweep from the step's start `y`, or as many incremental ones as leave others to come. Returns what

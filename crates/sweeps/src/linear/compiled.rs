@@ -6,13 +6,13 @@ use crate::iterate::precondition::{Held, Preconditioner};
 use crate::linear::linear_sweeps::{LinearSweeps, Sides};
 use equip_autodiff::Pattern;
 use equip_scalar::Float;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// The functions, each as it is called.
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
-    pub(crate) linear: fn(&Gauss<T>, &Iterate<T>, Pattern, usize) -> LinearSweeps<T>,
+    pub(crate) linear: fn(&Coefficients<T>, &Iterate<T>, Pattern, usize) -> LinearSweeps<T>,
     pub(crate) weigh: fn(&mut LinearSweeps<T>, &Iterate<T>) -> bool,
     pub(crate) is_within: fn(&mut LinearSweeps<T>, f64) -> bool,
     pub(crate) solve: fn(&mut LinearSweeps<T>, Held, Sides<'_, T>, &Iterate<T>, Option<&mut (dyn Preconditioner<T> + '_)>) -> bool,

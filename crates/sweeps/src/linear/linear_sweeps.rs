@@ -24,7 +24,7 @@ use crate::linear::stage_hessians::StageHessians;
 use crate::policy::{MOST_ITERATIONS, STEEPEST, STILL};
 use equip_autodiff::Pattern;
 use equip_scalar::{Float, mix_stages};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// ∇²H at all stages, and what is solved with it.
 #[derive(Debug)]
@@ -57,7 +57,7 @@ pub(crate) struct Sides<'a, T> {
 
 impl<T: Float> LinearSweeps<T> {
     pub(crate) fn make(
-        gauss: &Gauss<T>,
+        method: &Coefficients<T>,
         iterate: &Iterate<T>,
         pattern: Pattern,
         sides: usize,
@@ -76,7 +76,7 @@ impl<T: Float> LinearSweeps<T> {
             hessians: StageHessians::new(iterate, pattern),
             positions: iterate
                 .is_twofold()
-                .then(|| Positions::new(gauss, &k, positions)),
+                .then(|| Positions::new(method, &k, positions)),
             k,
             mixed: zeros(len),
             dl: zeros(len),

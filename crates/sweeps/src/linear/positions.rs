@@ -14,7 +14,7 @@ use crate::linear::row_times::row_times;
 use crate::matrix::twofold::add_product;
 use equip_autodiff::Pattern;
 use equip_scalar::{Float, InstructionSet, Kernel, Pack, mix_stages};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// For each end that may be held, and each row of X_q.
 #[derive(Debug)]
@@ -31,17 +31,17 @@ pub(crate) struct Positions<T> {
 
 impl<T: Float> Positions<T> {
     /// For so many `rows`, `k` being K for each end.
-    pub(crate) fn new(gauss: &Gauss<T>, k: &[Vec<T>; 2], rows: usize) -> Self {
-        let stride = stride_for::<T>(gauss.stages());
+    pub(crate) fn new(method: &Coefficients<T>, k: &[Vec<T>; 2], rows: usize) -> Self {
+        let stride = stride_for::<T>(method.stages());
         let twofold = |k: &Vec<T>| {
             let mut product = vec![T::int(0); stride * stride];
-            add_product(InstructionSet::best(), k, gauss, &mut product);
+            add_product(InstructionSet::best(), k, method, &mut product);
             product
         };
         let kappa = |k: &Vec<T>| {
             let columns = k.chunks_exact(stride);
             let weighed = columns.map(|column| {
-                let pairs = column.iter().zip(gauss.weights());
+                let pairs = column.iter().zip(method.weights());
                 pairs.fold(T::int(0), |sum, (&k, &b)| sum + k * b)
             });
             weighed.collect()
@@ -344,7 +344,7 @@ mod tests {
         let numbers = |x: [i64; 2]| x.map(|x| T::ratio(x, 10));
         let y = State::new(&numbers([10, 3]), &numbers([-2, 9]));
         for s in [2, 3, 4, 8, 11, 16, 20] {
-            let (h, gauss) = (T::ratio(4, 10), Gauss::<T>::new(s).unwrap());
+            let (h, gauss) = (T::ratio(4, 10), Coefficients::<T>::gauss(s).unwrap());
             let alphas = vec![T::int(0); s - 1];
             let mut iterate = Iterate::new(&gauss, 4, evaluator.kinetic(), &alphas);
             iterate.begin(&gauss, (&y, h));

@@ -6,12 +6,17 @@ use crate::linear::compiled::ready;
 use crate::linear::linear_sweeps::{LinearSweeps, Sides};
 use equip_autodiff::{Evaluator, Pattern};
 use equip_scalar::Float;
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 impl<T: Float> LinearSweeps<T> {
     /// With the K that a step starts from, for `sides` right-hand sides at most.
-    pub fn new(gauss: &Gauss<T>, iterate: &Iterate<T>, pattern: Pattern, sides: usize) -> Self {
-        (ready::<T>().linear)(gauss, iterate, pattern, sides)
+    pub fn new(
+        method: &Coefficients<T>,
+        iterate: &Iterate<T>,
+        pattern: Pattern,
+        sides: usize,
+    ) -> Self {
+        (ready::<T>().linear)(method, iterate, pattern, sides)
     }
 
     /// Takes ∇²H at the stages of an iterate that has converged, all of which are there: s Hessians. Returns

@@ -1,6 +1,6 @@
 //! K(α) for sweeps: column by column, padded with zeros, and made anew whenever the α's move.
 //!
-//! K(α)_ij = ½ + U_ij, U = U(0) + Σ_k α_k T_k. As in `Gauss::skew_into` ½ + |U_ij| is rounded and the smaller
+//! Of a method without α's K is a copy. Of a Gauss method K(α)_ij = ½ + U_ij, U = U(0) + Σ_k α_k T_k. As in `Coefficients::matrix_into` ½ + |U_ij| is rounded and the smaller
 //! one of the pair is 1 minus that, so that K_ij + K_ji = 1 to the last bit. U is antisymmetric to the last
 //! bit, so each of the two is found without the other, and all entries at once: s² products for each α_k ≠ 0,
 //! in vector instructions.
@@ -9,23 +9,26 @@ use crate::MAX_STAGES;
 use crate::layout::aligned::{Aligned, Places};
 use crate::layout::row::{add, scaled, stride_for};
 use equip_scalar::{Float, InstructionSet, Kernel, Pack, Piecewise, Scalar};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// U(0) and the T_k, laid out as K is: column by column.
 #[derive(Debug)]
 pub(crate) struct Columns<T> {
+    /// Of a method without α's K itself.
     unperturbed: Aligned<T>,
-    /// T_1 … T_{s−1}, one behind the other.
+    /// T_1 … T_{s−1}, one behind the other; empty if there are no α's.
     basis: Aligned<T>,
     /// ½ and 1 where K has an entry, 0 in the padding.
     half_and_one: [Aligned<T>; 2],
+    /// Whether K_ij + K_ji = 1.
+    is_skew: bool,
     /// Numbers before the columns that are all padding.
     used: usize,
 }
 
 impl<T: Float> Columns<T> {
-    pub(crate) fn new(gauss: &Gauss<T>) -> Self {
-        let (s, mut places) = (gauss.stages(), Places::default());
+    pub(crate) fn new(method: &Coefficients<T>) -> Self {
+        let (s, mut places) = (method.stages(), Places::default());
         let stride = stride_for::<T>(s);
         let lay_out = |entries: &[T], x: &mut [T]| {
             for j in 0..s {
@@ -40,24 +43,34 @@ impl<T: Float> Columns<T> {
             lay_out(entries, &mut x);
             x
         };
+        let is_skew = method.is_skew();
         let mut u = vec![T::int(0); s * s];
-        gauss.antisymmetric_into(&vec![T::int(0); s - 1], &mut u);
+        if is_skew {
+            method.antisymmetric_into(&vec![T::int(0); method.alphas()], &mut u);
+        } else {
+            method.matrix_into(&[], &mut u);
+        }
         let unperturbed = laid_out(&u);
         let half_and_one = [T::ratio(1, 2), T::int(1)].map(|x| laid_out(&vec![x; s * s]));
-        let mut basis = places.zeros((s - 1) * len);
+        let mut basis = places.zeros(method.alphas() * len);
         for (k, x) in basis.chunks_exact_mut(len).enumerate() {
-            lay_out(gauss.skew_basis(k + 1), x);
+            lay_out(method.skew_basis(k + 1), x);
         }
         Columns {
             unperturbed,
             basis,
             half_and_one,
+            is_skew,
             used: s * stride,
         }
     }
 
     /// K(α) into `k`, whose last columns, if they are padding, stay as they are.
     pub(crate) fn fill(&self, set: InstructionSet, alphas: &[T], k: &mut [T]) {
+        if !self.is_skew {
+            k[..self.used].copy_from_slice(&self.unperturbed[..self.used]);
+            return;
+        }
         set.run(&mut Fill {
             columns: self,
             alphas,
@@ -154,7 +167,7 @@ mod tests {
 
     fn entries_are_those_of_the_tableau<T: Float>() {
         for s in 1..=20 {
-            let gauss = Gauss::<T>::new(s).unwrap_or_else(|e| panic!("{e}"));
+            let gauss = Coefficients::<T>::gauss(s).unwrap_or_else(|e| panic!("{e}"));
             let (columns, stride) = (Columns::new(&gauss), stride_for::<T>(s));
             let alphas: Vec<T> = (1..s as i64).map(|k| T::ratio(k * k - 3 * k, 7)).collect();
             for set in InstructionSet::available() {
@@ -162,7 +175,7 @@ mod tests {
                 k[..columns.used].fill(T::NAN);
                 columns.fill(set, &alphas, &mut k);
                 let mut expected = vec![T::int(0); stride * stride];
-                for (at, x) in gauss.skew(&alphas).into_iter().enumerate() {
+                for (at, x) in gauss.matrix(&alphas).into_iter().enumerate() {
                     expected[at % s * stride + at / s] = x;
                 }
                 assert!(k == expected, "s = {s}, {set:?}");

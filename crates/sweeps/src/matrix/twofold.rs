@@ -12,22 +12,22 @@ use crate::layout::aligned::{Aligned, Places};
 use crate::layout::row::{rows, stride_for};
 use crate::matrix::product::{Mixes, Packed, product_any};
 use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
-use equip_tableau::Gauss;
+use equip_tableau::Coefficients;
 
 /// K B K column by column, of K column by column; of doubles to half a unit in the last place.
 pub(crate) fn of<T: Float>(
     set: InstructionSet,
-    gauss: &Gauss<T>,
+    method: &Coefficients<T>,
     k: &[T],
     places: &mut Places,
 ) -> Aligned<T> {
-    let s = gauss.stages();
+    let s = method.stages();
     let stride = stride_for::<T>(s);
     let k = &k[..s * stride];
     let mut twice = places.zeros(stride * stride);
-    let doubles = (T::as_doubles(gauss.weights()), T::as_doubles(k));
+    let doubles = (T::as_doubles(method.weights()), T::as_doubles(k));
     let (Some(b), Some(k), Some(to)) = (doubles.0, doubles.1, T::as_doubles_mut(&mut twice)) else {
-        add_product(set, k, gauss, &mut twice);
+        add_product(set, k, method, &mut twice);
         return twice;
     };
     let width = s.next_multiple_of(8);
@@ -51,13 +51,13 @@ pub(crate) fn of<T: Float>(
 pub(crate) fn add_product<T: Float>(
     set: InstructionSet,
     k: &[T],
-    gauss: &Gauss<T>,
+    method: &Coefficients<T>,
     twice: &mut [T],
 ) {
     set.run(&mut Product {
         k,
-        b: gauss.weights(),
-        stride: stride_for::<T>(gauss.stages()),
+        b: method.weights(),
+        stride: stride_for::<T>(method.stages()),
         twice,
     });
 }
@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn it_is_two_products_rounded_once() {
         for s in [2, 3, 4, 5, 8, 9, 15, 16, 17, 24, 32] {
-            let gauss = Gauss::<f64>::new(s).unwrap();
+            let gauss = Coefficients::<f64>::gauss(s).unwrap();
             let stride = stride_for::<f64>(s);
             for set in InstructionSet::available() {
                 let mut k = vec![0.0; stride * stride];

@@ -5,7 +5,7 @@ use equip_scalar::Float;
 use equip_tableau::conditions::{
     b_defect, bilinear_defect, c_defect, d_defect, symmetry_defect, symplecticity_defect,
 };
-use equip_tableau::{Gauss, Tableau};
+use equip_tableau::{Coefficients, Tableau};
 
 crate::common::in_every_float!(
     gauss_has_b_of_2s_and_c_and_d_of_s,
@@ -17,7 +17,9 @@ crate::common::in_every_float!(
 );
 
 fn plain<T: Float>(s: usize) -> Tableau<T> {
-    Gauss::new(s).unwrap().tableau(&vec![T::int(0); s - 1])
+    Coefficients::gauss(s)
+        .unwrap()
+        .tableau(&vec![T::int(0); s - 1])
 }
 
 fn gauss_has_b_of_2s_and_c_and_d_of_s<T: Float>() {
@@ -69,7 +71,7 @@ fn powers_give_the_same_conditions<T: Float>() {
 fn every_member_is_symplectic_and_symmetric<T: Float>() {
     let mut random = Random(5);
     for s in 1..=20 {
-        let gauss = Gauss::<T>::new(s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s).unwrap();
         let mut worst = [T::int(0); 2];
         for size in ["0", "1e-8", "0.2", "1"] {
             let method = gauss.tableau(&random.alphas(s - 1, T::decimal(size).unwrap()));
@@ -88,7 +90,7 @@ fn a_perturbed_entry_is_found<T: Float>() {
     for (s, k) in [(4, 3), (8, 3), (20, 12), (20, 19)] {
         let mut alphas = vec![T::int(0); s - 1];
         alphas[k - 1] = alpha;
-        let method = Gauss::new(s).unwrap().tableau(&alphas);
+        let method = Coefficients::gauss(s).unwrap().tableau(&alphas);
         // 3.4 in f64, 0.8 in double-double, × 2.
         within("bilinear", bilinear_defect(&method, 2 * k), 7.0);
         // 0.25 in f64, 0.17 in double-double, × 2.

@@ -3,7 +3,7 @@
 use crate::common::within;
 use equip_scalar::Float;
 use equip_tableau::conditions::{b_defect, c_defect, symmetry_defect, symplecticity_defect};
-use equip_tableau::{Gauss, Tableau, TableauError, hbvm};
+use equip_tableau::{Coefficients, Tableau, TableauError};
 
 crate::common::in_every_float!(
     hbvm_with_as_many_nodes_is_gauss,
@@ -15,8 +15,10 @@ crate::common::in_every_float!(
 fn hbvm_with_as_many_nodes_is_gauss<T: Float>() {
     let mut worst = T::int(0);
     for s in 1..=20 {
-        let gauss = Gauss::<T>::new(s).unwrap().tableau(&vec![T::int(0); s - 1]);
-        let method = hbvm::<T>(s, s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s)
+            .unwrap()
+            .tableau(&vec![T::int(0); s - 1]);
+        let method = hbvm::<T>(s, s);
         assert_eq!((&method.b, &method.c), (&gauss.b, &gauss.c));
         for (x, y) in method.a.into_iter().zip(gauss.a) {
             worst = worst.max((x - y).abs());
@@ -28,7 +30,7 @@ fn hbvm_with_as_many_nodes_is_gauss<T: Float>() {
 
 fn it_is_symmetric_and_collocates_but_is_not_symplectic<T: Float>() {
     for (k, s) in [(3, 1), (4, 2), (9, 3), (20, 10)] {
-        let method = hbvm::<T>(k, s).unwrap();
+        let method = hbvm::<T>(k, s);
         // 8.2 in f64, 1.6 in double-double, × 2.
         within("B(2k)", b_defect(&method, 2 * k), 16.4);
         // 2.4 in f64, 0.4 in double-double, × 2.
@@ -45,7 +47,7 @@ fn it_is_symmetric_and_collocates_but_is_not_symplectic<T: Float>() {
 
 /// s = 1: a_il = c_i b_l, so that all stages lie on the chord.
 fn one_degree_is_the_averaged_vector_field<T: Float>() {
-    let Tableau { a, b, c } = hbvm::<T>(7, 1).unwrap();
+    let Tableau { a, b, c } = hbvm::<T>(7, 1);
     for i in 0..7 {
         for l in 0..7 {
             assert!((a[i * 7 + l] - c[i] * b[l]).abs() <= T::EPSILON);
@@ -56,8 +58,8 @@ fn one_degree_is_the_averaged_vector_field<T: Float>() {
 /// H = p²/2 + q⁴/4 has degree 4 ≤ 2k/s for k = 2s.
 fn a_quartic_energy_is_kept_from_twice_as_many_nodes_on<T: Float>() {
     for s in 1..=3 {
-        let kept = energy_error(&hbvm::<T>(2 * s, s).unwrap());
-        let lost = energy_error(&hbvm::<T>(2 * s - 1, s).unwrap());
+        let kept = energy_error(&hbvm::<T>(2 * s, s));
+        let lost = energy_error(&hbvm::<T>(2 * s - 1, s));
         // 1.0 in f64, 0.5 in double-double, × 2.
         within("energy", kept, 2.0);
         assert!(lost > T::ratio(1, 1_000_000_000_000));
@@ -88,7 +90,7 @@ fn energy_error<T: Float>(method: &Tableau<T>) -> T {
 
 #[test]
 fn impossible_pairs_are_refused() {
-    let error = hbvm::<f64>(2, 3).unwrap_err();
+    let error = Coefficients::<f64>::hbvm(2, 3).unwrap_err();
     assert_eq!(
         error,
         TableauError::TooFewNodes {
@@ -97,8 +99,32 @@ fn impossible_pairs_are_refused() {
         }
     );
     assert!(matches!(
-        hbvm::<f64>(0, 0),
+        Coefficients::<f64>::hbvm(0, 0),
         Err(TableauError::StagesOutOfRange { .. })
     ));
-    assert!(hbvm::<f64>(33, 2).is_err() && hbvm::<f64>(3, 0).is_err());
+    assert!(Coefficients::<f64>::hbvm(33, 2).is_err() && Coefficients::<f64>::hbvm(3, 0).is_err());
+}
+
+fn hbvm<T: Float>(k: usize, s: usize) -> Tableau<T> {
+    Coefficients::hbvm(k, s).unwrap().tableau(&[])
+}
+
+/// Boole's rule, and positive weights up to eight nodes.
+#[test]
+fn trapezoidal_methods_have_newton_cotes_weights() {
+    let boole = Coefficients::<f64>::trapezoidal(5).unwrap();
+    for (b, exact) in boole.weights().iter().zip([7.0, 32.0, 12.0, 32.0, 7.0]) {
+        assert!((b - exact / 90.0).abs() < 1e-16, "{b}");
+    }
+    for k in 2..=8 {
+        let method = Coefficients::<f64>::trapezoidal(k).unwrap();
+        let sum: f64 = method.weights().iter().sum();
+        assert!((sum - 1.0).abs() < 1e-15 && method.weights().iter().all(|&b| b > 0.0));
+        let tableau = method.tableau(&[]);
+        assert!(symmetry_defect(&tableau) < 1e-15);
+        assert_eq!(equip_tableau::order(&tableau, 1e-12), 2);
+    }
+    for k in [0, 1, 9] {
+        assert!(Coefficients::<f64>::trapezoidal(k).is_err());
+    }
 }

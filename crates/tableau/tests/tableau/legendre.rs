@@ -2,7 +2,7 @@
 
 use crate::common::within;
 use equip_scalar::Float;
-use equip_tableau::{Gauss, legendre_at, legendre_derivatives_at, legendre_integrals_at};
+use equip_tableau::{Coefficients, legendre_at, legendre_derivatives_at, legendre_integrals_at};
 
 crate::common::in_every_float!(
     the_first_polynomials_are_the_textbook_ones,
@@ -40,7 +40,7 @@ fn the_first_polynomials_are_the_textbook_ones<T: Float>() {
 
 fn integrals_are_differences_of_neighbours<T: Float>() {
     const N: usize = 20;
-    let gauss = Gauss::<T>::new(1).unwrap();
+    let gauss = Coefficients::<T>::gauss(1).unwrap();
     let mut worst = T::int(0);
     for c in arguments::<T>() {
         let (mut p, mut integrals) = ([T::NAN; N + 1], [T::NAN; N]);
@@ -80,7 +80,7 @@ fn integrals_keep_relative_accuracy_near_the_ends<T: Float>() {
 
 fn the_integral_of_the_derivative_is_the_polynomial<T: Float>() {
     const N: usize = 20;
-    let gauss = Gauss::<T>::new(N).unwrap();
+    let gauss = Coefficients::<T>::gauss(N).unwrap();
     let mut worst = T::int(0);
     for c in arguments::<T>() {
         let (mut at_c, mut at_0, mut slopes) = ([T::NAN; N], [T::NAN; N], [T::NAN; N]);
@@ -107,7 +107,7 @@ fn the_integral_of_the_derivative_is_the_polynomial<T: Float>() {
 fn nodes_are_zeros<T: Float>() {
     for s in 1..=20 {
         let (mut p, mut slopes) = (vec![T::NAN; s + 1], vec![T::NAN; s + 1]);
-        for &c in Gauss::<T>::new(s).unwrap().nodes() {
+        for &c in Coefficients::<T>::gauss(s).unwrap().nodes() {
             legendre_at(c, &mut p);
             legendre_derivatives_at(c, &mut slopes);
             // 0.38 in f64, 0.12 in double-double, × 2.

@@ -2,7 +2,7 @@
 
 use crate::common::within;
 use equip_scalar::{DoubleDouble, Float};
-use equip_tableau::{Gauss, MAX_STAGES, TableauError};
+use equip_tableau::{Coefficients, MAX_STAGES, TableauError};
 
 crate::common::in_every_float!(
     up_to_five_nodes_are_radicals,
@@ -55,7 +55,7 @@ fn up_to_five_nodes_are_radicals<T: Float>() {
         // 0.5 in f64, 0.12 in double-double, × 2.
         within(
             "radicals",
-            distance_to(&Gauss::new(s).unwrap(), &radicals::<T>(s)),
+            distance_to(&Coefficients::gauss(s).unwrap(), &radicals::<T>(s)),
             1.0,
         );
     }
@@ -64,13 +64,13 @@ fn up_to_five_nodes_are_radicals<T: Float>() {
 fn twenty_nodes_agree_with_the_published_table<T: Float>() {
     let decimal = |text| T::decimal(text).unwrap();
     let known = TABLE_25_4.map(|(x, w)| (decimal(x), decimal(w)));
-    let worst = distance_to(&Gauss::new(20).unwrap(), &known);
+    let worst = distance_to(&Coefficients::gauss(20).unwrap(), &known);
     // 0.5 ε in f64, × 2; 2.5e-22, the rounding of the table, in double-double, × 4.
     assert!(worst <= T::EPSILON.max(decimal("1e-21")), "{worst:e}");
 }
 
 /// The largest deviation of the upper half of a rule on [0, 1] from (x, w) on [−1, 1].
-fn distance_to<T: Float>(gauss: &Gauss<T>, known: &[(T, T)]) -> T {
+fn distance_to<T: Float>(gauss: &Coefficients<T>, known: &[(T, T)]) -> T {
     let half = T::ratio(1, 2);
     let upper = gauss.stages() / 2;
     let computed = gauss.nodes()[upper..].iter().zip(&gauss.weights()[upper..]);
@@ -85,7 +85,7 @@ fn distance_to<T: Float>(gauss: &Gauss<T>, known: &[(T, T)]) -> T {
 
 fn every_rule_is_symmetric_to_the_last_bit<T: Float>() {
     for s in 1..=MAX_STAGES {
-        let gauss = Gauss::<T>::new(s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s).unwrap();
         let (c, b) = (gauss.nodes(), gauss.weights());
         assert!(c[0] > T::int(0) && c.is_sorted_by(|x, y| x < y));
         for i in 0..s {
@@ -105,7 +105,7 @@ fn every_rule_is_symmetric_to_the_last_bit<T: Float>() {
 
 fn polynomials_are_orthonormal_in_the_discrete_product<T: Float>() {
     for s in (1..=20).chain([24, 28, MAX_STAGES]) {
-        let gauss = Gauss::<T>::new(s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s).unwrap();
         let mut worst = T::int(0);
         for k in 0..s {
             for l in 0..=k {
@@ -123,7 +123,7 @@ fn polynomials_are_orthonormal_in_the_discrete_product<T: Float>() {
 
 fn moments_are_those_of_the_interval<T: Float>() {
     for s in (1..=20).chain([24, 28, MAX_STAGES]) {
-        let gauss = Gauss::<T>::new(s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s).unwrap();
         let mut powers = gauss.weights().to_vec();
         let mut worst = T::int(0);
         for q in 1..=2 * s {
@@ -144,8 +144,8 @@ fn doubles_are_the_rounded_double_doubles() {
     let mut worst = [0.0f64; 4];
     for s in 1..=MAX_STAGES {
         let (short, long) = (
-            Gauss::<f64>::new(s).unwrap(),
-            Gauss::<DoubleDouble>::new(s).unwrap(),
+            Coefficients::<f64>::gauss(s).unwrap(),
+            Coefficients::<DoubleDouble>::gauss(s).unwrap(),
         );
         let mut compare = |index: usize, x: &[f64], y: &[DoubleDouble], relative: bool| {
             for (x, y) in x.iter().zip(y.iter().map(|y| y.to_f64())) {
@@ -161,8 +161,8 @@ fn doubles_are_the_rounded_double_doubles() {
         let plain = DoubleDouble::int(0);
         compare(
             3,
-            &short.skew(&vec![0.0; s - 1]),
-            &long.skew(&vec![plain; s - 1]),
+            &short.matrix(&vec![0.0; s - 1]),
+            &long.matrix(&vec![plain; s - 1]),
             false,
         );
     }
@@ -176,7 +176,7 @@ fn doubles_are_the_rounded_double_doubles() {
 #[test]
 fn impossible_numbers_of_stages_are_refused() {
     for stages in [0, MAX_STAGES + 1] {
-        let error = Gauss::<f64>::new(stages).unwrap_err();
+        let error = Coefficients::<f64>::gauss(stages).unwrap_err();
         assert_eq!(
             error,
             TableauError::StagesOutOfRange {

@@ -3,7 +3,7 @@
 use crate::common::{Random, within};
 use equip_scalar::Float;
 use equip_tableau::trees::{Trees, order_conditions};
-use equip_tableau::{Gauss, Tableau, TableauError, hbvm, order};
+use equip_tableau::{Coefficients, Tableau, TableauError, order};
 
 crate::common::in_every_float!(
     classical_methods_have_their_order,
@@ -21,7 +21,7 @@ fn tolerance<T: Float>() -> T {
 fn perturbed<T: Float>(s: usize, k: usize) -> Tableau<T> {
     let mut alphas = vec![T::int(0); s - 1];
     alphas[k - 1] = T::ratio(1, 10);
-    Gauss::new(s).unwrap().tableau(&alphas)
+    Coefficients::gauss(s).unwrap().tableau(&alphas)
 }
 
 /// A000081, and γ of the tall and the bushy tree.
@@ -57,7 +57,9 @@ fn classical_methods_have_their_order<T: Float>() {
 
 fn gauss_has_order_2s<T: Float>() {
     for s in 1..=20 {
-        let method = Gauss::<T>::new(s).unwrap().tableau(&vec![T::int(0); s - 1]);
+        let method = Coefficients::<T>::gauss(s)
+            .unwrap()
+            .tableau(&vec![T::int(0); s - 1]);
         assert_eq!(order(&method, tolerance()), 2 * s);
     }
 }
@@ -91,7 +93,7 @@ fn the_first_perturbed_alpha_decides_the_order<T: Float>() {
             for alpha in &mut alphas[k - 1..] {
                 *alpha = T::ratio(1, 20) + T::ratio(1, 40) * random.symmetric::<T>();
             }
-            let method = Gauss::new(s).unwrap().tableau(&alphas);
+            let method = Coefficients::gauss(s).unwrap().tableau(&alphas);
             assert_eq!(order(&method, tolerance()), 2 * k, "s = {s}, from k = {k}");
         }
     }
@@ -109,7 +111,9 @@ fn trees_agree_with_the_simplifying_assumptions<T: Float>() {
             );
         }
     }
-    let gauss = Gauss::<T>::new(5).unwrap().tableau(&[T::int(0); 4]);
+    let gauss = Coefficients::<T>::gauss(5)
+        .unwrap()
+        .tableau(&[T::int(0); 4]);
     // 0.5 in f64, 0.25 in double-double, × 2.
     within("order 2s of Gauss", order_conditions(&gauss, 10), 1.0);
 }
@@ -127,7 +131,7 @@ fn hbvm_has_order_2s<T: Float>() {
         (30, 10),
     ] {
         assert_eq!(
-            order(&hbvm::<T>(k, s).unwrap(), tolerance()),
+            order(&hbvm::<T>(k, s), tolerance()),
             2 * s,
             "HBVM({k}, {s})"
         );
@@ -145,4 +149,8 @@ fn a_matrix_of_the_wrong_shape_is_refused() {
         }
     );
     assert!(Tableau::<f64>::new(vec![], vec![]).is_err());
+}
+
+fn hbvm<T: Float>(k: usize, s: usize) -> Tableau<T> {
+    Coefficients::hbvm(k, s).unwrap().tableau(&[])
 }

@@ -2,7 +2,7 @@
 
 use crate::common::{Random, within};
 use equip_scalar::Float;
-use equip_tableau::{Gauss, MAX_STAGES};
+use equip_tableau::{Coefficients, MAX_STAGES};
 use nalgebra::DMatrix;
 
 crate::common::in_every_float!(
@@ -25,9 +25,9 @@ fn sizes<T: Float>() -> Vec<T> {
 fn k_and_its_transpose_add_up_to_one_exactly<T: Float>() {
     let mut random = Random(1);
     for s in (1..=20).chain([MAX_STAGES]) {
-        let gauss = Gauss::<T>::new(s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s).unwrap();
         for size in sizes::<T>() {
-            let k = gauss.skew(&random.alphas(s - 1, size));
+            let k = gauss.matrix(&random.alphas(s - 1, size));
             for i in 0..s {
                 assert_eq!(k[i * s + i], T::ratio(1, 2));
                 for j in 0..s {
@@ -45,7 +45,7 @@ fn k_and_its_transpose_add_up_to_one_exactly<T: Float>() {
 fn the_antisymmetric_part_is_exact_at_any_alpha<T: Float>() {
     let mut random = Random(2);
     for s in 1..=20 {
-        let gauss = Gauss::<T>::new(s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s).unwrap();
         let mut u = vec![T::NAN; s * s];
         for size in [
             sizes(),
@@ -62,7 +62,7 @@ fn the_antisymmetric_part_is_exact_at_any_alpha<T: Float>() {
 
 fn the_basis_is_antisymmetric_exactly<T: Float>() {
     for s in [2, 3, 7, 20, MAX_STAGES] {
-        let gauss = Gauss::<T>::new(s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s).unwrap();
         for k in 1..s {
             let t = gauss.skew_basis(k);
             assert!(is_antisymmetric(s, t));
@@ -82,7 +82,7 @@ fn k_is_the_paper_s_matrix<T: Float>() {
     let mut random = Random(3);
     let mut worst = T::int(0);
     for s in 1..=20 {
-        let gauss = Gauss::<T>::new(s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s).unwrap();
         let alphas = random.alphas(s - 1, T::ratio(1, 5));
         let p = DMatrix::from_fn(s, s, |i, k| gauss.legendre(k)[i]);
         let entry = |k: usize| gauss.xi(k) + alphas[k - 1];
@@ -93,7 +93,7 @@ fn k_is_the_paper_s_matrix<T: Float>() {
             _ => T::int(0),
         });
         let paper = &p * x * p.transpose();
-        let k = DMatrix::from_row_slice(s, s, &gauss.skew(&alphas));
+        let k = DMatrix::from_row_slice(s, s, &gauss.matrix(&alphas));
         worst = worst.max((k - paper).amax());
     }
     // 6.0 in f64, 5.0 in double-double, × 2.
@@ -103,9 +103,9 @@ fn k_is_the_paper_s_matrix<T: Float>() {
 fn k_is_one_half_plus_its_antisymmetric_part<T: Float>() {
     let mut random = Random(4);
     for s in 2..=12 {
-        let gauss = Gauss::<T>::new(s).unwrap();
+        let gauss = Coefficients::<T>::gauss(s).unwrap();
         let alphas = random.alphas(s - 1, T::ratio(1, 5));
-        let (k, mut u) = (gauss.skew(&alphas), vec![T::NAN; s * s]);
+        let (k, mut u) = (gauss.matrix(&alphas), vec![T::NAN; s * s]);
         gauss.antisymmetric_into(&alphas, &mut u);
         for (k, u) in k.into_iter().zip(u) {
             assert!((k - T::ratio(1, 2) - u).abs() <= T::EPSILON * k.abs().max(T::int(1)));
@@ -115,12 +115,14 @@ fn k_is_one_half_plus_its_antisymmetric_part<T: Float>() {
 
 #[test]
 fn a_nan_shows() {
-    let k = Gauss::<f64>::new(3).unwrap().skew(&[0.0, f64::NAN]);
+    let k = Coefficients::<f64>::gauss(3)
+        .unwrap()
+        .matrix(&[0.0, f64::NAN]);
     assert!(k[1].is_nan() && k[3].is_nan());
 }
 
 #[test]
 #[should_panic(expected = "one alpha for each k")]
 fn the_number_of_alphas_must_fit() {
-    Gauss::<f64>::new(3).unwrap().skew(&[0.1]);
+    Coefficients::<f64>::gauss(3).unwrap().matrix(&[0.1]);
 }

@@ -27,20 +27,20 @@ impl<T: Float> Sizes<T> for Tolerance<T> {
         system: &Hamiltonian,
     ) -> Result<AdaptiveStepper<T>, IntegrateError<T>> {
         let sizes = &integrator.sizes;
-        sizes.validate(integrator.method.stages)?;
+        sizes.validate(integrator.method)?;
         let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
         let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
         let tolerance = sizes.tightest();
         let allowed = sizes.allowed(inner.m, n / 2)?;
-        let crossings = Crossings::new(&system.switches(), inner.core.gauss(), n, tolerance);
+        let crossings = Crossings::new(&system.switches(), inner.core.method(), n, tolerance);
         if crossings.is_some() {
             inner.core.defer_alphas();
         }
         Ok(AdaptiveStepper {
             crossings,
-            control: Control::new(tolerance.to_f64(), integrator.method.stages, most),
-            decay: Decay::new(inner.core.gauss(), (n, inner.m), tolerance, allowed),
-            flow: Flow::new(integrator.method.stages, n),
+            control: Control::new(tolerance.to_f64(), integrator.method.degree(), most),
+            decay: Decay::new(inner.core.method(), (n, inner.m), tolerance, allowed),
+            flow: Flow::new(integrator.method.degree(), n),
             slope_rounding: vec![T::int(0); n],
             slopes: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
