@@ -9,6 +9,7 @@ mod cases_tolerance;
 mod extremes;
 mod failures;
 mod growth;
+mod guard;
 mod house;
 mod instruction_sets;
 mod invariants;

@@ -14,10 +14,9 @@ mod versions;
 
 use clap::Parser;
 use contestant::Contestant;
-use equip::autodiff::Static;
-use equip::prelude::*;
 use contestants::ours::{Ours, Solver, Variant};
-use problem::{ByHand, Problem};
+use equip::prelude::*;
+use problem::Problem;
 use scenes::NAMES;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -48,7 +47,7 @@ struct Args {
     /// How our steps are chosen; each scene leaves out what is hopeless there
     #[arg(long, value_delimiter = ',', default_values = ["equal", "variable"])]
     steps: Vec<Sizes>,
-    /// Fewer variants of ours, fewer rounds: closure and trait by sweeps with 6, 8 and 12 stages, three
+    /// Fewer variants of ours, fewer rounds: the closure by sweeps with 6, 8 and 12 stages, three
     /// rounds
     #[arg(long)]
     quick: bool,
@@ -75,13 +74,13 @@ impl Args {
     }
 }
 
-fn ours<H: System + 'static, T: Float>(
-    system: &Rc<H>,
+fn ours<T: Float>(
+    h: &Rc<Hamiltonian>,
     route: &'static str,
     variant: Variant,
     task: &Task,
 ) -> Box<dyn Contestant> {
-    Box::new(Ours::<H, T>::new(system, route, variant, task))
+    Box::new(Ours::<T>::new(h, route, variant, task))
 }
 
 struct Run {
@@ -101,17 +100,16 @@ impl WithTask for Run {
         if task.sizes.contains(&Sizes::Equal) {
             all.extend(contestants::composition::contestants(&problem, &task));
         }
-        let (closure, compiled) = both_routes(&problem)?;
-        let by_hand = Hamiltonian::from_energy(ByHand(problem)).map_err(|e| e.to_string())?;
+        let closure = Rc::new(problem.hamiltonian().map_err(|e| e.to_string())?);
+        let by_hand = problem.with_gradient_by_hand().map_err(|e| e.to_string())?;
         by_hand
             .check_gradient(&[task.q.clone(), task.p.clone()].concat())
             .map_err(|e| e.to_string())?;
         let by_hand = Rc::new(by_hand);
         for variant in self.args.variants(&task) {
-            all.push(ours::<_, f64>(&closure, "closure", variant, &task));
-            all.push(ours::<_, f64>(&compiled, "trait", variant, &task));
+            all.push(ours::<f64>(&closure, "closure", variant, &task));
             if !self.args.quick {
-                all.push(ours::<_, f64>(&by_hand, "by hand", variant, &task));
+                all.push(ours::<f64>(&by_hand, "by hand", variant, &task));
             }
         }
         self.race(&task, all)
@@ -119,38 +117,21 @@ impl WithTask for Run {
 
     fn with_extended<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String> {
         let mut all = self.peers(&task);
-        let (closure, compiled) = both_routes(&problem)?;
+        let closure = Rc::new(problem.hamiltonian().map_err(|e| e.to_string())?);
         for variant in self.args.variants(&task) {
-            all.push(ours::<_, DoubleDouble>(&closure, "closure", variant, &task));
-            all.push(ours::<_, DoubleDouble>(&compiled, "trait", variant, &task));
+            all.push(ours::<DoubleDouble>(&closure, "closure", variant, &task));
         }
         self.race(&task, all)
     }
-}
-
-/// H given as a closure, and by the trait.
-#[expect(
-    clippy::type_complexity,
-    reason = "the two routes have names of their own nowhere else"
-)]
-fn both_routes<P: Problem>(
-    problem: &P,
-) -> Result<(Rc<Hamiltonian>, Rc<Hamiltonian<Static<P>>>), String> {
-    let by_closure = problem.clone();
-    let m = problem.degrees_of_freedom();
-    let closure = Hamiltonian::new(m, |q, p| by_closure.energy(q, p));
-    let compiled = Hamiltonian::from_energy(problem.clone());
-    Ok((
-        Rc::new(closure.map_err(|e| e.to_string())?),
-        Rc::new(compiled.map_err(|e| e.to_string())?),
-    ))
 }
 
 impl Run {
     /// The Python peers, if there are any.
     fn peers(&self, task: &Task) -> Vec<Box<dyn Contestant>> {
         let worker = self.worker.as_ref();
-        worker.map_or_else(Vec::new, |worker| contestants::python::contestants(worker, task))
+        worker.map_or_else(Vec::new, |worker| {
+            contestants::python::contestants(worker, task)
+        })
     }
 
     fn race(&mut self, task: &Task, mut all: Vec<Box<dyn Contestant>>) -> Result<(), String> {

@@ -2,11 +2,11 @@
 
 use equip::prelude::*;
 use equip::scenes::energies::{
-    Fpu, FputBeta, HenonHeiles, Kepler, OuterSolarSystem, Pythagorean, SpringPendulum,
+    Fpu, FputBeta, HenonHeiles, Kepler, Model, OuterSolarSystem, Pythagorean, SpringPendulum,
 };
 
 /// An energy Σ p²/(2m) + U(q) with its derivatives written by hand, in any float type.
-pub trait Problem: Energy + Clone + 'static {
+pub trait Problem: Model + Clone + Send + Sync + 'static {
     /// p' = −∇U at q.
     fn force<T: Float>(&self, q: &[T], force: &mut [T]);
 
@@ -29,6 +29,19 @@ pub trait Problem: Energy + Clone + 'static {
         let ((q, p), (velocity, force)) = (y.split_at(m), dy.split_at_mut(m));
         self.velocity(p, velocity);
         self.force(q, force);
+    }
+
+    /// H with its gradient by hand, as `Hamiltonian::with_gradient` takes it, for doubles.
+    ///
+    /// # Errors
+    /// As [`Model::hamiltonian`].
+    fn with_gradient_by_hand(&self) -> Result<Hamiltonian, BuildError> {
+        let problem = self.clone();
+        Ok(self.hamiltonian()?.with_gradient(move |q, p, dq, dp| {
+            problem.velocity(p, dp);
+            problem.force(q, dq);
+            dq.iter_mut().for_each(|x| *x = -*x);
+        }))
     }
 }
 
@@ -197,29 +210,5 @@ impl Problem for OuterSolarSystem {
         for (k, (q, &p)) in q.iter_mut().zip(p).enumerate() {
             *q += by * (p * outer_inverse_mass(k));
         }
-    }
-}
-
-/// A problem whose hand-written derivative is its gradient: the third way to give H, beside closure and
-/// trait.
-#[derive(Debug, Clone)]
-pub struct ByHand<P>(pub P);
-
-impl<P: Problem> Energy for ByHand<P> {
-    fn degrees_of_freedom(&self) -> usize {
-        self.0.degrees_of_freedom()
-    }
-
-    #[inline(always)]
-    fn energy<S: Scalar>(&self, q: &[Num<S>], p: &[Num<S>]) -> Num<S> {
-        self.0.energy(q, p)
-    }
-
-    #[inline(always)]
-    fn gradient<T: Float>(&self, q: &[T], p: &[T], dq: &mut [T], dp: &mut [T]) -> bool {
-        self.0.velocity(p, dp);
-        self.0.force(q, dq);
-        dq.iter_mut().for_each(|x| *x = -*x);
-        true
     }
 }

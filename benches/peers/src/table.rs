@@ -229,7 +229,7 @@ pub fn json(task: &Task, lanes: &[Lane]) -> Value {
 }
 
 /// Header of the table for documents.
-pub const MARKDOWN_HEADER: &str = "| scene, errors | equip, trait | equip, closure | heyoka | quickest other program | trait / quickest |\n\
+pub const MARKDOWN_HEADER: &str = "| scene, errors | equip, closure | equip, by hand | heyoka | quickest other program | closure / quickest |\n\
     |---|---|---|---|---|---|\n";
 
 /// One scene as a row of a table for documents: milliseconds to each target, joined by strokes.
@@ -246,7 +246,7 @@ pub fn markdown(task: &Task, lanes: &[Lane]) -> String {
         let best = names.filter_map(|n| best(lanes, n, target));
         best.min_by(|a, b| a.ms.0.total_cmp(&b.ms.0))
     };
-    let trait_way = |t: f64| ours("equip trait", t);
+    let closure = |t: f64| ours("equip closure", t);
     let ms = |best: Best| digits(best.ms.0);
     let peer = |t: f64| best_peer(lanes, t);
     let targets: Vec<String> = task.targets.iter().map(|t| format!("{t:.0e}")).collect();
@@ -254,11 +254,11 @@ pub fn markdown(task: &Task, lanes: &[Lane]) -> String {
         "| {}, to {} | {} | {} | {} | {} | {} |\n",
         task.title,
         targets.join(" / "),
-        joined(&|t| trait_way(t).map(ms)),
-        joined(&|t| ours("equip closure", t).map(ms)),
+        joined(&|t| closure(t).map(ms)),
+        joined(&|t| ours("equip by hand", t).map(ms)),
         joined(&|t| best(lanes, "heyoka", t).map(ms)),
         joined(&|t| peer(t).map(|b| format!("{} {}", b.program, digits(b.ms.0)))),
-        joined(&|t| Some(format!("{:.2}", trait_way(t)?.ms.0 / peer(t)?.ms.0))),
+        joined(&|t| Some(format!("{:.2}", closure(t)?.ms.0 / peer(t)?.ms.0))),
     )
 }
 

@@ -87,7 +87,7 @@ pub trait WithTask {
     /// What went wrong, in words.
     fn with<P: Problem>(&mut self, problem: P, task: Task) -> Result<(), String>;
 
-    /// The same for tasks beyond `f64`: apart, so that only they are compiled for it.
+    /// The same for tasks beyond `f64`: apart, as fewer programs can do them.
     ///
     /// # Errors
     /// What went wrong, in words.

@@ -3,6 +3,7 @@
 use crate::recording::bytes;
 use crate::recording::recorder::Recording;
 use crate::recording::trace::record;
+use crate::routes::evaluator::Energy;
 use crate::routes::external::External;
 use crate::routes::given::GivenGradient;
 use crate::routes::traced::Traced;
@@ -31,18 +32,11 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Hamiltonian {
-    pub(crate) energy: Energy,
+    energy: Energy,
     /// A gradient of the user's own, for doubles.
-    pub(crate) gradient: Option<GivenGradient>,
+    gradient: Option<GivenGradient>,
     /// H(t, q, p) alone, where the trace has H + p_t.
     alone: Option<Traced>,
-}
-
-/// Where H comes from.
-#[derive(Debug, Clone)]
-pub(crate) enum Energy {
-    Traced(Traced),
-    External(External),
 }
 
 /// The formula of an energy, recorded from a closure in this thread: another thread may make the
@@ -313,7 +307,7 @@ impl Hamiltonian {
 
     /// An evaluator in float type `T`: constants are read in it once, workspace is allocated once.
     pub fn evaluator<T: Float>(&self) -> Evaluator<T> {
-        Evaluator::new(self)
+        Evaluator::new(&self.energy, self.gradient.as_ref())
     }
 }
 
@@ -386,14 +380,11 @@ impl Hamiltonian {
         self
     }
 
-    /// Compares a gradient written by hand with H at the state y = (q, p): with automatic differentiation, of
-    /// which components may differ by √ε of the largest one, or, of an external energy, with differences.
+    /// Compares a gradient written by hand with H at the state y = (q, p), length n: with automatic
+    /// differentiation to √ε of the largest component, or, of an external energy, with differences.
     ///
     /// # Errors
     /// [`BuildError::WrongGradient`] names the first component that differs.
-    ///
-    /// # Panics
-    /// If `y` does not have length n = 2m.
     ///
     /// ```
     /// use equip_autodiff::{BuildError, Hamiltonian};

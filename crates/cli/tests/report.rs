@@ -22,12 +22,12 @@ const PEERS: &str = r#"{"version": 1, "cpu": "a <fast> one", "versions": {"heyok
     "programs": [
         {"program": "heyoka", "reached": [{"target": 1e-6, "method": "default", "setting": 1e-9, "error": 1e-7, "milliseconds": 2.0,
             "least": 1.9, "most": 2.1, "rounds": 3, "ratio_to_quickest_peer": 1.0}, null]},
-        {"program": "equip trait", "reached": [{"target": 1e-6, "method": "trait, s = 8", "setting": 100, "error": 1e-7,
+        {"program": "equip by hand", "reached": [{"target": 1e-6, "method": "trait, s = 8", "setting": 100, "error": 1e-7,
             "milliseconds": 1.0, "least": 0.9, "most": 1.1, "rounds": 3, "ratio_to_quickest_peer": 0.5}, null]}],
     "at_tolerance": {"tolerance": 1e-14, "rows": [{"program": "heyoka", "method": "default", "error": 3e-3, "milliseconds": 1.5,
         "least": 1.4, "most": 1.6}]},
     "curves": [{"program": "heyoka", "method": "default", "points": [{"setting": 1e-9, "error": 1e-7, "milliseconds": 2.0}]},
-        {"program": "equip trait", "method": "trait, s = 8", "points": [{"setting": 100, "error": null, "milliseconds": null}]}]}]}"#;
+        {"program": "equip by hand", "method": "trait, s = 8", "points": [{"setting": 100, "error": null, "milliseconds": null}]}]}]}"#;
 
 #[test]
 fn a_page_with_pictures_and_tables_that_agree_with_each_other() {

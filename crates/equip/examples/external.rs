@@ -1,4 +1,4 @@
-//! An energy from outside: value and gradient by code of one's own, here a molecule's Morse potential as a library
+//! An energy from outside: value and gradient by other code, here a molecule's Morse potential as a library
 //! would compute it. What can be written as a closure is better written so: H is differentiated then.
 
 use equip::prelude::*;

@@ -1,16 +1,18 @@
 //! Forward dual numbers over any [`Float`], through num-dual, which stays a private field.
 //!
+//! Its first derivatives are ∇²H·v of every energy: the trace of ∇H replayed on [`Forward`] numbers.
+//!
 //! √, tanh, xⁿ, xᶜ and atan2 are not num-dual's but follow the chain rule here, because num-dual 0.15.1 gives
 //! NaN for (0)^2.5, tanh(800), the slope of √ at 0, x⁻¹ at 1e-110 and atan2(y, 0). A derivative that is
 //! infinite stays so, and an infinite slope times a derivative that is exactly 0 is 0.
 //!
 //! The value part of √, tanh, xᶜ, atan2 and of all functions of one argument is bitwise that of the plain
-//! float. That of x/y (computed as x·(1/y)), of xⁿ for n ≥ 3 (xⁿ⁻²·x·x), of hypot and of xʸ (exp(y ln x)) may
-//! differ in the last bits. hypot squares: it overflows above 1e154.
+//! float. That of x/y (computed as x·(1/y)) and of xⁿ for n ≥ 3 (xⁿ⁻²·x·x) may differ in the last bits; with
+//! second derivatives also that of hypot, which squares and overflows above 1e154, and of xʸ (exp(y ln x)).
 
 use crate::constant::Constant;
 use crate::glue::DualFloat;
-use crate::traits::{FirstOrder, Float, Outside, Scalar, SecondOrder};
+use crate::traits::{FirstOrder, Float, Outside, Piecewise, Scalar, SecondOrder};
 use nalgebra::{ComplexField, SMatrix};
 use num_dual::{Derivative, Dual2SVec, DualNum, DualSVec};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -25,6 +27,10 @@ pub struct Forward<T: DualFloat, const N: usize>(DualSVec<T, N>);
 pub struct Forward2<T: DualFloat, const N: usize>(Dual2SVec<T, N>);
 
 impl<T: DualFloat + Float, const N: usize> FirstOrder<T, N> for Forward<T, N> {
+    #[inline(always)]
+    fn with_gradient(x: T, gradient: [T; N]) -> Self {
+        Forward(DualSVec::new(x, Derivative::some(gradient.into())))
+    }
     #[inline(always)]
     fn variable(x: T, index: usize) -> Self {
         Forward(DualSVec::from_re(x).derivative(index))
@@ -43,6 +49,11 @@ impl<T: DualFloat + Float, const N: usize> FirstOrder<T, N> for Forward<T, N> {
 }
 
 impl<T: DualFloat + Float, const N: usize> FirstOrder<T, N> for Forward2<T, N> {
+    #[inline(always)]
+    fn with_gradient(x: T, gradient: [T; N]) -> Self {
+        let gradient = Derivative::some(nalgebra::RowSVector::from_fn(|_, i| gradient[i]));
+        Forward2(Dual2SVec::new(x, gradient, Derivative::none()))
+    }
     #[inline(always)]
     fn variable(x: T, index: usize) -> Self {
         Forward2(Dual2SVec::from_re(x).derivative(index))
@@ -72,6 +83,11 @@ impl<T: DualFloat + Float, const N: usize> SecondOrder<T, N> for Forward2<T, N> 
 
 /// The chain rule for a function with value f0 and derivatives f1, f2.
 trait Chain<T>: Sized {
+    /// Whether it has second derivatives.
+    const IS_SECOND: bool;
+    /// Of a function of two variables with value f and partial derivatives at them, by first derivatives
+    /// alone; none where there are second ones.
+    fn chain_two(x: &Self, y: &Self, f: T, by: [T; 2]) -> Option<Self>;
     /// For finite derivatives.
     fn chain(&self, f0: T, f1: T, f2: T) -> Self;
     /// Whether the derivatives that this type uses are finite.
@@ -99,6 +115,14 @@ fn scaled<T: Float>(x: T, f: T) -> T {
 }
 
 impl<T: DualFloat + Float, const N: usize> Chain<T> for DualSVec<T, N> {
+    const IS_SECOND: bool = false;
+
+    #[inline(always)]
+    fn chain_two(x: &Self, y: &Self, f: T, by: [T; 2]) -> Option<Self> {
+        let [x, y] = [(x, by[0]), (y, by[1])].map(|(x, by)| x.chain_any(f, by, T::int(0)));
+        Some(DualSVec::new(f, x.eps + y.eps))
+    }
+
     #[inline(always)]
     fn chain(&self, f0: T, f1: T, _: T) -> Self {
         DualSVec::new(f0, self.eps * f1)
@@ -119,6 +143,13 @@ impl<T: DualFloat + Float, const N: usize> Chain<T> for DualSVec<T, N> {
 }
 
 impl<T: DualFloat + Float, const N: usize> Chain<T> for Dual2SVec<T, N> {
+    const IS_SECOND: bool = true;
+
+    #[inline(always)]
+    fn chain_two(_: &Self, _: &Self, _: T, _: [T; 2]) -> Option<Self> {
+        None
+    }
+
     #[inline(always)]
     fn chain(&self, f0: T, f1: T, f2: T) -> Self {
         let v2 = self.v2 * f1 + self.v1.tr_mul(&self.v1) * f2;
@@ -315,7 +346,14 @@ macro_rules! scalar_by_num_dual {
             }
             #[inline(always)]
             fn pow(x: Self, y: Self) -> Self {
-                $name(x.0.powd(y.0))
+                let f = <T as Scalar>::pow(x.0.re, y.0.re);
+                let by_x = y.0.re * <T as Scalar>::pow(x.0.re, y.0.re - T::int(1));
+                let by_y = f * <T as Scalar>::ln(x.0.re);
+                let by = [
+                    Piecewise::where_nonzero(by_x, y.0.re),
+                    Piecewise::where_nonzero(by_y, f),
+                ];
+                $name(Chain::chain_two(&x.0, &y.0, f, by).unwrap_or_else(|| x.0.powd(y.0)))
             }
             #[inline(always)]
             fn atan2(y: Self, x: Self) -> Self {
@@ -327,7 +365,10 @@ macro_rules! scalar_by_num_dual {
             }
             #[inline(always)]
             fn hypot(x: Self, y: Self) -> Self {
-                $name((x.0 * x.0 + y.0 * y.0).sqrt())
+                let f = <T as Scalar>::hypot(x.0.re, y.0.re);
+                let by = [x.0.re, y.0.re].map(|z| Piecewise::where_nonzero(z / f, f));
+                let squared = || (x.0 * x.0 + y.0 * y.0).sqrt();
+                $name(Chain::chain_two(&x.0, &y.0, f, by).unwrap_or_else(squared))
             }
             #[inline(always)]
             fn abs(x: Self) -> Self {
@@ -354,6 +395,18 @@ macro_rules! scalar_by_num_dual {
             #[inline(always)]
             fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], x: [Self; 2]) -> Self {
                 let at = x.map(|x| x.0.re);
+                if const { !<$inner<T, N> as Chain<T>>::IS_SECOND } {
+                    let derivative = |i, j| {
+                        <T as Scalar>::outside(f, [orders[0] + i, orders[1] + j], at)
+                    };
+                    let (value, by_x, [x, y]) = (derivative(0, 0), derivative(1, 0), x);
+                    let in_x = x.0.chain_any(value, by_x, T::int(0));
+                    if f.variables() == 1 {
+                        return $name(in_x);
+                    }
+                    let by = [by_x, derivative(0, 1)];
+                    return $name(Chain::chain_two(&x.0, &y.0, value, by).unwrap_or(in_x));
+                }
                 let derivative = |i, j| {
                     let orders = [orders[0] + i, orders[1] + j];
                     $inner::from_re(<T as Scalar>::outside(f, orders, at))
@@ -370,6 +423,47 @@ macro_rules! scalar_by_num_dual {
             scalar_by_num_dual!(@chains $name, cbrt, exp2, asinh, acosh, atanh, erf, erfc);
             scalar_by_num_dual!(@functions $name, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan,
                 sinh, cosh);
+        }
+
+        /// Selections by the value; their derivatives are zero.
+        impl<T: DualFloat + Float, const N: usize> Piecewise for $name<T, N> {
+            #[inline(always)]
+            fn sign(x: Self) -> Self {
+                $name($inner::from_re(Piecewise::sign(x.0.re)))
+            }
+            #[inline(always)]
+            fn at_most(x: Self, y: Self) -> Self {
+                $name($inner::from_re(Piecewise::at_most(x.0.re, y.0.re)))
+            }
+            #[inline(always)]
+            fn where_nonzero(x: Self, test: Self) -> Self {
+                if test.0.re == T::int(0) { $name($inner::from_re(T::int(0))) } else { x }
+            }
+            #[inline(always)]
+            fn times_slope(rate: Self, slope: Self) -> Self {
+                let mut product = rate.0 * slope.0;
+                product.re = Piecewise::times_slope(rate.0.re, slope.0.re);
+                $name(product)
+            }
+            /// The derivative of c·xᶜ⁻¹ is (c − 1) times it over x, or from the next power where that says
+            /// nothing.
+            #[inline(always)]
+            fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
+                let f = Piecewise::powf_slope(x.0.re, power.0.re, c);
+                let factor: T = c.to();
+                let [less, two_less] = [1, 2].map(|k| factor - T::int(k));
+                let slope = if f != T::int(0) && Piecewise::is_regular(f) {
+                    Piecewise::where_nonzero(less * f / x.0.re, less)
+                } else {
+                    let next = <T as Scalar>::pow(x.0.re, two_less);
+                    Piecewise::where_nonzero(factor * less * next, factor * less)
+                };
+                $name(x.0.chain_any(f, slope, Piecewise::where_nonzero(two_less * slope / x.0.re, slope)))
+            }
+            #[inline(always)]
+            fn is_regular(x: Self) -> bool {
+                Piecewise::is_regular(x.0.re)
+            }
         }
     };
     (@op $name:ident, $op:ident, $f:ident) => {

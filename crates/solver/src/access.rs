@@ -93,8 +93,8 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// h γ_k = Σ_i P_k(c_i) L_i for k below the degree into `out`, blocks of length n, 0 in further ones: u'(τ) = Σ_k γ_k P_k(τ) within the
-    /// step.
+    /// h γ_k = Σ_i P_k(c_i) L_i for k below the degree into `out`, blocks of length n, 0 in further ones:
+    /// u'(τ) = Σ_k γ_k P_k(τ) within the step.
     pub fn legendre_coefficients(&self, out: &mut [T]) {
         let (method, iterate) = (&self.stages.method, &self.stages.iterate);
         out.fill(T::int(0));

@@ -1,4 +1,4 @@
-//! EQUIP(s) with equal or variable steps, by closure, by trait, and with the gradient by hand.
+//! EQUIP(s) with equal or variable steps, with H as a closure, and with its gradient by hand besides.
 
 use crate::clock::turn;
 use crate::contestant::{Contestant, Ladder, Ran};
@@ -51,8 +51,8 @@ impl Variant {
 }
 
 /// EQUIP on a task, for one way to give H and one number type.
-pub struct Ours<H, T> {
-    system: Rc<H>,
+pub struct Ours<T> {
+    h: Rc<Hamiltonian>,
     route: &'static str,
     variant: Variant,
     ladder: Ladder,
@@ -61,11 +61,11 @@ pub struct Ours<H, T> {
     end: T,
 }
 
-impl<H: System, T: Float> Ours<H, T> {
-    pub fn new(system: &Rc<H>, route: &'static str, variant: Variant, task: &Task) -> Self {
+impl<T: Float> Ours<T> {
+    pub fn new(h: &Rc<Hamiltonian>, route: &'static str, variant: Variant, task: &Task) -> Self {
         let exact = |x: &Vec<f64>| x.iter().map(|&x| T::exact(x)).collect();
         Ours {
-            system: Rc::clone(system),
+            h: Rc::clone(h),
             route,
             variant,
             ladder: variant.ladder(task, T::EPSILON.to_f64()),
@@ -90,7 +90,7 @@ impl<H: System, T: Float> Ours<H, T> {
         let integrator = Equip::stages(self.variant.stages)
             .step(h)
             .preconditioner(self.variant.solver.choice());
-        let prepare = || integrator.start(&*self.system, &self.q, &self.p, T::int(0));
+        let prepare = || integrator.start(&self.h, &self.q, &self.p, T::int(0));
         let (seconds, state) = turn(prepare, |stepper| {
             let stepper = stepper.as_mut().map_err(|e| e.to_string())?;
             (0..steps).try_for_each(|_| stepper.advance().map(drop).map_err(|e| e.to_string()))
@@ -111,7 +111,7 @@ impl<H: System, T: Float> Ours<H, T> {
             || None,
             |run| {
                 let interval = T::int(0)..=self.end;
-                let made = integrator.integrate(&*self.system, &self.q, &self.p, interval);
+                let made = integrator.integrate(&self.h, &self.q, &self.p, interval);
                 *run = Some(made.map_err(|e| e.to_string())?);
                 Ok::<(), String>(())
             },
@@ -122,7 +122,7 @@ impl<H: System, T: Float> Ours<H, T> {
     }
 }
 
-impl<H: System, T: Float> Contestant for Ours<H, T> {
+impl<T: Float> Contestant for Ours<T> {
     fn program(&self) -> &str {
         "equip"
     }

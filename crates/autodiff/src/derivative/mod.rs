@@ -3,8 +3,7 @@
 pub(crate) mod bound;
 pub(crate) mod exact;
 pub(crate) mod hessian;
-pub(crate) mod rate;
 pub(crate) mod reverse;
+pub(crate) mod rounded;
 mod slopes;
-pub(crate) mod tangent;
 mod twos;

@@ -1,6 +1,5 @@
 //! One point after the other, for what is not computed in lanes.
 
-use crate::Structure;
 use equip_scalar::Float;
 
 /// Room for one state and one gradient.
@@ -69,10 +68,9 @@ pub(crate) fn check_batch(components: usize, lengths: [usize; 2], stride: usize,
 }
 
 /// # Panics
-/// If there are not the components of states and the entries of as many ∇²H.
+/// If there are not the n components of states, and the entries of as many ∇²H: `rows`.
 #[inline(always)]
-pub(crate) fn check_hessians(of: &Structure, lengths: [usize; 2], stride: usize, count: usize) {
-    let rows = [2 * of.degrees_of_freedom, of.hessian.len()];
+pub(crate) fn check_hessians(rows: [usize; 2], lengths: [usize; 2], stride: usize, count: usize) {
     assert!(
         lengths == rows.map(|rows| rows * stride) && count <= stride,
         "a state of this system has {} components and its Hessian {} entries, with room for {count} points each",
@@ -84,9 +82,9 @@ pub(crate) fn check_hessians(of: &Structure, lengths: [usize; 2], stride: usize,
 /// # Panics
 /// If H is not T(p) + U(q).
 #[inline(always)]
-pub(crate) fn require_separable(structure: &Structure) {
+pub(crate) fn require_separable(is_separable: bool) {
     assert!(
-        structure.separable,
+        is_separable,
         "forces depend on the positions alone only if H = T(p) + U(q)"
     );
 }

@@ -1,13 +1,12 @@
 //! [`Replay`]: the values of all slots of a tape, in one kind of number.
 
-use crate::derivative::rate::Rate;
-use crate::derivative::tangent::Tangent;
+use crate::derivative::rounded::Rounded;
 use crate::recording::graph::Graph;
 use crate::replay::batch::Batch;
 use crate::replay::forward::{CompensatedSum, forward};
 use crate::replay::layout::{Blocks, layout};
 use crate::replay::tape::{Block, Run, Tape, Transfer};
-use equip_scalar::{Constant, Float, InstructionSet, Pack, Piecewise};
+use equip_scalar::{Constant, FirstOrder, Float, InstructionSet, Pack, Piecewise};
 
 /// Workspace for replaying one tape. Constants, and what depends on them alone, are computed when it is made.
 #[derive(Debug, Clone)]
@@ -74,9 +73,9 @@ impl<T: Float> Replay<T> {
     }
 }
 
-impl<T: Float, R: Rate<T>> Replay<Tangent<T, R>> {
-    pub(crate) fn tangents(tape: &Tape) -> Self {
-        Replay::<T>::new(tape).widened(Tangent::fixed)
+impl<T: Float> Replay<Rounded<T>> {
+    pub(crate) fn rounded(tape: &Tape) -> Self {
+        Replay::<T>::new(tape).widened(Rounded::fixed)
     }
 }
 
@@ -86,6 +85,14 @@ impl<S> Replay<S> {
         S: Pack<T, N>,
     {
         Replay::<T>::new(tape).widened(S::splat)
+    }
+
+    /// On dual numbers over `T`.
+    pub(crate) fn duals<T: Float<Forward<1> = S>>(tape: &Tape) -> Self
+    where
+        S: FirstOrder<T, 1>,
+    {
+        Replay::<T>::new(tape).widened(|x| S::with_gradient(x, [T::int(0)]))
     }
 
     fn widened<W>(self, wide: impl Fn(S) -> W) -> Replay<W> {

@@ -1,12 +1,12 @@
 //! [`Evaluator`]: what an integrator needs of an energy.
 
-use super::external::ExternalEvaluator;
-use super::given::Given;
+use super::external::{self, ExternalEvaluator};
+use super::given::{Given, GivenGradient};
+use super::traced;
 use super::traced_evaluator::{TracedEvaluator, ready};
-use crate::hamiltonian::Energy;
 use crate::native::fused::{Fused, Joined, fuse};
 use crate::replay::point::{check_batch, require_separable};
-use crate::{Hamiltonian, Kinetic, WrongGradient};
+use crate::{Kinetic, WrongGradient};
 use equip_scalar::{Float, InstructionSet};
 
 /// H, ∇H and ∇²H at states y = (q, p) of length n = 2m, in the float type `T`. Workspace is allocated at the
@@ -16,7 +16,14 @@ use equip_scalar::{Float, InstructionSet};
 #[derive(Debug, Clone)]
 pub struct Evaluator<T: Float>(Source<T>);
 
-/// What H is.
+/// Where H comes from.
+#[derive(Debug, Clone)]
+pub(crate) enum Energy {
+    Traced(traced::Traced),
+    External(external::External),
+}
+
+/// The same with the workspace of one float type.
 #[derive(Debug, Clone)]
 enum Source<T: Float> {
     Traced(Box<TracedEvaluator<T>>),
@@ -28,16 +35,15 @@ enum Source<T: Float> {
 use Source::{External, Traced, WithGradient};
 
 impl<T: Float> Evaluator<T> {
-    pub(crate) fn new(of: &Hamiltonian) -> Self {
-        let traced = match &of.energy {
+    pub(crate) fn new(of: &Energy, gradient: Option<&GivenGradient>) -> Self {
+        let traced = match of {
             Energy::Traced(traced) => Box::new((ready::<T>().evaluator)(&traced.shared)),
             Energy::External(external) => {
                 return Evaluator(External(Box::new(ExternalEvaluator::new(external))));
             }
         };
-        let given = of.gradient.as_ref().filter(|_| T::IS_DOUBLE);
-        let n = 2 * of.degrees_of_freedom();
-        Evaluator(match given {
+        let n = 2 * traced.shared.structure.degrees_of_freedom;
+        Evaluator(match gradient.filter(|_| T::IS_DOUBLE) {
             Some(gradient) => WithGradient(traced, Box::new(Given::new(gradient, n))),
             None => Traced(traced),
         })
@@ -167,12 +173,12 @@ impl<T: Float> Evaluator<T> {
             }
             WithGradient(traced, given) => {
                 let structure = &traced.shared.structure;
-                require_separable(structure);
+                require_separable(structure.separable);
                 let lengths = [positions.len(), gradients.len()];
                 check_batch(structure.degrees_of_freedom, lengths, stride, count);
                 given.each(positions, gradients, stride, count);
             }
-            External(external) => require_separable(&external.of.structure),
+            External(external) => require_separable(external.of.structure.separable),
         }
     }
 

@@ -168,7 +168,7 @@ impl<T: Float> ExternalEvaluator<T> {
     /// All n² entries, symmetric.
     pub(crate) fn hessian(&mut self, y: &[T], entries: &mut [T]) {
         let n = y.len();
-        check_hessians(&self.of.structure, [n, entries.len()], 1, 1);
+        check_hessians([n, n * n], [y.len(), entries.len()], 1, 1);
         let mut unit = std::mem::take(&mut self.unit);
         unit.clear();
         unit.resize(n, T::int(0));
@@ -194,7 +194,8 @@ impl<T: Float> ExternalEvaluator<T> {
         count: usize,
     ) {
         let lengths = [states.len(), entries.len()];
-        check_hessians(&self.of.structure, lengths, stride, count);
+        let n = 2 * self.of.structure.degrees_of_freedom;
+        check_hessians([n, n * n], lengths, stride, count);
         let mut points = std::mem::take(&mut self.points);
         points.make_room(states.len() / stride, entries.len() / stride);
         points.each(states, entries, stride, count, |y, entries| {

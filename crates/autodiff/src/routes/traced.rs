@@ -13,7 +13,7 @@ use crate::replay::tape::LONG;
 use crate::replay::values::constants;
 use crate::structure::colouring::Colouring;
 use crate::structure::facts::HessianPattern;
-use crate::structure::{degree, separable};
+use crate::structure::{degree, separable, sparsity};
 use crate::{BuildError, Structure};
 use std::sync::{Arc, OnceLock};
 
@@ -101,7 +101,7 @@ impl Derived {
                 degree: degree::degree(&graph, 0..2 * m),
                 degree_in_q: degree::degree(&graph, 0..m),
                 degree_in_p: degree::degree(&graph, m..2 * m),
-                hessian: HessianPattern::new(Arc::clone(&graph)),
+                hessian: hessian_pattern(Arc::clone(&graph)),
             },
             energy: Results::new(graph),
             slopes: OnceLock::new(),
@@ -155,6 +155,12 @@ impl Derived {
             }
         })
     }
+}
+
+fn hessian_pattern(graph: Arc<Graph>) -> HessianPattern {
+    HessianPattern::new(graph.inputs, move |rows| {
+        sparsity::hessian_pattern(&graph, rows)
+    })
 }
 
 /// ∇H, the bound and H, in this order.

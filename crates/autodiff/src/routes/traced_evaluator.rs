@@ -3,13 +3,12 @@
 use super::many::Many;
 use super::one::One;
 use super::traced::{Derived, Hessian};
-use crate::Kinetic;
-use crate::derivative::rate::{Change, Rounding};
-use crate::derivative::tangent::Tangent;
+use crate::derivative::rounded::Rounded;
 use crate::replay::batch::Batch;
 use crate::replay::point::{Points, check_batch, check_hessians, require_separable};
 use crate::replay::values::Replay;
-use equip_scalar::{Float, InstructionSet};
+use crate::{Kinetic, Structure};
+use equip_scalar::{FirstOrder, Float, InstructionSet};
 use std::sync::Arc;
 
 /// Evaluates a recorded energy in the float type `T`. Workspace is allocated at the first call of a kind.
@@ -22,8 +21,8 @@ pub(crate) struct TracedEvaluator<T: Float> {
     with_bound: One<T>,
     /// ∇H, the bound and H.
     bounded: Vec<T>,
-    tangents: Option<Replay<Tangent<T, Change<T>>>>,
-    rounded: Option<Replay<Tangent<T, Rounding<T>>>>,
+    duals: Option<Replay<T::Forward<1>>>,
+    rounded: Option<Replay<Rounded<T>>>,
     hessian: One<T>,
     hessians: Many<T>,
     points: Points<T>,
@@ -41,7 +40,7 @@ impl<T: Float> TracedEvaluator<T> {
             gradient: One::new(),
             with_bound: One::new(),
             bounded: Vec::new(),
-            tangents: None,
+            duals: None,
             rounded: None,
             hessian: One::new(),
             hessians: Many::new(),
@@ -129,7 +128,7 @@ impl<T: Float> TracedEvaluator<T> {
         count: usize,
     ) {
         let structure = &self.shared.structure;
-        require_separable(structure);
+        require_separable(structure.separable);
         let m = structure.degrees_of_freedom;
         check_batch(m, [positions.len(), gradients.len()], stride, count);
         let batch = Batch {
@@ -160,33 +159,30 @@ impl<T: Float> TracedEvaluator<T> {
     pub(crate) fn hessian_times(&mut self, y: &[T], v: &[T], product: &mut [T]) {
         self.check(&[y.len(), v.len(), product.len()]);
         let tape = self.shared.gradient().one();
-        let tangents = (self.tangents).get_or_insert_with(|| Replay::tangents(tape));
-        let rows = tangents.run(tape, |k| Tangent {
-            value: y[k],
-            rate: Change(v[k]),
-        });
+        let duals = (self.duals).get_or_insert_with(|| Replay::duals::<T>(tape));
+        let rows = duals.run(tape, |k| T::Forward::with_gradient(y[k], [v[k]]));
         for (entry, row) in product.iter_mut().zip(rows) {
-            *entry = row.rate.0;
+            [*entry] = row.gradient();
         }
     }
 
     pub(crate) fn gradient_rounding_at(&mut self, y: &[T], off: &mut [T]) {
         self.check(&[y.len(), off.len()]);
         let tape = self.shared.gradient().one();
-        let rounded = (self.rounded).get_or_insert_with(|| Replay::tangents(tape));
-        let rows = rounded.run(tape, |k| Tangent {
+        let rounded = (self.rounded).get_or_insert_with(|| Replay::rounded(tape));
+        let rows = rounded.run(tape, |k| Rounded {
             value: y[k],
-            rate: Rounding(T::EPSILON * y[k].abs()),
+            error: T::EPSILON * y[k].abs(),
         });
         for (off, row) in off.iter_mut().zip(rows) {
-            *off = row.rate.0;
+            *off = row.error;
         }
     }
 
     pub(crate) fn hessian_at(&mut self, y: &[T], entries: &mut [T]) {
         let shared = Arc::clone(&self.shared);
         let structure = &shared.structure;
-        check_hessians(structure, [y.len(), entries.len()], 1, 1);
+        check_hessians(rows_of(structure), [y.len(), entries.len()], 1, 1);
         match shared.hessian() {
             Hessian::Recorded(of) => self.hessian.run(self.set, of, y, entries),
             Hessian::ByColours(colouring) => {
@@ -205,7 +201,7 @@ impl<T: Float> TracedEvaluator<T> {
     ) {
         let shared = Arc::clone(&self.shared);
         check_hessians(
-            &shared.structure,
+            rows_of(&shared.structure),
             [states.len(), entries.len()],
             stride,
             count,
@@ -230,6 +226,11 @@ impl<T: Float> TracedEvaluator<T> {
             }
         }
     }
+}
+
+/// Components of a state, and entries of ∇²H.
+fn rows_of(structure: &Structure) -> [usize; 2] {
+    [2 * structure.degrees_of_freedom, structure.hessian.len()]
 }
 
 /// What is compiled once, with this crate, by [`equip_scalar::ready!`]: the functions of

@@ -1,8 +1,6 @@
 //! [`Structure`]: what is known of H before any number is put in.
 
 use super::pattern::Pattern;
-use super::sparsity;
-use crate::recording::graph::Graph;
 use std::fmt;
 use std::ops::{Deref, Range};
 use std::sync::{Arc, OnceLock};
@@ -12,27 +10,27 @@ use std::sync::{Arc, OnceLock};
 #[derive(Clone)]
 pub struct HessianPattern {
     dimension: usize,
-    /// `None` where all entries may be there.
-    energy: Option<Arc<Graph>>,
+    /// The block of these rows and columns.
+    block: Arc<dyn Fn(Range<usize>) -> Pattern + Send + Sync>,
     found: Arc<OnceLock<Pattern>>,
 }
 
 impl HessianPattern {
-    pub(crate) fn new(energy: Arc<Graph>) -> Self {
+    /// Of n rows, by what finds a block of them.
+    pub(crate) fn new(
+        dimension: usize,
+        block: impl Fn(Range<usize>) -> Pattern + Send + Sync + 'static,
+    ) -> Self {
         HessianPattern {
-            dimension: energy.inputs,
-            energy: Some(energy),
+            dimension,
+            block: Arc::new(block),
             found: Arc::default(),
         }
     }
 
     /// Of a matrix that may have all n² entries.
     pub(crate) fn full(dimension: usize) -> Self {
-        HessianPattern {
-            dimension,
-            energy: None,
-            found: Arc::default(),
-        }
+        Self::new(dimension, |rows| Pattern::full(rows.len()))
     }
 
     /// Rows (and columns) of the matrix, without finding the pattern.
@@ -47,10 +45,7 @@ impl HessianPattern {
 
     /// The block of these rows and columns, counted from 0, without finding the rest.
     pub(crate) fn block(&self, variables: Range<usize>) -> Pattern {
-        match &self.energy {
-            Some(energy) => sparsity::hessian_pattern(energy, variables),
-            None => Pattern::full(variables.len()),
-        }
+        (self.block)(variables)
     }
 }
 

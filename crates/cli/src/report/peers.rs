@@ -130,7 +130,7 @@ pub(super) fn is_ours(program: &str) -> bool {
 fn look(program: &str) -> Look {
     let colour = match program {
         p if p.starts_with("equip closure") => "#2f7fb8",
-        p if p.starts_with("equip trait") => "#06305c",
+        p if p.starts_with("equip by hand") => "#06305c",
         p if is_ours(p) => "#7db7de",
         "heyoka" => "#c0392b",
         "composition" => "#2b2b2b",

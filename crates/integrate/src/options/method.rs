@@ -71,8 +71,8 @@ impl Method {
         }
     }
 
-    /// The averaged vector field method, of order 2: y1 = y0 + h ∫₀¹ J∇H(y0 + c (y1 − y0)) dc. It is HBVM(k, 1)
-    /// with k = ⌈ν/2⌉ of a polynomial H of degree ν, else k = 16.
+    /// The averaged vector field method, of order 2: y1 = y0 + h ∫₀¹ J∇H(y0 + c (y1 − y0)) dc. It is
+    /// HBVM(k, 1) with k = ⌈ν/2⌉ of a polynomial H of degree ν, else k = 16.
     pub fn averaged_vector_field() -> Method {
         Method {
             stages: MOST_NODES,

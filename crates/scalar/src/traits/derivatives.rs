@@ -1,9 +1,11 @@
 //! Numbers that carry their derivatives.
 
-use super::scalar::Scalar;
+use super::piecewise::Piecewise;
 
 /// A number that carries N first derivatives.
-pub trait FirstOrder<T, const N: usize>: Scalar {
+pub trait FirstOrder<T, const N: usize>: Piecewise {
+    /// With this value and these derivatives.
+    fn with_gradient(x: T, gradient: [T; N]) -> Self;
     /// The independent variable number `index`, with value `x`.
     fn variable(x: T, index: usize) -> Self;
     /// The value.

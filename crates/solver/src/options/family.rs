@@ -1,6 +1,7 @@
 //! The families of methods that a step can be made with.
 
 use equip_scalar::{Constant, Float};
+use equip_sweeps::MAX_STAGES;
 use equip_tableau::{Coefficients, TableauError};
 use std::fmt;
 
@@ -27,8 +28,8 @@ pub enum Family {
     FixedAlpha(Constant),
     /// α solved for at every step.
     Equip(Alphas),
-    /// HBVM(k, s) of this degree s, on as many Gauss nodes k as there are stages: order 2s, conserves H as far
-    /// as k nodes integrate ∇H along a step, and no quadratic invariant.
+    /// HBVM(k, s) of this degree s, on as many Gauss nodes k as there are stages: order 2s, conserves H as
+    /// far as k nodes integrate ∇H along a step, and no quadratic invariant.
     Hbvm {
         /// The degree s, from 1 to the number of stages.
         degree: usize,
@@ -46,14 +47,15 @@ impl Family {
     /// [`TableauError`] if there is none.
     pub fn coefficients<T: Float>(self, stages: usize) -> Result<Coefficients<T>, TableauError> {
         match self {
-            Family::FixedAlpha(_) | Family::Equip(_) if stages < 2 => {
-                Err(TableauError::StagesOutOfRange {
-                    stages,
-                    min: 2,
-                    max: equip_sweeps::MAX_STAGES,
-                })
+            Family::Gauss => Coefficients::gauss(stages),
+            Family::FixedAlpha(_) | Family::Equip(_) if (2..=MAX_STAGES).contains(&stages) => {
+                Coefficients::gauss(stages)
             }
-            Family::Gauss | Family::FixedAlpha(_) | Family::Equip(_) => Coefficients::gauss(stages),
+            Family::FixedAlpha(_) | Family::Equip(_) => Err(TableauError::StagesOutOfRange {
+                stages,
+                min: 2,
+                max: MAX_STAGES,
+            }),
             Family::Hbvm { degree } => Coefficients::hbvm(stages, degree),
             Family::AveragedVectorField => Coefficients::hbvm(stages, 1),
             Family::Trapezoidal => Coefficients::trapezoidal(stages),

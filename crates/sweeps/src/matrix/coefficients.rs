@@ -1,9 +1,9 @@
 //! K(α) for sweeps: column by column, padded with zeros, and made anew whenever the α's move.
 //!
-//! Of a method without α's K is a copy. Of a Gauss method K(α)_ij = ½ + U_ij, U = U(0) + Σ_k α_k T_k. As in `Coefficients::matrix_into` ½ + |U_ij| is rounded and the smaller
-//! one of the pair is 1 minus that, so that K_ij + K_ji = 1 to the last bit. U is antisymmetric to the last
-//! bit, so each of the two is found without the other, and all entries at once: s² products for each α_k ≠ 0,
-//! in vector instructions.
+//! Of a method without α's K is a copy. Of a Gauss method K(α)_ij = ½ + U_ij, U = U(0) + Σ_k α_k T_k. As in
+//! `Coefficients::matrix_into` ½ + |U_ij| is rounded and the smaller of the pair is 1 minus that, so that
+//! K_ij + K_ji = 1 to the last bit. U is antisymmetric to the last bit, so each of the two is found without
+//! the other, and all entries at once: s² products for each α_k ≠ 0, in vector instructions.
 
 use crate::MAX_STAGES;
 use crate::layout::aligned::{Aligned, Places};

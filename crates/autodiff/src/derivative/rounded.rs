@@ -1,75 +1,69 @@
-//! [`Tangent`]: a number with its rate of change, or with what rounding makes of it.
+//! [`Rounded`]: a number with what rounding makes of it.
 //!
-//! The recording of ∇H replayed on tangents gives ∇²H·v. The value is computed by the very functions of the
-//! float below, so it has every bit of the plain replay. Derivatives at kinks are those of that recording;
-//! the rates of selections (sign, the smaller of two) are zero.
-//!
-//! With sizes in place of rates, and the rounding of each result added, the same rules are those of the
-//! running error bound ([`Rounding`](super::rate::Rounding); Higham, Accuracy and Stability of Numerical
-//! Algorithms, 2002, section
-//! 3.3). It is in the units of the value, to first order, and counts ε for each operation, be it a power or
-//! a table, but for those that are exact: changes of sign, products with powers of two, 2x as x + x, x + 0,
-//! choices, arithmetic on small integers. Constants are rounded alike at every state, and do not count.
+//! The trace of ∇H replayed on these numbers gives the running error bound of each component (Higham,
+//! Accuracy and Stability of Numerical Algorithms, 2002, section 3.3). It is in the units of the value, to
+//! first order, and counts ε for each operation, be it a power or a table, but for those that are exact: changes of sign,
+//! products with powers of two, 2x as x + x, x + 0, choices, arithmetic on small integers. Constants are
+//! rounded alike at every state, and do not count. The value is computed by the functions of the float below,
+//! so it has every bit of the plain replay.
 
 use super::exact::is_power_of_two;
-use super::rate::Rate;
 use equip_scalar::{Constant, Float, Outside, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
 
-/// A value, and what is carried beside it.
+/// A value, and how far it may be off, as its operands may and it is rounded itself.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Tangent<T, R> {
+pub(crate) struct Rounded<T> {
     pub(crate) value: T,
-    pub(crate) rate: R,
+    pub(crate) error: T,
 }
 
-impl<T: Float, R: Rate<T>> Tangent<T, R> {
+impl<T: Float> Rounded<T> {
     #[inline(always)]
     pub(crate) fn fixed(value: T) -> Self {
-        Tangent {
+        Rounded {
             value,
-            rate: R::zero(),
+            error: T::int(0),
         }
     }
 
     /// f(x), given f and f′ at the value.
     #[inline(always)]
     fn chain(self, f: T, slope: T) -> Self {
-        Tangent {
+        Rounded {
             value: f,
-            rate: self.rate.chain(f, slope),
+            error: (slope * self.error).abs() + T::EPSILON * f.abs(),
         }
     }
 
     /// f(x, y), given f and its partial derivatives at the values.
     #[inline(always)]
     fn chain2(self, other: Self, f: T, by_x: T, by_y: T) -> Self {
-        Tangent {
-            value: f,
-            rate: self.rate.chain2(other.rate, f, by_x, by_y),
+        let exact = self.exactly(other, f, by_x, by_y);
+        Rounded {
+            error: exact.error + T::EPSILON * f.abs(),
+            ..exact
         }
     }
 
     /// The same of an operation that is not rounded.
     #[inline(always)]
     fn exactly(self, other: Self, f: T, by_x: T, by_y: T) -> Self {
-        Tangent {
+        Rounded {
             value: f,
-            rate: self.rate.exact(other.rate, by_x, by_y),
+            error: (by_x * self.error).abs() + (by_y * other.error).abs(),
         }
     }
 
     /// The sum or difference f, which `doubles` one of the two.
     #[inline(always)]
     fn linear(self, other: Self, f: T, [by_x, by_y]: [T; 2], doubles: bool) -> Self {
-        let is_exact = || {
-            doubles
-                || self.is_none()
-                || other.is_none()
-                || numbers(self, other).is_some_and(|[x, y]| is_sum(f, x, by_y.to_f64() * y))
-        };
-        match R::ROUNDS && is_exact() {
+        let is_exact = doubles
+            || self.is_none()
+            || other.is_none()
+            || numbers(self, other).is_some_and(|[x, y]| is_sum(f, x, by_y.to_f64() * y));
+        match is_exact {
             true => self.exactly(other, f, by_x, by_y),
             false => self.chain2(other, f, by_x, by_y),
         }
@@ -78,21 +72,21 @@ impl<T: Float, R: Rate<T>> Tangent<T, R> {
     /// Whether it is 0, and is not what rounding left.
     #[inline(always)]
     fn is_none(self) -> bool {
-        self.value == T::int(0) && self.rate.is_zero()
+        self.value == T::int(0) && self.error == T::int(0)
     }
 
     /// Whether products with it are exact: 0, or a power of two with its sign.
     #[inline(always)]
     fn scales(self) -> bool {
         let [x, rest, ..] = self.value.expansion();
-        self.rate.is_zero() && rest == 0.0 && (x == 0.0 || is_power_of_two(x))
+        self.error == T::int(0) && rest == 0.0 && (x == 0.0 || is_power_of_two(x))
     }
 }
 
 /// Two that are doubles whatever the state, such as counts.
 #[inline(always)]
-fn numbers<T: Float, R: Rate<T>>(x: Tangent<T, R>, y: Tangent<T, R>) -> Option<[f64; 2]> {
-    let is_fixed = x.rate.is_zero() && y.rate.is_zero();
+fn numbers<T: Float>(x: Rounded<T>, y: Rounded<T>) -> Option<[f64; 2]> {
+    let is_fixed = x.error == T::int(0) && y.error == T::int(0);
     let [[x, x_rest, ..], [y, y_rest, ..]] = [x, y].map(|x| x.value.expansion());
     (is_fixed && x_rest == 0.0 && y_rest == 0.0).then_some([x, y])
 }
@@ -111,7 +105,7 @@ fn is_product<T: Float>(f: T, x: f64, y: f64) -> bool {
     high == x * y && low == x.mul_add(y, -high)
 }
 
-impl<T: Float, R: Rate<T>> Add for Tangent<T, R> {
+impl<T: Float> Add for Rounded<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -121,7 +115,7 @@ impl<T: Float, R: Rate<T>> Add for Tangent<T, R> {
     }
 }
 
-impl<T: Float, R: Rate<T>> Sub for Tangent<T, R> {
+impl<T: Float> Sub for Rounded<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -131,7 +125,7 @@ impl<T: Float, R: Rate<T>> Sub for Tangent<T, R> {
     }
 }
 
-impl<T: Float, R: Rate<T>> Mul for Tangent<T, R> {
+impl<T: Float> Mul for Rounded<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -142,33 +136,33 @@ impl<T: Float, R: Rate<T>> Mul for Tangent<T, R> {
                 || other.scales()
                 || numbers(self, other).is_some_and(|[x, y]| is_product(f, x, y))
         };
-        match R::ROUNDS && is_exact() {
+        match is_exact() {
             true => self.exactly(other, f, by_x, by_y),
             false => self.chain2(other, f, by_x, by_y),
         }
     }
 }
 
-impl<T: Float, R: Rate<T>> Div for Tangent<T, R> {
+impl<T: Float> Div for Rounded<T> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let f = self.value / other.value;
         let slope = T::int(1) / other.value;
-        match R::ROUNDS && other.scales() {
+        match other.scales() {
             true => self.exactly(other, f, slope, -(f * slope)),
             false => self.chain2(other, f, slope, -(f * slope)),
         }
     }
 }
 
-impl<T: Float, R: Rate<T>> Neg for Tangent<T, R> {
+impl<T: Float> Neg for Rounded<T> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Tangent {
+        Rounded {
             value: -self.value,
-            rate: self.rate.opposite(),
+            error: self.error,
         }
     }
 }
@@ -184,10 +178,10 @@ macro_rules! functions {
     )*};
 }
 
-impl<T: Float, R: Rate<T>> Scalar for Tangent<T, R> {
+impl<T: Float> Scalar for Rounded<T> {
     #[inline(always)]
     fn constant(c: Constant) -> Self {
-        Tangent::fixed(c.to())
+        Rounded::fixed(c.to())
     }
 
     #[inline(always)]
@@ -220,7 +214,11 @@ impl<T: Float, R: Rate<T>> Scalar for Tangent<T, R> {
         let by_x = Piecewise::where_nonzero(by_x, y.value);
         let by_y = Piecewise::where_nonzero(by_y, f);
         // At x = 0 ln x is infinite; an exponent that does not move must not make NaN of it.
-        let by_y = if y.rate.is_zero() { T::int(0) } else { by_y };
+        let by_y = if y.error == T::int(0) {
+            T::int(0)
+        } else {
+            by_y
+        };
         x.chain2(y, f, by_x, by_y)
     }
 
@@ -241,18 +239,18 @@ impl<T: Float, R: Rate<T>> Scalar for Tangent<T, R> {
     #[inline(always)]
     fn min(x: Self, y: Self) -> Self {
         let taken = if x.value <= y.value { x } else { y };
-        Tangent {
+        Rounded {
             value: <T as Scalar>::min(x.value, y.value),
-            rate: taken.rate,
+            error: taken.error,
         }
     }
 
     #[inline(always)]
     fn max(x: Self, y: Self) -> Self {
         let taken = if x.value >= y.value { x } else { y };
-        Tangent {
+        Rounded {
             value: <T as Scalar>::max(x.value, y.value),
-            rate: taken.rate,
+            error: taken.error,
         }
     }
 
@@ -310,21 +308,21 @@ impl<T: Float, R: Rate<T>> Scalar for Tangent<T, R> {
     }
 }
 
-impl<T: Float, R: Rate<T>> Piecewise for Tangent<T, R> {
+impl<T: Float> Piecewise for Rounded<T> {
     #[inline(always)]
     fn sign(x: Self) -> Self {
-        Tangent::fixed(Piecewise::sign(x.value))
+        Rounded::fixed(Piecewise::sign(x.value))
     }
 
     #[inline(always)]
     fn at_most(x: Self, y: Self) -> Self {
-        Tangent::fixed(Piecewise::at_most(x.value, y.value))
+        Rounded::fixed(Piecewise::at_most(x.value, y.value))
     }
 
     #[inline(always)]
     fn where_nonzero(x: Self, test: Self) -> Self {
         if test.value == T::int(0) {
-            Tangent::fixed(T::int(0))
+            Rounded::fixed(T::int(0))
         } else {
             x
         }
@@ -332,7 +330,7 @@ impl<T: Float, R: Rate<T>> Piecewise for Tangent<T, R> {
 
     #[inline(always)]
     fn times_slope(rate: Self, slope: Self) -> Self {
-        Tangent {
+        Rounded {
             value: Piecewise::times_slope(rate.value, slope.value),
             ..rate * slope
         }
