@@ -89,8 +89,8 @@ impl Misses {
         let least = limits.round_off.max(reference.errors[last]);
         let ratio = far.max(least) / theirs.max(least);
         println!(
-            "{what}: {far:.2e} beside {theirs:.2e}; {} of {} steps carried",
-            equip.carried, equip.steps
+            "{what}: {far:.2e} beside {theirs:.2e}; {} of {} steps uncorrected",
+            equip.uncorrected, equip.steps
         );
         self.most(&format!("{what}, error"), ratio, limits.error);
         let work = equip.work() / gauss.work();

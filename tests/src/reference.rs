@@ -176,7 +176,7 @@ impl<T: Float> Stages<T> {
         let near = (1e3 * T::EPSILON.to_f64()).max(LEFT);
         for _ in 0..ITERATIONS {
             self.evaluate(y0);
-            let moved = self.sweep(h);
+            let moved = self.iteration(h);
             if !moved.is_finite() || moved < LEFT || (moved < near && moved >= last) {
                 break;
             }
@@ -211,7 +211,7 @@ impl<T: Float> Stages<T> {
     }
 
     /// Z = h A f, and by how much that moved the largest component relative to the state.
-    fn sweep(&mut self, h: T) -> f64 {
+    fn iteration(&mut self, h: T) -> f64 {
         let n = self.z.len() / STAGES;
         let (mut moved, mut size) = ([0.0_f64; 2], [0.0_f64; 2]);
         for at in 0..n * STAGES {

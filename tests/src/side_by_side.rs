@@ -37,7 +37,7 @@ pub struct Made<T> {
     /// Steps made.
     pub steps: u64,
     /// Steps whose energy defect is left to later ones.
-    pub carried: u64,
+    pub uncorrected: u64,
     /// Evaluations of ∇H.
     pub gradients: u64,
     /// Evaluations of ∇²H.
@@ -143,7 +143,7 @@ fn made<T: Float>(
     Made {
         state,
         steps: counts.steps,
-        carried: counts.carried(),
+        uncorrected: counts.uncorrected(),
         gradients: counts.gradients,
         hessians: counts.hessians,
         hessian_cost: hamiltonian.hessian_operations() as f64

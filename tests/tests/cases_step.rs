@@ -97,7 +97,11 @@ impl Twins<'_> {
             [Ok(found), Ok(plain)] => {
                 let work = found.work() / plain.work();
                 misses.most(&format!("{what}, work over the plain form's"), work, 1.5);
-                misses.most(&format!("{what}, carried"), found.carried as f64, 0.0);
+                misses.most(
+                    &format!("{what}, uncorrected"),
+                    found.uncorrected as f64,
+                    0.0,
+                );
             }
             [Err(error), _] => misses.most(&format!("{what}: {error}"), f64::NAN, 0.0),
             [_, Err(error)] => misses.most(&format!("{what}, plain: {error}"), f64::NAN, 0.0),
@@ -182,10 +186,10 @@ fn a_ring_of_exponentials() {
             let pair = Trial::new(&ring, &start, s).both(h, steps);
             let what = format!("ring, amplitude {amplitude}, s = {s}");
             misses.beside_gauss(&what, &pair, (&y, &at_end), Limits::ORDINARY);
-            let carried = pair[0]
+            let uncorrected = pair[0]
                 .as_ref()
-                .map_or(f64::NAN, |made| made.carried as f64);
-            misses.most(&format!("{what}, carried"), carried, 0.0);
+                .map_or(f64::NAN, |made| made.uncorrected as f64);
+            misses.most(&format!("{what}, uncorrected"), uncorrected, 0.0);
         }
     }
     misses.end();

@@ -41,7 +41,7 @@ fn instance(scene: &str, n: usize) -> Instance {
 #[test]
 fn a_longer_chain_takes_no_more_gradients() {
     // Measured: see what is printed; headroom of 1.15 for the first. Longer chains are smoother, down to two
-    // sweeps a step.
+    // iterations a step.
     for (method, most) in [(Gauss::stages(4), 25.0), (Equip::stages(4), 28.0)] {
         for n in [16, 64, 256, 1024] {
             let chain = instance("fput-beta", n);
@@ -71,7 +71,8 @@ fn more_bodies_take_no_more_gradients() {
     }
 }
 
-/// Sweeps a step of EQUIP with the same number of stages in a revolution for all s: they hardly depend on s.
+/// Iterations a step of EQUIP with the same number of stages in a revolution for all s: they hardly depend on
+/// s.
 #[test]
 fn more_stages_take_few_more_sweeps() {
     let scenes = [
@@ -89,8 +90,11 @@ fn more_stages_take_few_more_sweeps() {
             let start = (energy, q.as_slice(), p.as_slice());
             let method = Equip::stages(s);
             let c = counts(method, h * s as f64, 400, start, Preconditioner::Identity);
-            let sweeps = per_step(c.sweeps, &c);
-            assert!(sweeps <= *most, "scene {i}, s = {s}: {sweeps} a step");
+            let iterations = per_step(c.fixed_point_iterations, &c);
+            assert!(
+                iterations <= *most,
+                "scene {i}, s = {s}: {iterations} a step"
+            );
         }
     }
 }
@@ -132,7 +136,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// A chain at rest positions, its momenta without order: sizes of the positions are known after the first
-/// sweep only, and some are very small.
+/// iteration only, and some are very small.
 #[test]
 fn a_chain_at_rest_is_swept_from_the_first_step() {
     let (instance, q, p) = at_rest(256);

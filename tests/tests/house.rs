@@ -21,7 +21,7 @@ const LEVELS: [&[&str]; 8] = [
     &["scalar"],
     &["tableau", "linear", "jit", "tables"],
     &["autodiff"],
-    &["sweeps", "scenes"],
+    &["iterate", "scenes"],
     &["solver"],
     &["integrate"],
     &["equip"],

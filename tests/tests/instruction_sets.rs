@@ -20,7 +20,7 @@ fn lines<T: Float>(name: &str, system: &Hamiltonian, scene: &Instance, h: f64, s
             ("gauss", Gauss::stages(s).step(step)),
             ("equip", Equip::stages(s).step(step)),
             (
-                "sweeps",
+                "iterations",
                 (Equip::stages(s).step(step)).preconditioner(Preconditioner::Identity),
             ),
         ] {

@@ -47,7 +47,7 @@ fn orbit(stages: usize, steps_per_period: u32, periods: f64, keep: bool) -> (Run
 fn a_further_invariant_over_a_thousand_periods() {
     let mut table = String::from(
         "| s, steps per period | Laplace–Runge–Lenz y, free → kept | error of the end state, free → kept | \
-         steps carried |\n|---|---|---|---|\n",
+         steps uncorrected |\n|---|---|---|---|\n",
     );
     for (stages, steps) in [(3, 160), (4, 80), (4, 160), (6, 40)] {
         let [free, kept] = [false, true].map(|keep| orbit(stages, steps, 1000.0, keep));
@@ -59,7 +59,7 @@ fn a_further_invariant_over_a_thousand_periods() {
             defect(&kept.0),
             free.1,
             kept.1,
-            counts.carried(),
+            counts.uncorrected(),
             counts.steps,
         );
     }
@@ -127,7 +127,7 @@ fn as_many_invariants_as_there_are_alphas() {
         (invariants.fold(0.0, f64::max), run)
     };
     let ((free, _), (kept, run)) = (worst(false), worst(true));
-    // Where a slope nearly vanishes a step is carried, and its defect removed by the next ones.
+    // Where a slope nearly vanishes a step is uncorrected, and its defect removed by the next ones.
     let solved = run.certificate().counts.outcome(Outcome::Solved);
     println!("{free:e} {kept:e} {solved}");
     assert!(solved > 35, "{}", run.certificate());

@@ -125,7 +125,7 @@ impl Long {
             method.stage_count(),
             self.energy,
             self.moment_law(),
-            self.counts.sweeps as f64 / n,
+            self.counts.fixed_point_iterations as f64 / n,
             100.0 * self.counts.outcome(Outcome::Solved) as f64 / n,
         )
     }
@@ -182,7 +182,7 @@ fn kepler_run(method: Method, steps_per_period: i32, n: u64) -> Long {
 /// Prints a table of `docs/long-runs.md`.
 fn print(rows: &[String]) {
     println!(
-        "\n| | energy, max | in floors | angular momentum, max | 2√n ε\\|L\\| | sweeps a step | solved for α's, % |\n\
+        "\n| | energy, max | in round-off levels | angular momentum, max | 2√n ε\\|L\\| | iterations per step | steps with α, % |\n\
          |---|---|---|---|---|---|---|\n{}",
         rows.concat()
     );
@@ -193,7 +193,7 @@ fn kepler_keeps_both(s: usize, steps_per_period: i32, n: u64) -> String {
     gauss.walks_at_random();
     let equip = kepler_run(Equip::stages(s), steps_per_period, n);
     equip.keeps_both();
-    assert_eq!(equip.counts.carried(), 0);
+    assert_eq!(equip.counts.uncorrected(), 0);
     assert!(gauss.energy > 1e3 * equip.energy);
     gauss.row(Gauss::stages(s)) + &equip.row(Equip::stages(s))
 }
@@ -234,7 +234,7 @@ fn growth(method: Method, e: i64, steps_per_period: f64, n: u64) -> ([f64; 8], f
     (slopes, mean, error)
 }
 
-/// Steps of nearly half a period, which begin an orbit's size off: what early sweeps are off is not to be
+/// Steps of nearly half a period, which begin an orbit's size off: what early iterations are off is not to be
 /// left in the last.
 #[test]
 fn the_angular_momentum_does_not_grow_in_long_steps() {
@@ -245,8 +245,8 @@ fn the_angular_momentum_does_not_grow_in_long_steps() {
     }
 }
 
-/// It walks at random up to some 10⁶ steps; beyond, what sweeps leave is repeated from period to period, and
-/// differs from one size of the step to the next.
+/// It walks at random up to some 10⁶ steps; beyond, what iterations leave is repeated from period to period,
+/// and differs from one size of the step to the next.
 #[test]
 #[ignore = "long: run with cargo test -p equip-tests --release --test all long:: -- --ignored"]
 fn the_angular_momentum_grows_little_in_a_million_steps() {

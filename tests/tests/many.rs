@@ -1,5 +1,5 @@
 //! Many components, as they come: trajectories as near as those of Gauss, and preconditioners only where
-//! motion is too fast for sweeps.
+//! motion is too fast for fixed-point iteration.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::{Hamiltonian, Var};
@@ -170,8 +170,8 @@ fn units_do_not_matter() {
             let (c, end) = (counts(&run), state(&run));
             let end: Vec<f64> = end.iter().map(|x| x / unit).collect();
             println!(
-                "{unit:e}, {method}: {} sweeps, {} halvings",
-                c.sweeps, c.halvings
+                "{unit:e}, {method}: {} iterations, {} halvings",
+                c.fixed_point_iterations, c.halvings
             );
             assert_eq!(c.newton_iterations, 0);
             let plain = plain.get_or_insert_with(|| end.clone());
@@ -219,7 +219,8 @@ fn steps_near_round_off_are_whole() {
     assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
 }
 
-/// Sweeps do not contract at h = 2.5: halves of the step do, and so do iterations with one ∇²H.
+/// Fixed-point iterations do not contract at h = 2.5: halves of the step do, and so do iterations with one
+/// ∇²H.
 #[test]
 fn steps_that_are_too_long_for_sweeps() {
     let (energy, start) = (chain(1.0), start());
@@ -275,7 +276,7 @@ fn many_springs_are_as_near_as_gauss() {
     }
 }
 
-/// hω = 50: sweeps are tried now and then and do not contract.
+/// hω = 50: fixed-point iterations are tried now and then and do not contract.
 #[test]
 fn stiff_motion_is_iterated_with_its_springs() {
     let (energy, start) = springs("500");
@@ -289,7 +290,7 @@ fn stiff_motion_is_iterated_with_its_springs() {
     );
     let c = counts(&run);
     println!("{c:?}");
-    assert!(c.newton_iterations > 10 * c.sweeps);
+    assert!(c.newton_iterations > 10 * c.fixed_point_iterations);
     assert_eq!(c.halvings, 0);
     assert_eq!(c.outcome(Outcome::Unresolved), c.steps);
 }

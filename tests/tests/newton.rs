@@ -17,7 +17,10 @@ fn iterations<T: Float>(method: Method, (energy, start): &(Hamiltonian, Start<T>
         run.advance().unwrap();
     }
     let c = run.counts();
-    assert_eq!((c.sweeps, c.taken_over, c.halvings), (0, 0, 0));
+    assert_eq!(
+        (c.fixed_point_iterations, c.taken_over, c.halvings),
+        (0, 0, 0)
+    );
     let found = c.newton_iterations as f64 / c.steps as f64;
     println!("{method}, {}, h = {h:.2}: {found:.2}", T::NAME);
     found

@@ -160,7 +160,7 @@ fn turning_point<T: Float>(digits: f64) {
 }
 
 #[test]
-#[ignore = "known deficit: the first step is carried: the end point moved too far"]
+#[ignore = "known deficit: the first step is uncorrected: the end point moved too far"]
 fn a_start_at_a_turning_point() {
     // Steps of up to 4 floors stay Gauss steps.
     turning_point::<f64>(14.5);
@@ -181,7 +181,7 @@ fn below_the_floor<T: Float>(h: T, s: usize) {
         assert_eq!(counts.directions, 0, "{method}: {counts:?}");
         assert_eq!(counts.newton_iterations, gauss_counts.newton_iterations);
         assert_eq!(counts.factorisations, gauss_counts.factorisations);
-        // The same but for rounding: EQUIP knows the gradient where a step starts, and its sweeps start
+        // The same but for rounding: EQUIP knows the gradient where a step starts, and its iterations start
         // nearer.
         let off = equip.iter().zip(&gauss).map(|(&a, &b)| (a - b).abs());
         let off = off.fold(T::int(0), |most, x| most.max(x));

@@ -104,8 +104,8 @@ fn orders_are_those_of_the_degree() {
         (Method::averaged_vector_field(), 2.0, 80),
         (Method::trapezoidal(5), 2.0, 80),
         (Method::hbvm(6, 2), 4.0, 80),
-        (Method::hbvm(8, 3), 6.0, 40),
-        (Method::hbvm(10, 4), 8.0, 20),
+        (Method::hbvm(8, 3), 6.0, 80),
+        (Method::hbvm(10, 4), 8.0, 40),
     ] {
         let runs =
             [steps, 2 * steps].map(|steps| run(scene.hamiltonian(), &start, method, (2.0, steps)));

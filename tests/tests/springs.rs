@@ -32,7 +32,11 @@ fn digits(options: &FixedStep<f64>) -> (f64, f64) {
     let error = relative_distance(q, &q_end).max(relative_distance(p, &p_end));
     let counts = run.certificate().counts;
     assert_eq!(
-        (counts.taken_over, counts.halvings, counts.sweeps),
+        (
+            counts.taken_over,
+            counts.halvings,
+            counts.fixed_point_iterations
+        ),
         (0, 0, 0)
     );
     let found = (

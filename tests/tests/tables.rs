@@ -112,7 +112,7 @@ fn crowded_knots_are_passed_over() {
     }
 }
 
-/// [sweeps, ∇H] of 1000 steps, at most, and less than a millisecond each: measured 5 µs, in either case.
+/// [iterations, ∇H] of 1000 steps, at most, and less than a millisecond each: measured 5 µs, in either case.
 #[test]
 fn work_and_time_at_any_number_of_intervals() {
     for (intervals, most) in [(64, [3739, 19754]), (4096, [8427, 36396])] {
@@ -123,7 +123,7 @@ fn work_and_time_at_any_number_of_intervals() {
         println!("{intervals} intervals: {a_step:?} a step");
         let counts = &run.certificate().counts;
         assert!(
-            counts.sweeps <= most[0] && counts.gradients <= most[1],
+            counts.fixed_point_iterations <= most[0] && counts.gradients <= most[1],
             "{counts:?}"
         );
         assert!(a_step.as_micros() < 1000, "{intervals}: {a_step:?}");
@@ -160,19 +160,19 @@ fn henon_heiles_from_a_grid() {
             run.unwrap()
         });
         let [x, y] = runs.each_ref().map(end);
-        let sweeps = runs.map(|run| run.certificate().counts.sweeps);
-        ((x - y).abs().to_f64(), sweeps)
+        let iterations = runs.map(|run| run.certificate().counts.fixed_point_iterations);
+        ((x - y).abs().to_f64(), iterations)
     }
     // Measured: 1.4e-15 and 3.8e-30.
-    let (error, sweeps) = beside::<f64>();
-    println!("{error:e} {sweeps:?}");
+    let (error, iterations) = beside::<f64>();
+    println!("{error:e} {iterations:?}");
     assert!(error < 1e-14);
     assert!(
-        sweeps[0].abs_diff(sweeps[1]) * 20 <= sweeps[1],
-        "{sweeps:?}"
+        iterations[0].abs_diff(iterations[1]) * 20 <= iterations[1],
+        "{iterations:?}"
     );
-    let (error, sweeps) = beside::<DoubleDouble>();
-    println!("{error:e} {sweeps:?}");
+    let (error, iterations) = beside::<DoubleDouble>();
+    println!("{error:e} {iterations:?}");
     assert!(error < 1e-29);
 }
 

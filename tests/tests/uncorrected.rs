@@ -32,7 +32,7 @@ fn kepler(method: Method, reach: Reach, revolutions: f64, steps: u64) -> (u64, f
     }
     let (view, [x, y]) = (run.view(), position(revolutions));
     let error = (view.q[0] - x).hypot(view.q[1] - y);
-    (run.counts().carried(), energy, error)
+    (run.counts().uncorrected(), energy, error)
 }
 
 /// One free parameter: the energy of every step. Measured: as with every α admissible, to three digits.

@@ -7,8 +7,8 @@ use equip_integrate::{Alphas, Equip, Gauss, Method, Outcome, Preconditioner};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, double_pendulum, henon_heiles, kepler};
 
-/// [sweeps, iterations with a preconditioner, factorisations, ∇H, ∇²H, directions, moves of the α's, local
-/// errors], and the steps [at the floor, solved, carried, halved].
+/// [fixed-point iterations, those with a preconditioner, factorisations, ∇H, ∇²H, directions, moves of the
+/// α's, local errors], and the steps [at the floor, solved, uncorrected, halved].
 fn work<T: Float>(
     method: Method,
     h: T,
@@ -27,7 +27,7 @@ fn work<T: Float>(
     }
     let c = run.counts();
     let work = [
-        c.sweeps,
+        c.fixed_point_iterations,
         c.newton_iterations,
         c.factorisations,
         c.gradients,
@@ -37,7 +37,7 @@ fn work<T: Float>(
         c.local_errors,
     ];
     let [floor, solved] = [Outcome::AtFloor, Outcome::Solved].map(|o| c.outcome(o));
-    (work, [floor, solved, c.carried(), c.halvings])
+    (work, [floor, solved, c.uncorrected(), c.halvings])
 }
 
 /// Ten periods of Kepler e = 0.6 with 160 steps each, s = 3.
@@ -134,12 +134,13 @@ fn double_pendulum_in_f64() {
     );
 }
 
-/// Sweeps that the energy costs: EQUIP(s) over Gauss(s) on the same steps, in percent of the sweeps of Gauss.
+/// Iterations that conserving the energy costs: EQUIP(s) over Gauss(s) on the same steps, in percent of the
+/// iterations of Gauss.
 #[test]
 fn sweeps_beside_gauss() {
     let percent = |s: usize, h: f64, steps: u64, scene: &(Hamiltonian, Start<f64>)| {
-        let sweeps = |method| work(method, h, steps, scene, Preconditioner::Identity).0[0];
-        100 * sweeps(Equip::stages(s)) / sweeps(Gauss::stages(s))
+        let iterations = |method| work(method, h, steps, scene, Preconditioner::Identity).0[0];
+        100 * iterations(Equip::stages(s)) / iterations(Gauss::stages(s))
     };
     let orbit = kepler::<f64>(6);
     let chaotic = henon_heiles::<f64>(1.0 / 6.0, "0.1", "0");

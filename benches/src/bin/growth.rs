@@ -38,7 +38,7 @@ struct Row<'a> {
 /// A method, and how its stages are solved.
 type Way = (Method, Preconditioner);
 
-/// EQUIP by sweeps.
+/// EQUIP by fixed-point iteration.
 fn equip(stages: usize) -> Way {
     (Equip::stages(stages), Preconditioner::Identity)
 }
@@ -48,7 +48,7 @@ fn automatic(stages: usize) -> Way {
     (Equip::stages(stages), Preconditioner::Automatic)
 }
 
-/// Gauss by sweeps.
+/// Gauss by fixed-point iteration.
 fn gauss(stages: usize) -> Way {
     (Gauss::stages(stages), Preconditioner::Identity)
 }
@@ -73,7 +73,7 @@ fn run<T: Float>(
         seconds,
         steps: counts.steps,
         gradients: counts.gradients,
-        iterations: counts.newton_iterations + counts.sweeps,
+        iterations: counts.newton_iterations + counts.fixed_point_iterations,
     })
 }
 
@@ -349,7 +349,9 @@ fn routes(counts_only: bool) -> Result<(), Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let counts_only = std::env::args().any(|a| a == "--counts");
-    println!("Counts and times a step, work: gradients at one point; sweeps and Newton iterations");
+    println!(
+        "Counts and times a step, work: gradients at one point; fixed-point and Newton iterations"
+    );
     chains(counts_only)?;
     bodies(counts_only)?;
     stages(counts_only)?;

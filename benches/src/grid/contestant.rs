@@ -28,7 +28,7 @@ pub(crate) struct Task<'a> {
 pub(crate) struct Work {
     pub(crate) gradients: u64,
     pub(crate) hessians: u64,
-    pub(crate) sweeps: u64,
+    pub(crate) fixed_point_iterations: u64,
     pub(crate) newton_iterations: u64,
     pub(crate) factorisations: u64,
 }
@@ -121,7 +121,7 @@ pub(crate) fn run(contestant: Contestant, task: &Task<'_>, limit: Duration) -> L
         work: Work {
             gradients: counts.gradients,
             hessians: counts.hessians,
-            sweeps: counts.sweeps,
+            fixed_point_iterations: counts.fixed_point_iterations,
             newton_iterations: counts.newton_iterations,
             factorisations: counts.factorisations + counts.simplified_factorisations,
         },

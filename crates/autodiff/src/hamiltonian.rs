@@ -3,12 +3,11 @@
 use crate::recording::bytes;
 use crate::recording::recorder::Recording;
 use crate::recording::trace::record;
-use crate::routes::evaluator::Energy;
 use crate::routes::external::External;
 use crate::routes::given::GivenGradient;
 use crate::routes::traced::Traced;
-use crate::{BuildError, BytesError, Evaluator, Structure, Switches, Var};
-use equip_scalar::{Float, Outside};
+use crate::{BuildError, BytesError, Structure, Var};
+use equip_scalar::Outside;
 use std::sync::Arc;
 
 /// A scalar energy H(q, p): its value, gradient, Hessian and structure, in any float type.
@@ -32,11 +31,18 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Hamiltonian {
-    energy: Energy,
+    pub(crate) energy: Energy,
     /// A gradient of the user's own, for doubles.
-    gradient: Option<GivenGradient>,
+    pub(crate) gradient: Option<GivenGradient>,
     /// H(t, q, p) alone, where the trace has H + p_t.
     alone: Option<Traced>,
+}
+
+/// Where H comes from.
+#[derive(Debug, Clone)]
+pub(crate) enum Energy {
+    Traced(Traced),
+    External(External),
 }
 
 /// The formula of an energy, recorded from a closure in this thread: another thread may make the
@@ -295,33 +301,17 @@ impl Hamiltonian {
             Energy::External(external) => &external.structure,
         }
     }
-
-    /// Where H or a derivative of it jumps, as far as that is known. Computed anew at each call, in time and
-    /// memory in proportion to the operations of H.
-    pub fn switches(&self) -> Switches {
-        match &self.energy {
-            Energy::Traced(traced) => Switches::of(traced.recording()),
-            Energy::External(_) => Switches::none(),
-        }
-    }
-
-    /// An evaluator in float type `T`: constants are read in it once, workspace is allocated once.
-    pub fn evaluator<T: Float>(&self) -> Evaluator<T> {
-        Evaluator::new(&self.energy, self.gradient.as_ref())
-    }
 }
 
 /// Functions of the user's own.
 impl Hamiltonian {
-    /// An energy that is not recorded but computed by code of its own, in doubles: C code, an interpolator, a
-    /// learned energy. `value(q, p)` is H, `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into
-    /// `dp`; all slices have length m. `accuracy` is the relative rounding error of the values, below which
-    /// differences of H mean nothing: [`f64::EPSILON`] where they are computed in doubles.
+    /// An energy computed by code of its own, in doubles: C code, an interpolator, a learned energy.
+    /// `value(q, p)` is H, `gradient(q, p, dq, dp)` writes ∂H/∂q into `dq` and ∂H/∂p into `dp`; all slices
+    /// have length m. `accuracy` is the relative rounding error of the values: [`f64::EPSILON`] in doubles.
     ///
-    /// A run compares the gradient with differences of H where it starts, and now and then on its way. Of the
-    /// structure of H nothing is known: ∇²H, where it is needed, is made by 2n gradients and has n² entries,
-    /// kinks are not seen, and a run in another float knows H and ∇H to doubles only. A closure of
-    /// [`new`](Self::new) is faster in each respect.
+    /// A run compares the gradient with differences of H where it starts, and now and then on its way. The
+    /// structure of H is unknown: ∇²H is made by 2n gradients and has n² entries, kinks are not seen, and a
+    /// run in another float knows H and ∇H to doubles only. A closure of [`new`](Self::new) is faster.
     ///
     /// # Errors
     /// [`BuildError::NoDegreesOfFreedom`], [`BuildError::TooManyDegreesOfFreedom`]; [`BuildError::Accuracy`]

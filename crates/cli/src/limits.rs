@@ -2,7 +2,7 @@
 
 /// Largest energy defect in round-off floors.
 pub(crate) const FLOORS: f64 = 8.0;
-/// Largest energy defect beside carried steps over that of Gauss.
-pub(crate) const CARRIED: f64 = 2.0;
+/// Largest energy defect beside uncorrected steps over that of Gauss.
+pub(crate) const UNCORRECTED: f64 = 2.0;
 /// Largest trajectory error over that of Gauss.
 pub(crate) const TRAJECTORY: f64 = 3.0;

@@ -97,9 +97,9 @@ pub enum IntegrateError<T: Float> {
         /// End of the interval.
         end: T,
     },
-    /// Deviations were not carried over all steps of a run.
+    /// Deviations were not propagated over all steps of a run.
     #[error(
-        "the run has made {steps} steps since deviations were last carried; carry them after every step, or go on with `advance_to` of the tangent map"
+        "the run has made {steps} steps since deviations were last propagated; propagate them after every step, or go on with `advance_to` of the tangent map"
     )]
     StepsNotFollowed {
         /// Steps made since.
@@ -328,7 +328,7 @@ pub enum IntegrateError<T: Float> {
         step: T,
         /// Halvings tried.
         halvings: u32,
-        /// Iterations of the last attempt, sweeps or Newton's.
+        /// Iterations of the last attempt, fixed-point or Newton's.
         iterations: u32,
         /// Last correction, relative to the state.
         correction: T,
@@ -373,7 +373,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// No admissible α keeps the energy, and the user asked to refuse such steps.
     #[error(
-        "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller step, more stages, all α's, or allow the defect to be carried to the next step",
+        "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller step, more stages, all α's, or leave the energy error to a later step",
         time = plain(*time), step = plain(*step))]
     NoAdmissibleAlpha {
         /// Start of the step.

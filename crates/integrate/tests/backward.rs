@@ -31,7 +31,7 @@ fn kepler(sign: f64) -> Hamiltonian {
     .unwrap()
 }
 
-/// A pendulum beside a stiff spring: steps that sweeps do not solve.
+/// A pendulum beside a stiff spring: steps that fixed-point iteration does not solve.
 fn stiff(sign: f64) -> Hamiltonian {
     Hamiltonian::new(2, |q, p| {
         (sign * 0.5) * (p[0] * p[0] + p[1] * p[1]) + (sign * 5e3) * (q[1] * q[1])

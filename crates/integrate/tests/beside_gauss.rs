@@ -108,7 +108,7 @@ fn round_off_of_a_close_pass_is_not_carried() {
         let view = run.advance().unwrap();
         worst = worst.max(view.energy_defect.unwrap().abs() / view.energy_floor.unwrap());
     }
-    assert_eq!(run.counts().carried(), 0);
+    assert_eq!(run.counts().uncorrected(), 0);
     assert!(worst <= 8.0, "{worst} floors");
 }
 
@@ -142,7 +142,7 @@ fn slow_motion_beside_a_stiff_spring_at_rest_is_left_in_peace() {
     for _ in 0..steps {
         stepper.advance().unwrap();
     }
-    assert!(stepper.counts().carried() > 90);
+    assert!(stepper.counts().uncorrected() > 90);
 }
 
 /// p overflows along the way: a quadratic H has nothing to solve, and its energy is NaN all the same.

@@ -159,7 +159,7 @@ fn the_steps_do_not_feel_it() {
 
 #[test]
 fn halved_steps_have_it_too() {
-    // Steps so large that plain sweeps do not contract in some.
+    // Steps so large that fixed-point iterations do not contract in some.
     let (h, (q, p)) = (henon_heiles(), ([0.0, -0.25], [0.42, 0.0]));
     let plain = Preconditioner::Identity;
     let is_halved = |step: f64| {

@@ -21,7 +21,7 @@ fn pythagorean_through_its_close_encounters() {
         .unwrap();
     let (q, p) = scene.initial::<f64>();
     let mut table = String::from(
-        "| | t = 10 | t = 20 | t = 60 | steps | worst energy defect | in floors | at the end |\n\
+        "| | t = 10 | t = 20 | t = 60 | steps | largest energy error | in round-off levels | at the end |\n\
          |---|---|---|---|---|---|---|---|\n",
     );
     let mut ends = Vec::new();

@@ -62,7 +62,7 @@ fn uncorrected_steps_are_counted_on_the_first_line() {
     let (h, start) = (h.unwrap(), (&[0.0, epsilon][..], &[1.0, 0.0][..]));
     let run = made(&Equip::stages(4).step(8e-4), &h, start, 0.04);
     let certificate = run.certificate();
-    let (steps, left) = (certificate.counts.steps, certificate.counts.carried());
+    let (steps, left) = (certificate.counts.steps, certificate.counts.uncorrected());
     assert!(left > 0);
     let largest = certificate.energy.as_ref().unwrap().max;
     let expected = format!("NO: {left} of {steps} steps uncorrected, largest error {largest:.1e}");

@@ -92,7 +92,7 @@ fn variable_steps_allocate_nothing() {
     let scene = scene.instance(&[("e", "0.9")]).unwrap();
     let (q, p) = scene.initial::<f64>();
     for method in [Gauss::stages(6), Equip::stages(6)] {
-        // So little that it is the tolerance that limits the steps, not the contraction of the sweeps.
+        // So little that it is the tolerance that limits the steps, not the contraction of the iterations.
         let options = method.tolerance(1e-14);
         let mut run = options.start(scene.hamiltonian(), &q, &p, 0.0).unwrap();
         // Two revolutions, so that every kind of step has been made once.

@@ -74,20 +74,20 @@ fn kinks_that_are_not_told_are_passed() {
                 let off = pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
                 let certificate = run.certificate();
                 let steps = certificate.counts.steps;
-                let carried = certificate.counts.carried();
+                let uncorrected = certificate.counts.uncorrected();
                 let energy = certificate.energy.as_ref().unwrap().max;
                 let kept = certificate.energy_kept_on_every_step();
                 println!(
-                    "{what}: {:.1e} tolerances, {steps} steps, {carried} carried, energy {energy:.1e}",
+                    "{what}: {:.1e} tolerances, {steps} steps, {uncorrected} uncorrected, energy {energy:.1e}",
                     off / tolerance
                 );
                 assert_eq!(certificate.switches_crossed, 0, "{what}");
                 assert!(off < 3e4 * tolerance, "{what}: {off:e}");
                 assert!(steps < 4000, "{what}: {steps} steps");
-                assert!(!kept || (carried == 0 && energy < 1e-13), "{what}");
+                assert!(!kept || (uncorrected == 0 && energy < 1e-13), "{what}");
                 most = most.max(off / tolerance);
                 most_steps = most_steps.max(steps);
-                carrying += u32::from(carried > 0);
+                carrying += u32::from(uncorrected > 0);
             }
         }
     }

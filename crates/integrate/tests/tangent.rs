@@ -40,7 +40,7 @@ fn it_is_the_derivative_of_the_step_map() {
         let mut columns: Vec<D> = (0..16).map(|i| D::int(i64::from(i % 5 == 0))).collect();
         for _ in 0..steps {
             run.advance().unwrap();
-            tangent.carry(&run, &mut columns).unwrap();
+            tangent.propagate(&run, &mut columns).unwrap();
         }
         let mut worst = 0.0f64;
         for (j, column) in columns.chunks(4).enumerate() {
@@ -228,7 +228,7 @@ fn steps_that_sweeps_do_not_solve_are_followed_too() {
     let mut deviation = vec![1.0, 0.0];
     for _ in 0..5 {
         run.advance().unwrap();
-        tangent.carry(&run, &mut deviation).unwrap();
+        tangent.propagate(&run, &mut deviation).unwrap();
     }
     // The tangent map of a linear system is its step.
     let error = (deviation[0] - run.view().q[0])
@@ -256,7 +256,7 @@ fn deviations_are_as_accurate_as_states() {
         let mut columns: Vec<f64> = (0..16).map(|i| f64::from(u8::from(i % 5 == 0))).collect();
         for _ in 0..count {
             run.advance().unwrap();
-            tangent.carry(&run, &mut columns).unwrap();
+            tangent.propagate(&run, &mut columns).unwrap();
         }
         ([run.view().q, run.view().p].concat(), columns)
     };

@@ -279,9 +279,9 @@ fn steps_that_deviations_missed_are_said() {
     let mut tangent = TangentMap::new(&h, &mut run);
     let mut deviation = [1.0, 0.0, 0.0, 0.0];
     run.advance().unwrap();
-    tangent.carry(&run, &mut deviation).unwrap();
+    tangent.propagate(&run, &mut deviation).unwrap();
     run.advance_to(1.0).unwrap();
-    let error = tangent.carry(&run, &mut deviation).unwrap_err();
+    let error = tangent.propagate(&run, &mut deviation).unwrap_err();
     assert_eq!(error, IntegrateError::StepsNotFollowed { steps: 9 });
     let error = tangent
         .advance_to(&mut run, 2.0, &mut deviation)
@@ -290,7 +290,7 @@ fn steps_that_deviations_missed_are_said() {
     // Begun anew the run has none that were missed.
     run.restart(&q, &p, 0.0).unwrap();
     run.advance().unwrap();
-    tangent.carry(&run, &mut deviation).unwrap();
+    tangent.propagate(&run, &mut deviation).unwrap();
 }
 
 #[test]

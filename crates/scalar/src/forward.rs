@@ -10,9 +10,11 @@
 //! float. That of x/y (computed as x·(1/y)) and of xⁿ for n ≥ 3 (xⁿ⁻²·x·x) may differ in the last bits; with
 //! second derivatives also that of hypot, which squares and overflows above 1e154, and of xʸ (exp(y ln x)).
 
+mod derivatives;
+
 use crate::constant::Constant;
 use crate::glue::DualFloat;
-use crate::traits::{FirstOrder, Float, Outside, Piecewise, Scalar, SecondOrder};
+use crate::traits::{Float, Outside, Piecewise, Scalar};
 use nalgebra::{ComplexField, SMatrix};
 use num_dual::{Derivative, Dual2SVec, DualNum, DualSVec};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -25,61 +27,6 @@ pub struct Forward<T: DualFloat, const N: usize>(DualSVec<T, N>);
 /// Dual number with N first and N×N second derivatives.
 #[derive(Debug, Clone, Copy)]
 pub struct Forward2<T: DualFloat, const N: usize>(Dual2SVec<T, N>);
-
-impl<T: DualFloat + Float, const N: usize> FirstOrder<T, N> for Forward<T, N> {
-    #[inline(always)]
-    fn with_gradient(x: T, gradient: [T; N]) -> Self {
-        Forward(DualSVec::new(x, Derivative::some(gradient.into())))
-    }
-    #[inline(always)]
-    fn variable(x: T, index: usize) -> Self {
-        Forward(DualSVec::from_re(x).derivative(index))
-    }
-    #[inline(always)]
-    fn value(&self) -> T {
-        self.0.re
-    }
-    #[inline(always)]
-    fn gradient(&self) -> [T; N] {
-        match &self.0.eps {
-            Derivative(Some(d)) => std::array::from_fn(|i| d[i]),
-            Derivative(None) => [T::int(0); N],
-        }
-    }
-}
-
-impl<T: DualFloat + Float, const N: usize> FirstOrder<T, N> for Forward2<T, N> {
-    #[inline(always)]
-    fn with_gradient(x: T, gradient: [T; N]) -> Self {
-        let gradient = Derivative::some(nalgebra::RowSVector::from_fn(|_, i| gradient[i]));
-        Forward2(Dual2SVec::new(x, gradient, Derivative::none()))
-    }
-    #[inline(always)]
-    fn variable(x: T, index: usize) -> Self {
-        Forward2(Dual2SVec::from_re(x).derivative(index))
-    }
-    #[inline(always)]
-    fn value(&self) -> T {
-        self.0.re
-    }
-    #[inline(always)]
-    fn gradient(&self) -> [T; N] {
-        match &self.0.v1 {
-            Derivative(Some(d)) => std::array::from_fn(|i| d[i]),
-            Derivative(None) => [T::int(0); N],
-        }
-    }
-}
-
-impl<T: DualFloat + Float, const N: usize> SecondOrder<T, N> for Forward2<T, N> {
-    #[inline(always)]
-    fn hessian(&self) -> [[T; N]; N] {
-        match &self.0.v2 {
-            Derivative(Some(d)) => std::array::from_fn(|i| std::array::from_fn(|j| d[(i, j)])),
-            Derivative(None) => [[T::int(0); N]; N],
-        }
-    }
-}
 
 /// The chain rule for a function with value f0 and derivatives f1, f2.
 trait Chain<T>: Sized {
@@ -423,47 +370,6 @@ macro_rules! scalar_by_num_dual {
             scalar_by_num_dual!(@chains $name, cbrt, exp2, asinh, acosh, atanh, erf, erfc);
             scalar_by_num_dual!(@functions $name, exp, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan,
                 sinh, cosh);
-        }
-
-        /// Selections by the value; their derivatives are zero.
-        impl<T: DualFloat + Float, const N: usize> Piecewise for $name<T, N> {
-            #[inline(always)]
-            fn sign(x: Self) -> Self {
-                $name($inner::from_re(Piecewise::sign(x.0.re)))
-            }
-            #[inline(always)]
-            fn at_most(x: Self, y: Self) -> Self {
-                $name($inner::from_re(Piecewise::at_most(x.0.re, y.0.re)))
-            }
-            #[inline(always)]
-            fn where_nonzero(x: Self, test: Self) -> Self {
-                if test.0.re == T::int(0) { $name($inner::from_re(T::int(0))) } else { x }
-            }
-            #[inline(always)]
-            fn times_slope(rate: Self, slope: Self) -> Self {
-                let mut product = rate.0 * slope.0;
-                product.re = Piecewise::times_slope(rate.0.re, slope.0.re);
-                $name(product)
-            }
-            /// The derivative of c·xᶜ⁻¹ is (c − 1) times it over x, or from the next power where that says
-            /// nothing.
-            #[inline(always)]
-            fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
-                let f = Piecewise::powf_slope(x.0.re, power.0.re, c);
-                let factor: T = c.to();
-                let [less, two_less] = [1, 2].map(|k| factor - T::int(k));
-                let slope = if f != T::int(0) && Piecewise::is_regular(f) {
-                    Piecewise::where_nonzero(less * f / x.0.re, less)
-                } else {
-                    let next = <T as Scalar>::pow(x.0.re, two_less);
-                    Piecewise::where_nonzero(factor * less * next, factor * less)
-                };
-                $name(x.0.chain_any(f, slope, Piecewise::where_nonzero(two_less * slope / x.0.re, slope)))
-            }
-            #[inline(always)]
-            fn is_regular(x: Self) -> bool {
-                Piecewise::is_regular(x.0.re)
-            }
         }
     };
     (@op $name:ident, $op:ident, $f:ident) => {

@@ -8,8 +8,8 @@ use crate::outcome::outcome::Counts;
 use crate::outcome::parts::Part;
 use crate::step::core::Core;
 use equip_autodiff::Evaluator;
+use equip_iterate::State;
 use equip_scalar::Float;
-use equip_sweeps::State;
 use equip_tableau::Coefficients;
 
 /// Where the step that failed last began, or the part of it that failed.
@@ -114,11 +114,11 @@ impl<T: Float> Core<T> {
         self.parts.all()
     }
 
-    /// How the sweeps of the step contracted in the mean, if it was made by sweeps, as a power that goes like
-    /// h.
+    /// How the iterations of the step contracted in the mean, if it was made by iterations, as a power that
+    /// goes like h.
     pub fn contraction(&self) -> Option<f64> {
         let rate = self.stages.contraction.mean();
-        // With the positions alone as unknowns a sweep is two.
+        // With the positions alone as unknowns an iteration is two.
         let contraction = if self.stages.iterate.is_twofold() {
             rate.sqrt()
         } else {

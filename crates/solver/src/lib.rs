@@ -22,7 +22,7 @@ mod step_tangent;
 
 pub use access::FailedPart;
 pub use equations::constraint::Constraint;
-pub use equip_sweeps::{MAX_STAGES, PowerIteration, State, stride_for};
+pub use equip_iterate::{MAX_STAGES, PowerIteration, State, stride_for};
 pub use memory::SolverMemory;
 pub use options::family::{Alphas, Family};
 pub use options::invariant::Invariant;

@@ -12,17 +12,17 @@ pub(crate) const MOST_STALLS: u32 = 4;
 pub(crate) const FADING: i64 = 64;
 /// α's that move, at most, unless there are more constraints. // α's; further ones disturb the stages the
 /// more for the same displacement of the end point. Grid: errors are .71, .68, .67 and .74 of Gauss's with 2,
-/// 3, 5 and all of them, work 1.42, 1.44, 1.46, 1.48; with all 1.4 % of the steps more are carried.
+/// 3, 5 and all of them, work 1.42, 1.44, 1.46, 1.48; with all 1.4 % of the steps more are uncorrected.
 pub(crate) const LEADING: usize = 3;
 /// The end point may move so many times as far as the defect of the step itself is worth, or as its local
-/// error. // ratio; with 4 times the local error 9 % of the steps of 14 systems are carried, with 16 4 %;
+/// error. // ratio; with 4 times the local error 9 % of the steps of 14 systems are uncorrected, with 16 4 %;
 /// errors beyond 3 of Gauss's are 6 and 10 % of the cells; docs/adr/0023.
 pub(crate) const FARTHEST: i64 = 16;
 /// It moves by 1 over this of its motion at most. // ratio; grid: the energy is 5.5 times as far off as with
 /// Gauss at most, with 4 in its place 40 times, with 64 8.5 times.
 pub(crate) const SMALL: i64 = 16;
 /// Displacements of the end point of so many ε of the state are rounding. // ε; s = 2 and steps whose own
-/// error is of that size: of 20 000 of Kepler's problem 45 % are carried without it or with 16, none with it;
+/// error is of that size: of 20 000 of Kepler's problem 45 % are uncorrected without it or 16, none with it;
 /// with s ≥ 4, and on the grid, it is alike from 0 to 64.
 pub(crate) const STATE_ROUNDING: i64 = 64;
 /// Noise of y1 that changes a constraint by one over this of its error does not show in an update of t, which
@@ -30,14 +30,14 @@ pub(crate) const STATE_ROUNDING: i64 = 64;
 /// 2.2 updates a step in place of 1.9, and more iterations
 pub(crate) const SHARE: i64 = 1000;
 /// A defect of so many floors that moves of the α's do not bring down is rounding. // floors; with 1 0.5 % of
-/// the steps more are carried, with 32 0.2 % fewer, errors and work alike.
+/// the steps more are uncorrected, with 32 0.2 % fewer, errors and work alike.
 pub(crate) const STALLED: i64 = 8;
 /// The ridge of the least-squares problem for the direction is the diagonal over this. // ratio; 1e2 to 1e4
 /// alike on the grid; with 10 1000 reversible steps of Kepler's problem, e = 0.6, return to 7.5e-6 in place
 /// of 3e-10.
 pub(crate) const RIDGE: i64 = 1000;
 /// Steps for which a cheaper preconditioner that has failed is not tried again: 1, 2, 4, … up to this. //
-/// steps; a trial costs some 10 sweeps, less than 2 % of those of so many steps; 8 to 512 alike.
+/// steps; a trial costs some 10 iterations, less than 2 % of those of so many steps; 8 to 512 alike.
 pub(crate) const LONGEST_WAIT: u64 = 64;
 /// Unknowns s·n up to which the stages are solved with ∇²H at each of them, by a dense matrix. // unknowns; 1
 /// s a step beyond.

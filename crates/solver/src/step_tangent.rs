@@ -4,8 +4,8 @@
 //!
 //! $$ X_i = \delta y_0 + \sum_j K_{ij}(\alpha) B_j X_j, \qquad \delta y_1 = \delta y_0 + \sum_j B_j X_j , $$
 //!
-//! by [`LinearSweeps`], preconditioned as the stages are ([`crate::precondition::choice`]) where these do not
-//! contract (about hω > 1).
+//! by [`LinearIteration`], preconditioned as the stages are ([`crate::precondition::choice`]) where these do
+//! not contract (about hω > 1).
 //!
 //! That is the derivative at fixed α. Where α = D t conserves the energy, t depends on y0 as well: H(y1) =
 //! H(y0) along neighbouring runs determines δt, and with v = ∂y1/∂t
@@ -16,8 +16,8 @@
 //! v to a factor, which is all that matters, being the response to r = (K(α) − K(0)) L. The change of D is
 //! left out: it is of the size of the change of y1 caused by α.
 //!
-//! Cost: s Hessians per step; per deviation, and for v, some linear sweeps. A preconditioner is made once a
-//! step.
+//! Cost: s Hessians per step; per deviation, and for v, some linear iterations. A preconditioner is made once
+//! a step.
 
 use crate::alpha::least_displacement::dot;
 use crate::options::step_options::Preconditioner;
@@ -27,8 +27,8 @@ use crate::outcome::parts::Part;
 use crate::precondition::choice::Choice;
 use crate::step::core::Core;
 use equip_autodiff::{Evaluator, Hamiltonian};
+use equip_iterate::{Held, Iterate, LinearIteration, State};
 use equip_scalar::Float;
-use equip_sweeps::{Held, Iterate, LinearSweeps, State};
 use equip_tableau::Coefficients;
 
 /// The tangent map of one step after the other.
@@ -37,7 +37,7 @@ pub struct StepTangent<T: Float> {
     energy: Evaluator<T>,
     method: Coefficients<T>,
     iterate: Iterate<T>,
-    linear: LinearSweeps<T>,
+    linear: LinearIteration<T>,
     choice: Choice<T>,
     /// The preconditioner that is chosen is there.
     is_made: bool,
@@ -73,7 +73,7 @@ impl<T: Float> StepTangent<T> {
         method.matrix_into(&zeros(method.alphas()), &mut k_start);
         StepTangent {
             energy: system.evaluator::<T>(),
-            linear: LinearSweeps::new(&method, &iterate, structure.hessian.to_pattern(), 1),
+            linear: LinearIteration::new(&method, &iterate, structure.hessian.to_pattern(), 1),
             choice: Choice::new(Preconditioner::Automatic, (&method, &iterate), structure),
             is_made: false,
             k: zeros(s * s),
@@ -107,7 +107,7 @@ impl<T: Float> StepTangent<T> {
         self.linear
             .set_k(&self.k, (self.method.stages(), self.iterate.stride()));
         self.is_finite = self.linear.linearise(&self.iterate, &mut self.energy);
-        // What is carried depends on the part alone.
+        // What is propagated depends on the part alone.
         self.choice.forget();
         self.is_made = false;
         let is_moved = part.alphas.iter().any(|&alpha| alpha != T::int(0));
@@ -140,7 +140,7 @@ impl<T: Float> StepTangent<T> {
         }
     }
 
-    pub(crate) fn propagate(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
+    pub(crate) fn propagate_part(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
         if !self.is_finite {
             return Err(Failure::NotFinite);
         }

@@ -67,9 +67,9 @@ class Counts:
 
     steps: int
     #: Steps whose defect of the energy was left to a later one.
-    carried: int
-    #: Sweeps over all stages without a preconditioner.
-    sweeps: int
+    uncorrected: int
+    #: Fixed-point iterations over all stages without a preconditioner.
+    fixed_point_iterations: int
     #: Iterations with a preconditioner.
     newton_iterations: int
     #: Times the stages of a step were begun anew with another preconditioner.

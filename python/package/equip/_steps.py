@@ -70,7 +70,7 @@ class Steps:
 
     def advance_to(self, t: float) -> Step:
         """Makes the steps to the time t exactly, forward or back, in the unit of time; returns the last one.
-        Deviations are carried over all of them. Ctrl-C ends it after the
+        Deviations are propagated over all of them. Ctrl-C ends it after the
         step under way, and the run may continue from there.
 
         Raises
@@ -123,7 +123,7 @@ class Steps:
 
     @property
     def deviations(self) -> Floats:
-        """The deviations carried along, (k, 2m): each is (δq, δp), flat. They may be set, for instance to
+        """The propagated deviations, (k, 2m): each is (δq, δp), flat. They may be set, for instance to
         normalise."""
         return self._native.deviations().reshape(-1, 2 * int(np.prod(self._shape)))
 
@@ -218,7 +218,7 @@ def steps(
         that are allowed beside those. A number, or a pair for positions and momenta of numbers or arrays of
         their shape.
     deviations
-        Small deviations (δq, δp), flat, (k, 2m) or (2m,), carried along by the tangent map of the steps;
+        Small deviations (δq, δp), flat, (k, 2m) or (2m,), propagated by the tangent map of the steps;
         `Steps.deviations` has them.
     events
         Functions g(t, q, p) whose sign changes are found, within the steps as well, as in `equip.solve`:
@@ -254,21 +254,21 @@ def steps(
         measure_energy=measure_energy,
     )
     n = 2 * int(np.prod(h.shape))
-    carried = np.empty((0, n)) if deviations is None else np.atleast_2d(_deviations(deviations))
-    if carried.ndim != 2 or carried.shape[1] != n:
+    propagated = np.empty((0, n)) if deviations is None else np.atleast_2d(_deviations(deviations))
+    if propagated.ndim != 2 or propagated.shape[1] != n:
         raise ValueError(
-            f"deviations have shape {carried.shape}; they must have (k, {n}): δq and δp, flat, in each row"
+            f"deviations have shape {propagated.shape}; they must have (k, {n}): δq and δp, flat, in each row"
         )
     given["events"] = events_of(events, h.shape)
     changes = changes_of(given["events"])
     if any(terminal for _, _, _, terminal, _ in given["events"]):
         raise ValueError("events of equip.steps do not end a run: leave out terminal, and leave the loop")
-    if changes and carried.size:
+    if changes and propagated.size:
         raise ValueError(
             "events that change the state are not available with deviations: leave out one of them"
         )
     (q, _), (p, _) = state(q0, h.shape, "q0"), state(p0, h.shape, "p0")
-    native = _native.Steps(h._recorded, q, p, number(t0, "t0"), given, carried.ravel().tolist())
+    native = _native.Steps(h._recorded, q, p, number(t0, "t0"), given, propagated.ravel().tolist())
     return Steps(native, h.shape, changes)
 
 

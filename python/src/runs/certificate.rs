@@ -54,8 +54,8 @@ pub(crate) fn certificate<'py, T: Float>(
     let counts = &certificate.counts;
     let all = [
         ("steps", counts.steps),
-        ("carried", counts.carried()),
-        ("sweeps", counts.sweeps),
+        ("uncorrected", counts.uncorrected()),
+        ("fixed_point_iterations", counts.fixed_point_iterations),
         ("newton_iterations", counts.newton_iterations),
         ("taken_over", counts.taken_over),
         ("factorisations", counts.factorisations),

@@ -1,4 +1,4 @@
-//! [`Steps`]: a run one step at a time, with deviations carried along.
+//! [`Steps`]: a run one step at a time, with deviations propagated.
 
 use crate::faults::of_run;
 use crate::options::{Options, WithIntegrator};
@@ -60,7 +60,7 @@ impl Run {
     fn follow(&mut self) -> Result<(), IntegrateError<f64>> {
         each!(&mut self.stepper, s => {
             if let Some(tangent) = &mut self.tangent {
-                tangent.carry(&*s, &mut self.deviations)?;
+                tangent.propagate(&*s, &mut self.deviations)?;
             }
             if let Some(events) = &mut self.events {
                 self.found.extend_from_slice(events.find(s)?);
@@ -231,7 +231,7 @@ impl Steps {
     }
 }
 
-/// Deviations (δq, δp) as the tangent map carries them: with (δt, δp_t) = 0 where H depends on time.
+/// Deviations (δq, δp) as the tangent map propagates them: with (δt, δp_t) = 0 where H depends on time.
 fn whole(hamiltonian: &Hamiltonian, deviations: &[f64]) -> Vec<f64> {
     let m = hamiltonian.degrees_of_freedom();
     let kept = m - usize::from(hamiltonian.has_time());

@@ -12,7 +12,7 @@ pub(super) fn work_is_bounded(case: &Case, ran: &Ran) {
     let parts = (2 << case.max_halvings) - 1;
     let iterations = steps * parts * 6 * 30;
     let s = case.stages as u64;
-    assert!(c.sweeps <= steps * parts * 2 * 80);
+    assert!(c.fixed_point_iterations <= steps * parts * 2 * 80);
     // One for the correction, one for the columns of the α's.
     assert!(c.newton_iterations <= iterations && c.factorisations <= 2 * c.newton_iterations);
     assert!(c.gradients <= iterations * (8 * s + 2));
@@ -88,7 +88,7 @@ pub(super) fn energy_is_as_claimed(case: &Case, ran: &Ran) -> f64 {
                 largest = largest.max(defect / floor);
             }
         } else {
-            assert!(seen.outcome.is_carried());
+            assert!(seen.outcome.is_uncorrected());
             assert_eq!(case.reach, Reach::WithinError);
         }
         assert!(

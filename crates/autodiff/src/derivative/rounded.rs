@@ -2,10 +2,10 @@
 //!
 //! The trace of ∇H replayed on these numbers gives the running error bound of each component (Higham,
 //! Accuracy and Stability of Numerical Algorithms, 2002, section 3.3). It is in the units of the value, to
-//! first order, and counts ε for each operation, be it a power or a table, but for those that are exact: changes of sign,
-//! products with powers of two, 2x as x + x, x + 0, choices, arithmetic on small integers. Constants are
-//! rounded alike at every state, and do not count. The value is computed by the functions of the float below,
-//! so it has every bit of the plain replay.
+//! first order. It counts ε for each operation, be it a power or a table, but for those that are exact:
+//! changes of sign, products with powers of two, 2x as x + x, x + 0, choices, arithmetic on small integers.
+//! Constants are rounded alike at every state, and do not count. The value is computed by the functions of
+//! the float below, so it has every bit of the plain replay.
 
 use super::exact::is_power_of_two;
 use equip_scalar::{Constant, Float, Outside, Piecewise, Scalar};

@@ -1,6 +1,6 @@
 //! [`Fused`]: a computation with ∇H or ∇U in its midst, compiled together with the energy.
 //!
-//! A stage sweep of a small system is a gradient of 30 ns and a product with a matrix of 30 ns. As two
+//! A stage iteration of a small system is a gradient of 30 ns and a product with a matrix of 30 ns. As two
 //! kernels that hand each other numbers through memory, with lengths known when the program runs, it takes
 //! three times the sum. Here the energy calls the computation and not the other way round: the compiler sees
 //! both, and the number of components as a literal. The energy itself is called as machine code from there.

@@ -1,9 +1,9 @@
 //! [`Evaluator`]: what an integrator needs of an energy.
 
-use super::external::{self, ExternalEvaluator};
-use super::given::{Given, GivenGradient};
-use super::traced;
+use super::external::ExternalEvaluator;
+use super::given::Given;
 use super::traced_evaluator::{TracedEvaluator, ready};
+use crate::hamiltonian::{Energy, Hamiltonian};
 use crate::native::fused::{Fused, Joined, fuse};
 use crate::replay::point::{check_batch, require_separable};
 use crate::{Kinetic, WrongGradient};
@@ -16,14 +16,7 @@ use equip_scalar::{Float, InstructionSet};
 #[derive(Debug, Clone)]
 pub struct Evaluator<T: Float>(Source<T>);
 
-/// Where H comes from.
-#[derive(Debug, Clone)]
-pub(crate) enum Energy {
-    Traced(traced::Traced),
-    External(external::External),
-}
-
-/// The same with the workspace of one float type.
+/// Where H comes from, with the workspace of one float type.
 #[derive(Debug, Clone)]
 enum Source<T: Float> {
     Traced(Box<TracedEvaluator<T>>),
@@ -34,16 +27,23 @@ enum Source<T: Float> {
 
 use Source::{External, Traced, WithGradient};
 
+impl Hamiltonian {
+    /// An evaluator in float type `T`: constants are read in it once, workspace is allocated once.
+    pub fn evaluator<T: Float>(&self) -> Evaluator<T> {
+        Evaluator::new(self)
+    }
+}
+
 impl<T: Float> Evaluator<T> {
-    pub(crate) fn new(of: &Energy, gradient: Option<&GivenGradient>) -> Self {
-        let traced = match of {
+    fn new(of: &Hamiltonian) -> Self {
+        let traced = match &of.energy {
             Energy::Traced(traced) => Box::new((ready::<T>().evaluator)(&traced.shared)),
             Energy::External(external) => {
                 return Evaluator(External(Box::new(ExternalEvaluator::new(external))));
             }
         };
         let n = 2 * traced.shared.structure.degrees_of_freedom;
-        Evaluator(match gradient.filter(|_| T::IS_DOUBLE) {
+        Evaluator(match of.gradient.as_ref().filter(|_| T::IS_DOUBLE) {
             Some(gradient) => WithGradient(traced, Box::new(Given::new(gradient, n))),
             None => Traced(traced),
         })

@@ -6,6 +6,7 @@
 
 use super::one::One;
 use super::results::Results;
+use crate::hamiltonian::{Energy, Hamiltonian};
 use crate::recording::graph::Graph;
 use crate::recording::op::{Node, Op};
 use crate::recording::recorder::{Recorder, Recording};
@@ -57,6 +58,17 @@ pub struct Switches {
     results: Option<Arc<Results>>,
 }
 
+impl Hamiltonian {
+    /// Where H or a derivative of it jumps, as far as that is known. Computed anew at each call, in time and
+    /// memory in proportion to the operations of H.
+    pub fn switches(&self) -> Switches {
+        match &self.energy {
+            Energy::Traced(traced) => Switches::of(traced.recording()),
+            Energy::External(_) => Switches::none(),
+        }
+    }
+}
+
 impl Switches {
     /// Of an H of which nothing is recorded, or that is smooth.
     pub fn none() -> Self {
@@ -68,7 +80,7 @@ impl Switches {
         }
     }
 
-    pub(crate) fn of(recording: &Recording) -> Self {
+    fn of(recording: &Recording) -> Self {
         let mut recorder = recording.resume();
         let found = Found::in_recording(&mut recorder, recording.root);
         let results = || Results::new(Arc::new(Graph::new(&recorder, &found.nodes)));

@@ -1,7 +1,7 @@
 //! Options of the commands beside `equip run`.
 
 use super::shared::{stages, whole};
-use crate::limits::{CARRIED, FLOORS, TRAJECTORY};
+use crate::limits::{FLOORS, TRAJECTORY, UNCORRECTED};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -195,7 +195,7 @@ fn check_help() -> String {
     format!(
         "Every row is integrated with EQUIP and with Gauss on the same steps. It passes if every step is accounted \
         for, the energy error is within {FLOORS} round-off levels of H wherever the energy is said to be conserved, quadratic invariants \
-        are conserved to round-off, steps whose energy error is left have at most {CARRIED} times the energy error of Gauss, and the \
+        are conserved to round-off, steps whose energy error is left have at most {UNCORRECTED} times the energy error of Gauss, and the \
         trajectory error is at most {TRAJECTORY} times that of Gauss (that of the slow variables where fast oscillations are not resolved).\n\n\
         A row that is known to exceed the last of these, with its figure, is a known deficit, and does not fail.\n\n\
         Exit codes: 0 no row failed; 1 a row failed or the output did; 2 bad usage.\n\n\

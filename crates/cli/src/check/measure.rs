@@ -99,7 +99,7 @@ fn measure<T: Float>(case: &Case, cache: &Cache) -> Result<Measured, BuildFault>
     Ok(Measured {
         steps: equip.counts.steps,
         parts: equip.counts.steps + equip.counts.halvings,
-        carried: equip.counts.carried(),
+        uncorrected: equip.counts.uncorrected(),
         outcomes: outcomes(&equip.counts)
             .map(|(o, n)| (o.label(), n))
             .collect(),

@@ -10,7 +10,7 @@ pub(crate) struct Measured {
     pub(crate) parts: u64,
     /// Steps by outcome, words and count; those that did not occur are left out.
     pub(crate) outcomes: Vec<(&'static str, u64)>,
-    pub(crate) carried: u64,
+    pub(crate) uncorrected: u64,
     pub(crate) energy: f64,
     pub(crate) floors: Option<f64>,
     pub(crate) independent_floors: Option<f64>,

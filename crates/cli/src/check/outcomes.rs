@@ -20,10 +20,10 @@ fn letter(label: &str) -> &'static str {
         "at the round-off floor" => "F",
         "quadratic H, nothing to do" => "Q",
         "energy not asked for" => "N",
-        "carried: no slope" => "C",
-        "carried: α beyond its bound" => "B",
-        "carried: end point moved too far" => "D",
-        "carried: fast motion not resolved" => "U",
+        "uncorrected: no effect of α" => "C",
+        "uncorrected: α beyond its bound" => "B",
+        "uncorrected: end point changed too much" => "D",
+        "uncorrected: fast motion not resolved" => "U",
         _ => "?",
     }
 }
@@ -34,9 +34,9 @@ pub(crate) fn outcomes(row: &Row) -> Vec<(&'static str, u64)> {
     parts.map(|(label, n)| (letter(label), *n)).collect()
 }
 
-pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off floor, carried \
-    C without a slope, B beyond the bound of α, D beyond the reach of the end point, U without resolving the motion; Q quadratic H, N energy not asked for\n\
-    floors: worst |H − H_ref| in units of its round-off floor, the worse of the solver's figure and one in double-double; \
+pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off level, uncorrected \
+    C where α has no effect, B beyond the bound of α, D beyond the bound of the end point, U where the motion is not resolved; Q quadratic H, N energy not asked for\n\
+    floors: largest |H − H_ref| in round-off levels, the worse of the solver's figure and one in double-double; \
     energy: the same, absolute, EQUIP and Gauss\n\
     inv.: defect of the invariant that is off most; error: of the trajectory, relative, largest over the grid, EQUIP and \
     Gauss; s: seconds of the row with Gauss and reference";

@@ -9,7 +9,7 @@
 //!   of the quiet part of the orbit.)
 //! - linear and quadratic invariants stay within (8 + 2√n) ε Σ|∂_iI y_i| over n steps, halves counted: the
 //!   random walk of rounding;
-//! - steps that are carried leave the energy no further off than twice what Gauss does with the same steps,
+//! - uncorrected steps leave at most twice the energy error of Gauss with the same steps,
 //!   where these follow the motion; such a row is *explained*, by the reasons that the solver gives;
 //! - the largest trajectory error over the grid (of the slow variables, where fast oscillations are not
 //!   resolved) is at most three times that of Gauss, plus eight times what a change of the start by one unit
@@ -18,7 +18,7 @@
 
 use super::case::{End, Expect, Trajectory};
 use super::measured::Measured;
-use crate::limits::{CARRIED, FLOORS, TRAJECTORY};
+use crate::limits::{FLOORS, TRAJECTORY, UNCORRECTED};
 
 /// Trajectory errors within so many times what one rounding of the start does are round-off.
 const NOISE: f64 = 8.0;
@@ -31,7 +31,7 @@ pub(crate) enum Word {
     Pass,
     /// The run ended with the typed error that is the right answer.
     ExpectedError,
-    /// Steps were carried, each for a reason, and the energy is no further off than with Gauss.
+    /// Steps were uncorrected, each for a reason, and the energy is no further off than with Gauss.
     Explained,
     /// The trajectory error is beyond its limit, as is known of this row.
     KnownDeficit,
@@ -73,7 +73,7 @@ pub(crate) fn judge(expect: &Expect, wanted: u64, measured: &Measured) -> Verdic
     accounts(measured, &mut faults);
     energy(measured, &mut faults);
     invariants(measured, &mut faults);
-    if carried(expect, measured, &mut faults, &mut notes) && word == Word::Pass {
+    if uncorrected(expect, measured, &mut faults, &mut notes) && word == Word::Pass {
         word = Word::Explained;
     }
     if trajectory(expect, measured, &mut faults, &mut notes) {
@@ -170,26 +170,26 @@ fn invariants(measured: &Measured, faults: &mut Vec<String>) {
     }
 }
 
-/// Whether steps were carried and the energy is no worse for it than that of Gauss.
-fn carried(
+/// Whether steps were uncorrected and the energy is no worse for it than that of Gauss.
+fn uncorrected(
     expect: &Expect,
     measured: &Measured,
     faults: &mut Vec<String>,
     notes: &mut Vec<String>,
 ) -> bool {
-    if measured.carried == 0 {
+    if measured.uncorrected == 0 {
         return false;
     }
-    let share = measured.carried as f64 / measured.steps as f64;
+    let share = measured.uncorrected as f64 / measured.steps as f64;
     let (energy, gauss) = (measured.energy, measured.gauss_energy);
     let text = format!(
-        "{} steps carried ({:.2} %), energy off by {energy:.1e}, by {gauss:.1e} with Gauss",
-        measured.carried,
+        "{} steps uncorrected ({:.2} %), energy off by {energy:.1e}, by {gauss:.1e} with Gauss",
+        measured.uncorrected,
         100.0 * share
     );
     // Where Gauss came to an end before, or neither follows the motion, there is nothing to compare with.
     let is_open = matches!(expect.trajectory, Trajectory::Open(_));
-    if is_open || energy <= CARRIED * gauss || measured.gauss_ended.is_some() {
+    if is_open || energy <= UNCORRECTED * gauss || measured.gauss_ended.is_some() {
         notes.push(text);
         true
     } else {
@@ -242,7 +242,7 @@ mod tests {
     use super::super::case::{End, Expect, Kind, Trajectory};
     use super::super::leg::{Ended, Kept};
     use super::super::measured::Measured;
-    use super::{CARRIED, DEFICIT, FLOORS, TRAJECTORY, Word, judge};
+    use super::{DEFICIT, FLOORS, TRAJECTORY, UNCORRECTED, Word, judge};
 
     const EXPECT: Expect = Expect {
         end: End::Complete,
@@ -283,7 +283,7 @@ mod tests {
             |m| m.floors = Some(f64::NAN),
             |m| m.independent_floors = Some(9.0),
             |m| m.energy = f64::NAN,
-            |m| (m.carried, m.energy) = (1, 1.01 * CARRIED * m.gauss_energy),
+            |m| (m.uncorrected, m.energy) = (1, 1.01 * UNCORRECTED * m.gauss_energy),
             |m| m.error = Some(1.01 * TRAJECTORY * 2e-6),
             |m| m.error = Some(f64::INFINITY),
             |m| m.impatient = true,
@@ -352,9 +352,9 @@ mod tests {
     #[test]
     fn carried_steps_are_explained_as_long_as_the_energy_is_that_of_gauss() {
         let mut measured = good();
-        measured.carried = 10;
+        measured.uncorrected = 10;
         for (part, expected) in [(0.99, Word::Explained), (1.01, Word::Fail)] {
-            measured.energy = part * CARRIED * measured.gauss_energy;
+            measured.energy = part * UNCORRECTED * measured.gauss_energy;
             assert_eq!(word(EXPECT, &measured), expected);
         }
     }

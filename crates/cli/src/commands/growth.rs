@@ -149,7 +149,7 @@ fn header(last: u64) -> String {
     for n in powers(last) {
         let _ = write!(text, " N = {n} |");
     }
-    text += " steps per revolution | refused for their error, per step | unsolved, per step | ∇H per step | carried | worst energy defect | in floors |\n|";
+    text += " steps per revolution | refused for their error, per step | unsolved, per step | ∇H per step | uncorrected | largest energy error | in round-off levels |\n|";
     text + &"---|".repeat(3 + powers(last).count() + 7)
 }
 
@@ -176,7 +176,7 @@ fn row(curve: &Curve) -> String {
         share(rejected),
         share(failed),
         share(c.counts.gradients),
-        c.counts.carried(),
+        c.counts.uncorrected(),
         c.energy.as_ref().map_or(f64::NAN, |energy| energy.max),
         c.energy_in_floors
             .map_or_else(String::new, |floors| format!("{floors:.1}")),

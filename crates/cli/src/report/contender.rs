@@ -35,7 +35,7 @@ pub(super) struct Outcome {
     pub(super) invariants: Vec<f64>,
     pub(super) steps: u64,
     pub(super) gradients: u64,
-    /// Newton iterations and sweeps.
+    /// Newton and fixed-point iterations.
     pub(super) iterations: u64,
 }
 
@@ -198,6 +198,7 @@ fn outcome<T: Float>(certificate: &Certificate<T>) -> Outcome {
         invariants: invariants.map(|i| i.max.to_f64()).collect(),
         steps: certificate.counts.steps,
         gradients: certificate.counts.gradients,
-        iterations: certificate.counts.newton_iterations + certificate.counts.sweeps,
+        iterations: certificate.counts.newton_iterations
+            + certificate.counts.fixed_point_iterations,
     }
 }

@@ -34,7 +34,7 @@ struct Quantity {
 
 #[derive(Debug, Serialize)]
 struct Work {
-    sweeps: u64,
+    fixed_point_iterations: u64,
     taken_over: u64,
     newton_iterations: u64,
     factorisations: u64,
@@ -123,8 +123,8 @@ struct Document<'a> {
     energy_kept_on_every_step: bool,
     invariants: Vec<Quantity>,
     outcomes: BTreeMap<&'static str, u64>,
-    /// Steps whose defect was carried, for whatever reason.
-    carried: u64,
+    /// Steps whose energy error was left, for whatever reason.
+    uncorrected: u64,
     switches_crossed: u64,
     energy_jumps: Option<Jumps>,
     alpha_range: Vec<[Number; 2]>,
@@ -182,7 +182,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             .iter()
             .map(|o| (o.label(), counts.outcome(*o)))
             .collect(),
-        carried: counts.carried(),
+        uncorrected: counts.uncorrected(),
         switches_crossed: certificate.switches_crossed,
         energy_jumps: certificate.energy_jumps.map(|jumps| Jumps {
             count: jumps.count,
@@ -198,7 +198,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
             megno: Number::new(chaos.megno),
         }),
         work: Work {
-            sweeps: counts.sweeps,
+            fixed_point_iterations: counts.fixed_point_iterations,
             taken_over: counts.taken_over,
             newton_iterations: counts.newton_iterations,
             factorisations: counts.factorisations,

@@ -71,7 +71,7 @@ impl Checkpoint {
         sum.text(last_outcome.label());
         for count in [
             counts.steps,
-            counts.sweeps,
+            counts.fixed_point_iterations,
             counts.newton_iterations,
             counts.taken_over,
             counts.factorisations,

@@ -12,9 +12,9 @@
 //!
 //! $$ h^+ = \hat h\, \frac{1 - 1/z}{1 + \hat h / (h z)} . $$
 //!
-//! A tolerance may allow steps that sweeps take long for: their contraction ρ, in the mean of those of a
-//! step, goes like h (like h² where the positions alone are unknown), and so does what a step costs, the more
-//! the larger it is. Such steps are made as long as costs least for the time they cover,
+//! A tolerance may allow steps that fixed-point iteration takes long for: their contraction ρ, in the mean of
+//! those of a step, goes like h (like h² where the positions alone are unknown), and so does what a step
+//! costs, the more the larger it is. Such steps are made as long as costs least for the time they cover,
 //!
 //! $$ h^+ \le h \min\Big(1, \frac{1 - 1/z}{1 + \hat h/(hz)}\Big) \Big(\frac{\rho_0}{\rho}\Big)^{1/p}, $$
 //!
@@ -65,8 +65,9 @@ impl Control {
     }
 
     /// Judges a step of size `h` by its estimate, and if it is accepted proposes the next. `contraction` is
-    /// that of its sweeps, if there were any, as a power that goes like h. Sweeps from the stages of a try
-    /// that was refused do not contract as others do: after one the next step is not shortened for them.
+    /// that of its iterations, if there were any, as a power that goes like h. Iterations from the stages of
+    /// a try that was refused do not contract as others do: after one the next step is not shortened for
+    /// them.
     pub(crate) fn judge(
         &mut self,
         h: f64,
@@ -100,7 +101,8 @@ impl Control {
         self.wanted >= decay * enough
     }
 
-    /// The step that sweeps cost least for, in units of the one that was made; infinite for Newton's method.
+    /// The step that iterations cost least for, in units of the one that was made; infinite for Newton's
+    /// method.
     fn cheapest(ratio: f64, contraction: Option<f64>) -> f64 {
         let cheapest = contraction.map_or(f64::INFINITY, |contraction| CHEAPEST / contraction);
         if ratio <= NEWTON * cheapest {

@@ -13,12 +13,12 @@
 //!
 //! $$ \mathrm{est} = \varrho^s \big( \varrho^2 + \Phi_s^{2/s} \big)^{s/2} . $$
 //!
-//! Sweeps contract by z over 1.33 s + 0.7, twice which bounds z: where steps are no longer than sweeps cost
-//! least for, Φ_s is below what the tolerance asks for, and nothing is evaluated.
+//! Fixed-point iterations contract by z over 1.33 s + 0.7, twice which bounds z: where steps are no longer
+//! than iterations cost least for, Φ_s is below what the tolerance asks for, and nothing is evaluated.
 //!
 //! Nothing is made of rounding, nor for tolerances that are rounding.
 //!
-//! Cost: two products with ∇²H, of steps that sweeps do not solve, or slowly.
+//! Cost: two products with ∇²H, of steps that fixed-point iteration does not solve, or slowly.
 
 use crate::control::estimate::Decay;
 use crate::control::first_step::turn;
@@ -63,7 +63,7 @@ impl<T: Float> Flow<T> {
         if z.is_finite() { self.of(z) } else { 0.0 }
     }
 
-    /// No less than that, by the contraction of the sweeps of the step.
+    /// No less than that, by the contraction of the iterations of the step.
     pub(crate) fn most(&self, contraction: f64) -> f64 {
         let s = self.s as f64;
         self.of(2.0 * (1.33 * s + 0.7) * contraction)

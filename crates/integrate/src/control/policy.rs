@@ -12,14 +12,14 @@ pub(crate) const ACCEPTED: f64 = 4.0;
 /// runs of 30 systems from random starts take .2 % fewer gradients with 2 and 3, and have .77 and .97 of the
 /// error; growing by up to 1000 takes 1 % more and has 1.05 times the error; docs/adr/0005
 pub(crate) const MOST_CHANGE: f64 = 4.0;
-/// Contraction, per power of the step size, at which sweeps cost least for the time they cover: twice the
-/// size takes three times the sweeps, as the start is foretold worse, and the α's that remove a larger defect
-/// disturb the stages more. // ratio; 228 runs of 19 systems take as many gradients to 5 % from 0.041 to
-/// 0.058; docs/adr/0005
+/// Contraction, per power of the step size, at which iterations cost least for the time they cover: twice the
+/// size takes three times the iterations, as the start is foretold worse, and the α's that remove a larger
+/// defect disturb the stages more. // ratio; 228 runs of 19 systems take as many gradients to 5 % from 0.041
+/// to 0.058; docs/adr/0005
 pub(crate) const CHEAPEST: f64 = 0.045;
-/// A tolerance that allows steps so many times as long as sweeps are made for asks for Newton's method. //
-/// ratio; the same runs are alike with 32 to 1e6, and have 2.4 times the error for as many gradients with 8;
-/// with 128 fast motion below `atol` takes 24 times the gradients
+/// A tolerance that allows steps so many times as long as fixed-point iterations are made for asks for
+/// Newton's method. // ratio; the same runs are alike with 32 to 1e6, and have 2.4 times the error for as
+/// many gradients with 8; with 128 fast motion below `atol` takes 24 times the gradients
 pub(crate) const NEWTON: f64 = 32.0;
 /// Contractions above this may be those of motion that steps do not resolve. // ratio; at hω = s fixed-point
 /// iterations contract by .5 and more; 2 of 300 random problems had hω beyond s unseen without it.

@@ -119,7 +119,7 @@ impl<T: Float, S> Integrator<T, S> {
 
     /// Carry a small deviation along: the certificate then has the largest Lyapunov exponent and MEGNO
     /// ([`ChaosIndicators`](crate::ChaosIndicators)), and observers see them grow. The steps do not change by
-    /// a single bit; each costs s Hessians and a few sweeps more.
+    /// a single bit; each costs s Hessians and a few linear iterations.
     #[must_use]
     pub fn chaos(mut self) -> Self {
         self.options.chaos = true;

@@ -26,9 +26,9 @@ pub struct Certificate<T> {
     pub step: T,
     /// How the steps varied; `None` if they were fixed.
     pub variable_steps: Option<VariableSteps<T>>,
-    /// Crossings of switches of H ([`System::switches`](equip_autodiff::System::switches)) at which a step,
-    /// or a part of a step of the grid, ended. Those that bend less than the tolerance are passed over, and
-    /// not counted.
+    /// Crossings of switches of H ([`Hamiltonian::switches`](equip_autodiff::Hamiltonian::switches)) at which
+    /// a step, or a part of a step of the grid, ended. Those that bend less than the tolerance are passed
+    /// over, and not counted.
     pub switches_crossed: u64,
     /// Those of them at which the value of H jumps; `None` without any.
     pub energy_jumps: Option<EnergyJumps<T>>,
@@ -201,8 +201,11 @@ impl<T: Float> Certificate<T> {
                 format!("{low:.2e} to {high:.2e}"),
             );
         }
-        if counts.sweeps > 0 {
-            line("sweeps", counts.sweeps.to_string());
+        if counts.fixed_point_iterations > 0 {
+            line(
+                "fixed-point iterations",
+                counts.fixed_point_iterations.to_string(),
+            );
         }
         if counts.newton_iterations > 0 {
             let (full, frozen) = (counts.factorisations, counts.simplified_factorisations);

@@ -1,6 +1,6 @@
 //! [`ChaosIndicators`]: whether a run is regular or chaotic, in two numbers.
 
-/// What a deviation carried along tells of a run.
+/// What a propagated deviation tells of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChaosIndicators<T> {

@@ -44,7 +44,7 @@ impl<T: Float> Certificate<T> {
 
     /// Why the energy was not conserved, the first reason of several; none if it was.
     fn reason(&self) -> Option<String> {
-        let (uncorrected, steps) = (self.counts.carried(), self.counts.steps);
+        let (uncorrected, steps) = (self.counts.uncorrected(), self.counts.steps);
         if uncorrected > 0 {
             let error = self.largest_error();
             return Some(format!(

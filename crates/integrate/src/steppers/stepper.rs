@@ -212,7 +212,7 @@ impl<T: Float> Stepper<T> {
         self.checked(h, made)
     }
 
-    /// A step that failed or was carried, unless a gradient written by hand is to blame.
+    /// A step that failed or was uncorrected, unless a gradient written by hand is to blame.
     fn checked(
         &mut self,
         h: T,
@@ -221,7 +221,7 @@ impl<T: Float> Stepper<T> {
         if self.check_gradient {
             let (time, energy) = (self.time, self.core.energy_mut());
             let checked = match made {
-                Ok(outcome) if outcome.is_carried() => {
+                Ok(outcome) if outcome.is_uncorrected() => {
                     check_gradient(energy, time + h, &self.next.hi)
                 }
                 Err(_) => check_gradient(energy, time, &self.y.hi),

@@ -1,6 +1,6 @@
 //! [`Chaos`]: is a trajectory regular or chaotic, and how much.
 //!
-//! A deviation δ is carried along and kept at length 1. From the growth ln|δ_{n+1}|/|δ_n| of each step:
+//! A deviation δ is propagated and kept at length 1. From the growth ln|δ_{n+1}|/|δ_n| of each step:
 //!
 //! - the largest Lyapunov exponent, λ(t) = ln(|δ(t)|/|δ(0)|)/t → λ, zero for regular motion;
 //! - MEGNO [Cincotta & Simó, Astron. Astrophys. Suppl. 147, 2000], Y(t) = (2/t) ∫ (d ln|δ|/ds) s ds, and its
@@ -76,9 +76,9 @@ impl<T: Float> Chaos<T> {
     /// Sees the step that `run` made last.
     ///
     /// # Errors
-    /// Those of [`TangentMap::carry`].
+    /// Those of [`TangentMap::propagate`].
     pub fn see(&mut self, run: &impl Steps<T>) -> Result<(), IntegrateError<T>> {
-        self.tangent.carry(run, &mut self.deviation)?;
+        self.tangent.propagate(run, &mut self.deviation)?;
         let growth = self.normalise().ln();
         let (before, step) = (self.elapsed, (run.time_reached() - self.time).abs());
         let now = before + step;

@@ -29,14 +29,14 @@ use equip_solver::{Failure, StepTangent};
 ///
 /// // The same step by step.
 /// run.advance()?;
-/// tangent.carry(&run, &mut columns)?;
+/// tangent.propagate(&run, &mut columns)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct TangentMap<T: Float> {
     step: StepTangent<T>,
-    /// Number of the step up to which deviations were carried.
-    carried: u64,
+    /// Number of the step up to which deviations were propagated.
+    propagated: u64,
 }
 
 impl<T: Float> TangentMap<T> {
@@ -45,15 +45,15 @@ impl<T: Float> TangentMap<T> {
         run.core_mut().keep_parts();
         TangentMap {
             step: StepTangent::new(system, run.core()),
-            carried: run.steps_made(),
+            propagated: run.steps_made(),
         }
     }
 
-    /// Makes the steps of `run` to the time `t`, forward or back, and carries `deviations`, one after the
+    /// Makes the steps of `run` to the time `t`, forward or back, and propagates `deviations`, one after the
     /// other, over every one of them.
     ///
     /// # Errors
-    /// Those of the run's own `advance_to`, and those of [`carry`](Self::carry).
+    /// Those of the run's own `advance_to`, and those of [`propagate`](Self::propagate).
     ///
     /// # Panics
     /// When the length of `deviations` is no multiple of that of one.
@@ -65,21 +65,21 @@ impl<T: Float> TangentMap<T> {
     ) -> Result<(), IntegrateError<T>> {
         self.check_followed(run, 0)?;
         while run.step_to(t)? {
-            self.carry(run, deviations)?;
+            self.propagate(run, deviations)?;
         }
         Ok(())
     }
 
-    /// Carries `deviations`, one after the other, over the step that `run` made last.
+    /// Propagates `deviations`, one after the other, over the step that `run` made last.
     ///
     /// # Errors
     /// [`IntegrateError::Singular`] if the linearised stages cannot be solved for; the step could then not
     /// have been made by Newton's method either. [`IntegrateError::StepsNotFollowed`] if the run has made
-    /// several steps since deviations were last carried.
+    /// several steps since deviations were last propagated.
     ///
     /// # Panics
     /// When the length of `deviations` is no multiple of that of one.
-    pub fn carry(
+    pub fn propagate(
         &mut self,
         run: &impl Steps<T>,
         deviations: &mut [T],
@@ -87,13 +87,13 @@ impl<T: Float> TangentMap<T> {
         let n = self.step.components();
         assert_eq!(deviations.len() % n, 0, "a deviation has 2m components");
         self.check_followed(run, 1)?;
-        self.carried = run.steps_made();
+        self.propagated = run.steps_made();
         for part in run.parts_made() {
             self.step.linearise(part);
             for deviation in deviations.chunks_exact_mut(n) {
-                let carried = self.step.carry(deviation);
+                let propagated = self.step.propagate(deviation);
                 let (time, step, halvings) = (part.time, part.h, 0);
-                carried.map_err(|failure| match failure {
+                propagated.map_err(|failure| match failure {
                     Failure::NotFinite => IntegrateError::NotFinite {
                         time,
                         step,
@@ -110,11 +110,11 @@ impl<T: Float> TangentMap<T> {
         Ok(())
     }
 
-    /// Whether the run has made no more than so many steps since deviations were last carried, or since it
+    /// Whether the run has made no more than so many steps since deviations were last propagated, or since it
     /// was begun anew.
     fn check_followed(&self, run: &impl Steps<T>, most: u64) -> Result<(), IntegrateError<T>> {
         let made = run.steps_made();
-        let steps = made.checked_sub(self.carried).unwrap_or(made);
+        let steps = made.checked_sub(self.propagated).unwrap_or(made);
         if steps > most {
             return Err(IntegrateError::StepsNotFollowed { steps });
         }

@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 ///
 /// It is run where it stands: a struct of slices that is moved is copied in pieces larger than those it was
 /// just written in, and the processor waits for all earlier results before it reads them (100 cycles in a
-/// stage sweep).
+/// stage iteration).
 pub trait Kernel {
     /// What it returns.
     type Output;

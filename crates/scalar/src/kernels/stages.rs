@@ -1,4 +1,4 @@
-//! Z = K L for all components at once: the linear half of a stage sweep.
+//! Z = K L for all components at once: the linear half of a stage iteration.
 
 use super::instructions::{InstructionSet, Kernel};
 use super::lanes::Lanes;

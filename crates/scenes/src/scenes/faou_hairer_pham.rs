@@ -21,7 +21,7 @@ pub(crate) const SCENE: Entry<FaouHairerPham> = Entry {
     parameters: &[],
     invariants: "none besides H",
     solution: "none stored",
-    hard: "H(start) = 0 and the kinetic part is not quadratic: relative energy errors mean nothing, sweeps in halves do not apply",
+    hard: "H(start) = 0 and the kinetic part is not quadratic: relative energy errors mean nothing, the positions alone are no unknowns",
     build: |_| Ok(FaouHairerPham),
 };
 

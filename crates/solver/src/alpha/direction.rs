@@ -4,7 +4,7 @@
 //!
 //! | quantity | computed from |
 //! |---|---|
-//! | X_k = ∂Z/∂α_k and u_k = ∂y1/∂α_k | the linearised stage equations with r = T_k L ([`equip_sweeps::LinearSweeps`]) |
+//! | X_k = ∂Z/∂α_k and u_k = ∂y1/∂α_k | the linearised stage equations with r = T_k L ([`equip_iterate::LinearIteration`]) |
 //! | u'_k = −Ψ⁻¹u_k, Ψ the tangent map of the step | the same equations with y1 held and r = u_k |
 //! | V, ∂I_a/∂α_k as the mean over both ends | ∇I_a(y1)·u_k and −∇I_a(y0)·u'_k |
 //! | D | [`crate::alpha::least_displacement`] |
@@ -19,9 +19,9 @@ use crate::alpha::least_displacement::{LeastDisplacement, dot};
 use crate::equations::constraint::Constraint;
 use crate::policy::LEADING;
 use equip_autodiff::{Evaluator, Pattern};
+use equip_iterate::{Held, Iterate, LinearIteration, Preconditioner, State};
 use equip_linear::DenseLu;
 use equip_scalar::{Float, mix_stages};
-use equip_sweeps::{Held, Iterate, LinearSweeps, Preconditioner, State};
 use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
@@ -34,7 +34,7 @@ pub(crate) struct Direction<T: Float> {
     /// Number of the first parameter that changes, from 0, and how many change.
     first: usize,
     free: usize,
-    pub(crate) linear: LinearSweeps<T>,
+    pub(crate) linear: LinearIteration<T>,
     /// T_k column by column.
     t_columns: Vec<Vec<T>>,
     /// Right-hand sides, X_k one after the other, and the solutions with y1 held.
@@ -93,7 +93,7 @@ impl<T: Float> Direction<T> {
             stride,
             first: first - 1,
             free,
-            linear: LinearSweeps::new(method, iterate, pattern.clone(), free),
+            linear: LinearIteration::new(method, iterate, pattern.clone(), free),
             t_columns: t_columns.collect(),
             rhs: zeros(n * free * stride),
             x: zeros(n * free * stride),

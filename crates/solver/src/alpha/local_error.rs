@@ -16,8 +16,8 @@ use crate::alpha::direction::Direction;
 use crate::outcome::outcome::Counts;
 use crate::policy::FARTHEST;
 use equip_autodiff::Evaluator;
+use equip_iterate::{Held, Iterate, Preconditioner, State, stride_for, turned};
 use equip_scalar::{Float, mix_stages};
-use equip_sweeps::{Held, Iterate, Preconditioner, State, stride_for, turned};
 use equip_tableau::{Coefficients, legendre_integrals_at};
 
 /// Further stages.
@@ -49,7 +49,7 @@ impl<T: Float> LocalError<T> {
     /// `None` if there is no method with so many stages.
     pub(crate) fn new(method: &Coefficients<T>, iterate: &Iterate<T>) -> Option<Self> {
         let s = method.stages();
-        if s + MORE > equip_sweeps::MAX_STAGES {
+        if s + MORE > equip_iterate::MAX_STAGES {
             return None;
         }
         let finer = Coefficients::gauss(s + MORE).ok()?;

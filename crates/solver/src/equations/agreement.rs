@@ -7,8 +7,8 @@ use crate::options::step_options::{Preconditioner, StepOptions};
 use crate::outcome::outcome::Outcome;
 use crate::step::core::Core;
 use equip_autodiff::{Hamiltonian, Var};
+use equip_iterate::State;
 use equip_scalar::{DoubleDouble, Float};
-use equip_sweeps::State;
 use equip_tableau::Coefficients;
 
 const ALL: [Preconditioner; 5] = [

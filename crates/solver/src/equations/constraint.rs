@@ -16,8 +16,8 @@
 use crate::options::invariant::Invariant;
 use crate::policy::FADING;
 use equip_autodiff::Evaluator;
+use equip_iterate::State;
 use equip_scalar::Float;
-use equip_sweeps::State;
 
 /// One equation g = 0 with what is needed to judge and to reduce g.
 #[derive(Debug)]

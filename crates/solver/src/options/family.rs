@@ -1,7 +1,7 @@
 //! The families of methods that a step can be made with.
 
+use equip_iterate::MAX_STAGES;
 use equip_scalar::{Constant, Float};
-use equip_sweeps::MAX_STAGES;
 use equip_tableau::{Coefficients, TableauError};
 use std::fmt;
 

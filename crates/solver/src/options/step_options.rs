@@ -25,7 +25,7 @@ pub enum Preconditioner {
     /// The cheapest of the others whose iteration contracts.
     #[default]
     Automatic,
-    /// M = 1: sweeps. Gradients at the stages, no Hessian, no linear system.
+    /// M = 1: fixed-point iteration. Gradients at the stages, no Hessian, no linear system.
     Identity,
     /// Stiff springs along single components of H = T(p) + U(q). Where there are none M = 1, for a Hessian a
     /// step.

@@ -47,10 +47,10 @@ impl Outcome {
             Outcome::Quadratic => "quadratic H, nothing to do",
             Outcome::AtFloor => "at the round-off floor",
             Outcome::Solved => "energy solved",
-            Outcome::NoSlope => "carried: no slope",
-            Outcome::BeyondBound => "carried: α beyond its bound",
-            Outcome::TooFar => "carried: end point moved too far",
-            Outcome::Unresolved => "carried: fast motion not resolved",
+            Outcome::NoSlope => "uncorrected: no effect of α",
+            Outcome::BeyondBound => "uncorrected: α beyond its bound",
+            Outcome::TooFar => "uncorrected: end point changed too much",
+            Outcome::Unresolved => "uncorrected: fast motion not resolved",
         }
     }
 
@@ -63,7 +63,7 @@ impl Outcome {
     }
 
     /// Whether the defect of the step is left to a later one.
-    pub fn is_carried(self) -> bool {
+    pub fn is_uncorrected(self) -> bool {
         matches!(
             self,
             Outcome::NoSlope | Outcome::BeyondBound | Outcome::TooFar | Outcome::Unresolved
@@ -78,8 +78,8 @@ impl Outcome {
 pub struct Counts {
     /// Steps made.
     pub steps: u64,
-    /// Sweeps Z ← K L over all stages without a preconditioner.
-    pub sweeps: u64,
+    /// Fixed-point iterations Z ← K L over all stages.
+    pub fixed_point_iterations: u64,
     /// Iterations with a preconditioner.
     pub newton_iterations: u64,
     /// Times the stages of a step were begun anew with another preconditioner.
@@ -156,9 +156,9 @@ impl Counts {
     }
 
     /// Steps whose defect was left to later ones.
-    pub fn carried(&self) -> u64 {
-        let carried = Outcome::ALL.into_iter().filter(|o| o.is_carried());
-        carried.map(|o| self.outcome(o)).sum()
+    pub fn uncorrected(&self) -> u64 {
+        let uncorrected = Outcome::ALL.into_iter().filter(|o| o.is_uncorrected());
+        uncorrected.map(|o| self.outcome(o)).sum()
     }
 
     /// Counts a step that ended so.
@@ -191,7 +191,7 @@ mod tests {
         for outcome in Outcome::ALL {
             let is = [
                 outcome.energy_kept(),
-                outcome.is_carried(),
+                outcome.is_uncorrected(),
                 outcome == Outcome::NotAsked,
             ];
             assert_eq!(is.iter().filter(|&&is| is).count(), 1, "{outcome:?}");

@@ -1,7 +1,7 @@
 //! [`Part`]: what a step, or each part of a halved one, has passed through.
 
+use equip_iterate::{Iterate, State};
 use equip_scalar::Float;
-use equip_sweeps::{Iterate, State};
 
 /// What a step, or a part of a halved step, leaves for dense output.
 #[derive(Debug, Clone)]

@@ -13,8 +13,8 @@ use crate::precondition::diagonal::Diagonal;
 use crate::precondition::frozen::Frozen;
 use crate::precondition::full::Full;
 use equip_autodiff::{Evaluator, Structure};
+use equip_iterate::{Iterate, Preconditioner, State};
 use equip_scalar::Float;
-use equip_sweeps::{Iterate, Preconditioner, State};
 use equip_tableau::Coefficients;
 
 /// The preconditioners, from the cheapest on.

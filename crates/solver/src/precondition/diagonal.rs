@@ -7,9 +7,9 @@
 //! Cost: s³ operations for each spring to make M⁻¹, s² for each right-hand side.
 
 use equip_autodiff::Pattern;
+use equip_iterate::{Held, Iterate, Preconditioner};
 use equip_linear::DenseLu;
 use equip_scalar::Float;
-use equip_sweeps::{Held, Iterate, Preconditioner};
 use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 
@@ -114,7 +114,7 @@ impl<T: Float> Preconditioner<T> for Diagonal {
         let (s, stride) = (self.s, self.stride);
         // The step made backwards has its stages in reverse; of −h the square is that of h.
         let is_reversed = held == Held::End;
-        let mut x = [T::int(0); equip_sweeps::MAX_STAGES];
+        let mut x = [T::int(0); equip_iterate::MAX_STAGES];
         let x = &mut x[..s];
         for spring in &self.springs {
             let q = &mut rows[spring.c * stride..][..s];

@@ -12,9 +12,9 @@ use crate::precondition::rows::Rows;
 use crate::precondition::schur::Schur;
 use crate::precondition::shifted_systems::ShiftedSystems;
 use equip_autodiff::Structure;
+use equip_iterate::{Held, Iterate, Preconditioner, turned};
 use equip_linear::Singular;
 use equip_scalar::Float;
-use equip_sweeps::{Held, Iterate, Preconditioner, turned};
 use equip_tableau::Coefficients;
 use nalgebra::{Complex, DMatrix};
 

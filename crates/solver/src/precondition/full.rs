@@ -10,9 +10,9 @@
 
 use crate::precondition::rows::Rows;
 use equip_autodiff::{Evaluator, Pattern};
+use equip_iterate::{Held, Iterate, Preconditioner, State, turned};
 use equip_linear::{DenseLu, Singular};
 use equip_scalar::Float;
-use equip_sweeps::{Held, Iterate, Preconditioner, State, turned};
 use equip_tableau::Coefficients;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,7 +1,7 @@
 //! Right-hand sides as preconditioners solve for them: stage by stage, in doubles and in units of the state.
 
+use equip_iterate::Held;
 use equip_scalar::Float;
-use equip_sweeps::Held;
 
 /// How the stages of the unknown components lie, and the units they are measured in.
 #[derive(Debug, Clone)]

@@ -125,7 +125,7 @@ mod tests {
     /// Measured: 2e-15 at s = 32; headroom 10. The method of 32 stages is the largest that is offered.
     #[test]
     fn the_parts_make_up_the_tableau() {
-        for s in 1..=equip_sweeps::MAX_STAGES {
+        for s in 1..=equip_iterate::MAX_STAGES {
             let gauss = Coefficients::<f64>::gauss(s).unwrap();
             let split = Schur::new(&gauss).unwrap();
             let mut u = vec![0.0; s * s];

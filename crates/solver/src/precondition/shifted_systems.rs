@@ -14,9 +14,9 @@
 use crate::policy::SPARSE_SHARE;
 use crate::precondition::schur::Block;
 use equip_autodiff::Pattern;
+use equip_iterate::turned;
 use equip_linear::{DenseLu, Singular};
 use equip_linear::{SparseLu, Symbolic};
-use equip_sweeps::turned;
 use nalgebra::{Complex, DVector};
 use std::ops::{AddAssign, Mul};
 

@@ -4,10 +4,10 @@ use crate::options::step_options::Preconditioner as Wanted;
 use crate::outcome::outcome::Counts;
 use crate::precondition::choice::Choice;
 use equip_autodiff::Hamiltonian;
+use equip_iterate::{Contraction, Held, LinearIteration, Progress};
+use equip_iterate::{Iterate, Preconditioner, State};
 use equip_scalar::DoubleDouble;
 use equip_scalar::Float;
-use equip_sweeps::{Contraction, Held, LinearSweeps, Progress};
-use equip_sweeps::{Iterate, Preconditioner, State};
 use equip_tableau::Coefficients;
 
 /// A stiff spring beside a soft one, along single components, and momenta that are put in.
@@ -40,7 +40,7 @@ fn one_solution<T: Float>(energy: &Hamiltonian, tolerance: f64, most: f64) {
         iterate.begin(&gauss, (&y, h));
         let mut contraction = Contraction::new(iterate.is_twofold(), T::EPSILON.to_f64());
         contraction.begin(false);
-        while iterate.sweep(&mut evaluator, &y, &mut contraction).0 == Progress::Contracts {}
+        while iterate.fixed_point(&mut evaluator, &y, &mut contraction).0 == Progress::Contracts {}
         iterate.keep_momenta(&y);
         let (sides, stride) = (2, iterate.stride());
         let mut r = vec![T::int(0); 4 * sides * stride];
@@ -49,7 +49,7 @@ fn one_solution<T: Float>(energy: &Hamiltonian, tolerance: f64, most: f64) {
                 *x = T::ratio(((7 * k + i * i) % 11) as i64 - 5, 3);
             }
         }
-        let mut linear = LinearSweeps::new(&gauss, &iterate, pattern.to_pattern(), sides);
+        let mut linear = LinearIteration::new(&gauss, &iterate, pattern.to_pattern(), sides);
         assert!(linear.linearise(&iterate, &mut evaluator));
         let weights = [T::int(1); 4];
         for held in [Held::Start, Held::End] {

@@ -18,8 +18,8 @@ use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
 use crate::policy::{FARTHEST, MOST_STALLS, SHARE, STALLED, STATE_ROUNDING};
 use crate::step::core::{AlphaSolver, Core};
+use equip_iterate::{MOST_ITERATIONS, State};
 use equip_scalar::Float;
-use equip_sweeps::{MOST_ITERATIONS, State};
 
 impl<T: Float> Core<T> {
     /// Solves for α, or restores the stages with α = 0. `next` is y1, before and after; the stages have

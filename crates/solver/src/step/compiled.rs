@@ -6,8 +6,8 @@ use crate::outcome::outcome::Outcome;
 use crate::outcome::parts::Part;
 use crate::step::core::Core;
 use crate::step_tangent::StepTangent;
+use equip_iterate::State;
 use equip_scalar::Float;
-use equip_sweeps::State;
 
 /// The functions, each as it is called.
 #[rustfmt::skip]
@@ -24,7 +24,7 @@ impl<T: Float> Ready<T> {
         step: Core::make,
         complete: Core::make_complete,
         linearise: StepTangent::make,
-        propagate: StepTangent::propagate,
+        propagate: StepTangent::propagate_part,
     };
 }
 
@@ -36,11 +36,11 @@ impl<T: Float> StepTangent<T> {
         (ready::<T>().linearise)(self, part);
     }
 
-    /// Carries `deviation`, n components, over the part that has been linearised.
+    /// Propagates `deviation`, n components, over the part that has been linearised.
     ///
     /// # Errors
     /// [`Failure::NotFinite`] or [`Failure::Singular`] if the linearised stages cannot be solved for.
-    pub fn carry(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
+    pub fn propagate(&mut self, deviation: &mut [T]) -> Result<(), Failure<T>> {
         (ready::<T>().propagate)(self, deviation)
     }
 }

@@ -8,8 +8,8 @@ use crate::outcome::outcome::{Counts, Outcome};
 use crate::outcome::parts::Parts;
 use crate::step::stages::Stages;
 use equip_autodiff::{Evaluator, Hamiltonian, Structure};
+use equip_iterate::{Kept, State};
 use equip_scalar::Float;
-use equip_sweeps::{Kept, State};
 use equip_tableau::Coefficients;
 
 /// Everything a step works with; no allocation after it is made.

@@ -5,8 +5,8 @@ use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Counts;
 use crate::precondition::choice::Choice;
 use equip_autodiff::{Evaluator, Kinetic, Structure};
+use equip_iterate::{Contraction, Iterate, MOST_ITERATIONS, Polynomial, Progress, State};
 use equip_scalar::Float;
-use equip_sweeps::{Contraction, Iterate, MOST_ITERATIONS, Polynomial, Progress, State};
 use equip_tableau::Coefficients;
 
 /// The stages, and what finds them.
@@ -106,13 +106,15 @@ impl<T: Float> Stages<T> {
             }
             let is_identity = self.choice.is_identity();
             let (progress, made) = match self.choice.operator() {
-                None => self.iterate.sweep(energy, y, &mut self.contraction),
-                Some(m) => self.iterate.sweep_with(energy, y, &mut self.contraction, m),
+                None => self.iterate.fixed_point(energy, y, &mut self.contraction),
+                Some(m) => self
+                    .iterate
+                    .preconditioned(energy, y, &mut self.contraction, m),
             };
             iterations += made;
             counts.gradients += u64::from(made) * s;
             let of = if is_identity {
-                &mut counts.sweeps
+                &mut counts.fixed_point_iterations
             } else {
                 &mut counts.newton_iterations
             };

@@ -8,8 +8,8 @@ use crate::outcome::failure::Failure;
 use crate::outcome::outcome::Outcome;
 use crate::policy::SHARE;
 use crate::step::core::Core;
+use equip_iterate::State;
 use equip_scalar::Float;
-use equip_sweeps::State;
 
 impl<T: Float> Core<T> {
     /// One step of size `h` from `y` at time `t` into `next`, which [`step`](Self::step) has made. `y` is not

@@ -7,7 +7,7 @@ use crate::options::step_options::{Reach, StepOptions};
 use crate::outcome::outcome::Outcome;
 use crate::step::core::Core;
 use equip_autodiff::Hamiltonian;
-use equip_sweeps::State;
+use equip_iterate::State;
 use equip_tableau::Coefficients;
 
 /// A body around a centre at (1000, 0).
@@ -102,9 +102,9 @@ fn the_gradient_of_an_invariant_is_none_of_the_energy() {
     let momentum = Hamiltonian::new(2, |q, p| (q[0] * p[1] - q[1] * p[0]).sin());
     let momentum = Invariant::new("sin L", momentum.unwrap());
     let start = [0.3, 0.1, -0.2, 0.9];
-    let mut sweeps = [0; 2];
+    let mut iterations = [0; 2];
     let kept = [Constraint::energy(4), Constraint::invariant(&momentum, 4)];
-    for (constraint, sweeps) in kept.into_iter().zip(&mut sweeps) {
+    for (constraint, iterations) in kept.into_iter().zip(&mut iterations) {
         let mut core = core(&h, 6, (Reach::WithinError, constraint), &start);
         let mut y = State::new(&start, &[]);
         let mut next = y.clone();
@@ -112,7 +112,7 @@ fn the_gradient_of_an_invariant_is_none_of_the_energy() {
             assert_eq!(core.step(&y, 0.0, 0.1, &mut next), Ok(Outcome::AtFloor));
             std::mem::swap(&mut y, &mut next);
         }
-        *sweeps = core.counts.sweeps;
+        *iterations = core.counts.fixed_point_iterations;
     }
-    assert!(sweeps[1] <= sweeps[0] + 50, "{sweeps:?}");
+    assert!(iterations[1] <= iterations[0] + 50, "{iterations:?}");
 }

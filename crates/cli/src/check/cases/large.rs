@@ -45,8 +45,8 @@ pub(crate) fn cases() -> Vec<Case> {
     all
 }
 
-/// Many components, α's along slopes: resolved, too long for sweeps at the whole step, with stiff springs,
-/// and with springs too stiff for halves.
+/// Many components, α's along slopes: resolved, too long for fixed-point iteration at the whole step, with
+/// stiff springs, and with springs too stiff for halves.
 fn many() -> Vec<Case> {
     let row = |name: &str, scene_name: &'static str, values: &[(&'static str, &str)]| {
         Case::new(THEME, name, scene(scene_name, values))

@@ -1,0 +1,236 @@
+//! The stages of a step as an iteration has them: Z, L(Z) and all that an iteration reads and writes.
+//!
+//! Component c of stage i stands at `c·stride + i`, so that the stages lie side by side in SIMD registers;
+//! the places from s to `stride` are padding.
+//!
+//! K enters as K, with K_ij + K_ji = 1 to the last bit, so the solution keeps quadratic invariants to
+//! rounding.
+//!
+//! Cost of an iteration: s gradients (of H, or of U) and 2m s² products. Nothing is allocated.
+
+use crate::layout::aligned::{Aligned, Places};
+use crate::layout::row::{by_lanes, groups_of, lanes_of, placed, stride_for};
+use crate::layout::state::State;
+use crate::matrix::coefficients::Columns;
+use crate::matrix::twofold;
+use equip_autodiff::Kinetic;
+use equip_scalar::{Float, InstructionSet, Kernel};
+use equip_tableau::Coefficients;
+
+/// The stages and what an iteration needs of the method.
+#[derive(Debug)]
+pub struct Iterate<T: Float> {
+    pub(crate) s: usize,
+    pub(crate) stride: usize,
+    pub(crate) n: usize,
+    /// T(p), if it is quadratic with a diagonal M⁻¹.
+    pub(crate) kinetic: Option<Kinetic<T>>,
+    pub(crate) set: InstructionSet,
+    /// How K is made.
+    columns: Columns<T>,
+    /// K(α) and K of the α's a step starts from, column by column.
+    pub(crate) k: Aligned<T>,
+    pub(crate) k_start: Aligned<T>,
+    /// K is not the one a step starts from.
+    pub(crate) k_has_moved: bool,
+    /// h b_i.
+    pub(crate) hb: Aligned<T>,
+    pub(crate) h: T,
+    /// L of the last iteration, and of the step before.
+    pub(crate) l: Aligned<T>,
+    pub(crate) l_before: Aligned<T>,
+    /// Room for ΔL of incremental iterations.
+    pub(crate) delta: Aligned<T>,
+    /// Z of the unknown components, and room for another.
+    pub(crate) z: Aligned<T>,
+    pub(crate) z_before: Aligned<T>,
+    /// The stages; those of momenta that are no unknowns where they are kept.
+    pub(crate) points: Aligned<T>,
+    pub(crate) has_momenta: bool,
+    pub(crate) gradients: Aligned<T>,
+    /// Size of each component over the step, and its inverse.
+    pub(crate) scale: Vec<T>,
+    pub(crate) inverse_scale: Vec<T>,
+    /// K B K with the α's a step starts from, where iterations may be incremental.
+    pub(crate) twofold: Option<Aligned<T>>,
+    /// Z is K(α) L: incremental iterations take it to be.
+    pub(crate) z_is_k_l: bool,
+    /// The last iteration was incremental: L is not there.
+    pub(crate) is_incremental: bool,
+    /// All components have been measured on stages near the solution.
+    pub(crate) is_measured: bool,
+}
+
+impl<T: Float> Iterate<T> {
+    /// For n components; `alphas` are those a step starts from.
+    pub fn new(
+        method: &Coefficients<T>,
+        n: usize,
+        kinetic: Option<Kinetic<T>>,
+        alphas: &[T],
+    ) -> Self {
+        let mut places = Places::default();
+        let s = method.stages();
+        let stride = stride_for::<T>(s);
+        let set = InstructionSet::best();
+        // One column for each place of L, also the padding: all zero there.
+        let mut k = places.zeros(stride * stride);
+        let mut k_start = places.zeros(stride * stride);
+        let columns = Columns::new(method);
+        columns.fill(set, alphas, &mut k_start);
+        k.copy_from_slice(&k_start);
+        let kinetic = kinetic.filter(|kinetic| kinetic.diagonal().is_some());
+        let hb = places.zeros(stride);
+        let is_unperturbed = alphas.iter().all(|&alpha| alpha == T::int(0));
+        let mut rows = || places.zeros(n * stride);
+        let [l, l_before, delta, z, z_before, points, gradients] = [(); 7].map(|()| rows());
+        let twofold = (kinetic.is_some() && is_unperturbed)
+            .then(|| twofold::of(set, method, &k_start, &mut places));
+        Iterate {
+            s,
+            stride,
+            n,
+            kinetic,
+            set,
+            columns,
+            k,
+            k_start,
+            k_has_moved: false,
+            hb,
+            h: T::int(0),
+            l,
+            l_before,
+            delta,
+            z,
+            z_before,
+            points,
+            has_momenta: false,
+            gradients,
+            scale: vec![T::int(0); n],
+            inverse_scale: vec![T::int(0); n],
+            twofold,
+            z_is_k_l: true,
+            is_incremental: false,
+            is_measured: false,
+        }
+    }
+
+    /// Number of stages s.
+    pub fn stages(&self) -> usize {
+        self.s
+    }
+
+    /// Components n = 2m of the state.
+    pub fn components(&self) -> usize {
+        self.n
+    }
+
+    /// Places of a row: component c of stage i stands at `c·stride + i`.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// Components that are unknown: all, or the positions.
+    pub fn unknowns(&self) -> usize {
+        match self.kinetic {
+            Some(_) => self.n / 2,
+            None => self.n,
+        }
+    }
+
+    /// Whether an iteration goes from the positions to the momenta and back.
+    pub fn is_twofold(&self) -> bool {
+        self.kinetic.is_some()
+    }
+
+    /// M⁻¹ of T(p), where the positions are the unknowns.
+    pub fn inverse_masses(&self) -> Option<&[T]> {
+        self.kinetic.as_ref().and_then(Kinetic::diagonal)
+    }
+
+    /// Whether L is that of the last iteration.
+    pub fn has_increments(&self) -> bool {
+        !self.is_incremental
+    }
+
+    /// L of the last iteration, h b_i B∇H(Y_i), component by component.
+    pub fn increments(&self) -> &[T] {
+        &self.l
+    }
+
+    /// The stages Y_i, component by component; momenta after [`keep_momenta`](Self::keep_momenta).
+    pub fn points(&self) -> &[T] {
+        &self.points
+    }
+
+    /// Size of each component over the step: max(|y_c|, max_i |Y_ic|).
+    pub fn scale(&self) -> &[T] {
+        &self.scale
+    }
+
+    /// 1 over the sizes.
+    pub fn inverse_scale(&self) -> &[T] {
+        &self.inverse_scale
+    }
+
+    /// The instructions that kernels use.
+    pub fn instruction_set(&self) -> InstructionSet {
+        self.set
+    }
+
+    /// y1 = y0 + Σ L_i.
+    pub(crate) fn advance(&self, y: &State<T>, next: &mut State<T>) {
+        y.advance_by_component(self.set, &self.l, self.s, next);
+    }
+
+    /// Stages from Z.
+    pub(crate) fn place(&mut self, y: &State<T>) {
+        let unknowns = self.unknowns();
+        self.set.run(&mut Place {
+            hi: &y.hi[..unknowns],
+            lo: &y.lo[..unknowns],
+            z: &self.z,
+            points: &mut self.points,
+            s: self.s,
+        });
+    }
+
+    /// K of these α's.
+    pub(crate) fn fill_k(&mut self, alphas: &[T]) {
+        self.columns.fill(self.set, alphas, &mut self.k);
+        self.k_has_moved = true;
+    }
+}
+
+/// The stages y0 + Z.
+struct Place<'a, T> {
+    hi: &'a [T],
+    lo: &'a [T],
+    z: &'a [T],
+    points: &'a mut [T],
+    s: usize,
+}
+
+impl<T: Float> Kernel for Place<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(&mut self) {
+        by_lanes!(T, self.s, self)
+    }
+}
+
+impl<T: Float> Place<'_, T> {
+    #[inline(always)]
+    fn lanes<const N: usize>(&mut self) {
+        let groups = groups_of::<T, N>(self.s);
+        let points = self.points.as_chunks_mut::<N>().0.chunks_exact_mut(groups);
+        let z = self.z.as_chunks::<N>().0.chunks_exact(groups);
+        let starts = self.hi.iter().zip(self.lo);
+        for ((points, z), (&hi, &lo)) in points.zip(z).zip(starts) {
+            for (point, z) in points.iter_mut().zip(z) {
+                *point = placed(hi, lo, z);
+            }
+        }
+    }
+}

@@ -1,0 +1,284 @@
+//! How a component's numbers at the stages lie: a *row* is G groups of N lanes, a lane for each stage and
+//! padding behind.
+//!
+//! Rows are arrays in memory and [`Pack`]s in arithmetic, which the compiler turns into vector instructions
+//! of whatever set it is compiled for.
+
+use equip_scalar::{Float, Pack};
+use std::array::from_fn;
+
+pub(crate) type Row<T, const G: usize, const N: usize> = [[T; N]; G];
+
+/// Lanes that `s` stages of this float are padded to.
+pub fn stride_for<T: Float>(s: usize) -> usize {
+    s.next_multiple_of(lanes_of::<T>(s))
+}
+
+/// Lanes that are worked on together.
+#[inline(always)]
+pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
+    match T::WIDTH {
+        1 => 1,
+        _ if T::IS_DOUBLE && s <= 4 => 4,
+        _ => 8,
+    }
+}
+
+/// Lanes of half of sixteen stages.
+pub(crate) const HALF: usize = 8;
+
+/// Whether `s` stages of this float fill two groups.
+#[inline(always)]
+pub(crate) fn fills_two<T: Float>(s: usize) -> bool {
+    T::IS_DOUBLE && s == 2 * HALF
+}
+
+/// Groups of N lanes that `s` stages stand in.
+#[inline(always)]
+pub(crate) fn groups_of<T: Float, const N: usize>(s: usize) -> usize {
+    stride_for::<T>(s) / N
+}
+
+/// A task's `lanes` for the number of lanes that `s` stages of the float are worked on with, [`lanes_of`]
+/// being there.
+macro_rules! by_lanes {
+    ($float:ty, $s:expr, $task:ident) => {
+        if <$float>::IS_DOUBLE {
+            match lanes_of::<$float>($s) {
+                4 => $task.lanes::<4>(),
+                _ => $task.lanes::<8>(),
+            }
+        } else if const { <$float as Float>::WIDTH == 1 } {
+            $task.lanes::<1>()
+        } else {
+            $task.lanes::<8>()
+        }
+    };
+}
+pub(crate) use by_lanes;
+
+/// A task's `groups` for the number of lanes and groups that `s` stages of the float stand in, both of them
+/// literals: loops over groups are none. [`stride_for`] is to be there.
+macro_rules! by_groups {
+    ($float:ty, $s:expr, $task:ident) => {
+        match stride_for::<$float>($s) {
+            s if const { <$float as Float>::WIDTH == 1 } => $task.groups::<1>(s),
+            4 => $task.groups::<4>(1),
+            8 => $task.groups::<8>(1),
+            16 => $task.groups::<8>(2),
+            stride => $task.groups::<8>(stride / 8),
+        }
+    };
+}
+pub(crate) use by_groups;
+
+/// Whole rows.
+#[inline(always)]
+pub(crate) fn rows<T, const G: usize, const N: usize>(x: &[T]) -> &[Row<T, G, N>] {
+    x.as_chunks().0.as_chunks().0
+}
+
+#[inline(always)]
+pub(crate) fn rows_mut<T, const G: usize, const N: usize>(x: &mut [T]) -> &mut [Row<T, G, N>] {
+    x.as_chunks_mut().0.as_chunks_mut().0
+}
+
+/// # Panics
+/// If what is there is shorter than its literal length.
+#[inline(always)]
+pub(crate) fn literal<R>(found: Option<R>) -> R {
+    match found {
+        Some(found) => found,
+        None => panic!(
+            "an iteration by literal lengths has as many components and stages as it was made for"
+        ),
+    }
+}
+
+/// What is to be read from memory number by number, where it has just been written: to take the numbers out
+/// of a vector the processor needs the units that multiply and add.
+#[inline(always)]
+pub(crate) fn in_memory<R>(row: &mut R) -> &R {
+    std::hint::black_box(row)
+}
+
+/// A row that begins with a cache line: what is written across two comes back late.
+#[repr(align(64))]
+pub(crate) struct OnLines<R>(pub(crate) R);
+
+/// Doubles lane by lane, of which the compiler makes better vectors where many rows are at work, others in
+/// packs.
+macro_rules! each_lane {
+    (|$i:ident| $number:expr, $pack:expr) => {
+        if T::IS_DOUBLE {
+            from_fn(|$i| $number)
+        } else {
+            ($pack).numbers()
+        }
+    };
+}
+
+/// y0 + Z of a component, y0 = hi + lo.
+#[inline(always)]
+pub(crate) fn placed<T: Float, const N: usize>(hi: T, lo: T, z: &[T; N]) -> [T; N] {
+    each_lane!(
+        |i| hi + (z[i] + lo),
+        T::Pack::splat(hi) + (T::Pack::of(z) + T::Pack::splat(lo))
+    )
+}
+
+#[inline(always)]
+pub(crate) fn times<T: Float, const N: usize>(a: &[T; N], b: &[T; N]) -> [T; N] {
+    each_lane!(|i| a[i] * b[i], T::Pack::of(a) * T::Pack::of(b))
+}
+
+#[inline(always)]
+pub(crate) fn difference<T: Float, const N: usize>(a: &[T; N], b: &[T; N]) -> [T; N] {
+    each_lane!(|i| a[i] - b[i], T::Pack::of(a) - T::Pack::of(b))
+}
+
+#[inline(always)]
+pub(crate) fn scaled<T: Float, const N: usize>(a: &[T; N], b: T) -> [T; N] {
+    each_lane!(|i| a[i] * b, T::Pack::of(a) * T::Pack::splat(b))
+}
+
+/// w·x + b.
+#[inline(always)]
+pub(crate) fn linear<T: Float, const N: usize>(w: T, x: &[T; N], b: T) -> [T; N] {
+    each_lane!(
+        |i| w * x[i] + b,
+        T::Pack::splat(w) * T::Pack::of(x) + T::Pack::splat(b)
+    )
+}
+
+#[inline(always)]
+pub(crate) fn add<T: Float, const N: usize>(a: &mut [T; N], b: &[T; N]) {
+    *a = each_lane!(|i| a[i] + b[i], T::Pack::of(a) + T::Pack::of(b));
+}
+
+/// a x + b, of doubles rounded once. A loop: what is done in a closure is not always inlined, and calls for
+/// the operation where it is not.
+#[inline(always)]
+pub(crate) fn fused<T: Float, const N: usize>(a: &[T; N], x: T, b: &[T; N]) -> [T; N] {
+    fused_each(a, &[x; N], b)
+}
+
+/// The same with an x for each lane.
+#[inline(always)]
+pub(crate) fn fused_each<T: Float, const N: usize>(a: &[T; N], x: &[T; N], b: &[T; N]) -> [T; N] {
+    if !T::IS_DOUBLE {
+        return (T::Pack::of(a) * T::Pack::of(x) + T::Pack::of(b)).numbers();
+    }
+    let mut sums = *b;
+    for i in 0..N {
+        sums[i] = a[i].mul_add(x[i], sums[i]);
+    }
+    sums
+}
+
+/// Σ_j a_j x_j of `s` columns. Even and odd j are summed apart, so that fewer operations wait for each other.
+#[inline(always)]
+pub(crate) fn dot<'a, T: Float, const N: usize>(
+    s: usize,
+    column: impl Fn(usize) -> &'a [T; N],
+    x: &[T],
+) -> [T; N] {
+    let mut even = scaled(column(0), x[0]);
+    if s == 1 {
+        return even;
+    }
+    let mut odd = scaled(column(1), x[1]);
+    let mut j = 2;
+    while j + 1 < s {
+        even = fused(column(j), x[j], &even);
+        odd = fused(column(j + 1), x[j + 1], &odd);
+        j += 2;
+    }
+    if j < s {
+        even = fused(column(j), x[j], &even);
+    }
+    add(&mut even, &odd);
+    even
+}
+
+/// Lane by lane the larger of the size and |x|.
+#[inline(always)]
+pub(crate) fn larger<T: Float, const N: usize>(size: &mut [T; N], x: &[T; N]) {
+    for i in 0..N {
+        let x = x[i].abs();
+        size[i] = if x > size[i] { x } else { size[i] };
+    }
+}
+
+/// The largest of all lanes.
+#[inline(always)]
+pub(crate) fn largest<T: Float, const N: usize>(mut x: [T; N]) -> T {
+    let mut count = N;
+    while count > 1 {
+        count /= 2;
+        for i in 0..count {
+            x[i] = if x[i + count] > x[i] {
+                x[i + count]
+            } else {
+                x[i]
+            };
+        }
+    }
+    x[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::dot;
+    use equip_scalar::{InstructionSet, Kernel};
+
+    struct Dot<'a> {
+        columns: &'a [[f64; 8]],
+        x: &'a [f64],
+    }
+
+    impl Kernel for Dot<'_> {
+        type Output = [f64; 8];
+
+        #[inline(always)]
+        fn run(&mut self) -> [f64; 8] {
+            dot(self.columns.len(), |j| &self.columns[j], self.x)
+        }
+    }
+
+    /// Products of which separate rounding would leave nothing, and uneven ones in the order that is
+    /// promised.
+    #[test]
+    fn products_are_fused_on_every_instruction_set() {
+        let e = 2.0_f64.powi(-30);
+        let columns = [[1.0; 8], [0.0; 8], [1.0 + e; 8]];
+        for set in InstructionSet::available() {
+            let (columns, x) = (&columns, &[-1.0, 0.0, 1.0 - e]);
+            assert_eq!(set.run(&mut Dot { columns, x }), [-e * e; 8], "{set:?}");
+        }
+        for s in 1..=17 {
+            let number = |k: usize| ((k * k + 5 * k) as f64 * 0.731).sin();
+            let columns: Vec<[f64; 8]> = (0..s)
+                .map(|j| std::array::from_fn(|i| number(8 * j + i)))
+                .collect();
+            let x: Vec<f64> = (0..s).map(|j| number(3 * j + 1)).collect();
+            let chain = |i: usize, first: usize| {
+                let mut sum = columns[first][i] * x[first];
+                for j in (first + 2..s).step_by(2) {
+                    sum = columns[j][i].mul_add(x[j], sum);
+                }
+                sum
+            };
+            for set in InstructionSet::available() {
+                let found = set.run(&mut Dot {
+                    columns: &columns,
+                    x: &x,
+                });
+                for (i, found) in found.into_iter().enumerate() {
+                    let odd = if s > 1 { chain(i, 1) } else { 0.0 };
+                    assert_eq!(found, chain(i, 0) + odd, "s = {s}, {set:?}");
+                }
+            }
+        }
+    }
+}

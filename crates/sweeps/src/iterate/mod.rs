@@ -1,9 +1,0 @@
-//! The stages and their iteration.
-
-pub(crate) mod begin;
-pub(crate) mod compiled;
-pub(crate) mod form;
-pub(crate) mod iterate;
-pub(crate) mod moved;
-pub(crate) mod precondition;
-pub(crate) mod sweep;

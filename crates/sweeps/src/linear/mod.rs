@@ -1,9 +1,0 @@
-//! The stage equations linearised.
-
-pub(crate) mod compiled;
-pub(crate) mod linear_sweeps;
-pub(crate) mod positions;
-pub(crate) mod power_iteration;
-pub(crate) mod row_times;
-pub(crate) mod solve;
-pub(crate) mod stage_hessians;
