@@ -134,7 +134,7 @@ class Hbvm:
 
 @dataclass(frozen=True)
 class AveragedVectorField:
-    """The averaged vector field method of order 2: HBVM(k, 1), k as H takes it, 16 of H that is no polynomial.
+    """The averaged vector field method of order 2: HBVM(k, 1), k as a polynomial H takes it, else 16.
 
     Parameters
     ----------
@@ -206,7 +206,9 @@ def method_options(method: Any, by_tolerance: bool) -> dict[str, Any]:
             "equip.Trapezoidal(nodes)"
         )
     found = method._options()
-    is_of_degree_one = isinstance(method, (AveragedVectorField, Trapezoidal)) or getattr(method, "degree", 2) == 1
+    is_of_degree_one = (
+        isinstance(method, (AveragedVectorField, Trapezoidal)) or getattr(method, "degree", 2) == 1
+    )
     if by_tolerance and is_of_degree_one:
         raise ValueError("a method of order 2 has no estimate of its error: give a step")
     if by_tolerance and found["stages"] == 1:
