@@ -86,7 +86,7 @@ fn fpu_with_stiff_springs() {
 #[test]
 fn outer_solar_system() {
     // Measured 12.5 with simplified Newton, which is the automatic choice at this size; 13.3 with full
-    // Newton. The difference is α's spent on defects at the round-off floor (11 of 2000 steps are halved for
+    // Newton. The difference is α's spent on defects at the round-off level (11 of 2000 steps are halved for
     // them).
     assert!(digits("outer_ss", Equip::stages(6), 100.0) > 12.0);
 }

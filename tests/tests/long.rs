@@ -22,9 +22,9 @@ struct Long {
     counts: Counts,
     /// Largest |H − H(y0)| of all steps, in f64.
     energy: f64,
-    /// The same in round-off floors of the steps; 0 for Gauss, which is not judged by them.
+    /// The same in round-off levels of the steps; 0 for Gauss, which is not judged by them.
     in_floors: f64,
-    /// The largest round-off floor of H, the running error bound over all operations of its recording. With
+    /// The largest round-off level of H, the running error bound over all operations of its recording. With
     /// six bodies it is ten times ε (2|H| + Σ|∂_iH y_i|), the rounding of the ends of its sums.
     floor: f64,
     /// H − H(y0) at the samples.

@@ -148,7 +148,7 @@ fn down_to<T: Float>(least: f64, method: Method, (order, tolerance): (usize, f64
     }
 }
 
-/// The error to go down to: what takes a second. Below 1e-29 the α's are at the round-off floor.
+/// The error to go down to: what takes a second. Below 1e-29 the α's are at the round-off level.
 fn least_error(order: usize) -> f64 {
     match order {
         2 => 1e-7,

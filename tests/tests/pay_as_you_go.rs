@@ -1,4 +1,4 @@
-//! A scene pays only for what it needs: quadratic H, states at rest, defects below the round-off floor.
+//! A scene pays only for what it needs: quadratic H, states at rest, defects below the round-off level.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;

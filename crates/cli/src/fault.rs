@@ -187,7 +187,7 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
             defect,
             floor,
         } => format!(
-            "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller --step, more --stages, --method equip, or leave out --reach refuse to leave the energy error to a later step"
+            "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off level {floor:e}); take a smaller --step, more --stages, --method equip, or leave out --reach refuse to leave the energy error to a later step"
         ),
         other => other.to_string(),
     }

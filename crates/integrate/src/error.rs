@@ -373,7 +373,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// No admissible α keeps the energy, and the user asked to refuse such steps.
     #[error(
-        "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off floor {floor:e}); take a smaller step, more stages, all α's, or leave the energy error to a later step",
+        "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off level {floor:e}); take a smaller step, more stages, all α's, or leave the energy error to a later step",
         time = plain(*time), step = plain(*step))]
     NoAdmissibleAlpha {
         /// Start of the step.

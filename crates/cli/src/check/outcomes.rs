@@ -17,7 +17,7 @@ impl Row {
 fn letter(label: &str) -> &'static str {
     match label {
         "energy solved" => "S",
-        "at the round-off floor" => "F",
+        "at the round-off level" => "F",
         "quadratic H, nothing to do" => "Q",
         "energy not asked for" => "N",
         "uncorrected: no effect of α" => "C",

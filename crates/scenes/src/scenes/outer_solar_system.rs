@@ -35,7 +35,7 @@ pub(crate) const SCENE: Entry<OuterSolarSystem> = Entry {
     )],
     invariants: "momentum (linear), angular momentum (quadratic), three components each",
     solution: "reference outer_ss (t = 200000 days)",
-    hard: "masses from 1 to 8e-9 and |H| = 3e-8: the energy's round-off floor lies near 1e-23",
+    hard: "masses from 1 to 8e-9 and |H| = 3e-8: the energy's round-off level lies near 1e-23",
     build: |v| {
         Ok(OuterSolarSystem {
             planets: v[0].count(),

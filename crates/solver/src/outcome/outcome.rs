@@ -11,9 +11,9 @@ pub enum Outcome {
     NotAsked,
     /// H is at most quadratic: every member of the family keeps it, nothing to solve.
     Quadratic,
-    /// With α = 0 the energy defect was at the round-off floor already: no α was needed.
+    /// With α = 0 the energy defect was at the round-off level already: no α was needed.
     AtFloor,
-    /// α's were found that bring H back to its reference within the round-off floor.
+    /// α's were found that bring H back to its reference within the round-off level.
     Solved,
     /// Carried: no α changes the energy. The step was made with α = 0 and its defect is left to a later one,
     /// as in those that follow.
@@ -45,7 +45,7 @@ impl Outcome {
         match self {
             Outcome::NotAsked => "energy not asked for",
             Outcome::Quadratic => "quadratic H, nothing to do",
-            Outcome::AtFloor => "at the round-off floor",
+            Outcome::AtFloor => "at the round-off level",
             Outcome::Solved => "energy solved",
             Outcome::NoSlope => "uncorrected: no effect of α",
             Outcome::BeyondBound => "uncorrected: α beyond its bound",
@@ -54,7 +54,7 @@ impl Outcome {
         }
     }
 
-    /// Whether H is at its reference at the end of the step, within the round-off floor.
+    /// Whether H is at its reference at the end of the step, within the round-off level.
     pub fn energy_kept(self) -> bool {
         matches!(
             self,

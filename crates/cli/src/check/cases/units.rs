@@ -103,7 +103,7 @@ fn quartic(all: &mut Vec<Case>) {
     }
 }
 
-/// Kepler with a constant added to H: the same motion, the round-off floor of the constant.
+/// Kepler with a constant added to H: the same motion, the round-off level of the constant.
 fn shifted(all: &mut Vec<Case>) {
     let problem = || -> Result<Problem, BuildFault> {
         let h = Hamiltonian::new(2, |q, p| {
