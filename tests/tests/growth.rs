@@ -74,7 +74,7 @@ fn more_bodies_take_no_more_gradients() {
 /// Iterations a step of EQUIP with the same number of stages in a revolution for all s: they hardly depend on
 /// s.
 #[test]
-fn more_stages_take_few_more_sweeps() {
+fn more_stages_take_few_more_iterations() {
     let scenes = [
         // Measured 6.85, 4.32, 4.21, 4.49, 5.27 (Gauss 4.50, 4.47, 4.31, 4.33, 5.15); headroom of 1.15.
         (kepler::<f64>(6), 0.02, [7.9, 5.0, 4.9, 5.2, 6.1]),
@@ -138,7 +138,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 /// A chain at rest positions, its momenta without order: sizes of the positions are known after the first
 /// iteration only, and some are very small.
 #[test]
-fn a_chain_at_rest_is_swept_from_the_first_step() {
+fn a_chain_at_rest_is_iterated_from_the_first_step() {
     let (instance, q, p) = at_rest(256);
     let end = |steps: u64, s: usize| {
         let options = Equip::stages(s).step(4.0 / steps as f64);

@@ -222,7 +222,7 @@ fn steps_near_round_off_are_whole() {
 /// Fixed-point iterations do not contract at h = 2.5: halves of the step do, and so do iterations with one
 /// ∇²H.
 #[test]
-fn steps_that_are_too_long_for_sweeps() {
+fn steps_that_are_too_long_for_fixed_point_iteration() {
     let (energy, start) = (chain(1.0), start());
     let exact = composed(2000);
     let run = |h, solver| made(&energy, &start, Equip::stages(8), (h, END), solver);

@@ -137,7 +137,7 @@ fn double_pendulum_in_f64() {
 /// Iterations that conserving the energy costs: EQUIP(s) over Gauss(s) on the same steps, in percent of the
 /// iterations of Gauss.
 #[test]
-fn sweeps_beside_gauss() {
+fn iterations_compared_with_gauss() {
     let percent = |s: usize, h: f64, steps: u64, scene: &(Hamiltonian, Start<f64>)| {
         let iterations = |method| work(method, h, steps, scene, Preconditioner::Identity).0[0];
         100 * iterations(Equip::stages(s)) / iterations(Gauss::stages(s))

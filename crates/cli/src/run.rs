@@ -121,7 +121,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         run,
         error,
     };
-    let gauss = Integrator::new(Gauss::stages(args.stages), tolerance, h);
+    let gauss = Integrator::new(Gauss::stages(method.degree()), tolerance, h);
     picture(args, [integrator, gauss], &finished, &mut watch)?;
     drop(watch);
     drop(claim);

@@ -331,7 +331,7 @@ fn a_ring_of_a_thousand_sites() {
 }
 
 #[test]
-fn sweeps_that_do_not_contract_say_how_far_they_came() {
+fn iterations_that_do_not_contract_say_how_far_they_came() {
     let scene = instance("henon-heiles", &[]);
     let (q, p) = scene.initial::<f64>();
     let failed = Equip::stages(4)

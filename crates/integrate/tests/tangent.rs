@@ -212,7 +212,7 @@ fn a_followed_run_has_the_same_steps_and_is_resumed_bit_for_bit() {
 }
 
 #[test]
-fn steps_that_sweeps_do_not_solve_are_followed_too() {
+fn steps_that_fixed_point_iteration_does_not_solve_are_followed_too() {
     // hω = 4: the linearised stages are solved by a factorisation. A quarter turn and more of the rotation,
     // to round-off.
     let omega = 40.0;

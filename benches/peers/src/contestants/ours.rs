@@ -14,7 +14,7 @@ const MOST_STEPS: u64 = 1_000_000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Solver {
     Automatic,
-    Sweeps,
+    FixedPoint,
     Newton,
 }
 
@@ -22,7 +22,7 @@ impl Solver {
     fn choice(self) -> Preconditioner {
         match self {
             Solver::Automatic => Preconditioner::Automatic,
-            Solver::Sweeps => Preconditioner::Identity,
+            Solver::FixedPoint => Preconditioner::Identity,
             Solver::Newton => Preconditioner::Full,
         }
     }
@@ -134,7 +134,7 @@ impl<T: Float> Contestant for Ours<T> {
         };
         let solver = match self.variant.solver {
             Solver::Automatic => "",
-            Solver::Sweeps => " sweeps",
+            Solver::FixedPoint => " fixed point",
             Solver::Newton => " Newton",
         };
         format!("{}{sizes}: s = {}{solver}", self.route, self.variant.stages)

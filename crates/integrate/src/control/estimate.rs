@@ -114,17 +114,17 @@ impl<T: Float> Decay<T> {
     /// Of states with n components, of which the first `m` positions and momenta are judged: how long a step
     /// may be is no matter of the time it is made at.
     pub(crate) fn new(
-        gauss: &Coefficients<T>,
+        method: &Coefficients<T>,
         (n, m): (usize, usize),
         tolerance: T,
         allowed: Option<Allowed<T>>,
     ) -> Self {
-        let (stages, s) = (gauss.stages(), gauss.degree());
+        let (stages, s) = (method.stages(), method.degree());
         let stride = stride_for::<T>(stages);
         let zeros = |len: usize| vec![T::int(0); len];
         let mut legendre = zeros(stages * stride);
         for k in 0..s {
-            for (i, &p) in gauss.legendre(k).iter().enumerate() {
+            for (i, &p) in method.legendre(k).iter().enumerate() {
                 legendre[i * stride + k] = p;
             }
         }

@@ -45,15 +45,15 @@ impl<T: Float> Piece<T> {
 
     /// The polynomial of the stages of that part themselves, of order s.
     pub(crate) fn of_stages(
-        gauss: &Coefficients<T>,
+        method: &Coefficients<T>,
         part: &Part<T>,
         time_low: T,
         end: &State<T>,
     ) -> Self {
         let n = part.start.hi.len();
         let mut coefficients = vec![T::int(0); part.l.len()];
-        for (k, out) in (coefficients.chunks_exact_mut(n).enumerate()).take(gauss.degree()) {
-            for (&p, l) in gauss.legendre(k).iter().zip(part.l.chunks_exact(n)) {
+        for (k, out) in (coefficients.chunks_exact_mut(n).enumerate()).take(method.degree()) {
+            for (&p, l) in method.legendre(k).iter().zip(part.l.chunks_exact(n)) {
                 out.iter_mut().zip(l).for_each(|(sum, &l)| *sum += p * l);
             }
         }

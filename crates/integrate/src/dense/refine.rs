@@ -36,10 +36,10 @@ pub(crate) struct Refiner<T: Float> {
 impl<T: Float> Refiner<T> {
     pub(crate) fn new(
         system: &Hamiltonian,
-        gauss: &Coefficients<T>,
+        method: &Coefficients<T>,
     ) -> Result<Self, IntegrateError<T>> {
-        let (s, n) = (gauss.stages(), 2 * system.degrees_of_freedom());
-        let degree = gauss.degree();
+        let (s, n) = (method.stages(), 2 * system.degrees_of_freedom());
+        let degree = method.degree();
         let fine = (2 * degree).min(MAX_STAGES);
         let rule = coefficients::<T>(Gauss::stages(fine))?;
         let mut prolongation = Vec::with_capacity(fine * s);
@@ -47,7 +47,7 @@ impl<T: Float> Refiner<T> {
         for (&c, &b) in rule.nodes().iter().zip(rule.weights()) {
             legendre_at(c, &mut values);
             prolongation.extend((0..s).map(|i| {
-                b * (0..degree).fold(T::int(0), |sum, k| sum + values[k] * gauss.legendre(k)[i])
+                b * (0..degree).fold(T::int(0), |sum, k| sum + values[k] * method.legendre(k)[i])
             }));
         }
         let options = StepOptions {
@@ -63,11 +63,11 @@ impl<T: Float> Refiner<T> {
         })
     }
 
-    /// The refined polynomial of `part`, a part of a step by the method with the nodes of `gauss`, which ends
+    /// The refined polynomial of `part`, a part of a step by this method, which ends
     /// in `end`; if its stages are not found the one of the stages of the step. Whether it is refined.
     pub(crate) fn refine(
         &mut self,
-        (gauss, part): (&Coefficients<T>, &Part<T>),
+        (method, part): (&Coefficients<T>, &Part<T>),
         time_low: T,
         end: &State<T>,
     ) -> (Piece<T>, bool) {
@@ -84,7 +84,7 @@ impl<T: Float> Refiner<T> {
         core.guess_from(&self.guess, part.h);
         let found = core.step(&part.start, part.time, part.h, &mut self.end);
         if found.is_err() {
-            return (Piece::of_stages(gauss, part, time_low, end), false);
+            return (Piece::of_stages(method, part, time_low, end), false);
         }
         let fine = core.method().stages();
         let mut coefficients = vec![T::int(0); fine * n];

@@ -68,7 +68,7 @@ impl<T: Float> Crossings<T> {
     /// Of steps by this rule of states with n components. None of an H without switches.
     pub(crate) fn new(
         switches: &Switches,
-        gauss: &Coefficients<T>,
+        method: &Coefficients<T>,
         n: usize,
         tolerance: T,
     ) -> Option<Self> {
@@ -77,8 +77,8 @@ impl<T: Float> Crossings<T> {
             return None;
         }
         Some(Crossings {
-            path: Path::new(switches, gauss.nodes(), n, tolerance),
-            roughness: Roughness::new(gauss, n)?,
+            path: Path::new(switches, method.nodes(), n, tolerance),
+            roughness: Roughness::new(method, n)?,
             sides: vec![None; count],
             met: Vec::with_capacity(count),
             aim: None,
@@ -105,11 +105,11 @@ impl<T: Float> Crossings<T> {
     /// The same, passing over knots of tables; none if there is nothing else.
     pub(crate) fn but_knots(
         switches: &Switches,
-        gauss: &Coefficients<T>,
+        method: &Coefficients<T>,
         n: usize,
         tolerance: T,
     ) -> Option<Self> {
-        let mut crossings = Self::new(switches, gauss, n, tolerance)?;
+        let mut crossings = Self::new(switches, method, n, tolerance)?;
         let kinds = switches.kinds().iter();
         crossings.is_passed = kinds.map(|&kind| kind == SwitchKind::Knots).collect();
         crossings.has_knots = false;

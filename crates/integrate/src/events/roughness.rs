@@ -36,12 +36,12 @@ pub(crate) struct Roughness<T: Float> {
 
 impl<T: Float> Roughness<T> {
     /// Of steps with these nodes of states with n components; none if there is no such rule.
-    pub(crate) fn new(gauss: &Coefficients<T>, n: usize) -> Option<Self> {
-        let fine = Coefficients::gauss((2 * gauss.stages()).min(MAX_STAGES)).ok()?;
+    pub(crate) fn new(method: &Coefficients<T>, n: usize) -> Option<Self> {
+        let fine = Coefficients::gauss((2 * method.stages()).min(MAX_STAGES)).ok()?;
         Some(Roughness {
-            rules: [gauss.clone(), fine],
+            rules: [method.clone(), fine],
             slope: vec![T::int(0); n],
-            values: vec![T::int(0); gauss.stages()],
+            values: vec![T::int(0); method.stages()],
             coefficients: vec![T::int(0); n * COMPARED],
         })
     }

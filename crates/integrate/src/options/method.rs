@@ -4,7 +4,8 @@ use equip_scalar::Constant;
 use equip_solver::{Alphas, Family};
 use std::fmt;
 
-/// Nodes of the averaged vector field of an H that is no polynomial.
+/// Nodes of the averaged vector field of an H that is no polynomial. // of 16 scenes with 100 steps a period
+/// the energy error is round-off in 13 with 8, 14 with 16, 15 with 32; one has a close encounter
 const MOST_NODES: usize = 16;
 
 /// Energy and quadratic invariants preserving methods: Gauss methods whose α's are solved for at every step.

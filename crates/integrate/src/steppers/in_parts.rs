@@ -36,11 +36,11 @@ impl<T: Float> Substeps<T> {
     /// Of steps with these nodes of states with n components; none of an H without such switches.
     pub(super) fn boxed(
         switches: &Switches,
-        gauss: &Coefficients<T>,
+        method: &Coefficients<T>,
         n: usize,
     ) -> Option<Box<dyn InParts<T>>> {
         // Crossings are found to rounding.
-        let crossings = Crossings::but_knots(switches, gauss, n, T::int(0))?;
+        let crossings = Crossings::but_knots(switches, method, n, T::int(0))?;
         Some(Box::new(Substeps {
             crossings,
             start: State::new(&vec![T::int(0); n], &[]),

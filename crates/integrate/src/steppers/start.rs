@@ -28,7 +28,7 @@ impl<T: Float> Stepper<T> {
     ) -> Result<Self, IntegrateError<T>> {
         let options = &integrator.options;
         let method = integrator.method.for_degree(system.structure().degree);
-        let gauss = coefficients(method)?;
+        let coefficients = coefficients(method)?;
         let settings = options.validate(method)?;
         // Time counts as one of `all`.
         let (all, zero) = (system.degrees_of_freedom(), T::int(0));
@@ -52,11 +52,11 @@ impl<T: Float> Stepper<T> {
         let alphas = if constraints.is_empty() {
             0
         } else {
-            gauss.alphas()
+            coefficients.alphas()
         };
         let measured = has_target || options.measure_energy;
         let switches = system.switches();
-        let in_parts = h.and_then(|_| Substeps::boxed(&switches, &gauss, 2 * all));
+        let in_parts = h.and_then(|_| Substeps::boxed(&switches, &coefficients, 2 * all));
         let domains = WithinDomains::new(&switches, stages, 2 * all);
         let mut evaluator = system.evaluator::<T>();
         let mut slope = vec![zero; 2 * all];
@@ -64,7 +64,7 @@ impl<T: Float> Stepper<T> {
         // What an evaluator makes at its first call is made here.
         evaluator.gradient_with_compensated_value(&y.hi, &mut slope);
         Ok(Stepper {
-            core: Core::new(system, evaluator, settings, gauss, constraints),
+            core: Core::new(system, evaluator, settings, coefficients, constraints),
             m,
             method,
             has_target,

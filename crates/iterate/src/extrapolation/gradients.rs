@@ -1,4 +1,4 @@
-//! Where a swept step begins: the gradients at its stages as the last step foretells them, and the sizes of
+//! Where a step by fixed-point iteration begins: the gradients at its stages as the last step foretells them, and the sizes of
 //! the components.
 //!
 //! The polynomial of degree s − 1 through the gradients at the stages of the last step, and of degree s if

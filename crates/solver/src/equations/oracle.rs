@@ -8,7 +8,7 @@
 //!
 //! | part | in the paper | here |
 //! |---|---|---|
-//! | K(α) = ½ 1 1ᵀ + Σ (ξ_k + α_k) T_k | (3)–(6), A = K B | [`equip_tableau::Coefficients::skew_into`] |
+//! | K(α) = ½ 1 1ᵀ + Σ (ξ_k + α_k) T_k | (3)–(6), A = K B | [`equip_tableau::Coefficients::matrix_into`] |
 //! | residual Z − K L | (7), first line | [`stages`] |
 //! | g = H(y1) − H_ref and its floor | (7), second line | [`Oracle::step`] |
 //! | D at α = 0, the direction of least displacement | project note, section 10 | [`direction`] |
