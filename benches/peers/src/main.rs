@@ -47,8 +47,8 @@ struct Args {
     /// How our steps are chosen; each scene leaves out what is hopeless there
     #[arg(long, value_delimiter = ',', default_values = ["equal", "variable"])]
     steps: Vec<Sizes>,
-    /// Fewer variants of ours, fewer rounds: the closure by fixed-point iteration with 6, 8 and 12 stages, three
-    /// rounds
+    /// Fewer variants of ours, fewer rounds: the closure by fixed-point iteration with 6, 8 and 12 stages,
+    /// three rounds
     #[arg(long)]
     quick: bool,
     /// Where to write peers.csv, peers.json and peers.md

@@ -1,5 +1,5 @@
-//! Where a step by fixed-point iteration begins: the gradients at its stages as the last step foretells them, and the sizes of
-//! the components.
+//! Where a step by fixed-point iteration begins: the gradients at its stages as the last step foretells them,
+//! and the sizes of the components.
 //!
 //! The polynomial of degree s − 1 through the gradients at the stages of the last step, and of degree s if
 //! the gradient at the start of this one is known, is continued to the nodes of this step (project note,
