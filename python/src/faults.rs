@@ -1,6 +1,6 @@
 //! Errors of the library as exceptions of Python.
 
-use equip::prelude::IntegrateError;
+use equip::integrate::IntegrateError;
 use equip::scalar::Float;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};

@@ -3,8 +3,10 @@
 use crate::faults::value_error;
 use crate::number::{Number, Pair};
 use crate::recording::recorded::Recorded;
+use equip::integrate::{
+    Alphas, Fixed, Integrator, Preconditioner, Reach, StepRule, Symmetric, Tolerance,
+};
 use equip::prelude::*;
-use equip::solver::{Fixed, Symmetric, Tolerance};
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;

@@ -15,6 +15,7 @@ mod versions;
 use clap::Parser;
 use contestant::Contestant;
 use contestants::ours::{Ours, Solver, Variant};
+use equip::scalar::Float;
 use equip::prelude::*;
 use problem::Problem;
 use scenes::NAMES;

@@ -1,5 +1,7 @@
 //! The systems with their derivatives written by hand, as every peer that takes them is given them.
 
+use equip::autodiff::BuildError;
+use equip::scalar::Float;
 use equip::prelude::*;
 use equip::scenes::energies::{
     Fpu, FputBeta, HenonHeiles, Kepler, Model, OuterSolarSystem, Pythagorean, SpringPendulum,

@@ -3,6 +3,7 @@
 use crate::contestants::composition::propagate;
 use crate::problem::{Problem, outer_mass, pythagorean_mass};
 use crate::task::{DOUBLE, EXTENDED, Sizes, Task, WithTask};
+use equip::scalar::Constant;
 use equip::prelude::*;
 use equip::scenes::Instance;
 use equip::scenes::energies::{

@@ -297,3 +297,27 @@ fn derivatives_at_special_points() {
     let wide = gradient(&|q, p| q[0].atan2(p[0]), [1e200, 1e200]).0;
     assert!((wide[0] * 2e200 - 1.0).abs() < 1e-15 && (wide[1] * 2e200 + 1.0).abs() < 1e-15);
 }
+
+/// Operations that are taken together, such as 1/√x and x² + y, have the bits of each by itself.
+#[test]
+fn operations_taken_together_keep_every_bit() {
+    let h = Hamiltonian::new(3, |q, _| {
+        let r2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
+        1.0 / r2.sqrt() + (q[0] * q[0]).exp()
+    })
+    .unwrap();
+    for k in 0..64 {
+        let q = [1.0, 2.0, 3.0].map(|x| (x + 0.37 * f64::from(k)).sin());
+        let y = [q[0], q[1], q[2], 0.0, 0.0, 0.0];
+        let r2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
+        let value = 1.0 / r2.sqrt() + (q[0] * q[0]).exp();
+        assert_eq!(h.evaluator().value(&y).to_bits(), value.to_bits(), "{q:?}");
+        let [x, y, z] = q.map(DoubleDouble::from);
+        let one = DoubleDouble::from(1.0);
+        let wide = one / <DoubleDouble as Scalar>::sqrt(x * x + y * y + z * z)
+            + <DoubleDouble as Scalar>::exp(x * x);
+        let zero = DoubleDouble::from(0.0);
+        let found = h.evaluator().value(&[x, y, z, zero, zero, zero]);
+        assert_eq!(found, wide, "{q:?}");
+    }
+}

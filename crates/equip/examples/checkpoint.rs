@@ -1,8 +1,8 @@
 //! Stopping and going on: the second half of a run from a checkpoint of the first, with the bits of a run
 //! that did not stop.
 
+use equip::integrate::NoObserver;
 use equip::prelude::*;
-use equip::solver::NoObserver;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let kepler = Hamiltonian::new(2, |q, p| {

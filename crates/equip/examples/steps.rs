@@ -1,5 +1,6 @@
 //! Step by step, with an invariant of one's own, and with no step allowed that misses the energy.
 
+use equip::integrate::Reach;
 use equip::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

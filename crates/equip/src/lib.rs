@@ -47,8 +47,7 @@
 //! | `equip-tableau` | [`tableau`] | Gauss nodes, weights, K(α) |
 //! | `equip-autodiff` | [`autodiff`] | H → gradient, Hessian, structure |
 //! | `equip-tables` | [`tables`] | parts of H given as data or as closures |
-//! | `equip-solver` | [`solver`] | one step: stages, α, outcome |
-//! | `equip-integrate` | [`solver`] | methods, runs, events, checkpoints, certificate |
+//! //! | `equip-integrate` | [`integrate`] | methods, runs, events, checkpoints, certificate |
 //! | `equip-scenes` | [`scenes`] | named Hamiltonians with references |
 //!
 //! With the feature `rayon` there are ensembles over threads (`Integrator::ensemble`). With the feature
@@ -58,7 +57,7 @@
 #![forbid(unsafe_code)]
 
 pub use equip_autodiff as autodiff;
-pub use equip_integrate as solver;
+pub use equip_integrate as integrate;
 pub use equip_scalar as scalar;
 pub use equip_scenes as scenes;
 pub use equip_tableau as tableau;

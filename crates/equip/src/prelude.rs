@@ -1,12 +1,12 @@
-//! Everything a program that integrates its own Hamiltonian needs: `use equip::prelude::*;`.
+//! What a program that integrates its own Hamiltonian names: `use equip::prelude::*;`.
+//!
+//! All else has its place by path: options, steppers and figures in [`crate::integrate`], number types in
+//! [`crate::scalar`], errors of H in [`crate::autodiff`] and [`crate::tables`].
 
-pub use equip_autodiff::{BuildError, Hamiltonian, Var};
+pub use equip_autodiff::{Hamiltonian, Var};
 pub use equip_integrate::{
-    Adaptive, AdaptiveStepper, Alphas, Certificate, Chaos, ChaosIndicators, Checkpoint, Counts,
-    Direction, Equip, Event, FixedStep, Gauss, IntegrateError, Integrator, Invariant, Method,
-    Observer, Occurrence, Outcome, Preconditioner, Prepared, Reach, Record, Reversible,
-    ReversibleStepper, Run, RunFailure, Step, StepEvents, StepRule, StepView, Stepper, TangentMap,
-    Target, Trajectory, VariableSteps,
+    Certificate, Checkpoint, Equip, Event, Gauss, Invariant, Method, Outcome, Record, Run,
+    TangentMap, Target,
 };
-pub use equip_scalar::{Constant, DoubleDouble, Float, Num, Scalar, decimal, ratio};
-pub use equip_tables::{Custom, Table, Table2, TableError};
+pub use equip_scalar::{DoubleDouble, Float, decimal, ratio};
+pub use equip_tables::{Custom, Table, Table2};

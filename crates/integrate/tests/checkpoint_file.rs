@@ -6,6 +6,7 @@ use equip_integrate::{
     Certificate, Checkpoint, Equip, IntegrateError, Integrator, Observer, StepSizes, StepView,
 };
 use equip_scalar::{DoubleDouble, Float};
+use serde_json::Value;
 use std::ops::ControlFlow;
 
 #[test]
@@ -75,14 +76,21 @@ impl Observer<f64> for AfterThree {
     }
 }
 
+fn after_three<S: StepSizes<f64>>(
+    options: &Integrator<f64, S>,
+    pendulum: &Hamiltonian,
+) -> Checkpoint {
+    let mut keep = AfterThree::default();
+    options
+        .integrate_observed(pendulum, &[0.3], &[1.0], 0.0..=10.0, &mut keep)
+        .unwrap();
+    keep.checkpoint.unwrap()
+}
+
 /// Flips every bit of the text; what still is a checkpoint must not be resumed.
 fn every_flip_is_refused<S: StepSizes<f64>>(options: &Integrator<f64, S>) {
     let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
-    let mut keep = AfterThree::default();
-    options
-        .integrate_observed(&pendulum, &[0.3], &[1.0], 0.0..=10.0, &mut keep)
-        .unwrap();
-    let text = serde_json::to_vec(&keep.checkpoint.unwrap()).unwrap();
+    let text = serde_json::to_vec(&after_three(options, &pendulum)).unwrap();
     let resumed = |text: &[u8]| {
         let checkpoint: Checkpoint = serde_json::from_slice(text).ok()?;
         Some(options.resume(&pendulum, &checkpoint).map(|_| ()))
@@ -135,4 +143,71 @@ fn a_part_left_out_is_refused() {
         let damaged = matches!(refused, IntegrateError::CheckpointDamaged { .. });
         assert!(damaged, "{name}: {refused}");
     }
+}
+
+const NAN: &str = "7ff8000000000000";
+/// What was measured of the steps so far, which decides nothing of those to come, and the checksum, which
+/// is made anew.
+const MEASURED: [&str; 10] = [
+    "/control/smallest",
+    "/control/largest",
+    "/seconds",
+    "/defects",
+    "/in_floors",
+    "/energy_floor",
+    "/phase_per_step",
+    "/floor",
+    "/alpha_range",
+    "/checksum",
+];
+
+/// Where the name stands of the solver's list that the place is in.
+fn name_of(place: &str) -> String {
+    let mut parts = place.split('/').skip(2);
+    format!("/solver/{}/0", parts.next().unwrap_or_default())
+}
+
+/// The places of all numbers.
+fn numbers(value: &Value, place: &str, found: &mut Vec<String>) {
+    match value {
+        Value::Object(map) => {
+            (map.iter()).for_each(|(name, value)| numbers(value, &format!("{place}/{name}"), found))
+        }
+        Value::Array(list) => (list.iter().enumerate())
+            .for_each(|(i, value)| numbers(value, &format!("{place}/{i}"), found)),
+        Value::String(text) if u64::from_str_radix(text, 16).is_ok() && text.len() == 16 => {
+            found.push(place.to_owned());
+        }
+        _ => {}
+    }
+}
+
+/// A checkpoint whose checksum is right, with NaN in one place after the other.
+fn nan_is_refused<S: StepSizes<f64>>(options: &Integrator<f64, S>) {
+    let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let whole = serde_json::to_value(after_three(options, &pendulum)).unwrap();
+    let mut places = Vec::new();
+    numbers(&whole, "", &mut places);
+    assert!(places.len() > 40, "{}", places.len());
+    let gradients = Value::from("gradients");
+    for place in places {
+        let mut damaged = whole.clone();
+        *damaged.pointer_mut(&place).unwrap() = Value::from(NAN);
+        let mut damaged: Checkpoint = serde_json::from_value(damaged).unwrap();
+        damaged.seal();
+        let is_refused = options.resume(&pendulum, &damaged).is_err();
+        // Gradients of a state that begins with NaN are those of no state, and are made anew.
+        let makes_none =
+            place.starts_with("/solver/") && whole.pointer(&name_of(&place)) == Some(&gradients);
+        let is_measured = MEASURED.iter().any(|name| place.starts_with(name));
+        let decides_nothing = is_measured || makes_none && place.ends_with("/1/0");
+        assert!(is_refused || decides_nothing, "NaN at {place} was taken");
+    }
+}
+
+#[test]
+fn nan_in_any_place_that_decides_something_is_refused() {
+    nan_is_refused(&Equip::stages(3).step(0.25));
+    nan_is_refused(&Equip::stages(4).tolerance(1e-8));
+    nan_is_refused(&Equip::stages(3).reversible_automatic(0.25));
 }

@@ -51,6 +51,9 @@ class Hamiltonian:
     -0.375
     """
 
+    #: Value, gradient and accuracy of an external energy.
+    _external: Any = None
+
     def __init__(self, function: Function, shape: Union[int, Shape]) -> None:
         if not callable(function):
             raise TypeError("the first argument is the energy: a function of q and p")
@@ -84,6 +87,82 @@ class Hamiltonian:
         if not callable(function):
             raise TypeError("the first argument is the energy: a function of t, q and p")
         return of_recording(record_with_time(function, axes, "H(t, q, p)"), axes)
+
+    @classmethod
+    def external(
+        cls,
+        value: Callable[[Floats, Floats], float],
+        gradient: Callable[[Floats, Floats], tuple[Any, Any]],
+        shape: Union[int, Shape],
+        accuracy: float = 2.0**-50,
+    ) -> Hamiltonian:
+        """An energy that other code computes: a C library, an interpolator, a learned energy.
+
+        Its functions are called for numbers in every iteration, with the GIL held: an evaluation costs some
+        microseconds of Python beside its own time, where a recorded energy costs a tenth of one. A run
+        compares the gradient with differences of the values where it starts, and now and then on its way.
+        The Hessian is made of differences of gradients, kinks are not seen, and a run in double-double knows
+        H to doubles only.
+
+        Parameters
+        ----------
+        value
+            H as a function of q and p, two arrays of doubles of the given shape: one number.
+        gradient
+            ∂H/∂q and ∂H/∂p as a function of q and p: two arrays of the given shape.
+        shape
+            The shape of q, which is that of p.
+        accuracy
+            The relative rounding error of the values, from 2.2e-16, that of one operation in doubles, to 1.
+
+        Raises
+        ------
+        ValueError
+            If `accuracy` is no relative error. Runs raise it if the gradient is not that of the values, and
+            hand on what the functions raise.
+
+        Examples
+        --------
+        >>> import math
+        >>> pendulum = Hamiltonian.external(
+        ...     lambda q, p: p[0] ** 2 / 2 - math.cos(q[0]), lambda q, p: (np.sin(q), p), shape=1
+        ... )
+        >>> pendulum([0.0], [1.0])
+        -0.5
+        """
+        axes = shape_of(shape)
+        for name, function in (("value", value), ("gradient", gradient)):
+            if not callable(function):
+                raise TypeError(f"{name} is {function!r}; it must be a function of q and p")
+            _recording.check_arguments(function, name, "q, p")
+
+        def number(q: Floats, p: Floats) -> float:
+            found = np.asarray(value(q.reshape(axes), p.reshape(axes)), dtype=float)
+            if found.size != 1:
+                raise TypeError(f"value(q, p) must return one number; it returned shape {found.shape}")
+            return found.item()
+
+        def slopes(q: Floats, p: Floats) -> Floats:
+            found = gradient(q.reshape(axes), p.reshape(axes))
+            if not isinstance(found, (tuple, list)) or len(found) != 2:
+                raise TypeError("gradient(q, p) must return two arrays, those of ∂H/∂q and of ∂H/∂p")
+            parts = [np.asarray(part, dtype=float) for part in found]
+            for part in parts:
+                if part.shape != axes:
+                    raise TypeError(
+                        f"gradient(q, p) returned an array of shape {part.shape}; it must be {axes}"
+                    )
+            return np.concatenate([part.ravel() for part in parts])
+
+        native = _native.Recorded.external(math.prod(axes), float(accuracy), number, slopes)
+        h = of_recording(native, axes)
+        h._external = (value, gradient, axes, float(accuracy))
+        return h
+
+    @property
+    def is_external(self) -> bool:
+        """Whether it was made by `external`."""
+        return self._external is not None
 
     @property
     def has_time(self) -> bool:
@@ -200,13 +279,21 @@ class Hamiltonian:
         return hessians.reshape(*batch, n, n)[..., kept, :][..., kept]
 
     def __repr__(self) -> str:
+        if self.is_external:
+            return f"<Hamiltonian of shape {self._shape}, external>"
         kind = "quadratic" if self.quadratic else "separable" if self.separable else "not separable"
         time = ", of time" if self.has_time else ""
         return f"<Hamiltonian of shape {self._shape}{time}, {kind}, {self.operations} operations>"
 
     def to_bytes(self) -> bytes:
         """The recording, with its constants to all their digits and its tables, as pickling writes it:
-        without the function, also of a lambda."""
+        without the function, also of a lambda.
+
+        Raises
+        ------
+        ValueError
+            If the energy is external: it is pickled by its functions.
+        """
         return self._recorded.to_bytes()
 
     @classmethod
@@ -224,12 +311,18 @@ class Hamiltonian:
         """Whether both have the same recording and shape."""
         if not isinstance(other, Hamiltonian):
             return NotImplemented
+        if self.is_external or other.is_external:
+            return self._external == other._external
         return self._shape == other._shape and self.to_bytes() == other.to_bytes()
 
     def __hash__(self) -> int:
+        if self.is_external:
+            return hash(self._external)
         return hash((self._shape, self.to_bytes()))
 
     def __reduce__(self) -> tuple[Any, ...]:
+        if self.is_external:
+            return Hamiltonian.external, self._external
         return Hamiltonian.from_bytes, (self.to_bytes(), self._shape)
 
 
@@ -300,6 +393,10 @@ def recorded_quantity(function: Any, h: Hamiltonian, name: str) -> _native.Recor
         if not callable(function):
             raise TypeError(f"{name} is {function!r}; it must be a function of q and p")
         return (record_with_time if h.has_time else _record)(function, h.shape, name)
+    if function.is_external:
+        raise TypeError(
+            f"{name} is an external energy; it must be a function of q and p that can be recorded"
+        )
     if function.degrees_of_freedom != h.degrees_of_freedom:
         raise ValueError(f"{name} is made for shape {function.shape}, but this Hamiltonian has {h.shape}")
     return function._recorded

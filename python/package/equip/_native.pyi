@@ -168,6 +168,13 @@ class Recorded:
     def with_time(
         function: Callable[[Variable, list[Variable], list[Variable]], Any], m: int
     ) -> Recorded: ...
+    @staticmethod
+    def external(
+        m: int,
+        accuracy: float,
+        value: Callable[[_Floats, _Floats], float],
+        gradient: Callable[[_Floats, _Floats], _Floats],
+    ) -> Recorded: ...
     @property
     def degrees_of_freedom(self) -> int: ...
     @property

@@ -1,7 +1,8 @@
 //! Numbers of Python as constants of H: exact for int, Fraction, Decimal and text.
 
 use crate::faults::value_error;
-use equip::prelude::{Constant, DoubleDouble, ratio};
+use equip::prelude::{DoubleDouble, ratio};
+use equip::scalar::Constant;
 use pyo3::exceptions::{PyOverflowError, PyTypeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyString};

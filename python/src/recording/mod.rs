@@ -2,6 +2,7 @@
 
 pub(crate) mod condition;
 pub(crate) mod constant;
+pub(crate) mod external;
 pub(crate) mod recorded;
 pub(crate) mod table;
 pub(crate) mod variable;

@@ -1,11 +1,13 @@
-//! [`Recorded`]: a function of (q, p) recorded from a Python callable, or that of a scene.
+//! [`Recorded`]: a function of (q, p) recorded from a Python callable, that of a scene, or an external one.
 
 use crate::faults::value_error;
 use crate::recording::constant::constant;
+use crate::recording::external::{Raised, external};
 use crate::recording::variable::{Begun, Variable};
 use crate::runs::patience::{Stop, lock, patiently};
+use equip::autodiff::BuildError;
 use equip::autodiff::Formula;
-use equip::prelude::{BuildError, Hamiltonian, Var};
+use equip::prelude::{Hamiltonian, Var};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -32,6 +34,8 @@ pub(crate) struct Recorded {
     /// Operations as recorded.
     length: usize,
     evaluator: Arc<Mutex<Option<Evaluator>>>,
+    /// What its functions have raised, if it calls Python.
+    pub(crate) raised: Raised,
 }
 
 impl Recorded {
@@ -40,6 +44,7 @@ impl Recorded {
             hamiltonian,
             length,
             evaluator: Arc::default(),
+            raised: Raised::default(),
         }
     }
 
@@ -59,11 +64,14 @@ impl Recorded {
         py: Python<'_>,
         f: impl FnOnce(&Hamiltonian) -> R + Send + 'static,
     ) -> PyResult<R> {
-        if !self.is_large() {
-            return Ok(f(&self.hamiltonian));
-        }
-        let hamiltonian = self.hamiltonian.clone();
-        patiently(py, move |_| f(&hamiltonian))
+        self.raised.forget();
+        let made = if self.is_large() {
+            let hamiltonian = self.hamiltonian.clone();
+            patiently(py, move |_| f(&hamiltonian))
+        } else {
+            Ok(f(&self.hamiltonian))
+        };
+        self.raised.or(made)
     }
 
     /// Values for each of the states in `y`, one after the other, `width` numbers each.
@@ -75,6 +83,7 @@ impl Recorded {
     ) -> PyResult<Doubles<'py>> {
         let (py, y, n) = (y.py(), y.as_slice()?, self.width());
         let states = y.len() / n;
+        self.raised.forget();
         let evaluate =
             move |held: &mut Option<Evaluator>, h: &Hamiltonian, y: &[f64], stop: &Stop| {
                 let mut results = vec![0.0; y.len() / n * width];
@@ -89,9 +98,9 @@ impl Recorded {
                 results
             };
         let is_short = states.saturating_mul(width).saturating_mul(self.length) <= SHORT;
-        let results = if is_short && !self.is_large() {
+        let made = if is_short && !self.is_large() {
             let mut held = lock(py, &self.evaluator)?;
-            evaluate(&mut held, &self.hamiltonian, y, &Stop::default())
+            Ok(evaluate(&mut held, &self.hamiltonian, y, &Stop::default()))
         } else {
             // The lock is taken there: it may be held by work that nobody waits for any more.
             let (y, h) = (y.to_vec(), self.hamiltonian.clone());
@@ -99,9 +108,9 @@ impl Recorded {
             patiently(py, move |stop| {
                 let mut held = held.lock().unwrap_or_else(PoisonError::into_inner);
                 evaluate(&mut held, &h, &y, stop)
-            })?
+            })
         };
-        Ok(results.into_pyarray(py))
+        Ok(self.raised.or(made)?.into_pyarray(py))
     }
 }
 
@@ -134,6 +143,17 @@ impl Recorded {
             })
         });
         finish(function.py(), fault, made)
+    }
+
+    /// An energy of m positions that is not recorded: `value(q, p)` and `gradient(q, p)` are called for numbers.
+    #[staticmethod]
+    fn external(m: usize, accuracy: f64, value: Py<PyAny>, gradient: Py<PyAny>) -> PyResult<Self> {
+        let raised = Raised::default();
+        let hamiltonian = external(m, accuracy, value, gradient, &raised)?;
+        Ok(Recorded {
+            raised,
+            ..Recorded::new(hamiltonian, SHORT)
+        })
     }
 
     /// The recording as bytes.

@@ -2,8 +2,9 @@
 
 use crate::faults::value_error;
 use crate::recording::variable::{Variable, number};
-use equip::prelude::{DoubleDouble, Table as Spline, Table2 as Surface, TableError, Var};
+use equip::prelude::{DoubleDouble, Table as Spline, Table2 as Surface, Var};
 use equip::scalar::Num;
+use equip::tables::TableError;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;

@@ -3,6 +3,7 @@
 use crate::faults::of_run;
 use crate::recording::recorded::Recorded;
 use crate::runs::patience::{Stop, patiently};
+use equip::integrate::IntegrateError;
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
@@ -22,8 +23,13 @@ pub(crate) fn between<'py>(
     points: usize,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let hamiltonian = system.hamiltonian.clone();
-    let made = patiently(py, move |stop| curves(&hamiltonian, &t, &y, points, stop))?;
-    Ok(made.map_err(|error| of_run(&error))?.into_pyarray(py))
+    system.raised.forget();
+    let made = patiently(py, move |stop| curves(&hamiltonian, &t, &y, points, stop));
+    Ok(system
+        .raised
+        .or(made)?
+        .map_err(|error| of_run(&error))?
+        .into_pyarray(py))
 }
 
 fn curves(

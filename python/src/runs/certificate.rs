@@ -1,8 +1,8 @@
 //! The certificate of a run as a dict.
 
+use equip::integrate::Defect;
 use equip::prelude::{Certificate, Outcome};
 use equip::scalar::Float;
-use equip::solver::Defect;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -2,7 +2,8 @@
 
 use crate::faults::value_error;
 use crate::number::{Number, arrays};
-use equip::prelude::{DoubleDouble, Trajectory};
+use equip::integrate::Trajectory;
+use equip::prelude::DoubleDouble;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 

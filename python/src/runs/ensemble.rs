@@ -5,8 +5,10 @@ use crate::faults::{of_run, value_error};
 use crate::options::{Options, WithIntegrator};
 use crate::recording::recorded::Recorded;
 use crate::runs::patience::{Meanwhile, patiently_with};
+use equip::integrate::{
+    Fixed, Integrator, RunFailure, Starts, StepSizes, Symmetric, Tolerance, drawn_start,
+};
 use equip::prelude::*;
-use equip::solver::{Fixed, Starts, StepSizes, Symmetric, Tolerance, drawn_start};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -43,14 +45,16 @@ pub(crate) fn ensemble<'py>(
     threads: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    options.with::<f64, _>(Task {
+    system.raised.forget();
+    let made = options.with::<f64, _>(Task {
         py,
         hamiltonian: system.hamiltonian.clone(),
         starts: (q, p),
         span,
         threads,
         progress: progress.as_ref(),
-    })?
+    })?;
+    system.raised.or(made)
 }
 
 struct Task<'a, 'py> {

@@ -9,8 +9,8 @@ use crate::runs::curve::{Curve, Kept};
 use crate::runs::keeping::Keeping;
 use crate::runs::patience::patiently_with;
 use crate::runs::signals::{Signals, Watch};
+use equip::integrate::{Fixed, Integrator, RunFailure, StepSizes, Symmetric, Tolerance};
 use equip::prelude::*;
-use equip::solver::{Fixed, StepSizes, Symmetric, Tolerance};
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -49,13 +49,15 @@ pub(crate) fn solve<'py>(
         progress: progress.as_ref(),
         keeping: keeping.transpose()?,
     };
-    match precision {
+    system.raised.forget();
+    let made = match precision {
         "f64" => options.with::<f64, _>(task)?,
         "dd" => options.with::<DoubleDouble, _>(task)?,
         other => Err(value_error(format!(
             "precision is '{other}'; it must be 'f64' or 'dd' (double-double, 31 digits)"
         ))),
-    }
+    };
+    system.raised.or(made)
 }
 
 struct Whole<'a, 'py> {

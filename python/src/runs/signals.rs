@@ -2,7 +2,8 @@
 
 use crate::runs::keeping::Keeping;
 use crate::runs::patience::{Meanwhile, PATIENCE, Stop};
-use equip::prelude::{Checkpoint, Observer, StepView};
+use equip::integrate::{Observer, StepView};
+use equip::prelude::Checkpoint;
 use equip::scalar::Float;
 use pyo3::prelude::*;
 use std::ops::ControlFlow;

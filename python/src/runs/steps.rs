@@ -2,12 +2,16 @@
 
 use crate::faults::of_run;
 use crate::options::{Options, WithIntegrator};
+use crate::recording::external::Raised;
 use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
 use crate::runs::patience::{Stop, lock, patiently};
 use crate::runs::signals::{Reached, Signals};
+use equip::integrate::{
+    AdaptiveStepper, Fixed, IntegrateError, Integrator, Occurrence, ReversibleStepper, StepEvents,
+    StepSizes, Stepper, Steps as _, Symmetric, Tolerance,
+};
 use equip::prelude::*;
-use equip::solver::{Fixed, StepSizes, Steps as _, Symmetric, Tolerance};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -85,6 +89,7 @@ pub(crate) struct Steps {
     run: Arc<Mutex<Run>>,
     /// Whether a step may take longer than a signal may wait.
     is_large: bool,
+    raised: Raised,
 }
 
 /// Place of an event in the list of events, time, and (q, p).
@@ -114,13 +119,15 @@ impl Steps {
         f: impl FnOnce(&mut Run, &Stop) -> Result<(), IntegrateError<f64>> + Send + 'static,
     ) -> PyResult<()> {
         let run = Arc::clone(&self.run);
+        self.raised.forget();
         let made = patiently(py, move |stop| {
             f(
                 &mut run.lock().unwrap_or_else(PoisonError::into_inner),
                 stop,
             )
         });
-        made?.map_err(|error| of_run(&error))
+        let made = made.and_then(|made| made.map_err(|error| of_run(&error)));
+        self.raised.or(made)
     }
 }
 
@@ -139,6 +146,7 @@ impl Steps {
         let deviations = whole(&system.hamiltonian, &deviations);
         let hamiltonian = system.hamiltonian.clone();
         let events = options.events();
+        system.raised.forget();
         let run = options.with::<f64, _>(Start {
             py,
             is_large: system.is_large(),
@@ -150,8 +158,9 @@ impl Steps {
             events,
         })?;
         Ok(Steps {
-            run: Arc::new(Mutex::new(run?)),
+            run: Arc::new(Mutex::new(system.raised.or(run)?)),
             is_large: system.is_large(),
+            raised: system.raised.clone(),
         })
     }
 
@@ -198,14 +207,14 @@ impl Steps {
         let mut run = self.run(py)?;
         run.found.clear();
         let begun = each!(&mut run.stepper, s => s.restart(&q, &p, t));
-        begun.map_err(|error| of_run(&error))
+        self.raised.or(begun.map_err(|error| of_run(&error)))
     }
 
     fn set_state(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>) -> PyResult<()> {
         let mut run = self.run(py)?;
         run.found.clear();
         let set = each!(&mut run.stepper, s => s.set_state(&q, &p));
-        set.map_err(|error| of_run(&error))
+        self.raised.or(set.map_err(|error| of_run(&error)))
     }
 
     /// Deviations, one after the other.
@@ -328,11 +337,12 @@ pub(crate) fn suggest_step(
     };
     let (q, p) = start;
     let hamiltonian = system.hamiltonian.clone();
+    system.raised.forget();
     let found = patiently(py, move |stop| {
         let mut signals = Signals::new(stop, Reached::default(), None);
         let span = span.0..=span.1;
         let found = method.suggest_step_observed(&hamiltonian, &q, &p, span, target, &mut signals);
         found.map_err(|error| of_run(&error))
     });
-    found?
+    system.raised.or(found.flatten())
 }

@@ -8,6 +8,7 @@ use crate::clock::turn;
 use crate::contestant::{Contestant, Ladder, Ran};
 use crate::problem::Problem;
 use crate::task::Task;
+use equip::scalar::Float;
 use equip::prelude::*;
 use equip::tableau::composition::{Composition, KAHAN_LI, SOFRONIOU_SPALETTA};
 

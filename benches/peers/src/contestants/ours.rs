@@ -4,6 +4,8 @@ use crate::clock::turn;
 use crate::contestant::{Contestant, Ladder, Ran};
 use crate::task::{Sizes, Task};
 use clap::ValueEnum;
+use equip::integrate::Preconditioner;
+use equip::scalar::Float;
 use equip::prelude::*;
 use std::rc::Rc;
 

@@ -6,7 +6,8 @@ use crate::problem::Problem;
 use crate::task::Task;
 use differential_equations::prelude as de;
 use diffsol::{NalgebraMat, OdeBuilder, OdeSolverMethod, OdeSolverStopReason, VectorCommon};
-use equip::prelude::{DoubleDouble, Float};
+use equip::prelude::DoubleDouble;
+use equip::scalar::Float;
 use ode_solvers::{DVector, Dop853, SVector, dop_shared::OutputType};
 
 /// Steps after which a peer gives up.

@@ -101,9 +101,12 @@ def check_resume(before: Any, digest: str, shape: tuple[int, ...], end: float) -
 
 
 def digest_of(task: Task, q: Floats, p: Floats) -> str:
-    """Of all that the rows depend on; threads and chunks are not among it."""
+    """Of all that the rows depend on; threads and chunks are not among it. Empty where H is external: its
+    code is not known."""
     import hashlib
 
+    if task.h.is_external:
+        return ""
     text = repr(
         (task.times, task.precision, q.shape, sorted((name, _plain(x)) for name, x in task.given.items()))
     )

@@ -1,0 +1,119 @@
+"""Energies that other code computes."""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import equip
+
+Q0, P0 = np.array([0.4, 0.0]), np.array([0.0, 2.0])
+
+
+def value(q, p):
+    return p @ p / 2 - 1 / math.hypot(*q)
+
+
+def gradient(q, p):
+    return q / math.hypot(*q) ** 3, p
+
+
+KEPLER = equip.Hamiltonian.external(value, gradient, shape=2)
+RECORDED = equip.Hamiltonian(lambda q, p: p @ p / 2 - 1 / np.sqrt(q @ q), shape=2)
+
+
+def test_it_moves_as_the_recorded_energy():
+    """Kepler's ellipse of eccentricity .6 closes after 2π."""
+    options = {"method": equip.Equip(8), "tolerance": 1e-12}
+    run = equip.solve(KEPLER, Q0, P0, (0, 2 * math.pi), **options)
+    assert np.abs(np.concatenate([run.q[-1] - Q0, run.p[-1] - P0])).max() < 1e-10
+    assert run.certificate.energy_kept_on_every_step
+    assert abs(value(run.q[-1], run.p[-1]) - value(Q0, P0)) < 1e-14
+    same = equip.solve(RECORDED, Q0, P0, (0, 2 * math.pi), **options)
+    np.testing.assert_allclose(run.q[-1], same.q[-1], atol=1e-10)
+
+
+def test_values_and_derivatives():
+    np.testing.assert_allclose(KEPLER(Q0, P0), RECORDED(Q0, P0), rtol=1e-15)
+    for found, known in zip(KEPLER.gradient(Q0, P0), RECORDED.gradient(Q0, P0)):
+        np.testing.assert_allclose(found, known, rtol=1e-14)
+    np.testing.assert_allclose(KEPLER.hessian(Q0, P0), RECORDED.hessian(Q0, P0), atol=1e-6)
+    assert KEPLER.is_external and not RECORDED.is_external
+    assert repr(KEPLER) == "<Hamiltonian of shape (2,), external>"
+
+
+def test_axes_are_the_users():
+    def energy(q, p):
+        assert q.shape == p.shape == (3, 2)
+        return np.sum(p**2) / 2 + np.sum(q**2) / 2
+
+    springs = equip.Hamiltonian.external(energy, lambda q, p: (q, p), shape=(3, 2))
+    run = equip.solve(springs, np.ones((3, 2)), np.zeros((3, 2)), (0, 1), method=equip.Gauss(4), step=0.1)
+    np.testing.assert_allclose(run.q[-1], math.cos(1.0), atol=1e-10)
+
+
+def test_steps_and_many_runs():
+    starts = np.tile(Q0, (2, 1)), np.tile(P0, (2, 1))
+    steps = equip.steps(KEPLER, Q0, P0, method=equip.Equip(6), step=0.05)
+    end = steps.advance_to(1.0)
+    many = equip.ensemble(KEPLER, *starts, (0, 1), method=equip.Equip(6), step=0.05)
+    np.testing.assert_allclose(many.q, np.tile(end.q, (2, 1)), rtol=1e-13)
+
+
+class Broken(Exception):
+    pass
+
+
+def test_exceptions_are_handed_on():
+    """Those of a function in the midst of a run, unchanged."""
+
+    def broken(q, p):
+        if q[0] < 0:
+            raise Broken("no data there")
+        return value(q, p)
+
+    def pulled(q, p):
+        broken(q, p)
+        return gradient(q, p)
+
+    for h in (
+        equip.Hamiltonian.external(broken, gradient, 2),
+        equip.Hamiltonian.external(value, pulled, 2),
+    ):
+        with pytest.raises(Broken, match="no data there"):
+            equip.solve(h, Q0, P0, (0, 3), step=0.05)
+        with pytest.raises(Broken):
+            equip.steps(h, Q0, P0, step=0.05).advance_to(3)
+        with pytest.raises(Broken):
+            equip.ensemble(h, [Q0], [P0], (0, 3), step=0.05)
+        # And nothing of it is left.
+        assert equip.solve(h, Q0, P0, (0, 0.2), step=0.05).success
+    with pytest.raises(Broken):
+        equip.Hamiltonian.external(broken, gradient, 2)([-1.0, 0.0], P0)
+
+
+def test_what_is_refused():
+    wrong = equip.Hamiltonian.external(value, lambda q, p: (q, p), 2)
+    with pytest.raises(ValueError, match="gradient"):
+        equip.solve(wrong, Q0, P0, (0, 1), step=0.1)
+    with pytest.raises(ValueError, match="accuracy"):
+        equip.Hamiltonian.external(value, gradient, 2, accuracy=0.0)
+    with pytest.raises(TypeError, match="must be a function of q and p"):
+        equip.Hamiltonian.external(value, 1.0, 2)
+    with pytest.raises(TypeError, match=r"shape \(3,\); it must be \(2,\)"):
+        equip.Hamiltonian.external(value, lambda q, p: (np.zeros(3), p), 2).gradient(Q0, P0)
+    with pytest.raises(TypeError, match="two arrays"):
+        equip.Hamiltonian.external(value, lambda q, p: q, 2).gradient(Q0, P0)
+    with pytest.raises(TypeError, match="one number"):
+        equip.Hamiltonian.external(lambda q, p: q, gradient, 2)(Q0, P0)
+    with pytest.raises(TypeError, match="can be recorded"):
+        equip.solve(RECORDED, Q0, P0, (0, 1), step=0.1, invariants={"E": KEPLER})
+
+
+def test_it_is_pickled_by_its_functions(tmp_path):
+    again = pickle.loads(pickle.dumps(KEPLER))
+    assert again == KEPLER and hash(again) == hash(KEPLER) and again != RECORDED
+    run = equip.solve(KEPLER, Q0, P0, (0, 0.2), step=0.05)
+    with pytest.raises(ValueError, match="code of its own"):
+        run.save(tmp_path / "run.npz")
