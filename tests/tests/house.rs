@@ -32,11 +32,7 @@ const LEVELS: [&[&str]; 8] = [
 const LISTS: &[(&str, &str)] = &[("scenes", "scenes")];
 
 /// Folders of a crate that still import from each other. The list is to shrink.
-const BOTH_WAYS: [(&str, &str, &str); 3] = [
-    ("integrate", "steppers", "steppers/adaptive"),
-    ("scalar", "double_double", "double_double/lanes"),
-    ("solver", "equations", "step"),
-];
+const BOTH_WAYS: [(&str, &str, &str); 1] = [("scalar", "double_double", "double_double/lanes")];
 
 const MOST_FLOORS: usize = 8;
 const MOST_FILES: usize = 12;

@@ -58,6 +58,17 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
+    /// Makes now what the first evaluation would make, by one of `n` zeros. Code of the user's own is not called.
+    #[doc(hidden)]
+    pub fn make_ready(&mut self, n: usize) {
+        let (zeros, mut gradient) = (vec![T::int(0); n], vec![T::int(0); n]);
+        match &mut self.0 {
+            Traced(_) => drop(self.gradient_with_compensated_value(&zeros, &mut gradient)),
+            WithGradient(..) => drop(self.compensated_value(&zeros)),
+            External(_) => {}
+        }
+    }
+
     /// H(y).
     pub fn value(&mut self, y: &[T]) -> T {
         match &mut self.0 {

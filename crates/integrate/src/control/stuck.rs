@@ -7,7 +7,7 @@
 //! Cost: four gradients, after a run has come to its end.
 
 use crate::control::escape::escapes;
-use crate::control::policy::GROWN;
+use crate::control::policy::{GROWN, ROUNDING};
 use crate::error::IntegrateError;
 use equip_autodiff::Evaluator;
 use equip_scalar::Float;
@@ -64,4 +64,9 @@ fn growth<T: Float>(energy: &mut Evaluator<T>, start: &[T], y: &[T]) -> T {
     ratios
         .filter(|&(first, _)| first > T::int(0))
         .fold(T::int(0), |most, (first, now)| most.max(now / first))
+}
+
+/// The shortest step that time resolves.
+pub(crate) fn shortest_at<T: Float>(time: T) -> T {
+    T::int(ROUNDING) * T::EPSILON * time.abs()
 }

@@ -9,9 +9,9 @@
 //! and one more step.
 
 use crate::control::policy::{MOST_TRIES, SHORT, SOON};
+use crate::control::stuck::shortest_at;
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
-use crate::steppers::adaptive::made::shortest_at;
 use crate::steppers::stepper::{InParts, Stepper};
 use equip_autodiff::Switches;
 use equip_scalar::Float;

@@ -59,10 +59,9 @@ impl<T: Float> Stepper<T> {
         let in_parts = h.and_then(|_| Substeps::boxed(&switches, &coefficients, 2 * all));
         let domains = WithinDomains::new(&switches, stages, 2 * all);
         let mut evaluator = system.evaluator::<T>();
-        let mut slope = vec![zero; 2 * all];
+        evaluator.make_ready(2 * all);
+        let slope = vec![zero; 2 * all];
         let y = State::new(&slope[..all], &slope[all..]);
-        // What an evaluator makes at its first call is made here.
-        evaluator.gradient_with_compensated_value(&y.hi, &mut slope);
         Ok(Stepper {
             core: Core::new(system, evaluator, settings, coefficients, constraints),
             m,

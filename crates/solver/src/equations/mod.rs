@@ -1,7 +1,5 @@
 //! System (7): its two halves, and their solution without a shortcut.
 
-#[cfg(test)]
-mod agreement;
 pub(crate) mod constraint;
 #[cfg(test)]
 pub(crate) mod oracle;

@@ -7,4 +7,6 @@ pub(crate) mod stages;
 pub(crate) mod step;
 
 #[cfg(test)]
+mod agreement;
+#[cfg(test)]
 mod tests;

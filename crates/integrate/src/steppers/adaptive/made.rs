@@ -1,8 +1,6 @@
 //! [`Made`]: what has become of a try to make a step.
 
 use crate::control::estimate::Estimate;
-use crate::control::policy::ROUNDING;
-use equip_scalar::Float;
 use equip_solver::Outcome;
 
 /// A size, without a sign, and where it leads.
@@ -31,9 +29,4 @@ pub(super) enum EndIs {
     OnSwitch,
     /// Beyond one that the tolerance allows it to pass over, or at which no try has ended.
     BeyondSwitch,
-}
-
-/// The shortest step that time resolves.
-pub(crate) fn shortest_at<T: Float>(time: T) -> T {
-    T::int(ROUNDING) * T::EPSILON * time.abs()
 }

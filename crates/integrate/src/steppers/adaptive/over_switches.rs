@@ -6,10 +6,11 @@
 
 use crate::control::estimate::{End, Estimate};
 use crate::control::policy::SOON;
+use crate::control::stuck::shortest_at;
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
-use crate::steppers::adaptive::made::{EndIs, Made, Place, shortest_at};
+use crate::steppers::adaptive::made::{EndIs, Made, Place};
 use crate::steppers::stepper::Stepper;
 use equip_scalar::Float;
 
