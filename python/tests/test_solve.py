@@ -332,7 +332,7 @@ def test_the_message_names_what_was_not_kept(kepler):
     sol = equip.solve(kepler, *START, (0, 10), keep={**momentum, "x": lambda q, p: q[0]}, record="ends")
     assert sol.success
     off = sol.certificate.invariants[1].max
-    assert sol.message.endswith(f"reached, but x was not kept: it is off by up to {off:.2g}")
+    assert sol.message.endswith(f"reached, but x was not conserved: its error is up to {off:.2g}")
 
 
 def test_dense_output_is_asked_for(kepler):
