@@ -43,8 +43,8 @@ class Equip:
     alphas
         Which α_k are free: "all", or the "last" one only.
     reach
-        By how much α may change the end point of a step: "within error" of the step,
-        "always", or "refuse", which ends the run where "within error" would leave an energy error to a later step.
+        By how much α may change the end point of a step: "within error" of the step, "always", or "refuse",
+        which ends the run where "within error" would leave an energy error to a later step.
     alpha_bound
         Largest |α|, dimensionless.
     preconditioner

@@ -244,8 +244,7 @@ class Solution:
         n = self.y.shape[1]
         if not 0 <= event < len(self.y_events):
             raise ValueError(
-                f"event is {event}, but the run has {len(self.y_events)} events: "
-                "give `events` to solve"
+                f"event is {event}, but the run has {len(self.y_events)} events: give `events` to solve"
             )
         if not (0 <= x < n and 0 <= y < n):
             raise ValueError(f"x is {x} and y is {y}; components of (q, p) are 0 to {n - 1}")
