@@ -179,7 +179,7 @@ def test_further_quantities_are_kept(kepler):
 
     # 2.3e-12 and 2.8e-14.
     assert defect(invariants={"cubic": cubic}) > 1e-12 and defect(keep={"cubic": cubic}) < 1e-13
-    with pytest.raises(ValueError, match="2 quantities are to be kept with 1 free"):
+    with pytest.raises(ValueError, match="2 quantities are to be conserved by 1 free"):
         equip.solve(kepler, *START, (0, 10), step=0.1, method=equip.Equip(2), keep={"p": lambda q, p: p[0]})
 
 
