@@ -23,12 +23,16 @@ def test_examples_of_docstrings(name):
     assert tried > 0 and failed == 0
 
 
-def test_programs_of_the_readme():
-    blocks = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), flags=re.DOTALL)
-    assert len(blocks) >= 3
+ROOT = README.parent.parent
+
+
+@pytest.mark.parametrize("page", [README, ROOT / "README.md", ROOT / "docs" / "python.md"], ids=str)
+def test_programs_of_the_pages(page):
+    blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert len(blocks) >= (3 if page == README else 1)
     names = {}
     for block in blocks:
-        exec(compile(block, README.name, "exec"), names)
+        exec(compile(block, page.name, "exec"), names)
 
 
 def test_all_that_is_exported_is_documented():

@@ -149,7 +149,7 @@ def test_sections():
     # What is left of 1/12 at q1 = 0 is p1²/2.
     assert (1 / 6 - q2**2 + 2 / 3 * q2**3 - p2**2 > 0).all()
     assert sol.section(0, 1, ax=ax) is ax and len(ax.lines) == 2
-    with pytest.raises(ValueError, match="event is 2, but the run was asked for 2 events"):
+    with pytest.raises(ValueError, match="event is 2, but the run has 2 events"):
         sol.section(1, 3, event=2)
     with pytest.raises(ValueError, match="components of .* are 0 to 3"):
         sol.section(1, 4)

@@ -179,7 +179,7 @@ def test_further_quantities_are_kept(kepler):
 
     # 2.3e-12 and 2.8e-14.
     assert defect(invariants={"cubic": cubic}) > 1e-12 and defect(keep={"cubic": cubic}) < 1e-13
-    with pytest.raises(ValueError, match="2 quantities are to be kept with 1 free"):
+    with pytest.raises(ValueError, match="2 quantities are to be conserved by 1 free"):
         equip.solve(kepler, *START, (0, 10), step=0.1, method=equip.Equip(2), keep={"p": lambda q, p: p[0]})
 
 
@@ -332,7 +332,7 @@ def test_the_message_names_what_was_not_kept(kepler):
     sol = equip.solve(kepler, *START, (0, 10), keep={**momentum, "x": lambda q, p: q[0]}, record="ends")
     assert sol.success
     off = sol.certificate.invariants[1].max
-    assert sol.message.endswith(f"reached, but x was not kept: it is off by up to {off:.2g}")
+    assert sol.message.endswith(f"reached, but x was not conserved: its error is up to {off:.2g}")
 
 
 def test_dense_output_is_asked_for(kepler):

@@ -10,6 +10,7 @@ mod extremes;
 mod failures;
 mod growth;
 mod guard;
+mod guide;
 mod house;
 mod instruction_sets;
 mod invariants;

@@ -229,11 +229,13 @@ fn recipes_are_examples() {
     }
 }
 
-/// The page that leads through the sources leads to files that are there, and to names that are in them; a
+/// The pages that lead through the sources lead to files that are there, and to names that are in them; a
 /// path that does not begin at the root stands in a folder of the one before it.
 #[test]
 fn every_pointer_of_the_architecture_page_is_true() {
-    let page = std::fs::read_to_string(root().join("docs/architecture.md")).unwrap();
+    let pages = ["architecture", "adding-a-method"];
+    let pages = pages.map(|name| std::fs::read_to_string(root().join(format!("docs/{name}.md"))));
+    let page: String = pages.into_iter().map(Result::unwrap).collect();
     let (mut found, mut wrong) = (0, Vec::new());
     for row in page.lines() {
         let (mut before, mut sources) = (PathBuf::new(), String::new());

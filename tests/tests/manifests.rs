@@ -49,7 +49,6 @@ fn every_package_says_what_it_is() {
             "rust-version",
             "license",
             "authors",
-            "repository",
             "keywords",
             "categories",
         ] {
@@ -74,29 +73,15 @@ fn every_package_says_what_it_is() {
     assert!((1..=5).contains(&list("keywords")) && (1..=5).contains(&list("categories")));
 }
 
-/// Where the project lives is written once; everything else asks the manifest.
+/// A link to a place where the project is not leads nowhere: until it has an address no manifest names one.
 #[test]
-fn the_repository_stands_in_one_place() {
-    let shared = text("Cargo.toml");
-    let repository = value(&shared, "repository").unwrap();
-    let mut found = Vec::new();
-    let mut folders = vec![root()];
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(&folder).unwrap() {
-            let path = entry.unwrap().path();
-            let name = path.file_name().unwrap().to_str().unwrap().to_owned();
-            let is_source = ["rs", "toml", "md", "cff", "py"]
-                .iter()
-                .any(|end| name.ends_with(&format!(".{end}")));
-            if path.is_dir() && name != "target" && !name.starts_with('.') {
-                folders.push(path);
-            } else if is_source && std::fs::read_to_string(&path).unwrap().contains(repository) {
-                found.push(path);
-            }
-        }
+fn no_manifest_names_a_repository() {
+    let all = manifests().into_iter();
+    for (place, manifest) in all.chain([("the root".to_owned(), text("Cargo.toml"))]) {
+        let names_one = |line: &&str| line.starts_with("repository");
+        assert_eq!(manifest.lines().find(names_one), None, "{place}");
     }
-    assert_eq!(found.len(), 1, "{found:?}");
-    assert!(text("crates/equip/src/lib.rs").contains("CARGO_PKG_REPOSITORY"));
+    assert_eq!(value(&text("CITATION.cff"), "repository-code"), None);
 }
 
 /// `.ci/package` leaves out what is not published, and nothing else.

@@ -16,7 +16,7 @@ pub enum BuildError {
          write the energy with fewer, or integrate independent parts one by one"
     )]
     TooManyDegreesOfFreedom {
-        /// Degrees of freedom asked for.
+        /// Degrees of freedom requested.
         m: usize,
     },
 

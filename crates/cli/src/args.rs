@@ -45,7 +45,7 @@ pub(crate) enum Command {
     Run(Box<RunArgs>),
     /// Draw the Poincaré section of Hénon and Heiles
     Section(SectionArgs),
-    /// Draw how the error of Kepler's problem grows with time, EQUIP beside Gauss
+    /// Draw how the error of Kepler's problem grows with time, EQUIP compared with Gauss
     Growth(GrowthArgs),
     /// Run the catalogue of stiff and extreme cases, and judge every row
     Check(CheckArgs),

@@ -165,7 +165,7 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
             format!("--step is {step}; it must be finite and not zero")
         }
         E::StepsLeadAway { step, end, .. } => format!(
-            "--until or --periods ask for t = {end}, which lies behind the start for steps of {step}: give --step without its sign; a run that goes on from a checkpoint goes on the way it went"
+            "--until or --periods ask for t = {end}, which lies behind the start for steps of {step}: give --step without its sign; a run resumed from a checkpoint keeps its direction"
         ),
         E::Interval { start, end } => format!(
             "--until or --periods ask for a run from t = {start} to t = {end}; it must be finite"

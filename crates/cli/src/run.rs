@@ -135,7 +135,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
             exit_code: signals::exit_code(signal),
             reached: significant(finished.run.certificate().end.to_f64(), 7),
             next: match &args.checkpoint {
-                Some(path) => format!("the same command goes on from {}", path.display()),
+                Some(path) => format!("the same command resumes from {}", path.display()),
                 None => "with --checkpoint FILE a run can be gone on with".to_owned(),
             },
         });

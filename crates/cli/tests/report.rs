@@ -122,7 +122,7 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
     assert_eq!(page.matches("<svg").count(), 2);
     assert!(page.contains("Laplace-Runge-Lenz x"));
     assert!(
-        page.contains("Beside other integrators")
+        page.contains("Compared with other integrators")
             && page.contains("(0.50)")
             && page.contains("heyoka 7.13.2</p>")
             && page.contains("All at tolerance 1e-14")

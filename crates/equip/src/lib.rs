@@ -22,7 +22,7 @@
 //! # }
 //! ```
 //!
-//! Many runs of one system: what does not depend on the start is made once.
+//! Many runs of one system: what does not depend on the initial condition is prepared once.
 //!
 //! ```
 //! # use equip::prelude::*;
@@ -37,9 +37,8 @@
 //! # }
 //! ```
 //!
-//! The guide, page by page, and fourteen programs to begin with:
-#![doc = concat!("[docs](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/docs),")]
-#![doc = concat!("[examples](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/crates/equip/examples).")]
+//! The source tree has a guide in chapters, `docs/SUMMARY.md`, and fourteen programs to copy from,
+//! `crates/equip/examples`.
 //!
 //! | crate | re-exported as | what is in it |
 //! |---|---|---|
@@ -79,6 +78,28 @@ struct ConstantsPage;
 #[doc = include_str!("../../../docs/recipes.md")]
 #[cfg(doctest)]
 struct RecipesPage;
+
+/// Compiles the programs of the other chapters of the guide.
+#[cfg(doctest)]
+mod guide {
+    #[doc = include_str!("../../../docs/first-run.md")]
+    struct FirstRun;
+
+    #[doc = include_str!("../../../docs/writing-h.md")]
+    struct WritingH;
+
+    #[doc = include_str!("../../../docs/choosing.md")]
+    struct Choosing;
+
+    #[doc = include_str!("../../../docs/events.md")]
+    struct Events;
+
+    #[doc = include_str!("../../../docs/ensembles.md")]
+    struct Ensembles;
+
+    #[doc = include_str!("../../../docs/adding-a-method.md")]
+    struct AddingAMethod;
+}
 
 #[doc = include_str!("../../../README.md")]
 #[cfg(doctest)]

@@ -35,10 +35,10 @@ fn below_minimum<T: Float>(step: T, min: T, growth: T) -> String {
 pub enum IntegrateError<T: Float> {
     /// The number of stages is outside what the method and the tableau allow.
     #[error(
-        "{stages} stages asked for; this method takes {min} to {max}: change the argument of `stages`"
+        "{stages} stages requested; this method has {min} to {max}: change the argument of `stages`"
     )]
     StagesOutOfRange {
-        /// Stages asked for.
+        /// Stages requested.
         stages: usize,
         /// Fewest stages the method has.
         min: usize,
@@ -60,7 +60,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The steps lead away from where the run is to end.
     #[error(
-        "steps of {step} lead from {start} away from {end}; give a step without a sign, which goes the way of the interval, or an end on the other side; a resumed run goes on the way it went",
+        "steps of {step} lead from {start} away from {end}; give a step without a sign, which takes the direction of the interval, or an end on the other side; a resumed run keeps its direction",
         step = plain(*step), start = plain(*start), end = plain(*end))]
     StepsLeadAway {
         /// A step, with its sign.
@@ -159,12 +159,12 @@ pub enum IntegrateError<T: Float> {
         /// What is accepted.
         expected: &'static str,
     },
-    /// More quantities to keep than α's to keep them with.
-    #[error("{kept} quantities are to be kept with {alphas} free α's; take at least {} stages with all α's free, or keep fewer", kept + 1)]
+    /// More quantities to conserve than parameters α.
+    #[error("{kept} quantities are to be conserved by {alphas} free parameters α; take at least {} stages with all α free, or conserve fewer", kept + 1)]
     TooFewAlphas {
         /// Equations: the energy unless H is quadratic, and the invariants to be kept.
         kept: usize,
-        /// Free α's of the method.
+        /// Free parameters α of the method.
         alphas: usize,
     },
     /// An output time lies outside the interval or before the one ahead of it.
@@ -217,7 +217,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// An event function changes sign too often, or its noise does.
     #[error(
-        "the event `{event}` has more structure in the step at t = {time}, h = {step:e} than can be told from noise; give a smooth function whose rounding is small beside its changes",
+        "the event `{event}` has more structure in the step at t = {time}, h = {step:e} than can be told from noise; give a smooth function whose rounding is small compared with its changes",
         time = plain(*time))]
     EventTooRough {
         /// Name of the event.
@@ -229,7 +229,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// Rounding leaves more of an error than the target that a step is asked for.
     #[error(
-        "the error stays at {reached:e} however small the step (that of {step:e} is no worse), and {target:e} is asked for: take a larger target, a shorter interval or a number type of more digits"
+        "the error stays at {reached:e} however small the step (that of {step:e} is no worse), and {target:e} is requested: take a larger target, a shorter interval or a number type of more digits"
     )]
     TargetBelowRoundOff {
         /// The target.
@@ -335,7 +335,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The step has a solution, which has nothing to do with the motion.
     #[error(
-        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy is off by {defect:e}, more than all terms of the energy ({scale:e}): the step is too large for them to have the solution that follows the motion; take a smaller step",
+        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy has an error of {defect:e}, more than all terms of the energy ({scale:e}): the step is too large for them to have the solution that follows the motion; take a smaller step",
         time = plain(*time), step = plain(*step))]
     Astray {
         /// Start of the step.
@@ -373,7 +373,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// No admissible α keeps the energy, and the user asked to refuse such steps.
     #[error(
-        "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off level {floor:e}); take a smaller step, more stages, all α's, or leave the energy error to a later step",
+        "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {defect:e}, round-off level {floor:e}); take a smaller step, more stages, all α, or leave the energy error to a later step",
         time = plain(*time), step = plain(*step))]
     NoAdmissibleAlpha {
         /// Start of the step.

@@ -24,7 +24,7 @@ pub(crate) const SETTLED: f64 = 256.0;
 /// point shows after so many linearised iterations. // iterations; with 2 Gauss does 4 % less, with 6 what it
 /// does on the grid is 4.8 times as much, where it does not converge.
 pub(crate) const STILL: u32 = 3;
-/// Iterations of whatever is iterated: the stages of a step, linearised iterations, moves of the α's. //
+/// Iterations of whatever is iterated: the stages of a step, linearised iterations, moves of the α_k. //
 /// iterations
 pub const MOST_ITERATIONS: u32 = 100;
 /// L of a step is at most so many times that of the last. // ratio; without it Kepler's problem with 2.24
@@ -34,7 +34,7 @@ pub(crate) const LIKELY: i64 = 8;
 /// Products with (J∇²H)² for its largest eigenvalue. // iterations; ω to 3 % for chains, springs, 2 to 8
 /// bodies and dense ∇²H, 200 random ones of each.
 pub(crate) const ITERATIONS: u32 = 32;
-/// Bounds of it that are tried before. // iterations; without them a step with α's takes 1.2 times as long
+/// Bounds of it that are tried before. // iterations; without them a step with α_k takes 1.2 times as long
 /// for Kepler's problem, 1.7 times for a chain of 32. The fourth is within 4 % of ω for chains and springs,
 /// 23 % for bodies, and tells nothing of dense ∇²H without a sign, up to 9.5 ω.
 pub(crate) const BOUNDS: u32 = 4;

@@ -9,7 +9,7 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 /// An `f64` literal in a 31-digit run silently limits it to 16 digits unless it is exactly representable
 /// (`0.5`, `2.0`, `-0.75` are; `0.1` is not). [`ratio`] and [`decimal`] have no such limit.
 ///
-/// The double it is in `f64` is kept beside it: there an energy that holds it costs what one that holds an
+/// The double it is in `f64` is stored with it: there an energy that holds it costs what one that holds an
 /// `f64` costs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constant {

@@ -10,7 +10,7 @@ pub enum SceneError {
     /// No scene has this name.
     #[error("there is no scene `{name}`; the nearest names are {}", list(.nearest))]
     UnknownScene {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// Known names, nearest first.
         nearest: Vec<&'static str>,
@@ -18,7 +18,7 @@ pub enum SceneError {
     /// No reference solution has this name.
     #[error("there is no reference solution `{name}`; the known ones are {}", list(.known))]
     UnknownReference {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// All known names.
         known: Vec<&'static str>,
@@ -84,7 +84,7 @@ pub enum SceneError {
     EnergyTooLow {
         /// The scene.
         scene: &'static str,
-        /// The energy asked for.
+        /// The requested energy.
         energy: f64,
         /// The energy of the starting point with the free momentum zero.
         needed: f64,

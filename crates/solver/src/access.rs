@@ -43,7 +43,7 @@ impl<T: Float> Core<T> {
         self.stages.iterate.components()
     }
 
-    /// H and its derivatives, for evaluations beside the steps.
+    /// H and its derivatives, for evaluations outside of the steps.
     pub fn energy_mut(&mut self) -> &mut Evaluator<T> {
         &mut self.energy
     }
@@ -133,7 +133,7 @@ impl<T: Float> Core<T> {
         !self.stages.choice.is_identity()
     }
 
-    /// What is kept by the α's: the energy first unless it needs none, then further invariants.
+    /// What is kept by the α_k: the energy first unless it needs none, then further invariants.
     pub fn constraints(&self) -> &[Constraint<T>] {
         &self.constraints
     }
@@ -170,7 +170,7 @@ impl<T: Float> Core<T> {
         self.parts.wanted = true;
     }
 
-    /// From the next step on the α's are found by [`complete`](Core::complete) only, so that a step which is
+    /// From the next step on the α_k are found by [`complete`](Core::complete) only, so that a step which is
     /// refused for its stages has none. For steps that are never halved.
     pub fn defer_alphas(&mut self) {
         self.is_deferred = true;
@@ -192,7 +192,7 @@ impl<T: Float> Core<T> {
         self.stages.last = Some((T::int(0), h));
     }
 
-    /// Puts other constraints in the place of those there are, which are returned. Without any the α's stay
+    /// Puts other constraints in the place of those there are, which are returned. Without any the α_k stay
     /// where they are.
     pub fn replace_constraints(&mut self, constraints: Vec<Constraint<T>>) -> Vec<Constraint<T>> {
         self.start.fill(T::NAN);

@@ -2,7 +2,7 @@
 //! --quick` were run with both ends of the range: the mean error beside Gauss's, its 98 % and the work differ
 //! by less than 2 %.
 
-/// Moves of the α's of one step that may fail to halve what they are to remove: where the slopes all but
+/// Moves of the α_k of one step that may fail to halve what they are to remove: where the slopes all but
 /// vanish, Broyden's correction needs some. // moves; with 1 Kepler's problem, e = 0.6, s = 4, returns from
 /// 1000 reversible steps to 5e-7 in place of 3e-10; with 16 15 of 1320 cells differ.
 pub(crate) const MOST_STALLS: u32 = 4;
@@ -10,7 +10,7 @@ pub(crate) const MOST_STALLS: u32 = 4;
 /// The largest floor of late loses 1 over this a step. // steps; floors swing by 30 within an oscillation of
 /// some 10 to 50 steps; 16 to 256 alike.
 pub(crate) const FADING: i64 = 64;
-/// α's that move, at most, unless there are more constraints. // α's; further ones disturb the stages the
+/// α_k that move, at most, unless there are more constraints. // α_k; further ones disturb the stages the
 /// more for the same displacement of the end point. Grid: errors are .71, .68, .67 and .74 of Gauss's with 2,
 /// 3, 5 and all of them, work 1.42, 1.44, 1.46, 1.48; with all 1.4 % of the steps more are uncorrected.
 pub(crate) const LEADING: usize = 3;
@@ -29,7 +29,7 @@ pub(crate) const STATE_ROUNDING: i64 = 64;
 /// leaves about as little of the error. // ratio; with 100 Kepler's problem, e = 0.3, s = 4, h = 0.3, takes
 /// 2.2 updates a step in place of 1.9, and more iterations
 pub(crate) const SHARE: i64 = 1000;
-/// A defect of so many floors that moves of the α's do not bring down is rounding. // floors; with 1 0.5 % of
+/// A defect of so many floors that moves of the α_k do not bring down is rounding. // floors; with 1 0.5 % of
 /// the steps more are uncorrected, with 32 0.2 % fewer, errors and work alike.
 pub(crate) const STALLED: i64 = 8;
 /// The ridge of the least-squares problem for the direction is the diagonal over this. // ratio; 1e2 to 1e4

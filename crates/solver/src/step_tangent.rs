@@ -1,6 +1,6 @@
 //! [`StepTangent`]: the derivative of a step.
 //!
-//! With the stages Y_i and α's of a step and B_i = h b_i J∇²H(Y_i),
+//! With the stages Y_i and α_k of a step and B_i = h b_i J∇²H(Y_i),
 //!
 //! $$ X_i = \delta y_0 + \sum_j K_{ij}(\alpha) B_j X_j, \qquad \delta y_1 = \delta y_0 + \sum_j B_j X_j , $$
 //!

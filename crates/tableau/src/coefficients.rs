@@ -6,7 +6,7 @@
 //!
 //! | method | nodes | degree | order |
 //! |---|---|---|---|
-//! | [`gauss`](Coefficients::gauss), and with its α's EQUIP | s Gauss nodes | s | 2s |
+//! | [`gauss`](Coefficients::gauss), and with its α_k EQUIP | s Gauss nodes | s | 2s |
 //! | [`hbvm`](Coefficients::hbvm)(k, s) | k ≥ s Gauss nodes | s | 2s |
 //! | [`averaged_vector_field`](Coefficients::hbvm) = HBVM(k, 1) | k Gauss nodes | 1 | 2 |
 //! | [`trapezoidal`](Coefficients::trapezoidal)(k) | k ≥ 2 equidistant nodes, both ends among them | 1 | 2 |
@@ -29,7 +29,7 @@ use crate::legendre::legendre_integrals_at;
 use crate::rule::{Rule, check_stages};
 use equip_scalar::Float;
 
-/// Nodes, weights, degree and the matrix K(α) of a method; only Gauss methods have α's.
+/// Nodes, weights, degree and the matrix K(α) of a method; only Gauss methods have α_k.
 ///
 /// Making one costs O(s³) operations; it then holds s³ + O(s²) numbers.
 ///
@@ -46,7 +46,7 @@ pub struct Coefficients<T> {
     pub(crate) stages: usize,
     degree: usize,
     rule: Rule<T>,
-    /// T_1 … T_{s−1} of the α's, each s × s, one after the other; empty if there are none.
+    /// T_1 … T_{s−1} of the α_k, each s × s, one after the other; empty if there are none.
     pub(crate) basis: Vec<T>,
     pub(crate) unperturbed: Unperturbed<T>,
 }
@@ -61,7 +61,7 @@ pub(crate) enum Unperturbed<T> {
 }
 
 impl<T: Float> Coefficients<T> {
-    /// The Gauss method with 1 ≤ `stages` ≤ [`MAX_STAGES`](crate::MAX_STAGES) stages and its s − 1 α's, of
+    /// The Gauss method with 1 ≤ `stages` ≤ [`MAX_STAGES`](crate::MAX_STAGES) stages and its s − 1 α_k, of
     /// order 2s at α = 0.
     ///
     /// # Errors
@@ -188,7 +188,7 @@ impl<T: Float> Coefficients<T> {
         self.degree
     }
 
-    /// Whether K_ij + K_ji = 1, as of Gauss methods with any α's: quadratic invariants are conserved.
+    /// Whether K_ij + K_ji = 1, as of Gauss methods with any α_k: quadratic invariants are conserved.
     ///
     /// ```
     /// assert!(!equip_tableau::Coefficients::<f64>::hbvm(6, 2)?.is_skew());
@@ -198,7 +198,7 @@ impl<T: Float> Coefficients<T> {
         matches!(self.unperturbed, Unperturbed::Skew(_))
     }
 
-    /// The number of α's: s − 1 of a Gauss method, none of others.
+    /// The number of α_k: s − 1 of a Gauss method, none of others.
     ///
     /// ```
     /// assert_eq!(equip_tableau::Coefficients::<f64>::gauss(4)?.alphas(), 3);

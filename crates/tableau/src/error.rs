@@ -7,7 +7,7 @@ pub enum TableauError {
     /// The number of stages, or of quadrature nodes, is outside what is offered.
     #[error("{stages} stages or nodes are not offered; choose a number from {min} to {max}")]
     StagesOutOfRange {
-        /// What was asked for.
+        /// The requested number.
         stages: usize,
         /// The smallest possible number.
         min: usize,

@@ -11,7 +11,7 @@ type Function<T> = Box<dyn Fn(T) -> T + Send + Sync>;
 /// such as an iteration until convergence, a special function, or a call into another library.
 ///
 /// The closures are called anew at every state, from several threads at once if there are, and must return
-/// the same for the same argument. f is for H, f′ for ∇H, f″ for ∇²H; where a third derivative is asked for,
+/// the same for the same argument. f is for H, f′ for ∇H, f″ for ∇²H; where a third derivative is needed,
 /// as by a [`Custom::slope_at`] inside of H with its Hessian, it is a difference of f″, to some ten digits.
 /// Fourth derivatives are NaN.
 ///

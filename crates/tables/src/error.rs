@@ -51,7 +51,7 @@ pub enum TableError {
     /// The table says nothing there.
     #[error("{x:e} is outside of the table, which begins at {first:e} and ends at {last:e}")]
     OutsideOfTable {
-        /// Where a value was asked for.
+        /// Where a value was requested.
         x: f64,
         /// First knot.
         first: f64,

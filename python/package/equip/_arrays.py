@@ -192,7 +192,7 @@ _WHERE = _function(_where, 3)
 
 
 def _unary(ufunc: np.ufunc) -> np.ufunc:
-    """A function that variables have as a method, of variables and of numbers beside them."""
+    """A function that variables have as a method, of variables and of numbers."""
     name = ufunc.__name__
 
     def each(x: Any) -> Any:

@@ -21,7 +21,7 @@ class Defect:
 
 @dataclass(frozen=True)
 class EnergyFloor:
-    """The largest round-off level of H over the steps that conserved it, and the energies beside it."""
+    """The largest round-off level of H over the steps that conserved it, and the energies."""
 
     floor: float
     #: Time of the step at whose end it was largest.
@@ -81,7 +81,7 @@ class Counts:
     gradients: int
     hessians: int
     energies: int
-    #: Directions of the α's, and their moves.
+    #: Search directions of α, and updates of α.
     directions: int
     alpha_moves: int
     #: Local errors estimated to judge a displacement.

@@ -145,7 +145,7 @@ def _read_hdf5(path: Path) -> tuple[str, dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Stored:
-    """What was read of a file; words and arrays are checked as they are asked for."""
+    """What was read of a file; words and arrays are checked when they are read."""
 
     path: Path
     words: dict[str, Any]

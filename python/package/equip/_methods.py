@@ -41,10 +41,10 @@ class Equip:
     stages
         s, from 2 to 32.
     alphas
-        Which α's are free: "all", or the "last" one only.
+        Which α_k are free: "all", or the "last" one only.
     reach
-        How far the α's may move the end point of a step to keep the energy: "within error" of the step,
-        "always", or "refuse", which ends the run where "within error" would leave a defect to a later step.
+        By how much α may change the end point of a step: "within error" of the step, "always", or "refuse",
+        which ends the run where "within error" would leave an energy error to a later step.
     alpha_bound
         Largest |α|, dimensionless.
     preconditioner

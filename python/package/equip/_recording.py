@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _arrays, _native
 
-#: Python's own texts where numbers stand beside variables in an array of np.array, whose type is not ours.
+#: Python's own texts for arrays of np.array that hold numbers and variables: their type is not ours.
 _MIXED = re.compile(
     r"does not support argument \d+ of type \S+ which has no callable (\w+) method"
     r"|'(?:float|int|numpy\.\w+)' object has no attribute '(arctan2|hypot)'"

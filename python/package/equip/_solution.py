@@ -54,7 +54,7 @@ class Solution:
     certificate
         What was kept, measured.
     hamiltonian
-        The energy, without the function it was recorded from: a run goes on with
+        The energy, without the function it was recorded from: a run continues with
         `equip.solve(sol.hamiltonian, sol.q[-1], sol.p[-1], (sol.t[-1], end))`, also after `equip.load`.
     """
 
@@ -244,8 +244,7 @@ class Solution:
         n = self.y.shape[1]
         if not 0 <= event < len(self.y_events):
             raise ValueError(
-                f"event is {event}, but the run was asked for {len(self.y_events)} events: "
-                "give `events` to solve"
+                f"event is {event}, but the run has {len(self.y_events)} events: give `events` to solve"
             )
         if not (0 <= x < n and 0 <= y < n):
             raise ValueError(f"x is {x} and y is {y}; components of (q, p) are 0 to {n - 1}")

@@ -222,14 +222,14 @@ def solve(
         Of steps by tolerance: sizes, and their number.
     rtol, atol
         Of steps by tolerance: errors of a step relative to its motion, in place of `tolerance`, and errors
-        that are allowed beside those. A number, or a pair for positions and momenta of numbers or arrays of
+        that are allowed in addition. A number, or a pair for positions and momenta of numbers or arrays of
         their shape.
     precision
         "f64", or "dd" for double-double, 31 digits.
     checkpoint
         A file for what a run needs to go on: written now and then, at the end of the interval, and when
         Ctrl-C or SIGTERM ends the run, after the step under way (a second Ctrl-C does not wait for it). If it
-        is there already, the run goes on from it bit for bit, with the same start and options, to the end of
+        is there already, the run resumes from it bit for bit, with the same start and options, to the end of
         this interval: the solution begins there, the certificate is that of the whole. One process at a time
         may have it.
     checkpoint_every
@@ -362,7 +362,7 @@ def _not_kept(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any]) -> s
         terms = np.abs(np.stack(slopes, axis=1).reshape(2, -1) * y[[0, -1]].reshape(2, -1))
         size = max(abs(defect[1]), float(terms.sum(axis=1).max()))
         if not off <= _NOT_KEPT * size:
-            texts.append(f"{name} was not kept: it is off by up to {off:.2g}")
+            texts.append(f"{name} was not conserved: its error is up to {off:.2g}")
     return "; ".join(texts)
 
 

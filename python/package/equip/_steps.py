@@ -215,7 +215,7 @@ def steps(
         Of steps by tolerance: sizes, in the unit of time.
     rtol, atol
         Of steps by tolerance: errors of a step relative to its motion, in place of `tolerance`, and errors
-        that are allowed beside those. A number, or a pair for positions and momenta of numbers or arrays of
+        that are allowed in addition. A number, or a pair for positions and momenta of numbers or arrays of
         their shape.
     deviations
         Small deviations (δq, δp), flat, (k, 2m) or (2m,), propagated by the tangent map of the steps;

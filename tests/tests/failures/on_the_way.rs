@@ -169,7 +169,7 @@ fn refuses<T: Float>() {
     assert!(defect.abs() > floor && floor > T::int(0));
     says(
         &failure.to_string(),
-        &["smaller step", "more stages", "all α's", "later step"],
+        &["smaller step", "more stages", "all α", "later step"],
     );
     let partial = failure.partial.unwrap();
     assert_eq!(partial.last().0, time);

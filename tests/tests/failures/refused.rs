@@ -320,7 +320,7 @@ fn more_to_keep_than_alphas_to_keep_it_with() {
             matches!(error, IntegrateError::TooFewAlphas { alphas: found, .. } if found == alphas),
             "{error:?}"
         );
-        says(&error.to_string(), &["take at least", "or keep fewer"]);
+        says(&error.to_string(), &["take at least", "or conserve fewer"]);
     }
     assert!(
         options(Equip::stages(3))

@@ -68,7 +68,7 @@ pub(crate) struct ExternalEvaluator<T> {
     pub(crate) of: External,
     pub(crate) given: Given<T>,
     points: Points<T>,
-    /// A state beside the one that is asked for, ∇H there, and a vector.
+    /// A state near the requested one, ∇H there, and a vector.
     point: Vec<T>,
     ahead: Vec<T>,
     unit: Vec<T>,

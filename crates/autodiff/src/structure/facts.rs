@@ -5,7 +5,7 @@ use std::fmt;
 use std::ops::{Deref, Range};
 use std::sync::{Arc, OnceLock};
 
-/// The pattern of ∇²H, found when it is first asked for: of n bodies it has n² entries. It is a [`Pattern`]
+/// The pattern of ∇²H, found at the first request: of n bodies it has n² entries. It is a [`Pattern`]
 /// by dereference.
 #[derive(Clone)]
 pub struct HessianPattern {

@@ -1,4 +1,4 @@
-//! Options of the commands beside `equip run`.
+//! Options of the commands other than `equip run`.
 
 use super::shared::{stages, whole};
 use crate::limits::{FLOORS, TRAJECTORY, UNCORRECTED};

@@ -19,7 +19,7 @@ fn letter(label: &str) -> &'static str {
         "energy solved" => "S",
         "at the round-off level" => "F",
         "quadratic H, nothing to do" => "Q",
-        "energy not asked for" => "N",
+        "energy not requested" => "N",
         "uncorrected: no effect of α" => "C",
         "uncorrected: α beyond its bound" => "B",
         "uncorrected: end point changed too much" => "D",
@@ -35,10 +35,10 @@ pub(crate) fn outcomes(row: &Row) -> Vec<(&'static str, u64)> {
 }
 
 pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off level, uncorrected \
-    C where α has no effect, B beyond the bound of α, D beyond the bound of the end point, U where the motion is not resolved; Q quadratic H, N energy not asked for\n\
+    C where α has no effect, B beyond the bound of α, D beyond the bound of the end point, U where the motion is not resolved; Q quadratic H, N energy not requested\n\
     floors: largest |H − H_ref| in round-off levels, the worse of the solver's figure and one in double-double; \
     energy: the same, absolute, EQUIP and Gauss\n\
-    inv.: defect of the invariant that is off most; error: of the trajectory, relative, largest over the grid, EQUIP and \
+    inv.: largest error of an invariant; error: of the trajectory, relative, largest over the grid, EQUIP and \
     Gauss; s: seconds of the row with Gauss and reference";
 
 #[cfg(test)]

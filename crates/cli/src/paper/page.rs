@@ -75,7 +75,7 @@ pub(super) fn page(paper: &Paper) -> String {
          {statements}\
          <h2>Orders</h2>\n{convergence}<p>Error after two periods, largest component of (q, p), in double-double:</p>\n{errors}\
          <h2>The energy error over α</h2>\n{residual}\
-         <p class=\"note\">Divided by h³, which makes the slopes alike.</p>\n{roots}\
+         <p class=\"note\">Divided by h³: the curves then have nearly the same derivative at α = 0.</p>\n{roots}\
          <h2>1000 periods of 200 steps</h2>\n{energy}{orbits}</html>\n",
         version = paper.version,
         convergence = convergence(&paper.convergence),

@@ -64,7 +64,7 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
         }
     }
     if let Some(peers) = peers {
-        push("<h1>Beside other integrators</h1>".into());
+        push("<h1>Compared with other integrators</h1>".into());
         push(format!(
             "<p>CPU milliseconds on {}; the rules are in docs/compare.md. In brackets: our time over that of the quickest other program. \
              Least and most of the rounds show when the pointer rests on a figure.</p>",
@@ -157,7 +157,7 @@ fn contents(results: &[Results], peers: Option<&Peers>) -> String {
         let name = escape(&scene.scene);
         link(
             format!("peers-{name}"),
-            format!("{name} beside other programs"),
+            format!("{name} and other programs"),
         )
     });
     let links: String = scenes.chain(others).collect();

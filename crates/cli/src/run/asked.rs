@@ -47,7 +47,7 @@ fn without_effect(args: &RunArgs) -> Vec<(&'static str, &'static str)> {
         (
             "--no-compare",
             args.no_compare && args.plot.is_some() && args.method == MethodName::Gauss,
-            "Gauss is not drawn beside itself",
+            "Gauss is not compared with itself",
         ),
         (
             "--lyapunov",

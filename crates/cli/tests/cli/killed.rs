@@ -63,7 +63,7 @@ fn killed_and_gone_on(name: &str, signal: &str, arguments: &[&str]) {
         let message = std::io::read_to_string(stderr).unwrap();
         let words = format!("ended by signal {number} at t = ");
         assert!(message.contains(&words), "{message}");
-        assert!(message.contains("the same command goes on"), "{message}");
+        assert!(message.contains("the same command resumes"), "{message}");
     }
     let output = equip(
         &with(&out, &save)

@@ -35,7 +35,7 @@ pub(crate) fn make_step<T: Float>(
         .map_err(|failure| error_of(core, failure))
 }
 
-/// The α's of that step, if they were deferred.
+/// The α_k of that step, if they were deferred.
 pub(crate) fn complete_step<T: Float>(
     core: &mut Core<T>,
     (y, t, h): (&State<T>, T, T),

@@ -13,7 +13,7 @@ pub(crate) const ACCEPTED: f64 = 4.0;
 /// error; growing by up to 1000 takes 1 % more and has 1.05 times the error; docs/adr/0005
 pub(crate) const MOST_CHANGE: f64 = 4.0;
 /// Contraction, per power of the step size, at which iterations cost least for the time they cover: twice the
-/// size takes three times the iterations, as the start is foretold worse, and the α's that remove a larger
+/// size takes three times the iterations, as the start is foretold worse, and the α_k that remove a larger
 /// defect disturb the stages more. // ratio; 228 runs of 19 systems take as many gradients to 5 % from 0.041
 /// to 0.058; docs/adr/0005
 pub(crate) const CHEAPEST: f64 = 0.045;

@@ -4,8 +4,8 @@ use crate::dense::piece::Piece;
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 
-/// The trajectory of a run between its start and its end, with the accuracy of its steps. Kept by runs that
-/// were asked for it ([`FixedStep::dense`](crate::FixedStep::dense),
+/// The trajectory of a run between its start and its end, with the accuracy of its steps. Stored by runs
+/// with dense output ([`FixedStep::dense`](crate::FixedStep::dense),
 /// [`Adaptive::dense`](crate::Adaptive::dense)).
 ///
 /// Memory: min(2s, 32) + 2 numbers per component and step.

@@ -38,7 +38,7 @@ pub(crate) enum Meeting<T> {
 #[derive(Debug)]
 pub(crate) struct Crossings<T: Float> {
     pub(crate) path: Path<T>,
-    /// Of every switch: whether the step begins on it, and with which sign it goes on, zero if unknown.
+    /// Of every switch: whether the step begins on it, and with which sign it continues, zero if unknown.
     sides: Vec<Option<i8>>,
     /// Switches on which the step ends, and the signs they take on.
     met: Vec<(usize, i8)>,

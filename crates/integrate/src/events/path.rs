@@ -52,7 +52,7 @@ pub(crate) struct Path<T: Float> {
     stages: Vec<T>,
     y: Vec<T>,
     g: Vec<T>,
-    /// Between its stages the polynomial is off by this share of the motion.
+    /// Between its stages the polynomial has an error of this share of the motion.
     vague: T,
 }
 

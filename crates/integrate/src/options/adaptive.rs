@@ -41,7 +41,7 @@ impl Method {
     /// motion within the step and of each component for itself: neither units nor masses matter.
     ///
     /// The estimate behind it is from the decay of Legendre coefficients; `docs/which-steps.md` shows
-    /// measured errors beside tolerances.
+    /// measured errors and tolerances.
     pub fn tolerance<T: Float>(self, tolerance: T) -> Adaptive<T> {
         let sizes = Tolerance {
             tolerance,
@@ -83,8 +83,8 @@ impl<T: Float> Adaptive<T> {
         self
     }
 
-    /// Errors of a step that are allowed beside those relative to its motion, in the units of positions and
-    /// momenta: of each of the m components, or one for all of them. Zero by default.
+    /// Errors of a step that are allowed in addition to those relative to its motion, in the units of
+    /// positions and momenta: of each of the m components, or one for all of them. Zero by default.
     ///
     /// With it a step may be off in component c by `rtol` × its motion in the step + `atol`.
     #[must_use]

@@ -26,7 +26,7 @@ impl<T: Float, S> Integrator<T, S> {
         }
     }
 
-    /// How far α's may move the end point of a step to keep the energy; [`Reach::WithinError`] by default.
+    /// How far α_k may move the end point of a step to keep the energy; [`Reach::WithinError`] by default.
     /// With a tolerance it is asked only when shorter steps do not help either.
     #[must_use]
     pub fn reach(mut self, reach: Reach) -> Self {
@@ -74,9 +74,9 @@ impl<T: Float, S> Integrator<T, S> {
         self
     }
 
-    /// A further invariant to be *kept* like the energy, by the same α's: one more equation for them. For
+    /// A further invariant to be *kept* like the energy, by the same α_k: one more equation for them. For
     /// invariants that are not quadratic; the quadratic ones are kept anyway. Needs a method that solves for
-    /// the α's, with at least as many of them as equations: s − 1 ≥ 1 + the invariants kept. Where H depends
+    /// the α_k, with at least as many of them as equations: s − 1 ≥ 1 + the invariants kept. Where H depends
     /// on time it is recorded [with time](equip_autodiff::Hamiltonian::with_time) as well.
     #[must_use]
     pub fn keep(mut self, invariant: Invariant) -> Self {

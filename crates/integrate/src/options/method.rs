@@ -8,7 +8,7 @@ use std::fmt;
 /// the energy error is round-off in 13 with 8, 14 with 16, 15 with 32; one has a close encounter
 const MOST_NODES: usize = 16;
 
-/// Energy and quadratic invariants preserving methods: Gauss methods whose α's are solved for at every step.
+/// Energy and quadratic invariants preserving methods: Gauss methods whose α_k are solved for at every step.
 #[derive(Debug, Clone, Copy)]
 pub struct Equip;
 
@@ -118,7 +118,7 @@ impl Method {
         self
     }
 
-    /// Which α's EQUIP solves for; no effect on the other families.
+    /// Which α_k EQUIP solves for; no effect on the other families.
     #[must_use]
     pub fn alphas(mut self, alphas: Alphas) -> Method {
         if let Family::Equip(_) = self.family {

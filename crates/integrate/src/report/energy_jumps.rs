@@ -2,7 +2,7 @@
 
 use equip_scalar::Float;
 
-/// Crossings at which the value of H jumps. No force comes of a jump: the motion goes on as if there were
+/// Crossings at which the value of H jumps. No force comes of a jump: the motion continues as if there were
 /// none, and H differs by it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -6,7 +6,7 @@ use equip_scalar::Float;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VariableSteps<T> {
-    /// The tolerance asked for; ε of reversible steps.
+    /// The requested tolerance; ε of reversible steps.
     pub tolerance: T,
     /// Smallest step taken; a step cut to reach the end of the run does not count.
     pub smallest: T,
@@ -14,7 +14,7 @@ pub struct VariableSteps<T> {
     pub largest: T,
     /// Steps made and refused because their error estimate was too large.
     pub rejected: u64,
-    /// Steps refused because their stages or α's were not found.
+    /// Steps refused because their stages or α_k were not found.
     pub failed: u64,
 }
 

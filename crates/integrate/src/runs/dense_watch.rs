@@ -20,7 +20,7 @@ pub(crate) struct DenseWatch<T: Float> {
     refiner: Refiner<T>,
     trajectory: Option<Trajectory<T>>,
     events: Option<EventWatch<T>>,
-    /// Times asked for, and how many are done.
+    /// Requested times, and how many are done.
     times: Vec<T>,
     done: usize,
     y: Vec<T>,

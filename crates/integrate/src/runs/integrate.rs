@@ -65,7 +65,7 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         (S::entries().run)(self, system, &mut stepper, (t1, None), observer)
     }
 
-    /// Goes on with the run that `checkpoint` was made of, to time `end`. The run that comes back begins at
+    /// Resumes the run that `checkpoint` was made of, to time `end`. The run that comes back begins at
     /// the checkpoint; its certificate is that of the whole. Steps are bit for bit those of the run that had
     /// not stopped; of variable ones up to the two that meet the end, and a checkpoint made after these goes
     /// on from there with steps of its own.

@@ -181,7 +181,7 @@ impl<T: Float> Run<T> {
         &self.outcomes
     }
 
-    /// The states at the times asked for with [`Integrator::output_at`](crate::Integrator::output_at): time,
+    /// The states at the times requested with [`Integrator::output_at`](crate::Integrator::output_at): time,
     /// positions, momenta.
     pub fn outputs(&self) -> impl Iterator<Item = (T, &[T], &[T])> {
         self.output_times
@@ -193,7 +193,7 @@ impl<T: Float> Run<T> {
             })
     }
 
-    /// The run at any time, if dense output was asked for.
+    /// The run at any time, if dense output was requested.
     pub fn trajectory(&self) -> Option<&Trajectory<T>> {
         self.trajectory.as_ref()
     }

@@ -42,7 +42,7 @@ pub enum Target<T> {
     Phase(T),
     /// The largest error of a position or momentum within the interval, in their units.
     Trajectory(T),
-    /// The largest |H − H(0)| within the interval of the *Gauss* method with as many stages: what the α's of
+    /// The largest |H − H(0)| within the interval of the *Gauss* method with as many stages: what the α_k of
     /// EQUIP have to take away.
     Energy(T),
 }

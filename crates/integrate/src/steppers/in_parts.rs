@@ -5,7 +5,7 @@
 //! that meets the same switch more than twice is made as if H were smooth, and so is what is left of a step
 //! after [`SOON`] switches.
 //!
-//! Cost: the switches at all stages of a step; for each crossing two to four steps without α's that find it,
+//! Cost: the switches at all stages of a step; for each crossing two to four steps without α_k that find it,
 //! and one more step.
 
 use crate::control::policy::{MOST_TRIES, SHORT, SOON};

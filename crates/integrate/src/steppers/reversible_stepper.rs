@@ -100,7 +100,7 @@ impl<T: Float> ReversibleStepper<T> {
             slope: T::int(1) / h,
             last: None,
         };
-        // α's change the stages as little as the end point: they need not be there until the size nearly is.
+        // α_k change the stages as little as the end point: they need not be there until the size nearly is.
         let constraints = self.inner.core.replace_constraints(Vec::new());
         if !constraints.is_empty() {
             let near = self.search(&mut secant, T::EPSILON.cbrt());
@@ -114,7 +114,7 @@ impl<T: Float> ReversibleStepper<T> {
     }
 
     /// Makes steps until one misses the rule by at most `close` of ε or as little as rounding lets it; its
-    /// outcome and miss. Where α's are there with one size and not with the next, no size may be as close:
+    /// outcome and miss. Where α_k are there with one size and not with the next, no size may be as close:
     /// the last one that is tried is taken then, if it is near.
     fn search(
         &mut self,

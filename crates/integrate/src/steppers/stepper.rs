@@ -206,7 +206,7 @@ impl<T: Float> Stepper<T> {
         self.checked(h, made)
     }
 
-    /// Finds the α's of the step of size `h` made by [`attempt`](Self::attempt), where they were deferred.
+    /// Finds the α_k of the step of size `h` made by [`attempt`](Self::attempt), where they were deferred.
     pub(crate) fn complete(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
         let made = complete_step(&mut self.core, (&self.y, self.time, h), &mut self.next);
         self.checked(h, made)
@@ -262,7 +262,7 @@ impl<T: Float> Stepper<T> {
         self.phase_per_step = Some(phase.max(self.phase_per_step));
     }
 
-    /// Energy, invariants and α's of the step just made.
+    /// Energy, invariants and α_k of the step just made.
     fn measure(&mut self, outcome: Outcome) {
         self.floor = None;
         // Zero is in all of them from the beginning.

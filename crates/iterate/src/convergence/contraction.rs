@@ -20,7 +20,7 @@ use equip_scalar::power::power;
 /// What a change of Z says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// The iteration goes on.
+    /// The iteration continues.
     Contracts,
     /// Z solves the equations to rounding.
     Settled,

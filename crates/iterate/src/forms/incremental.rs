@@ -11,7 +11,7 @@
 //! What an iteration of a small system waits for is one product after the other, and of a long chain they are
 //! most of the work.
 //!
-//! For the α's a step starts from, with which most iterations of it are made: K B K costs s³ products.
+//! For the α_k a step starts from, with which most iterations of it are made: K B K costs s³ products.
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};

@@ -25,7 +25,7 @@ impl<T: Float> Iterate<T> {
         (ready::<T>().iterate)(method, n, kinetic, alphas)
     }
 
-    /// A step of size `h` begins at `y` with Z = 0 and the α's to start from.
+    /// A step of size `h` begins at `y` with Z = 0 and the α_k to start from.
     pub fn begin(&mut self, method: &Coefficients<T>, step: (&State<T>, T)) {
         (ready::<T>().at_rest)(self, method, step);
     }
@@ -55,7 +55,7 @@ impl<T: Float> Iterate<T> {
         (ready::<T>().make_momenta)(self, y);
     }
 
-    /// From now on with K of these α's.
+    /// From now on with K of these α_k.
     pub fn set_alphas(&mut self, alphas: &[T]) {
         (ready::<T>().fill_k)(self, alphas);
     }

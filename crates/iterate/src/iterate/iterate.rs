@@ -28,7 +28,7 @@ pub struct Iterate<T: Float> {
     pub(crate) set: InstructionSet,
     /// How K is made.
     columns: Columns<T>,
-    /// K(α) and K of the α's a step starts from, column by column.
+    /// K(α) and K of the α_k a step starts from, column by column.
     pub(crate) k: Aligned<T>,
     pub(crate) k_start: Aligned<T>,
     /// K is not the one a step starts from.
@@ -51,7 +51,7 @@ pub struct Iterate<T: Float> {
     /// Size of each component over the step, and its inverse.
     pub(crate) scale: Vec<T>,
     pub(crate) inverse_scale: Vec<T>,
-    /// K B K with the α's a step starts from, where iterations may be incremental.
+    /// K B K with the α_k a step starts from, where iterations may be incremental.
     pub(crate) twofold: Option<Aligned<T>>,
     /// Z is K(α) L: incremental iterations take it to be.
     pub(crate) z_is_k_l: bool,
@@ -195,7 +195,7 @@ impl<T: Float> Iterate<T> {
         });
     }
 
-    /// K of these α's.
+    /// K of these α_k.
     pub(crate) fn fill_k(&mut self, alphas: &[T]) {
         self.columns.fill(self.set, alphas, &mut self.k);
         self.k_has_moved = true;

@@ -1,4 +1,4 @@
-//! What moves Z besides the iterations: α's, a preconditioner, the response to α's.
+//! What moves Z besides the iterations: α_k, a preconditioner, the response to α_k.
 
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
@@ -49,7 +49,7 @@ impl<T: Float> Iterate<T> {
         kept.has_momenta = self.has_momenta;
     }
 
-    /// The stages as they were kept, solved with the α's that a step starts from.
+    /// The stages as they were kept, solved with the α_k that a step starts from.
     pub fn put_back(&mut self, kept: &Kept<T>) {
         self.z.copy_from_slice(&kept.z);
         self.l.copy_from_slice(&kept.l);

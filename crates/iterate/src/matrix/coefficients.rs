@@ -1,6 +1,6 @@
-//! K(α) for iterations: column by column, padded with zeros, and made anew whenever the α's move.
+//! K(α) for iterations: column by column, padded with zeros, and made anew whenever the α_k move.
 //!
-//! Of a method without α's K is a copy. Of a Gauss method K(α)_ij = ½ + U_ij, U = U(0) + Σ_k α_k T_k. As in
+//! Of a method without α_k K is a copy. Of a Gauss method K(α)_ij = ½ + U_ij, U = U(0) + Σ_k α_k T_k. As in
 //! `Coefficients::matrix_into` ½ + |U_ij| is rounded and the smaller of the pair is 1 minus that, so that
 //! K_ij + K_ji = 1 to the last bit. U is antisymmetric to the last bit, so each of the two is found without
 //! the other, and all entries at once: s² products for each α_k ≠ 0, in vector instructions.
@@ -14,9 +14,9 @@ use equip_tableau::Coefficients;
 /// U(0) and the T_k, laid out as K is: column by column.
 #[derive(Debug)]
 pub(crate) struct Columns<T> {
-    /// Of a method without α's K itself.
+    /// Of a method without α_k K itself.
     unperturbed: Aligned<T>,
-    /// T_1 … T_{s−1}, one behind the other; empty if there are no α's.
+    /// T_1 … T_{s−1}, one behind the other; empty if there are no α_k.
     basis: Aligned<T>,
     /// ½ and 1 where K has an entry, 0 in the padding.
     half_and_one: [Aligned<T>; 2],

@@ -7,7 +7,7 @@ use std::sync::Arc;
 ///
 /// It is the same function in every kind of number, and it is called anew at every state: what it returns may
 /// depend on its arguments only. The first derivatives are used for ∇H, the second for ∇²H; where a
-/// derivative of higher order than those that are known is asked for, NaN is the answer.
+/// derivative of higher order than those that are known is requested, the result is NaN.
 pub trait Outside: Debug + Send + Sync {
     /// Number of variables, 1 or 2.
     fn variables(&self) -> usize;

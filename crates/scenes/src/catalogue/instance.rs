@@ -38,7 +38,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`SceneError`], naming what is allowed, for a parameter that is unknown, given twice, not a number,
-    /// not a whole number where one is asked for, or out of range.
+    /// not a whole number where one is required, or out of range.
     pub fn instance(&'static self, values: &[(&str, &str)]) -> Result<Instance, SceneError> {
         let values = read_all(self.name, self.parameters, values)?;
         let model = (self.build)(&values)?;

@@ -1,6 +1,6 @@
-//! The α's that change the constraints for the least displacement of the end point.
+//! The α_k that change the constraints for the least displacement of the end point.
 //!
-//! The α's move the end point by U α, U = (u_1 … u_f), and the constraints by Vᵀ α. Of all α with Vᵀ α = −g
+//! The α_k move the end point by U α, U = (u_1 … u_f), and the constraints by Vᵀ α. Of all α with Vᵀ α = −g
 //! those with the least ½ |U α|² + ½ r Σ_k |u_k|² α_k² are
 //!
 //! $$ \alpha = D\,t, \qquad D = (G + r\,\mathrm{diag}\,G)^{-1} V, \qquad G = U^T U, $$
@@ -8,7 +8,7 @@
 //! t from the constraints. The norm counts both ends of the step, u_k with the start held and u'_k = −Ψ⁻¹u_k
 //! with the end held, each component in units of its own motion; so D is that of the step made backwards.
 //!
-//! Cost: f² n operations and a factorisation of size f, the number of free α's.
+//! Cost: f² n operations and a factorisation of size f, the number of free α_k.
 
 use crate::policy::RIDGE;
 use equip_linear::DenseLu;

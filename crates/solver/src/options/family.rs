@@ -5,7 +5,7 @@ use equip_scalar::{Constant, Float};
 use equip_tableau::{Coefficients, TableauError};
 use std::fmt;
 
-/// Which α's are solved for.
+/// Which α_k are solved for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Alphas {

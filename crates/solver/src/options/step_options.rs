@@ -1,9 +1,9 @@
-//! [`StepOptions`]: what a step is to keep, how far its α's may go, and how its stages are iterated.
+//! [`StepOptions`]: what a step is to keep, how far its α_k may go, and how its stages are iterated.
 
 use crate::options::family::{Alphas, Family};
 use equip_scalar::Float;
 
-/// How far the α's may move the end point of a step to keep the energy.
+/// How far the α_k may move the end point of a step to keep the energy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[non_exhaustive]
 pub enum Reach {
@@ -11,7 +11,7 @@ pub enum Reach {
     /// defect left to a later one.
     #[default]
     WithinError,
-    /// As far as the bound of the α's allows.
+    /// As far as the bound of the α_k allows.
     Always,
     /// As `WithinError`, and a step whose defect would be left ends the integration with an error.
     Refuse,
@@ -46,7 +46,7 @@ pub struct StepOptions<T> {
     pub fixed_alpha: Option<T>,
     /// Number of the first free α, from 1; `None` if none is solved for.
     pub first_alpha: Option<usize>,
-    /// How far the α's may move the end point.
+    /// How far the α_k may move the end point.
     pub reach: Reach,
     /// Largest |α_k| accepted (dimensionless).
     pub alpha_bound: T,

@@ -7,23 +7,23 @@ use std::fmt;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Outcome {
-    /// The energy was not asked for (Gauss, fixed α).
+    /// The energy was not requested (Gauss, fixed α).
     NotAsked,
     /// H is at most quadratic: every member of the family keeps it, nothing to solve.
     Quadratic,
     /// With α = 0 the energy defect was at the round-off level already: no α was needed.
     AtFloor,
-    /// α's were found that bring H back to its reference within the round-off level.
+    /// An α was found that brings H back to its reference within the round-off level.
     Solved,
-    /// Carried: no α changes the energy. The step was made with α = 0 and its defect is left to a later one,
-    /// as in those that follow.
+    /// Uncorrected: no α changes the energy. The step was made with α = 0, and a later step may remove its
+    /// energy error, as in the next three cases.
     NoSlope,
-    /// Carried: the energy would take an α beyond its bound, or one whose stages are not found.
+    /// Uncorrected: the energy would take an α beyond its bound, or one whose stages are not found.
     BeyondBound,
-    /// Carried: the α's would move the end point further than the step's own error allows.
+    /// Uncorrected: α would change the end point more than the step's own error allows.
     TooFar,
-    /// Carried: the step does not resolve its fastest motion. Its energy defect is the error of that motion,
-    /// and α's would take it from the slow one.
+    /// Uncorrected: the step does not resolve its fastest motion. Its energy error is the error of that
+    /// motion, and α would remove it from the slow motion.
     Unresolved,
 }
 
@@ -43,7 +43,7 @@ impl Outcome {
     /// The words used for it in certificates, tables and files.
     pub fn label(self) -> &'static str {
         match self {
-            Outcome::NotAsked => "energy not asked for",
+            Outcome::NotAsked => "energy not requested",
             Outcome::Quadratic => "quadratic H, nothing to do",
             Outcome::AtFloor => "at the round-off level",
             Outcome::Solved => "energy solved",

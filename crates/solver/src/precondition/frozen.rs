@@ -23,7 +23,7 @@ use nalgebra::{Complex, DMatrix};
 pub(crate) struct Frozen {
     rows: Rows,
     schur: Schur,
-    /// For the step from its start, and from its end; that is factorised when it is asked for.
+    /// For the step from its start, and from its end; that is factorised at the first use.
     systems: [ShiftedSystems; 2],
     has_backward: bool,
     /// Right-hand sides, solutions and G times the solutions, row by row of the Schur form.

@@ -3,7 +3,7 @@
 //!
 //! $$ M = I + h\,M_p^{-1} \big[ (K B K)_{ij}\, h b_j \nabla^2 U(Y_j) \big] . $$
 //!
-//! K is that of α = 0, which the α's of a step are near. The step made backwards has Kᵀ in its place.
+//! K is that of α = 0, which the α_k of a step are near. The step made backwards has Kᵀ in its place.
 //! Everything is in doubles: M decides how fast the solution is found, not which.
 //!
 //! Cost: 2/3 (s u)³ operations to factorise for u unknown components, 2 (s u)² for each right-hand side.

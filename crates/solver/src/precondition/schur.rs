@@ -15,7 +15,7 @@
 //! the blocks are joined by back substitution. The eigenvectors of A would do away with the joining, but
 //! their condition grows like 10^(s/2) (1e2 at s = 6, 3e10 at s = 20); W is orthogonal.
 //!
-//! Of a method without α's W S Wᵀ is the real Schur form of A itself, whose k − s further eigenvalues are 0.
+//! Of a method without α_k W S Wᵀ is the real Schur form of A itself, whose k − s further eigenvalues are 0.
 //!
 //! All in f64, once per run: cost O(s³).
 

@@ -180,7 +180,7 @@ fn every_preconditioner_solves_the_equations() {
                 );
             }
         }
-        assert!(solved >= 6, "{solved} steps with α's");
+        assert!(solved >= 6, "{solved} steps with α");
     }
 }
 

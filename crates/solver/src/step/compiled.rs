@@ -61,7 +61,7 @@ impl<T: Float> Core<T> {
         (ready::<T>().step)(self, (y, t, h), next)
     }
 
-    /// Finds the α's of the step of size `h` from `y` at time `t` to `next` that was made last, with α's
+    /// Finds the α_k of the step of size `h` from `y` at time `t` to `next` that was made last, with α_k
     /// [deferred](Self::defer_alphas): the two together are the step as it is without, to rounding.
     ///
     /// # Errors

@@ -18,19 +18,19 @@ pub struct Core<T: Float> {
     pub(crate) energy: Evaluator<T>,
     pub(crate) options: StepOptions<T>,
     pub(crate) counts: Counts,
-    /// What the α's are solved for: the energy first, if it needs any, then further invariants; empty if
+    /// What the α_k are solved for: the energy first, if it needs any, then further invariants; empty if
     /// there is nothing.
     pub(crate) constraints: Vec<Constraint<T>>,
     /// The stages Z, and what finds them.
     pub(crate) stages: Stages<T>,
-    /// α's, and those that a step starts from: zero, or the fixed ones.
+    /// α_k, and those that a step starts from: zero, or the fixed ones.
     pub(crate) alphas: Vec<T>,
     pub(crate) start_alphas: Vec<T>,
     /// What they are solved with, if any are free.
     pub(crate) alpha_solver: Option<Box<AlphaSolver<T>>>,
     /// Where ∇I at the start of a step was evaluated.
     pub(crate) start: Vec<T>,
-    /// Whether the α's of a step wait until it is [completed](Self::complete).
+    /// Whether the α_k of a step wait until it is [completed](Self::complete).
     pub(crate) is_deferred: bool,
     /// The noise of y1 that is not seen in the constraints, as the last step had it: the stages with α = 0
     /// need not be solved further where α follows.
@@ -45,14 +45,14 @@ pub struct Core<T: Float> {
     pub(crate) failed: (Vec<T>, T, T),
 }
 
-/// What the α's are solved with, if any are free.
+/// What the α_k are solved with, if any are free.
 #[derive(Debug)]
 pub(crate) struct AlphaSolver<T: Float> {
-    /// Which way the α's move.
+    /// Which way the α_k move.
     pub(crate) direction: Direction<T>,
     /// `None` if no method has two stages more.
     pub(crate) local_error: Option<LocalError<T>>,
-    /// The stages and the end point with the α's that a step starts from.
+    /// The stages and the end point with the α_k that a step starts from.
     pub(crate) kept: Kept<T>,
     pub(crate) unperturbed: State<T>,
     /// The bound on the change of y1 that earlier steps hand on.
@@ -79,7 +79,7 @@ impl<T: Float> AlphaSolver<T> {
 }
 
 impl<T: Float> Core<T> {
-    /// `constraints` holds what the α's are to be solved for.
+    /// `constraints` holds what the α_k are to be solved for.
     pub fn new(
         system: &Hamiltonian,
         mut energy: Evaluator<T>,
@@ -125,7 +125,7 @@ impl<T: Float> Core<T> {
         }
     }
 
-    /// The energy, if α's are solved for it.
+    /// The energy, if α_k are solved for it.
     pub(crate) fn energy_constraint(&self) -> Option<&Constraint<T>> {
         self.constraints.first().filter(|c| c.is_energy())
     }

@@ -23,7 +23,7 @@ pub(crate) struct Stages<T: Float> {
 }
 
 impl<T: Float> Stages<T> {
-    /// With the α's that a step starts from.
+    /// With the α_k that a step starts from.
     pub(crate) fn new(
         method: Coefficients<T>,
         structure: &Structure,

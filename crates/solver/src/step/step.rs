@@ -33,7 +33,7 @@ impl<T: Float> Core<T> {
         made
     }
 
-    /// The α's of the step just made, if they were [deferred](Self::defer_alphas).
+    /// The α_k of the step just made, if they were [deferred](Self::defer_alphas).
     pub(crate) fn make_complete(
         &mut self,
         (y, t, h): (&State<T>, T, T),

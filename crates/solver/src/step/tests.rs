@@ -37,7 +37,7 @@ fn core(
     core
 }
 
-/// Defects of a few floors that no α's bring down are rounding, whether or not others are refused.
+/// Defects of a few floors that no α_k bring down are rounding, whether or not others are refused.
 #[test]
 fn rounding_is_not_refused() {
     let h = far_kepler();

@@ -139,7 +139,7 @@ def made_here(
 
 
 def _after(made: int, show: Show) -> Show:
-    """Tells of runs beside those that were made before."""
+    """Counts runs in addition to those that were made before."""
     return None if show is None else lambda more: show(made + more)
 
 

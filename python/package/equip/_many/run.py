@@ -95,7 +95,7 @@ def ensemble(
         Of steps by tolerance: sizes, in the unit of time, and their number.
     rtol, atol
         Of steps by tolerance: errors of a step relative to its motion, in place of `tolerance`, and errors
-        that are allowed beside those. A number, or a pair for positions and momenta of numbers or arrays of
+        that are allowed in addition. A number, or a pair for positions and momenta of numbers or arrays of
         the shape `h.shape`.
     threads
         Threads of the machine, at most one for each run; all by default, with an executor one for each chunk.

@@ -45,7 +45,7 @@ pub(crate) fn cases() -> Vec<Case> {
     all
 }
 
-/// Many components, α's along slopes: resolved, too long for fixed-point iteration at the whole step, with
+/// Many components, α_k along slopes: resolved, too long for fixed-point iteration at the whole step, with
 /// stiff springs, and with springs too stiff for halves.
 fn many() -> Vec<Case> {
     let row = |name: &str, scene_name: &'static str, values: &[(&'static str, &str)]| {

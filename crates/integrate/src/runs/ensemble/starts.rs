@@ -39,7 +39,8 @@ impl<T: Float, S: StepSizes<T> + Sync> Integrator<T, S> {
     /// `row` makes of each run: `row(i, run)` is called on the thread that made run number i. `stop` is asked
     /// before every run and after every step; once it is true, the runs that are not finished are `None`.
     ///
-    /// A run that fails is a row like any other. What a run needs beside its start is made once a thread.
+    /// A run that fails is a row like any other. What does not depend on the initial condition is prepared
+    /// once a thread.
     ///
     /// # Errors
     /// Faults of options and steps, which are those of all runs; [`IntegrateError::WrongLength`] if there are
