@@ -35,7 +35,7 @@ fn below_minimum<T: Float>(step: T, min: T, growth: T) -> String {
 pub enum IntegrateError<T: Float> {
     /// The number of stages is outside what the method and the tableau allow.
     #[error(
-        "{stages} stages requested; this method has {min} to {max}: change the argument of `stages`"
+        "{stages} stages requested; this method takes {min} to {max}: change the argument of `stages`"
     )]
     StagesOutOfRange {
         /// Stages requested.
