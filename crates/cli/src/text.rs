@@ -46,6 +46,24 @@ pub(crate) fn without_long_numbers(text: &str) -> String {
     short + rest
 }
 
+/// The symbol of a parameter: its number as a subscript, and Greek letters as such.
+pub(crate) fn symbol(name: &str) -> String {
+    let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let greek = match letters {
+        "mu" => "\u{3bc}",
+        "omega" => "\u{3c9}",
+        "alpha" => "\u{3b1}",
+        "beta" => "\u{3b2}",
+        "epsilon" => "\u{3b5}",
+        "lambda" => "\u{3bb}",
+        "energy" => "E",
+        other => other,
+    };
+    let lowered = |c: char| char::from_u32(0x2080 + c.to_digit(10)?);
+    let digits = name[letters.len()..].chars().filter_map(lowered);
+    greek.chars().chain(digits).collect()
+}
+
 /// A number in at most five digits.
 pub(crate) fn brief(x: f64) -> String {
     significant(x, 5)
