@@ -35,8 +35,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use subject::{ENTRIES, Entry, Subject};
 
-/// How long everything may take.
-const QUICK: Duration = Duration::from_secs(20);
+/// How long the scenes may take; long runs come before.
+const QUICK: Duration = Duration::from_secs(15);
 const COMPLETE: Duration = Duration::from_secs(540);
 
 pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
@@ -75,9 +75,10 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
     };
     let bar = steps_of("scenes", jobs.len());
     let long = long::measure(&wanted, args.quick, &bar)?;
+    let scenes_begun = Instant::now();
     let mut results = Vec::new();
     for (i, (entry, extended)) in jobs.iter().enumerate() {
-        let left = total.saturating_sub(begun.elapsed());
+        let left = total.saturating_sub(scenes_begun.elapsed());
         let scene = left / (jobs.len() - i) as u32;
         let budget = Budget {
             run: scene / 30,
@@ -172,17 +173,16 @@ fn measured<T: Float>(
     let invariants: Vec<_> = (subject.instance.invariants().iter())
         .map(|invariant| invariant.name)
         .collect();
-    let floor = floor(&curves);
     let title = match T::NAME {
-        f64::NAME => subject.title.clone(),
+        f64::NAME => subject.title,
         _ => format!("{}, in double-double", subject.title),
     };
-    let figure = picture::scene(&title, &curves, floor);
+    let figure = picture::scene(&title, &curves, floor(&curves));
     Ok(Results {
         name: subject.name,
         precision: T::NAME,
         invariants,
-        title: subject.title,
+        title,
         source: subject.source,
         targets,
         curves,

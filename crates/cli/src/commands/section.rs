@@ -65,12 +65,12 @@ pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
     let mut out = stdout().lock();
     writeln!(out, "{:<24}{count} of {} orbits", "crossings", orbits.len())?;
     writeln!(out, "{:<24}{steps}", "steps")?;
-    writeln!(out, "{:<24}max {worst:.1e}", "energy defect")?;
+    writeln!(out, "{:<24}max {worst:.1e}", "energy error")?;
     writeln!(out, "{:<24}{}", "plot written to", args.plot.display())?;
     Ok(())
 }
 
-/// The crossings of one orbit, the largest energy defect and the number of steps.
+/// The crossings of one orbit, the largest energy error and the number of steps.
 fn orbit(
     scene: &'static Scene,
     args: &SectionArgs,

@@ -80,11 +80,14 @@ impl Figure {
         }
     }
 
-    /// A picture with at most two panels side by side.
+    /// A picture with two panels side by side, or three if that fills the rows.
     pub(crate) fn svg(&self) -> String {
         let size = |of: fn(&Svg) -> f64| self.panels.iter().map(of).fold(0.0, f64::max);
         let (wide, high) = (size(|p| p.width), size(|p| p.height));
-        let columns = self.panels.len().clamp(1, 2);
+        let columns = match self.panels.len() {
+            6 | 9 => 3,
+            count => count.clamp(1, 2),
+        };
         let width = wide * columns as f64;
         let facts = lines(&self.facts, (width - 40.0) / 6.7);
         let mut y = 34.0 + ROW * facts.len() as f64;

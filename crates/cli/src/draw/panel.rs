@@ -3,7 +3,7 @@
 use crate::draw::svg::{Anchor, BAND, FAINT, FINE_GRID, GRID, INK, Svg};
 
 /// Width and height of a panel with its labels.
-pub(crate) const CELL: (f64, f64) = (520.0, 386.0);
+pub(crate) const CELL: (f64, f64) = (450.0, 360.0);
 /// Room around the frame: left, top, right, below.
 const ROOM: (f64, f64, f64, f64) = (84.0, 34.0, 24.0, 62.0);
 
@@ -98,13 +98,15 @@ impl Axis {
         if !self.logarithmic || self.high - self.low > 2.8 {
             return Vec::new();
         }
-        let decades = (self.low.floor() as i32).max(-3)..=(self.high.floor() as i32).min(3);
+        let decades = self.low.floor() as i32..=self.high.floor() as i32;
         decades
             .flat_map(|d| [2, 5].map(|k| (k, d)))
             .map(|(k, d)| {
-                let places = (-d).max(0) as usize;
-                let value = f64::from(k) * 10_f64.powi(d);
-                (value.log10(), format!("{value:.places$}"))
+                let text = match d {
+                    -3..=3 => format!("{:.*}", (-d).max(0) as usize, f64::from(k) * 10_f64.powi(d)),
+                    _ => format!("{k}e{d}").replace('-', "\u{2212}"),
+                };
+                (f64::from(k).log10() + f64::from(d), text)
             })
             .filter(|(x, _)| (self.low..self.high).contains(x))
             .collect()
@@ -219,6 +221,10 @@ impl Panel {
         for y in self.y.between_decades() {
             let y = bottom - self.height * (y - self.y.low) / (self.y.high - self.y.low);
             svg.line((self.left, y), (right, y), FINE_GRID, 1.0);
+        }
+        for (y, text) in self.y.twos_and_fives() {
+            let y = bottom - self.height * (y - self.y.low) / (self.y.high - self.y.low);
+            svg.text((self.left - 10.0, y + 4.0), 12, Anchor::End, FAINT, &text);
         }
         let (unit, ticks) = self.x.ticks(self.width / 80.0);
         for tick in ticks {

@@ -64,7 +64,8 @@ pub(super) fn energy(orbits: &[Orbit]) -> Figure {
     let spots = |orbit: &Orbit| -> Vec<Spot> {
         let each = orbit.energies.iter().enumerate();
         // On a logarithmic axis, about as many marks in every decade.
-        let each = each.filter(|(k, _)| (k + 1) % (k / 8 + 1) == 0);
+        let part = |n: usize| (8.0 * (n as f64).log10()).floor() as i64;
+        let each = each.filter(|(k, _)| *k == 0 || part(k + 1) > part(*k));
         each.map(|(k, &energy)| Spot::exact((k + 1) as f64, 2.0 * energy))
             .collect()
     };

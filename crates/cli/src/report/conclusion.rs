@@ -28,8 +28,8 @@ fn regular(curves: &[Curve]) -> Option<String> {
     let energy = |curve: &Curve| curve.energies.last().copied().unwrap_or(f64::NAN);
     let [ours, theirs] = [equip, gauss].map(|curve| curve.error_after(n));
     Some(format!(
-        "After {n} revolutions of Kepler’s problem with e = {} under step control, the largest relative energy error is {:.0e} with EQUIP and \
-         {:.0e} with Gauss, and the error of the state {ours:.0e} and {theirs:.0e}: that of EQUIP is {}.",
+        "After {n} revolutions of Kepler’s problem with e = {} under step control, the largest relative energy error is {:.1e} with EQUIP and \
+         {:.1e} with Gauss, and the error of the state {ours:.1e} and {theirs:.1e}: that of EQUIP is {}.",
         equip.eccentricity,
         energy(equip),
         energy(gauss),

@@ -69,11 +69,11 @@ fn pair(eccentricity: &str, revolutions: u64, bar: &ProgressBar) -> Result<Vec<C
     curves.into_iter().collect()
 }
 
-/// Error and energy error against revolutions, two panels for each orbit.
+/// Error and energy error against revolutions, a panel of each for each orbit.
 pub(super) fn figure(title: &str, curves: &[Curve]) -> Figure {
     let mut orbits: Vec<&str> = curves.iter().map(|c| c.eccentricity.as_str()).collect();
     orbits.dedup();
-    let mut plots = Vec::new();
+    let (mut plots, mut energies) = (Vec::new(), Vec::new());
     for orbit in &orbits {
         let of = |curve: &&Curve| curve.eccentricity == **orbit;
         let levels = (curves.iter().filter(of)).filter_map(|curve| {
@@ -90,15 +90,16 @@ pub(super) fn figure(title: &str, curves: &[Curve]) -> Figure {
                 "error of (q, p)",
             )
         });
-        plots.push(Plot {
+        energies.push(Plot {
             floor: levels.reduce(f64::max),
             ..Plot::new(
-                &format!("Energy error up to N, e = {orbit}"),
+                &format!("Energy error, e = {orbit}"),
                 "revolutions N",
                 "largest |ΔH/H₀|",
             )
         });
     }
+    plots.append(&mut energies);
     let line = |is_equip: bool| {
         let like = || {
             curves
@@ -109,12 +110,18 @@ pub(super) fn figure(title: &str, curves: &[Curve]) -> Figure {
         Some(Line {
             name: format!("{}({STAGES})", first.name()),
             look: first.look("none"),
-            points: like().flat_map(Curve::spots).collect(),
+            points: [0, 1]
+                .map(|k| {
+                    like()
+                        .map(move |c| c.spots()[k].clone())
+                        .collect::<Vec<_>>()
+                })
+                .concat(),
         })
     };
     let lines: Vec<Line> = [true, false].into_iter().filter_map(line).collect();
     let facts = format!(
-        "Step control, tolerance {TOLERANCE}; largest error of a component of q and p, 0.3 revolutions after the N-th"
+        "Step control, tolerance {TOLERANCE}; largest error of a component of q and p, 0.3 revolutions after the N-th, and energy error up to there"
     );
     chart(title, &facts, &plots, &lines)
 }

@@ -50,18 +50,14 @@ pub(super) fn page(
     }
     if !results.is_empty() {
         push(
-            "<h2 id=\"time\">Time against error</h2>\n<p>CPU time to an error at the end of a short run, where the energy matters least. \
+            "<h2 id=\"time\">Time against error</h2>\n<p>CPU time to an error at the end of a short run. \
              <span class=\"first\">Green</span>: the fastest method. <span class=\"keeps\">Blue</span>: the fastest that conserves the energy by \
              itself. A setting counts if the next finer one has at most this error too.</p>"
                 .into(),
         );
     }
     for result in results {
-        push(format!(
-            "<h3 id=\"{}\">{}</h3>",
-            result.id(),
-            escape(&result.heading())
-        ));
+        push(format!("<a id=\"{}\"></a>", result.id()));
         push(result.figure.html());
         push(format!(
             "<p>CPU milliseconds to an error. End state: {}.</p>\n{}",
@@ -103,7 +99,7 @@ fn contents(long: &Long, results: &[Results], peers: Option<&Peers>) -> String {
     if !long.close.is_empty() {
         links.push(link(CLOSE, "Close encounters"));
     }
-    links.extend(results.iter().map(|r| link(&r.id(), &r.heading())));
+    links.extend(results.iter().map(|r| link(&r.id(), &r.title)));
     if peers.is_some() {
         links.push(link("peers", "Other programs"));
     }

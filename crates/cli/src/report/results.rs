@@ -5,7 +5,6 @@ use super::contender::Outcome;
 use super::measure::Curve;
 use crate::draw::figure::Figure;
 use crate::limits::FLOORS;
-use equip_scalar::Float;
 
 /// A scene with all that was measured on it.
 #[derive(Debug)]
@@ -23,14 +22,6 @@ pub(crate) struct Results {
 impl Results {
     pub(super) fn id(&self) -> String {
         format!("{}-{}", self.name, self.precision)
-    }
-
-    /// The scene, and the numbers if they are not the usual ones.
-    pub(super) fn heading(&self) -> String {
-        match self.precision {
-            f64::NAME => self.title.clone(),
-            _ => format!("{}, in double-double", self.title),
-        }
     }
 }
 

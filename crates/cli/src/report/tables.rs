@@ -30,7 +30,7 @@ fn uncorrected(is_equip: bool, count: u64) -> String {
 
 /// Runs with step control: errors after the `numbers` of revolutions.
 pub(super) fn growth(curves: &[&growth::Curve], numbers: &[u64]) -> String {
-    let mut heads: Vec<String> = ["e", "method", "tolerance"].map(Into::into).into();
+    let mut heads: Vec<String> = ["method", "e", "tolerance"].map(Into::into).into();
     heads.extend(numbers.iter().map(|n| format!("error after {n}")));
     let more = [
         "max |ΔH/H₀|",
@@ -43,8 +43,8 @@ pub(super) fn growth(curves: &[&growth::Curve], numbers: &[u64]) -> String {
     let row = |curve: &&growth::Curve| {
         let c = &curve.certificate;
         let mut cells = vec![
-            escape(&curve.eccentricity),
             format!("{}(8)", curve.name()),
+            escape(&curve.eccentricity),
             escape(&curve.tolerance),
         ];
         cells.extend(
