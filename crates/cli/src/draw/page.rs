@@ -17,7 +17,7 @@ th, td { padding: .15rem .7rem; text-align: left; border-bottom: 1px solid #8884
 .yes, .first { color: var(--good); font-weight: bold; } .no { color: var(--bad); font-weight: bold; }
 .rows td, .rows th { text-align: right; white-space: nowrap; padding: .15rem .5rem; font-size: 13px; }
 .rows :is(th, td):is(:first-child, :nth-child(2), :nth-child(4), :last-child) { text-align: left; }
-.rows thead th { white-space: normal; vertical-align: bottom; } .rows td:last-child { min-width: 20rem; white-space: normal; }
+.rows thead th { white-space: normal; vertical-align: bottom; } .rows td:last-child { min-width: 17rem; white-space: normal; } .rows td:first-child { min-width: 9rem; white-space: normal; }
 .rows .theme th::first-letter { text-transform: uppercase; } .rows .theme th { padding-top: 1.2rem; font-size: 1.1rem; }
 .pass b { color: var(--good); } .fail { background: #d1242f33; } .fail b { color: var(--bad); } .expected b, .known b { color: var(--note); }
 .keeps { color: var(--note); font-weight: bold; } small, .note { color: GrayText; }

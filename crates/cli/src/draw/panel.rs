@@ -57,18 +57,6 @@ impl Axis {
         }
     }
 
-    /// Whole decades from `low` on, exactly to `end`, both positive; to 1 if `end` is not.
-    pub(crate) fn decades_to(low: f64, end: f64, label: &str) -> Self {
-        let (low, end) = if end > 0.0 { (low, end) } else { (0.1, 1.0) };
-        let (low, high) = (low.log10().floor(), end.log10());
-        Axis {
-            low: low.min(high - 1.0),
-            high,
-            logarithmic: true,
-            label: label.into(),
-        }
-    }
-
     fn widen(&mut self, factor: f64) {
         let (middle, half) = ((self.low + self.high) / 2.0, (self.high - self.low) / 2.0);
         (self.low, self.high) = (middle - half * factor, middle + half * factor);
@@ -324,14 +312,6 @@ mod tests {
         ] {
             assert_eq!(tick_text(tick, unit, largest), text);
         }
-    }
-
-    #[test]
-    fn an_axis_to_the_end_of_a_run_of_no_length_is_finite() {
-        let axis = Axis::decades_to(0.0, 0.0, "");
-        assert_eq!((axis.low, axis.high), (-1.0, 0.0));
-        let axis = Axis::decades_to(1.0, 50.0, "");
-        assert_eq!((axis.low, axis.high), (0.0, 50f64.log10()));
     }
 
     #[test]

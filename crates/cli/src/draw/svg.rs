@@ -18,7 +18,7 @@ pub(crate) const EQUIP: &str = "#0072b2";
 pub(crate) const GAUSS: &str = "#d55e00";
 /// Bodies, orbits and other things side by side.
 pub(crate) const COLOURS: [&str; 6] = [
-    "#009e73", "#b8558e", "#3a9bd6", "#8c6d1f", "#6b6b6b", "#5b4ea3",
+    "#009e73", "#882255", "#3a9bd6", "#8c6d1f", "#6b6b6b", "#5b4ea3",
 ];
 
 /// Colours on white paper, and what they are where the reader prefers dark paper. Programs that know no
@@ -32,8 +32,8 @@ const DARK: [(&str, &str); 13] = [
     (BAND, "#3d4045"),
     (EQUIP, "#4ea8e6"),
     (GAUSS, "#f58a3a"),
-    (COLOURS[0], "#2fc09a"),
-    (COLOURS[1], "#dc86b6"),
+    (COLOURS[0], "#5fe0b8"),
+    (COLOURS[1], "#c2689c"),
     (COLOURS[3], "#c9a648"),
     (COLOURS[4], "#a8a8a8"),
     (COLOURS[5], "#9d92e0"),
@@ -83,26 +83,19 @@ pub(crate) enum Mark {
 }
 
 impl Mark {
-    /// Its corners, for a radius of 1.
-    fn corners(self) -> &'static [(f64, f64)] {
-        match self {
-            Mark::Disc => &[
-                (1.0, 0.0),
-                (0.81, 0.59),
-                (0.31, 0.95),
-                (-0.31, 0.95),
-                (-0.81, 0.59),
-                (-1.0, 0.0),
-                (-0.81, -0.59),
-                (-0.31, -0.95),
-                (0.31, -0.95),
-                (0.81, -0.59),
-            ],
-            Mark::Square => &[(-0.88, -0.88), (0.88, -0.88), (0.88, 0.88), (-0.88, 0.88)],
-            Mark::Diamond => &[(0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)],
-            Mark::Triangle => &[(0.0, -1.2), (1.2, 0.9), (-1.2, 0.9)],
-            Mark::Wedge => &[(0.0, 1.2), (1.2, -0.9), (-1.2, -0.9)],
-        }
+    /// The corners of a regular polygon, from the one at this angle on, for a radius of 1.
+    fn corners(self) -> impl Iterator<Item = (f64, f64)> {
+        let (count, first, radius) = match self {
+            Mark::Disc => (12, 0.0, 1.0),
+            Mark::Square => (4, 45.0, 1.2),
+            Mark::Diamond => (4, 0.0, 1.25),
+            Mark::Triangle => (3, -90.0, 1.3),
+            Mark::Wedge => (3, 90.0, 1.3),
+        };
+        (0..count).map(move |k| {
+            let angle = f64::to_radians(first + 360.0 * f64::from(k) / f64::from(count));
+            (radius * angle.cos(), radius * angle.sin())
+        })
     }
 }
 
@@ -245,7 +238,7 @@ impl Svg {
     ) {
         let mut path = String::new();
         for (x, y) in points {
-            for (k, (right, down)) in mark.corners().iter().enumerate() {
+            for (k, (right, down)) in mark.corners().enumerate() {
                 let letter = if k == 0 { 'M' } else { 'L' };
                 let (x, y) = (x + right * radius, y + down * radius);
                 let _ = write!(path, "{letter}{x:.1} {y:.1}");

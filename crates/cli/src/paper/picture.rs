@@ -84,7 +84,7 @@ pub(super) fn energy(orbits: &[Orbit]) -> Figure {
 /// g(α, h)/h³ over α, and α₀ over h.
 pub(super) fn residual(residual: &Residual, rows: &[Convergence]) -> Figure {
     let curves = &residual.curves;
-    let colours = [EQUIP, COLOURS[0], COLOURS[1]];
+    let colours = [EQUIP, COLOURS[3], INK];
     let lines = curves.iter().zip(colours);
     let legend =
         lines.map(|(c, colour)| (format!("{} steps a period", c.steps), Look::line(colour)));

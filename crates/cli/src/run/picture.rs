@@ -235,15 +235,17 @@ fn energies<T: Float>(
 /// λ(t), which falls like ln t/t for regular motion, and MEGNO, which stays near 2.
 fn chaos(figure: &mut Figure, seen: &Curve, end: f64, time: &str) {
     let positive = || seen.pairs(0).filter(|&(t, x)| t > 0.0 && x > 0.0);
-    let values = positive().map(|point| point.1);
-    let (low, high) = values.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| {
-        (low.min(x), high.max(x))
-    });
-    let (low, high) = if high > 0.0 { (low, high) } else { (0.1, 1.0) };
-    let first = positive().map(|point| point.0).fold(end, f64::min);
+    let axis = |of: fn((f64, f64)) -> f64, margin, label| {
+        let range = positive().map(of).fold(None, |range, x| {
+            let (low, high) = range.unwrap_or((x, x));
+            Some((x.min(low), x.max(high)))
+        });
+        let (low, high) = range.unwrap_or((0.1, 1.0));
+        Axis::powers(low, high, margin, label)
+    };
     let exponent = Panel::new(
-        Axis::decades_to(first, end, time),
-        Axis::powers(low, high, 0.25, "\u{3bb}(t)"),
+        axis(|point| point.0, 0.0, time),
+        axis(|point| point.1, 0.25, "\u{3bb}(t)"),
     );
     let mut svg = exponent.svg("Lyapunov exponent");
     for stretch in positive_stretches(seen.pairs(0)) {
