@@ -139,6 +139,7 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
     }
     let page = args.out.join("report.html");
     let scenes = match results.len() {
+        0 => "report".into(),
         1 => "1 scene".into(),
         several => format!("{several} scenes"),
     };
