@@ -1,5 +1,5 @@
-//! `equip report`: EQUIP compared with Gauss. First long runs with step control and close encounters, then for
-//! each scene error against run time.
+//! `equip report`: EQUIP compared with Gauss. First long runs with step control and close encounters, then
+//! for each scene error against run time.
 //!
 //! All methods get the same H, the same gradient (derived from the traced H), the same initial state and the
 //! same end; the error is the largest difference from the end state in any component of q and p. One thread;
