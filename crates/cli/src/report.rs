@@ -16,7 +16,6 @@ mod peers;
 mod picture;
 mod results;
 mod subject;
-mod tables;
 
 use crate::args::ReportArgs;
 use crate::commands::growth;

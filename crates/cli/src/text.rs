@@ -81,9 +81,27 @@ pub(crate) fn significant(x: f64, digits: usize) -> String {
     }
 }
 
+/// Three digits, or nothing.
+pub(crate) fn three_digits(x: f64) -> String {
+    match x {
+        x if !x.is_finite() => String::new(),
+        x if (0.1..1e4).contains(&x) => {
+            let decimals = (2.0 - x.log10().floor()).clamp(0.0, 3.0) as usize;
+            format!("{x:.decimals$}")
+        }
+        x => format!("{x:.2e}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{significant, without_long_numbers, wrapped};
+    use super::{significant, three_digits, without_long_numbers, wrapped};
+
+    #[test]
+    fn three_digits_are_enough() {
+        let texts = [0.012345, 0.12345, 1.2345, 123.45, 12345.0, f64::NAN].map(three_digits);
+        assert_eq!(texts, ["1.23e-2", "0.123", "1.23", "123", "1.23e4", ""]);
+    }
 
     #[test]
     fn words_stay_whole_and_lines_short() {

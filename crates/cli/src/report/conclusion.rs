@@ -3,9 +3,9 @@
 use super::accuracy::Time;
 use super::long::{Long, REVOLUTIONS};
 use super::results::{Results, times};
-use super::tables::brief;
 use crate::commands::growth::Curve;
 use crate::limits::FLOORS;
+use crate::text::three_digits;
 
 /// The sentences, of the parts that were measured.
 pub(super) fn conclusion(long: &Long, results: &[Results]) -> Vec<String> {
@@ -103,8 +103,8 @@ fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 /// A ratio in words.
 fn compared(ratio: f64) -> String {
     match ratio {
-        x if x < 0.95 => format!("smaller by a factor of {}", brief(1.0 / x)),
-        x if x > 1.05 => format!("larger by a factor of {}", brief(x)),
+        x if x < 0.95 => format!("smaller by a factor of {}", three_digits(1.0 / x)),
+        x if x > 1.05 => format!("larger by a factor of {}", three_digits(x)),
         x if x.is_nan() => "not comparable".into(),
         _ => "as large".into(),
     }

@@ -1,11 +1,11 @@
 //! What `benches/peers` measured, read from its JSON file to be joined to the page.
 
-use super::tables::brief;
 use crate::draw::chart::{Line, Plot, Spot, chart};
 use crate::draw::figure::{Figure, Look};
 use crate::draw::page::table;
 use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark, escape};
 use crate::fault::Fault;
+use crate::text::three_digits;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -165,10 +165,10 @@ fn against(scene: &Scene) -> String {
                     let ours = is_ours(&program.program);
                     let ratio = r.ratio_to_quickest_peer.filter(|_| ours);
                     let ratio = ratio.map_or(String::new(), |x| format!(" ({x:.2})"));
-                    let spread = format!("{} to {}", brief(r.least), brief(r.most));
+                    let spread = format!("{} to {}", three_digits(r.least), three_digits(r.most));
                     format!(
                         "<span title=\"{spread}\">{}{ratio}</span> <small>{}</small>",
-                        brief(r.milliseconds),
+                        three_digits(r.milliseconds),
                         escape(&r.method)
                     )
                 }
@@ -185,9 +185,9 @@ fn at_tolerance(at: &AtTolerance) -> String {
         vec![
             escape(&row.program),
             escape(&row.method),
-            brief(row.milliseconds),
-            brief(row.least),
-            brief(row.most),
+            three_digits(row.milliseconds),
+            three_digits(row.least),
+            three_digits(row.most),
             row.error.map_or("–".into(), |e| format!("{e:.1e}")),
         ]
     };

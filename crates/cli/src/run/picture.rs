@@ -4,7 +4,7 @@
 use crate::draw::figure::{Figure, Look};
 use crate::draw::panel::{Axis, Panel};
 use crate::draw::samples::{Envelope, Path as Curve};
-use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark, Svg};
+use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark};
 use crate::run::comparison::Comparison;
 use crate::run::finished::Finished;
 use crate::run::watch::Watch;
@@ -47,14 +47,14 @@ pub(crate) fn draw<T: Float>(
     }
     let end = certificate.end.to_f64();
     let unit = instance.units().time;
-    let energy = energies(
+    let time = Axis::between(end.min(0.0), end.max(0.0), &labelled("time t", unit));
+    energies(
+        &mut figure,
         finished,
         &watch.picture.energy,
         comparison,
-        &mut figure.legend,
+        time,
     );
-    let time = Axis::between(end.min(0.0), end.max(0.0), &labelled("time t", unit));
-    figure.panels.push(energy(time));
     if watch.follows_chaos {
         let since = if end < 0.0 {
             "time since the start"
@@ -174,14 +174,15 @@ fn profile<T: Float>(figure: &mut Figure, start: &[T], finished: &Finished<'_, T
     figure.panels.push(svg);
 }
 
-/// |ΔH/H₀| over time, or |ΔH| where H₀ is small compared with round-off: what draws the panel on an axis of
-/// time. Exact zeros are left out.
+/// |ΔH/H₀| over time, or |ΔH| where H₀ is small compared with round-off. Exact zeros are left out.
 fn energies<T: Float>(
+    figure: &mut Figure,
     finished: &Finished<'_, T>,
     energy: &Envelope,
     comparison: Option<&Comparison>,
-    legend: &mut Vec<(String, Look)>,
-) -> impl FnOnce(Axis) -> Svg + use<T> {
+    time: Axis,
+) {
+    let legend = &mut figure.legend;
     let certificate = finished.run.certificate();
     let start = (certificate.energy.as_ref()).map_or(0.0, |e| e.start.to_f64().abs());
     let epsilon = T::EPSILON.to_f64();
@@ -217,19 +218,18 @@ fn energies<T: Float>(
         points.iter_mut().for_each(|point| point.1 /= unit);
     }
     let floor = floor / unit;
-    move |time: Axis| {
-        let all = curves.iter().flat_map(|(points, _)| points);
-        let (low, high) = all.fold((floor, floor), |(low, high), point| {
-            (low.min(point.1), high.max(point.1))
-        });
-        let mut panel = Panel::new(time, Axis::powers(low.max(1e-3 * floor), high, 0.25, label));
-        panel.floor = Some(floor);
-        let mut svg = panel.svg(heading);
-        for (points, colour) in &curves {
-            svg.polyline(points.iter().map(|&point| panel.at(point)), colour, 1.3);
-        }
-        svg
+    let all = curves.iter().flat_map(|(points, _)| points);
+    let (low, high) = all.fold((floor, floor), |(low, high), point| {
+        (low.min(point.1), high.max(point.1))
+    });
+    let y = Axis::powers(low.max(1e-3 * floor), high, 0.25, label);
+    let mut panel = Panel::new(time, y);
+    panel.floor = Some(floor);
+    let mut svg = panel.svg(heading);
+    for (points, colour) in &curves {
+        svg.polyline(points.iter().map(|&point| panel.at(point)), colour, 1.3);
     }
+    figure.panels.push(svg);
 }
 
 /// λ(t), which falls like ln t/t for regular motion, and MEGNO, which stays near 2.
