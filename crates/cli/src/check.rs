@@ -61,7 +61,7 @@ pub(crate) fn check(args: &CheckArgs) -> Result<(), Fault> {
     let json_text = json.as_ref().map(|_| documents::json(&rows, &summary));
     let json_text = json_text.transpose().map_err(std::io::Error::from)?;
     let csv_text = csv.as_ref().map(|_| documents::csv(&rows));
-    let html_text = html.as_ref().map(|_| html::page(&rows, &summary));
+    let html_text = html.as_ref().map(|_| html::document(&rows, &summary));
     for (file, text) in [(json, json_text), (csv, csv_text), (html, html_text)] {
         if let (Some(file), Some(text)) = (file, text) {
             file.write(&text)?;

@@ -1,8 +1,8 @@
 //! The limits by which `equip check` judges a row, and which its help names.
 
-/// Largest energy defect in round-off levels.
+/// Largest energy error in round-off levels.
 pub(crate) const FLOORS: f64 = 8.0;
-/// Largest energy defect beside uncorrected steps over that of Gauss.
+/// Largest energy error beside uncorrected steps over that of Gauss.
 pub(crate) const UNCORRECTED: f64 = 2.0;
 /// Largest trajectory error over that of Gauss.
 pub(crate) const TRAJECTORY: f64 = 3.0;

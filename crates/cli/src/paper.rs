@@ -46,7 +46,7 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Fault> {
         file.write(&format!("{text}\n"))?;
     }
     if let Some(file) = html {
-        file.write(&page::page(&paper))?;
+        file.write(&page::document(&paper))?;
     }
     let rows = paper.statements.len();
     match paper.statements.iter().filter(|s| !s.holds).count() {

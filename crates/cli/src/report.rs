@@ -1,12 +1,15 @@
-//! `equip report`: for each scene, error against run time of EQUIP and Gauss.
+//! `equip report`: EQUIP compared with Gauss. First long runs with step control and close encounters, then
+//! for each scene error against run time.
 //!
-//! All methods get the same H, the same gradient (that of the library, from the recorded H), the same start
-//! and the same end; the error is the largest difference from the end state in any component of q and p. One
-//! thread; [`measure`] says how the times are taken.
+//! All methods get the same H, the same gradient (derived from the traced H), the same initial state and the
+//! same end; the error is the largest difference from the end state in any component of q and p. One thread;
+//! [`measure`] describes how the times are measured.
 
 mod accuracy;
+mod conclusion;
 mod contender;
 mod csv;
+mod long;
 mod measure;
 mod page;
 mod peers;
@@ -15,21 +18,24 @@ mod results;
 mod subject;
 
 use crate::args::ReportArgs;
+use crate::commands::growth;
 use crate::fault::Fault;
+use crate::limits::FLOORS;
 use crate::run::progress::steps_of;
+use crate::text::wrapped;
 use contender::contenders;
 use equip_scalar::{DoubleDouble, Float};
 use indicatif::ProgressBar;
 use measure::{Budget, curves};
-use results::Results;
+use results::{Results, floor};
 use std::fs;
 use std::io::{Write, stdout};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use subject::{ENTRIES, Entry, Subject};
 
-/// How long everything may take.
-const QUICK: Duration = Duration::from_secs(45);
+/// How long the scenes may take; long runs come before.
+const QUICK: Duration = Duration::from_secs(15);
 const COMPLETE: Duration = Duration::from_secs(540);
 
 pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
@@ -49,7 +55,10 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
         let quick = entry.quick && (!extended || entry.name.starts_with("kepler"));
         name.contains(&wanted) && (quick || !args.quick)
     });
-    if jobs.is_empty() {
+    let has_long = [long::LONG, long::CLOSE]
+        .iter()
+        .any(|name| name.contains(&wanted));
+    if jobs.is_empty() && !has_long {
         return Err(Fault::Option {
             option: "--only",
             value: wanted,
@@ -64,9 +73,11 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
         (None, false) => COMPLETE,
     };
     let bar = steps_of("scenes", jobs.len());
+    let long = long::measure(&wanted, args.quick, &bar)?;
+    let scenes_begun = Instant::now();
     let mut results = Vec::new();
     for (i, (entry, extended)) in jobs.iter().enumerate() {
-        let left = total.saturating_sub(begun.elapsed());
+        let left = total.saturating_sub(scenes_begun.elapsed());
         let scene = left / (jobs.len() - i) as u32;
         let budget = Budget {
             run: scene / 30,
@@ -94,24 +105,31 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
     }
     bar.finish_and_clear();
     let facts = facts(&results, begun);
+    let sentences = conclusion::conclusion(&long, &results);
+    let texts = (&sentences[..], &facts[..]);
     let mut files = vec![
         (
             "report.html".to_owned(),
-            page::page(&results, &facts, peers.as_ref()),
+            page::page(texts, &long, &results, peers.as_ref()),
         ),
         ("runs.csv".to_owned(), csv::runs(&results)),
         ("times.csv".to_owned(), csv::accuracies(&results)),
     ];
-    for result in &results {
-        files.push((
-            format!("{}-{}.svg", result.name, result.precision),
-            result.svg.clone(),
-        ));
+    for (name, curves) in [(long::LONG, &long.regular), (long::CLOSE, &long.close)] {
+        if !curves.is_empty() {
+            files.push((format!("{name}.csv"), growth::table(curves)));
+            let title = "Kepler’s problem with step control";
+            files.push((format!("{name}.svg"), long::figure(title, curves).svg()));
+        }
     }
+    let pictures = results
+        .iter()
+        .map(|r| (format!("{}.svg", r.id()), &r.figure));
+    files.extend(pictures.map(|(name, figure)| (name, figure.svg())));
     for scene in peers.iter().flat_map(|p| &p.scenes) {
         files.push((
             format!("peers-{}.svg", scene.scene.replace(['/', '\\'], "-")),
-            scene.picture(),
+            scene.figure().svg(),
         ));
     }
     for (name, text) in &files {
@@ -120,11 +138,16 @@ pub(crate) fn report(args: &ReportArgs) -> Result<(), Fault> {
     }
     let page = args.out.join("report.html");
     let scenes = match results.len() {
+        0 => "report".into(),
         1 => "1 scene".into(),
         several => format!("{several} scenes"),
     };
+    let mut out = stdout().lock();
+    for sentence in &sentences {
+        writeln!(out, "{}\n", wrapped("", 0, sentence))?;
+    }
     writeln!(
-        stdout(),
+        out,
         "{scenes} in {:.0} s: {}",
         begun.elapsed().as_secs_f64(),
         page.display()
@@ -150,18 +173,20 @@ fn measured<T: Float>(
     let invariants: Vec<_> = (subject.instance.invariants().iter())
         .map(|invariant| invariant.name)
         .collect();
-    let shown = invariants.first().copied().filter(|_| entry.long);
-    let title = format!("{}, {}", subject.title, T::NAME);
-    let svg = picture::scene(&title, &curves, shown);
+    let title = match T::NAME {
+        f64::NAME => subject.title,
+        _ => format!("{}, in double-double", subject.title),
+    };
+    let figure = picture::scene(&title, &curves, floor(&curves));
     Ok(Results {
         name: subject.name,
         precision: T::NAME,
         invariants,
-        title: subject.title,
+        title,
         source: subject.source,
         targets,
         curves,
-        svg,
+        figure,
     })
 }
 
@@ -189,10 +214,11 @@ fn facts(results: &[Results], begun: Instant) -> Vec<String> {
     vec![
         format!("equip {}, {build}", env!("CARGO_PKG_VERSION")),
         format!("{cpu}, {cores} cores, {} on {}; one thread is used", std::env::consts::OS, std::env::consts::ARCH),
-        format!("milliseconds of CPU time of whole runs, without recording H; medians of {fewest} to {most} interleaved repeats, their spread in the tables"),
+        format!("CPU time of complete runs in which H is not measured; medians of {fewest} to {most} interleaved repeats; the tables have their spread"),
         "error: the largest difference in any component of q and p at the end; H is given as a closure, and all methods use the gradient derived from it".into(),
-        "times to an error: interpolated linearly in both logarithms; a setting counts if the next finer one stays within the error too".into(),
-        format!("made in {:.0} s", begun.elapsed().as_secs_f64()),
+        format!("hollow marks: |ΔH| exceeds {FLOORS} round-off levels of H"),
+        "times to an error: interpolated linearly in both logarithms; a setting counts if the next finer one has at most this error too".into(),
+        format!("measured in {:.0} s", begun.elapsed().as_secs_f64()),
     ]
 }
 

@@ -46,6 +46,24 @@ pub(crate) fn without_long_numbers(text: &str) -> String {
     short + rest
 }
 
+/// The symbol of a parameter: its number as a subscript, and Greek letters as such.
+pub(crate) fn symbol(name: &str) -> String {
+    let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let greek = match letters {
+        "mu" => "\u{3bc}",
+        "omega" => "\u{3c9}",
+        "alpha" => "\u{3b1}",
+        "beta" => "\u{3b2}",
+        "epsilon" => "\u{3b5}",
+        "lambda" => "\u{3bb}",
+        "energy" => "E",
+        other => other,
+    };
+    let lowered = |c: char| char::from_u32(0x2080 + c.to_digit(10)?);
+    let digits = name[letters.len()..].chars().filter_map(lowered);
+    greek.chars().chain(digits).collect()
+}
+
 /// A number in at most five digits.
 pub(crate) fn brief(x: f64) -> String {
     significant(x, 5)
@@ -63,9 +81,27 @@ pub(crate) fn significant(x: f64, digits: usize) -> String {
     }
 }
 
+/// Three digits, or nothing.
+pub(crate) fn three_digits(x: f64) -> String {
+    match x {
+        x if !x.is_finite() => String::new(),
+        x if (0.1..1e4).contains(&x) => {
+            let decimals = (2.0 - x.log10().floor()).clamp(0.0, 3.0) as usize;
+            format!("{x:.decimals$}")
+        }
+        x => format!("{x:.2e}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{significant, without_long_numbers, wrapped};
+    use super::{significant, three_digits, without_long_numbers, wrapped};
+
+    #[test]
+    fn three_digits_are_enough() {
+        let texts = [0.012345, 0.12345, 1.2345, 123.45, 12345.0, f64::NAN].map(three_digits);
+        assert_eq!(texts, ["1.23e-2", "0.123", "1.23", "123", "1.23e4", ""]);
+    }
 
     #[test]
     fn words_stay_whole_and_lines_short() {

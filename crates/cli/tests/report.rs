@@ -91,8 +91,8 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
     }
 
     let times = std::fs::read_to_string(out.join("times.csv")).unwrap();
-    // 3 EQUIP, 1 with variable steps, 3 Gauss; 4 targets; a header.
-    assert_eq!(times.lines().count(), 1 + 7 * 4);
+    // EQUIP and Gauss, each with 3 numbers of stages and with step control; 4 targets; a header.
+    assert_eq!(times.lines().count(), 1 + 8 * 4);
     assert!(
         times
             .lines()
@@ -100,29 +100,50 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
     );
 
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
-    // The first advice is the quickest of those that keep the energy.
-    let advised = page.split("To begin with: ").nth(1).unwrap();
-    let advised = advised.split(", the quickest").next().unwrap();
-    let quickest = times
-        .lines()
-        .filter(|l| l.contains(",EQUIP") && l.contains(",1e-10,"))
-        .filter_map(|l| {
-            let cells: Vec<&str> = l.split(',').collect();
-            Some((cells[4].parse::<f64>().ok()?, cells[2]))
-        })
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .unwrap();
-    assert_eq!(advised, quickest.1);
+    // The conclusion has the range of the times of EQUIP over those of Gauss with as many stages.
+    let interpolated = |method: &str, target: &str| -> Option<f64> {
+        let start = format!("kepler-0.6,f64,{method},{target},");
+        let line = times.lines().find(|line| line.starts_with(&start))?;
+        let time = line[start.len()..].strip_suffix(",interpolated")?;
+        time.parse().ok()
+    };
+    let mut ratios = Vec::new();
+    for method in ["(4)", "(6)", "(8)", "(8) step control"] {
+        for target in ["1e-6", "1e-8", "1e-10", "1e-12"] {
+            let time = |name| interpolated(&format!("{name}{method}"), target);
+            ratios.extend(
+                time("EQUIP")
+                    .zip(time("Gauss"))
+                    .map(|(ours, theirs)| ours / theirs),
+            );
+        }
+    }
+    let (low, high) = ratios
+        .iter()
+        .fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| {
+            (low.min(*x), high.max(*x))
+        });
+    let conclusion = page.split("class=\"conclusion\"").nth(1).unwrap();
+    let conclusion = conclusion.split("</ol>").next().unwrap();
+    let expected = if ratios.is_empty() {
+        "cannot be compared".to_owned()
+    } else {
+        format!("{low:.2} to {high:.2} times")
+    };
+    assert!(conclusion.contains(&expected), "{conclusion}: {expected}");
+    assert_eq!(conclusion.matches("<li>").count(), 1);
+    // The column of uncorrected steps is the last.
+    assert!(lines[0].ends_with(",uncorrected"));
     assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
     assert!(
         !page.contains("src=") && page.matches("href=").count() == page.matches("href=\"#").count(),
         "needs nothing else"
     );
     assert!(!page.contains("NaN") && !page.contains(">inf"));
-    assert_eq!(page.matches("<svg").count(), 2);
+    assert_eq!(page.matches("<figure").count(), 2);
     assert!(page.contains("Laplace-Runge-Lenz x"));
     assert!(
-        page.contains("Compared with other integrators")
+        page.contains("Compared with other programs")
             && page.contains("(0.50)")
             && page.contains("heyoka 7.13.2</p>")
             && page.contains("All at tolerance 1e-14")
@@ -137,6 +158,35 @@ fn a_page_with_pictures_and_tables_that_agree_with_each_other() {
                 && !svg.contains("inf")
         );
     }
+}
+
+#[test]
+fn long_runs_come_first() {
+    let out = directory("report-long");
+    let output = report(&[
+        "--quick",
+        "--only",
+        "long-runs",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(output.status.code(), Some(0));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    // Measured: 5e-12 and 2.5e-10.
+    assert!(
+        text.contains("1000 revolutions")
+            && text.contains("that of EQUIP is smaller by a factor of"),
+        "{text}"
+    );
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("uncorrected steps") && !page.contains("NaN"));
+    assert!(
+        std::fs::read_to_string(out.join("long-runs.csv"))
+            .unwrap()
+            .contains("0.6,1e-12,Gauss,1000.3,")
+    );
+    assert!(out.join("long-runs.svg").exists());
 }
 
 #[test]

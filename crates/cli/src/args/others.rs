@@ -54,7 +54,7 @@ pub(crate) struct SectionArgs {
         help_heading = "Method"
     )]
     pub(crate) tolerance: String,
-    /// Where to draw
+    /// Where to draw; a page if the name ends in .html
     #[arg(
         long,
         value_name = "FILE.svg",
@@ -101,7 +101,7 @@ pub(crate) struct GrowthArgs {
     /// Stages s: the order is 2s
     #[arg(long, short, default_value_t = 8, allow_negative_numbers = true, value_parser = stages, help_heading = "Method")]
     pub(crate) stages: usize,
-    /// Where to draw
+    /// Where to draw; a page if the name ends in .html
     #[arg(
         long,
         value_name = "FILE.svg",
@@ -158,23 +158,24 @@ pub(crate) struct PaperArgs {
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "For each scene: error at the end and energy defect against run time, work counts, and the time to given \
-        errors, of EQUIP and Gauss with several numbers of stages. All use the gradient derived from H; benches/peers compares with \
-        other methods and programs.\n\n\
-        The directory gets report.html, which needs nothing else, runs.csv, times.csv, and one SVG file a scene.\n\n\
+    after_help = "First Kepler's problem with step control: error and energy after 1000 revolutions, 10\u{2075} in the complete report, and with close \
+        encounters (long-runs, close-encounters). Then for each scene error and energy error against run time, work counts, and the time to \
+        given errors, of EQUIP and Gauss with several numbers of stages. Three sentences on top say what the figures of the run say. All \
+        use the gradient derived from H; benches/peers compares with other methods and programs.\n\n\
+        The directory gets report.html, which needs nothing else, runs.csv, times.csv, and for long runs, close encounters and each scene an SVG file.\n\n\
         Examples:\n  \
         equip report --quick\n  \
         equip report --only kepler --out kepler-report\n  \
         equip report --peers benches/peers/out/peers.json"
 )]
 pub(crate) struct ReportArgs {
-    /// Fewer scenes and methods, in less than a minute; all of it takes less than ten
+    /// Fewer scenes and methods, in less than half a minute; all of it takes less than twelve minutes
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Scenes whose name, like kepler-0.6-f64 or pendulum-dd, contains TEXT
+    /// Parts whose name, like long-runs, kepler-0.6-f64 or pendulum-dd, contains TEXT
     #[arg(long, value_name = "TEXT")]
     pub(crate) only: Option<String>,
-    /// Time to spend; more of it means finer settings and more repeats
+    /// Time to spend on the scenes; more of it means finer settings and more repeats
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = seconds)]
     pub(crate) seconds: Option<f64>,
     /// Directory to write to; it is made if it is not there

@@ -121,7 +121,8 @@ pub(crate) struct RunArgs {
     /// Write every K-th step only (the last one always)
     #[arg(long, value_name = "K", default_value_t = 1, allow_negative_numbers = true, value_parser = whole(1, u64::MAX), help_heading = "Output")]
     pub(crate) every: u64,
-    /// Draw orbit or phase portrait, and the energy defect over time
+    /// Draw orbit or phase portrait, and the relative energy error over time; a page whose panels stack
+    /// in a narrow window if the name ends in .html
     #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
     pub(crate) plot: Option<PathBuf>,
     /// Leave out the energy error of Gauss with the same steps or tolerance, which the plot shows too

@@ -4,23 +4,9 @@ use super::measure::Row;
 use super::outcomes::{LEGEND, outcomes};
 use super::summary::Summary;
 use super::verdict::Word;
+use crate::draw::page;
+use crate::draw::svg::escape;
 use std::fmt::Write;
-
-const STYLE: &str = "
-:root { color-scheme: light dark; }
-body { font: 14px/1.4 system-ui, sans-serif; margin: 1.5rem auto; max-width: 1360px; padding: 0 1rem; }
-table { border-collapse: collapse; width: 100%; }
-td { white-space: nowrap; }
-th, td { padding: .15rem .4rem; font-size: 13px; text-align: right; border-bottom: 1px solid #8884; }
-thead th { position: sticky; top: 0; background: Canvas; }
-tr > :first-child, tr > :nth-child(2), tr > :nth-child(4), tr > :last-child { text-align: left; }
-td:first-child, td:nth-child(2), td:nth-child(4), td:last-child { white-space: normal; }
-td:last-child { min-width: 15rem; overflow-wrap: anywhere; }
-tr.theme th { text-align: left; padding-top: 1.2rem; font-size: 1.1rem; }
-tr.pass b { color: #1a7f37; } tr.fail { background: #d1242f33; } tr.fail b { color: #d1242f; }
-tr.expected b { color: #0969da; } tr.known b { color: #9a6700; }
-small { color: GrayText; }
-";
 
 const COLUMNS: [&str; 13] = [
     "case",
@@ -38,7 +24,7 @@ const COLUMNS: [&str; 13] = [
     "verdict",
 ];
 
-pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
+pub(crate) fn document(rows: &[Row], summary: &Summary) -> String {
     let mut body = String::new();
     let mut theme = "";
     for row in rows {
@@ -65,14 +51,14 @@ pub(crate) fn page(rows: &[Row], summary: &Summary) -> String {
         seconds,
     } = summary;
     let legend = escape(LEGEND).replace('\n', "<br>");
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>equip check</title>\n<style>{STYLE}</style>\n\
-         <h1>equip check {version}</h1>\n\
+    let body = format!(
+        "<h1>equip check {version}</h1>\n\
          <p><b>{rows}</b> rows: {passed} pass, {expected_errors} expected errors, {explained} explained, \
          {known_deficits} known deficits, <b>{failed} fail</b>; {seconds:.1} s</p>\n<p><small>{legend}</small></p>\n\
-         <table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{body}</tbody>\n</table>\n</html>\n",
+         <div class=\"wide\"><table class=\"rows\">\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{body}</tbody>\n</table></div>\n",
         version = env!("CARGO_PKG_VERSION"),
-    )
+    );
+    page::page("equip check", &body)
 }
 
 fn push(text: &mut String, line: std::fmt::Arguments<'_>) {
@@ -120,8 +106,4 @@ fn line(row: &Row) -> String {
         .map(|cell| format!("<td>{cell}</td>"))
         .collect();
     format!("<tr class=\"{class}\">{cells}</tr>")
-}
-
-fn escape(text: &str) -> String {
-    crate::draw::svg::escape(text)
 }

@@ -7,17 +7,77 @@
 //! angular momentum leaves N.
 
 use crate::args::{GrowthArgs, number};
-use crate::draw::growth::{Curve, DASHES, draw};
+use crate::draw::chart::{Line, Plot, Spot, chart};
+use crate::draw::figure::Look;
+use crate::draw::svg::{EQUIP, GAUSS, Mark};
 use crate::fault::Fault;
 use crate::run::progress::steps_of;
 use crate::write::outputs::{Drawing, apart};
-use equip_integrate::{Equip, Gauss, IntegrateError, Method, Record};
+use cpu_time::ThreadTime;
+use equip_integrate::{Certificate, Equip, Gauss, IntegrateError, Method, Record, StepView};
 use equip_scenes::Instance;
 use std::fmt::Write as _;
 use std::io::{Write as _, stdout};
+use std::ops::ControlFlow;
 
 /// Points of a curve in a decade of N.
 const PER_DECADE: u32 = 8;
+/// Patterns of the tolerances; there are no more of these than of patterns.
+const DASHES: [&str; 6] = ["none", "6 4", "2 3", "12 3", "10 3 2 3", "1 6"];
+
+/// One method on one orbit.
+#[derive(Debug)]
+pub(crate) struct Curve {
+    pub(crate) eccentricity: String,
+    pub(crate) tolerance: String,
+    pub(crate) is_equip: bool,
+    /// N and the error 0.3 revolutions after it.
+    pub(crate) points: Vec<(u64, f64)>,
+    /// Largest |ΔH/H₀| up to there.
+    pub(crate) energies: Vec<f64>,
+    /// Revolutions made.
+    pub(crate) revolutions: f64,
+    pub(crate) certificate: Certificate<f64>,
+    /// CPU time.
+    pub(crate) milliseconds: f64,
+}
+
+impl Curve {
+    pub(crate) fn name(&self) -> &'static str {
+        if self.is_equip { "EQUIP" } else { "Gauss" }
+    }
+
+    /// The error 0.3 revolutions after the `n`-th.
+    pub(crate) fn error_after(&self, n: u64) -> f64 {
+        let point = self.points.iter().find(|point| point.0 == n);
+        point.map_or(f64::NAN, |point| point.1)
+    }
+
+    /// What is drawn of the errors, and of the energy errors.
+    pub(crate) fn spots(&self) -> [Vec<Spot>; 2] {
+        let points = self.points.iter().zip(&self.energies);
+        let spots = points.map(|(&(n, error), &energy)| [error, energy].map(|y| (n as f64, y)));
+        let spots: Vec<_> = spots.collect();
+        [0, 1].map(|k| {
+            spots
+                .iter()
+                .map(|pair| Spot::exact(pair[k].0, pair[k].1))
+                .collect()
+        })
+    }
+
+    pub(crate) fn look(&self, dashes: &'static str) -> Look {
+        let (colour, mark) = match self.is_equip {
+            true => (EQUIP, Mark::Disc),
+            false => (GAUSS, Mark::Square),
+        };
+        Look {
+            dashes,
+            mark: Some(mark),
+            ..Look::line(colour)
+        }
+    }
+}
 
 pub(crate) fn growth(args: &GrowthArgs) -> Result<(), Fault> {
     let scene = equip_scenes::find("kepler")?;
@@ -109,32 +169,91 @@ fn numbers(last: u64) -> Vec<u64> {
     numbers
 }
 
-/// One run, and its errors on the way.
-fn follow(instance: &Instance, method: Method, tolerance: f64, last: u64) -> Result<Curve, Fault> {
+/// One run, with its errors and energy errors on the way.
+pub(crate) fn follow(
+    instance: &Instance,
+    method: Method,
+    tolerance: f64,
+    last: u64,
+) -> Result<Curve, Fault> {
     let (q, p) = instance.initial::<f64>();
     let period: f64 = instance.period();
     let numbers = numbers(last);
     let times: Vec<f64> = numbers.iter().map(|&n| (n as f64 + 0.3) * period).collect();
     let end = (last as f64 + 0.3) * period;
+    // Largest |ΔH| so far, and at each of the times.
+    let (mut most, mut energies) = (0.0_f64, Vec::new());
+    let mut see = |view: &StepView<'_, f64>| {
+        most = most.max(view.energy_defect.map_or(0.0, f64::abs));
+        while times.get(energies.len()).is_some_and(|&t| t <= view.time) {
+            energies.push(most);
+        }
+        ControlFlow::Continue(())
+    };
+    let begun = ThreadTime::now();
     let run = method
         .tolerance(tolerance)
         .record(Record::Ends)
         .output_at(&times)
-        .integrate(instance.hamiltonian(), &q, &p, 0.0..=end)
+        .integrate_observed(instance.hamiltonian(), &q, &p, 0.0..=end, &mut see)
         .map_err(Fault::undrawn)?;
+    let milliseconds = 1e3 * begun.elapsed().as_secs_f64();
+    energies.resize(times.len(), most);
     let error = |(t, q, p): (f64, &[f64], &[f64])| {
         let (exact_q, exact_p) = instance.exact(t).unwrap_or_default();
         let pairs = q.iter().chain(p).zip(exact_q.iter().chain(&exact_p));
         pairs.fold(0.0, |most: f64, (x, y)| most.max((x - y).abs()))
     };
+    let certificate = run.certificate().clone();
+    let start = certificate.energy.as_ref().map_or(1.0, |e| e.start.abs());
     Ok(Curve {
         eccentricity: String::new(),
         tolerance: String::new(),
         is_equip: false,
         points: numbers.into_iter().zip(run.outputs().map(error)).collect(),
+        energies: energies.into_iter().map(|energy| energy / start).collect(),
         revolutions: last as f64 + 0.3,
-        certificate: run.certificate().clone(),
+        certificate,
+        milliseconds,
     })
+}
+
+/// One panel for each eccentricity, error against revolutions.
+fn draw(curves: &[Curve], args: &GrowthArgs) -> String {
+    let plot = |eccentricity: &String| Plot {
+        has_slopes: true,
+        ..Plot::new(
+            &format!("e = {eccentricity}"),
+            "revolutions N",
+            "error of (q, p)",
+        )
+    };
+    let plots: Vec<Plot> = args.eccentricities.iter().map(plot).collect();
+    let mut lines = Vec::new();
+    for (tolerance, dashes) in args.tolerances.iter().zip(DASHES) {
+        for is_equip in [true, false] {
+            let like = |c: &&Curve| c.is_equip == is_equip && c.tolerance == *tolerance;
+            let like: Vec<&Curve> = curves.iter().filter(like).collect();
+            let Some(first) = like.first() else { continue };
+            let of = |eccentricity: &String| {
+                let curve = like
+                    .iter()
+                    .find(|curve| curve.eccentricity == *eccentricity);
+                curve.map_or_else(Vec::new, |curve| curve.spots()[0].clone())
+            };
+            lines.push(Line {
+                name: format!("{}, tolerance {tolerance}", first.name()),
+                look: first.look(dashes),
+                points: args.eccentricities.iter().map(of).collect(),
+            });
+        }
+    }
+    let title = "Kepler\u{2019}s problem: growth of the error";
+    let facts = format!(
+        "{} stages, step control; largest error of a component of q and p, 0.3 revolutions after the N-th",
+        args.stages
+    );
+    chart(title, &facts, &plots, &lines).file(&args.plot)
 }
 
 /// The powers of ten among the numbers of revolutions.
@@ -163,8 +282,7 @@ fn row(curve: &Curve) -> String {
     let mut text = format!("| {e} | {tolerance} | {} |", curve.name());
     let last = curve.points.last().map_or(0, |point| point.0);
     for n in powers(last) {
-        let point = curve.points.iter().find(|point| point.0 == n);
-        let _ = write!(text, " {:.1e} |", point.map_or(f64::NAN, |point| point.1));
+        let _ = write!(text, " {:.1e} |", curve.error_after(n));
     }
     let (rejected, failed) = (c.variable_steps).map_or((0, 0), |s| (s.rejected, s.failed));
     let steps = c.counts.steps as f64;
@@ -184,7 +302,7 @@ fn row(curve: &Curve) -> String {
     text
 }
 
-fn table(curves: &[Curve]) -> String {
+pub(crate) fn table(curves: &[Curve]) -> String {
     let mut text = "e,tolerance,method,revolutions,error\n".to_owned();
     for curve in curves {
         for (n, error) in &curve.points {

@@ -5,8 +5,9 @@
 //! located on dense output to round-off.
 
 use crate::args::{SectionArgs, number};
+use crate::draw::figure::{Figure, Look};
 use crate::draw::panel::{Axis, Panel};
-use crate::draw::svg::{Anchor, FAINT, INK, Svg};
+use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS};
 use crate::fault::Fault;
 use crate::run::progress::steps_of;
 use crate::write::outputs::{Drawing, apart};
@@ -18,9 +19,9 @@ use std::io::{Write as _, stdout};
 /// The scene whose section is drawn.
 const SCENE: &str = "henon-heiles";
 /// Colours of the orbits, by turns.
-const COLOURS: [&str; 8] = [
-    "#4477aa", "#ee6677", "#228833", "#aa3377", "#66ccee", "#ccbb44", "#555555", "#ee7733",
-];
+const TURNS: [&str; 6] = [EQUIP, GAUSS, COLOURS[0], COLOURS[1], COLOURS[2], COLOURS[3]];
+/// Points of the boundary above the axis p2 = 0.
+const BOUNDARY: usize = 400;
 
 /// Crossings (q2, p2) of one orbit.
 type Crossings = Vec<(f64, f64)>;
@@ -59,17 +60,17 @@ pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
         bar.inc(1);
     }
     bar.finish_and_clear();
-    drawing.write(&draw(&orbits, args), || table(&orbits))?;
+    drawing.write(&draw(&orbits, args, energy), || table(&orbits))?;
     let count: usize = orbits.iter().map(Vec::len).sum();
     let mut out = stdout().lock();
     writeln!(out, "{:<24}{count} of {} orbits", "crossings", orbits.len())?;
     writeln!(out, "{:<24}{steps}", "steps")?;
-    writeln!(out, "{:<24}max {worst:.1e}", "energy defect")?;
+    writeln!(out, "{:<24}max {worst:.1e}", "energy error")?;
     writeln!(out, "{:<24}{}", "plot written to", args.plot.display())?;
     Ok(())
 }
 
-/// The crossings of one orbit, the largest energy defect and the number of steps.
+/// The crossings of one orbit, the largest energy error and the number of steps.
 fn orbit(
     scene: &'static Scene,
     args: &SectionArgs,
@@ -109,9 +110,8 @@ fn room(energy: f64, q2: f64) -> f64 {
     2.0 * energy - q2 * q2 + 2.0 / 3.0 * q2.powi(3)
 }
 
-/// Starts on both axes of the section, within the curve p1 = 0 that bounds it.
-fn starts(energy: f64, orbits: usize) -> Vec<(f64, f64)> {
-    // The bounds of q2 on either side of 0, by bisection of `room`; q2 = 1 is where orbits escape.
+/// The bounds of q2 on either side of 0, by bisection of `room`; q2 = 1 is where orbits escape.
+fn bounds(energy: f64) -> (f64, f64) {
     let bound = |side: f64| {
         let (mut inside, mut outside) = (0.0, side);
         for _ in 0..60 {
@@ -124,7 +124,12 @@ fn starts(energy: f64, orbits: usize) -> Vec<(f64, f64)> {
         }
         inside
     };
-    let (low, high, top) = (bound(-1.0), bound(1.0), (2.0 * energy).sqrt());
+    (bound(-1.0), bound(1.0))
+}
+
+/// Starts on both axes of the section, within its boundary.
+fn starts(energy: f64, orbits: usize) -> Vec<(f64, f64)> {
+    let ((low, high), top) = (bounds(energy), (2.0 * energy).sqrt());
     let on_q = orbits.div_ceil(2);
     let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
     let along_q = (0..on_q).map(|i| (low + (high - low) * share(i, on_q), 0.0));
@@ -133,34 +138,54 @@ fn starts(energy: f64, orbits: usize) -> Vec<(f64, f64)> {
     along_q.chain(along_p).collect()
 }
 
-fn draw(orbits: &[Crossings], args: &SectionArgs) -> String {
-    let mut svg = Svg::new(760, 800);
-    let points = || orbits.iter().flatten();
-    let mut panel = Panel {
-        left: 80.0,
-        top: 60.0,
-        width: 650.0,
-        height: 670.0,
-        x: Axis::around(points().map(|p| p.0), "q2"),
-        y: Axis::around(points().map(|p| p.1), "p2"),
-    };
-    panel.same_units();
-    panel.draw_axes(&mut svg);
-    for (orbit, colour) in orbits.iter().zip(COLOURS.iter().cycle()) {
-        svg.dots(orbit.iter().map(|&point| panel.at(point)), colour, 1.6);
-    }
-    let title = format!("Hénon–Heiles, E = {}: section q1 = 0, p1 > 0", args.energy);
-    svg.text((80.0, 28.0), 18, Anchor::Start, INK, &title);
-    let count = points().count();
-    let text = format!(
-        "EQUIP, {} stages, tolerance {}: {count} crossings of {} orbits to t = {}",
-        args.stages,
-        args.tolerance,
-        orbits.len(),
-        args.until
+/// The curve p1 = 0 that bounds the section: nothing of this energy is outside.
+fn boundary(energy: f64) -> Vec<(f64, f64)> {
+    let (low, high) = bounds(energy);
+    let above = (0..=BOUNDARY).map(|k| {
+        // Points are dense at both ends, where the curve is steep.
+        let angle = std::f64::consts::PI * k as f64 / BOUNDARY as f64;
+        let q2 = (low + high) / 2.0 - (high - low) / 2.0 * angle.cos();
+        (q2, room(energy, q2).max(0.0).sqrt())
+    });
+    let above: Vec<_> = above.collect();
+    let below = above.iter().rev().map(|&(q2, p2)| (q2, -p2));
+    above.iter().copied().chain(below).collect()
+}
+
+fn draw(orbits: &[Crossings], args: &SectionArgs, energy: f64) -> String {
+    let boundary = boundary(energy);
+    let mut panel = Panel::sized(
+        (760.0, 700.0),
+        Axis::around(boundary.iter().map(|p| p.0), "q\u{2082}"),
+        Axis::around(boundary.iter().map(|p| p.1), "p\u{2082}"),
     );
-    svg.text((80.0, 47.0), 13, Anchor::Start, FAINT, &text);
-    svg.finish()
+    panel.same_units();
+    let mut svg = panel.svg("");
+    let edge = boundary.iter().map(|&point| panel.at(point));
+    svg.polyline(edge, FAINT, 1.4);
+    for (orbit, colour) in orbits.iter().zip(TURNS.iter().cycle()) {
+        svg.dots(orbit.iter().map(|&point| panel.at(point)), colour, 2.0);
+    }
+    let figure = Figure {
+        title: format!(
+            "H\u{e9}non\u{2013}Heiles, E = {}: Poincar\u{e9} section q\u{2081} = 0, p\u{2081} > 0",
+            args.energy
+        ),
+        facts: format!(
+            "EQUIP, {} stages, tolerance {}: {} crossings of {} orbits to t = {}, a colour for each orbit by turns",
+            args.stages,
+            args.tolerance,
+            orbits.iter().map(Vec::len).sum::<usize>(),
+            orbits.len(),
+            args.until
+        ),
+        legend: vec![(
+            "p\u{2081} = 0, boundary of the energy surface".into(),
+            Look::line(FAINT),
+        )],
+        panels: vec![svg],
+    };
+    figure.file(&args.plot)
 }
 
 fn table(orbits: &[Crossings]) -> String {

@@ -1,26 +1,13 @@
-//! Panels side by side with one legend above.
+//! Charts: lines through marks on logarithmic axes, in panels with one legend.
 
+use crate::draw::figure::{Figure, Look};
 use crate::draw::panel::{Axis, Panel};
-use crate::draw::svg::{Anchor, FAINT, INK, Mark, Svg};
+use crate::draw::svg::{Anchor, FAINT, Svg};
 
-/// Height of the panels, their distance from the left edge, and the room between them.
-const SIDE: f64 = 360.0;
-const LEFT: f64 = 86.0;
-const BETWEEN: f64 = 100.0;
-/// Width of an entry of the legend, and height of a row.
-const ENTRY: f64 = 222.0;
-const ROW: f64 = 24.0;
 /// Radius of the marks.
-const RADIUS: f64 = 2.8;
-
-/// How a curve is drawn.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Look {
-    pub(crate) colour: String,
-    pub(crate) dashes: &'static str,
-    pub(crate) width: f64,
-    pub(crate) mark: Mark,
-}
+const RADIUS: f64 = 3.4;
+/// Decades that the axes are longer than the lines at each end.
+const MARGIN: (f64, f64) = (0.1, 0.25);
 
 /// A point of two positive figures; the first one's repeats lie between `least` and `most`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,13 +16,19 @@ pub(crate) struct Spot {
     pub(crate) y: f64,
     pub(crate) least: f64,
     pub(crate) most: f64,
+    pub(crate) is_hollow: bool,
 }
 
 impl Spot {
     /// A point without spread.
     pub(crate) fn exact(x: f64, y: f64) -> Self {
-        let (least, most) = (x, x);
-        Spot { x, y, least, most }
+        Spot {
+            x,
+            y,
+            least: x,
+            most: x,
+            is_hollow: false,
+        }
     }
 }
 
@@ -48,77 +41,113 @@ pub(crate) struct Line {
     pub(crate) points: Vec<Vec<Spot>>,
 }
 
-/// What the axes of a panel are.
-pub(crate) type Labels<'a> = (&'a str, &'a str);
-
-/// Panels side by side with one legend above; a line through a mark is the spread of its repeats.
-pub(crate) fn draw(title: &str, labels: &[Labels<'_>], lines: &[Line]) -> String {
-    // One panel alone may be wider.
-    let wide = if labels.len() == 1 { 820.0 } else { 350.0 };
-    let apart = wide + BETWEEN;
-    let width = LEFT + apart * labels.len() as f64 - BETWEEN + 34.0;
-    let columns = ((width - 24.0) / ENTRY) as usize;
-    let rows = lines.len().div_ceil(columns);
-    let top = 62.0 + ROW * rows as f64 + 14.0;
-    let mut svg = Svg::new(width as u32, (top + SIDE + 62.0) as u32);
-    svg.text((24.0, 34.0), 19, Anchor::Start, INK, title);
-    for (i, line) in lines.iter().enumerate() {
-        let (x, y) = (
-            24.0 + ENTRY * (i % columns) as f64,
-            62.0 + ROW * (i / columns) as f64,
-        );
-        let look = &line.look;
-        let sample = [(x, y), (x + 34.0, y)].into_iter();
-        svg.dashed(sample, &look.colour, look.width + 0.4, look.dashes);
-        let middle = [(x + 17.0, y)].into_iter();
-        svg.marks(middle, look.mark, RADIUS + 1.0, &look.colour);
-        svg.text((x + 42.0, y + 5.0), 14, Anchor::Start, INK, &line.name);
-    }
-    for (k, (x, y)) in labels.iter().enumerate() {
-        let shown = |line: &Line| -> Vec<Spot> {
-            let real = |p: &&Spot| p.x.is_finite() && p.x > 0.0 && p.y.is_finite();
-            let points = line.points.get(k).into_iter().flatten();
-            points.filter(real).copied().collect()
-        };
-        let all: Vec<_> = lines.iter().flat_map(&shown).collect();
-        let left = LEFT + apart * k as f64;
-        if all.is_empty() {
-            svg.text((left, top + 40.0), 14, Anchor::Start, FAINT, "no point");
-            continue;
-        }
-        let panel = Panel {
-            left,
-            top,
-            width: wide,
-            height: SIDE,
-            x: axis(all.iter().map(|p| p.x), x),
-            y: axis(all.iter().map(|p| p.y), y),
-        };
-        panel.draw_axes(&mut svg);
-        // What is zero stands on the lower edge.
-        let at = |x: f64, p: &Spot| panel.at((x, p.y.max(1e-300)));
-        for line in lines {
-            let (look, points) = (&line.look, shown(line));
-            for p in points.iter().filter(|p| p.most > p.least) {
-                svg.line(at(p.least, p), at(p.most, p), &look.colour, 0.5);
-            }
-            let places = points.iter().map(|p| at(p.x, p));
-            svg.dashed(places.clone(), &look.colour, look.width, look.dashes);
-            svg.marks(places, look.mark, RADIUS, &look.colour);
-        }
-    }
-    svg.finish()
+/// What a panel shows.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Plot {
+    pub(crate) heading: String,
+    /// Labels of the axes. Axes of the same label have the same range.
+    pub(crate) x: String,
+    pub(crate) y: String,
+    /// What is below is round-off.
+    pub(crate) floor: Option<f64>,
+    /// Whether growth like x and like x² is drawn for comparison.
+    pub(crate) has_slopes: bool,
 }
 
-/// A little more than the positive values.
-fn axis(values: impl Iterator<Item = f64>, label: &str) -> Axis {
-    let positive = values.filter(|x| *x > 0.0);
-    let (low, high) = positive.fold((f64::INFINITY, 0.0), |(l, h): (f64, f64), x| {
-        (l.min(x), h.max(x))
-    });
+impl Plot {
+    pub(crate) fn new(heading: &str, x: &str, y: &str) -> Self {
+        let [heading, x, y] = [heading, x, y].map(str::to_owned);
+        Plot {
+            heading,
+            x,
+            y,
+            ..Plot::default()
+        }
+    }
+}
+
+/// Panels with one legend; a line through a mark is the spread of its repeats. Points at zero, which have no
+/// place on a logarithmic axis, are left out.
+pub(crate) fn chart(title: &str, facts: &str, plots: &[Plot], lines: &[Line]) -> Figure {
+    let shown = |line: &Line, k: usize| -> Vec<Spot> {
+        let real = |x: f64| x.is_finite() && x > 0.0;
+        let points = line.points.get(k).into_iter().flatten();
+        points.filter(|p| real(p.x) && real(p.y)).copied().collect()
+    };
+    // The range of all panels that `is_like` this one.
+    let range = |is_like: &dyn Fn(&Plot) -> bool, of: fn(&Spot) -> f64, floor: bool| {
+        let like = (0..plots.len()).filter(|&k| is_like(&plots[k]));
+        let values = like.flat_map(|k| {
+            let floor = plots[k].floor.filter(|_| floor);
+            let spots = lines.iter().flat_map(move |line| shown(line, k));
+            spots.map(|spot| of(&spot)).chain(floor)
+        });
+        values.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| {
+            (low.min(x), high.max(x))
+        })
+    };
+    let panel = |k: usize| -> Svg {
+        let plot = &plots[k];
+        let (low, high) = range(&|other| other.x == plot.x, |p| p.x, false);
+        let x = axis((low, high), MARGIN.0, &plot.x);
+        let y = range(&|other| other.y == plot.y, |p| p.y, true);
+        let mut panel = Panel::new(x, axis(y, MARGIN.1, &plot.y));
+        panel.floor = plot.floor;
+        let mut svg = panel.svg(&plot.heading);
+        if plot.has_slopes && high > low {
+            slopes(&mut svg, &panel, high);
+        }
+        for line in lines {
+            let (look, points) = (&line.look, shown(line, k));
+            for p in points.iter().filter(|p| p.most > p.least) {
+                let [from, to] = [p.least, p.most].map(|x| panel.at((x, p.y)));
+                svg.line(from, to, look.colour, 0.7);
+            }
+            let place = |p: &Spot| panel.at((p.x, p.y));
+            svg.dashed(
+                points.iter().map(place),
+                look.colour,
+                look.width,
+                look.dashes,
+            );
+            for (is_hollow, mark) in [(false, look.mark), (true, look.mark)] {
+                let places = points.iter().filter(|p| p.is_hollow == is_hollow);
+                if let Some(mark) = mark {
+                    svg.marks(places.map(place), (mark, is_hollow), RADIUS, look.colour);
+                }
+            }
+        }
+        svg
+    };
+    let mut legend: Vec<_> = (lines.iter())
+        .map(|line| (line.name.clone(), line.look.clone()))
+        .collect();
+    if plots.iter().any(|plot| plot.floor.is_some()) {
+        legend.push(("round-off level of H".into(), Look::band()));
+    }
+    Figure {
+        title: title.into(),
+        facts: facts.into(),
+        legend,
+        panels: (0..plots.len()).map(panel).collect(),
+    }
+}
+
+/// What growth like x and like x² looks like, over the last decade in the lower right corner.
+fn slopes(svg: &mut Svg, panel: &Panel, last: f64) {
+    let from = (last / 10.0, 10_f64.powf(panel.y.low + 0.3));
+    for (power, label) in [(1, "N"), (2, "N\u{b2}")] {
+        let to = (last, from.1 * 10_f64.powi(power));
+        svg.line(panel.at(from), panel.at(to), FAINT, 1.0);
+        let (x, y) = panel.at(to);
+        svg.text((x + 4.0, y + 4.0), 12, Anchor::Start, FAINT, label);
+    }
+}
+
+fn axis((low, high): (f64, f64), margin: f64, label: &str) -> Axis {
     if high > 0.0 {
-        Axis::powers(low, high, label)
+        Axis::powers(low, high, margin, label)
     } else {
-        Axis::powers(1e-17, 1e-15, label)
+        Axis::powers(0.1, 1.0, margin, label)
     }
 }

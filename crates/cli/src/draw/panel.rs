@@ -1,9 +1,11 @@
 //! Panels with linear or logarithmic axes.
 
-use crate::draw::svg::{Anchor, FAINT, INK, Svg};
+use crate::draw::svg::{Anchor, BAND, FAINT, FINE_GRID, GRID, INK, Svg};
 
-const GRID: &str = "#e0e0e0";
-const FINE_GRID: &str = "#f4f4f4";
+/// Width and height of a panel with its labels.
+pub(crate) const CELL: (f64, f64) = (450.0, 360.0);
+/// Room around the frame: left, top, right, below.
+const ROOM: (f64, f64, f64, f64) = (84.0, 34.0, 24.0, 62.0);
 
 /// An axis from `low` to `high`; a logarithmic one holds decimal logarithms.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,41 +44,14 @@ impl Axis {
         }
     }
 
-    /// Whole decades around `low` to `high`, both positive, with room above `high`, and at least three.
-    pub(crate) fn decades(low: f64, high: f64, label: &str) -> Self {
-        let (low, high) = (low.log10().floor(), (high.log10() + 0.1).ceil());
+    /// Logarithmic, from `margin` decades below `low` to as many above `high`, both positive; a decade and a
+    /// half at least.
+    pub(crate) fn powers(low: f64, high: f64, margin: f64, label: &str) -> Self {
+        let (low, high) = (low.log10() - margin, high.log10() + margin);
+        let more = (0.75 - (high - low) / 2.0).max(0.0);
         Axis {
-            low,
-            high: high.max(low + 3.0),
-            logarithmic: true,
-            label: label.into(),
-        }
-    }
-
-    /// Logarithmic, from a little below `low` to a little above `high`, both positive; at least one decade is
-    /// within.
-    pub(crate) fn powers(low: f64, high: f64, label: &str) -> Self {
-        let (low, high) = (low.log10(), high.log10());
-        let margin = 0.04 * (high - low).max(1.0);
-        let (mut low, mut high) = (low - margin, high + margin);
-        if low.ceil() >= high.floor() {
-            (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
-        }
-        Axis {
-            low,
-            high,
-            logarithmic: true,
-            label: label.into(),
-        }
-    }
-
-    /// Whole decades from `low` on, exactly to `end`, both positive; to 1 if `end` is not.
-    pub(crate) fn decades_to(low: f64, end: f64, label: &str) -> Self {
-        let (low, end) = if end > 0.0 { (low, end) } else { (0.1, 1.0) };
-        let (low, high) = (low.log10().floor(), end.log10());
-        Axis {
-            low: low.min(high - 1.0),
-            high,
+            low: low - more,
+            high: high + more,
             logarithmic: true,
             label: label.into(),
         }
@@ -111,13 +86,15 @@ impl Axis {
         if !self.logarithmic || self.high - self.low > 2.8 {
             return Vec::new();
         }
-        let decades = (self.low.floor() as i32).max(-3)..=(self.high.floor() as i32).min(3);
+        let decades = self.low.floor() as i32..=self.high.floor() as i32;
         decades
             .flat_map(|d| [2, 5].map(|k| (k, d)))
             .map(|(k, d)| {
-                let places = (-d).max(0) as usize;
-                let value = f64::from(k) * 10_f64.powi(d);
-                (value.log10(), format!("{value:.places$}"))
+                let text = match d {
+                    -3..=3 => format!("{:.*}", (-d).max(0) as usize, f64::from(k) * 10_f64.powi(d)),
+                    _ => format!("{k}e{d}").replace('-', "\u{2212}"),
+                };
+                (f64::from(k).log10() + f64::from(d), text)
             })
             .filter(|(x, _)| (self.low..self.high).contains(x))
             .collect()
@@ -149,15 +126,50 @@ impl Axis {
 /// A framed area with axes.
 #[derive(Debug)]
 pub(crate) struct Panel {
-    pub(crate) left: f64,
-    pub(crate) top: f64,
-    pub(crate) width: f64,
-    pub(crate) height: f64,
+    left: f64,
+    top: f64,
+    width: f64,
+    height: f64,
     pub(crate) x: Axis,
     pub(crate) y: Axis,
+    /// What is below is round-off, and has a band.
+    pub(crate) floor: Option<f64>,
 }
 
 impl Panel {
+    /// Of the usual size.
+    pub(crate) fn new(x: Axis, y: Axis) -> Self {
+        Panel::sized(CELL, x, y)
+    }
+
+    /// Of this width and height with its labels.
+    pub(crate) fn sized((width, height): (f64, f64), x: Axis, y: Axis) -> Self {
+        Panel {
+            left: ROOM.0,
+            top: ROOM.1,
+            width: width - ROOM.0 - ROOM.2,
+            height: height - ROOM.1 - ROOM.3,
+            x,
+            y,
+            floor: None,
+        }
+    }
+
+    /// A picture of the axes, with a heading above.
+    pub(crate) fn svg(&self, heading: &str) -> Svg {
+        let (width, height) = (self.left + self.width, self.top + self.height);
+        let mut svg = Svg::new(width + ROOM.2, height + ROOM.3);
+        svg.text(
+            (self.left, self.top - 12.0),
+            15,
+            Anchor::Start,
+            INK,
+            heading,
+        );
+        self.draw_axes(&mut svg);
+        svg
+    }
+
     /// Widens one axis until a unit is as long on either.
     pub(crate) fn same_units(&mut self) {
         let (x, y) = (
@@ -180,21 +192,33 @@ impl Panel {
     }
 
     /// Grid, ticks, frame and labels.
-    pub(crate) fn draw_axes(&self, svg: &mut Svg) {
+    fn draw_axes(&self, svg: &mut Svg) {
         let (right, bottom) = (self.left + self.width, self.top + self.height);
+        if let Some(floor) = self.floor {
+            let (_, y) = self.at((1.0, floor));
+            svg.rectangle((self.left, y), (self.width, bottom - y), BAND);
+        }
         for x in self.x.between_decades() {
             let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
             svg.line((x, self.top), (x, bottom), FINE_GRID, 1.0);
         }
         for (x, text) in self.x.twos_and_fives() {
             let x = self.left + self.width * (x - self.x.low) / (self.x.high - self.x.low);
-            svg.text((x, bottom + 17.0), 11, Anchor::Middle, FAINT, &text);
+            svg.text((x, bottom + 21.0), 12, Anchor::Middle, FAINT, &text);
+        }
+        for y in self.y.between_decades() {
+            let y = bottom - self.height * (y - self.y.low) / (self.y.high - self.y.low);
+            svg.line((self.left, y), (right, y), FINE_GRID, 1.0);
+        }
+        for (y, text) in self.y.twos_and_fives() {
+            let y = bottom - self.height * (y - self.y.low) / (self.y.high - self.y.low);
+            svg.text((self.left - 10.0, y + 4.0), 12, Anchor::End, FAINT, &text);
         }
         let (unit, ticks) = self.x.ticks(self.width / 80.0);
         for tick in ticks {
             let x = self.left + self.width * (tick - self.x.low) / (self.x.high - self.x.low);
             svg.line((x, self.top), (x, bottom), GRID, 1.0);
-            tick_label(svg, &self.x, (x, bottom + 19.0), Anchor::Middle, tick, unit);
+            tick_label(svg, &self.x, (x, bottom + 22.0), Anchor::Middle, tick, unit);
         }
         let (unit, ticks) = self.y.ticks(self.height / 45.0);
         for tick in ticks {
@@ -203,7 +227,7 @@ impl Panel {
             tick_label(
                 svg,
                 &self.y,
-                (self.left - 8.0, y + 4.5),
+                (self.left - 10.0, y + 4.5),
                 Anchor::End,
                 tick,
                 unit,
@@ -216,14 +240,14 @@ impl Panel {
             svg.line(from, to, FAINT, 1.2);
         }
         svg.text(
-            (self.left + self.width / 2.0, bottom + 42.0),
+            (self.left + self.width / 2.0, bottom + 48.0),
             15,
             Anchor::Middle,
             INK,
             &self.x.label,
         );
         svg.upward_text(
-            (self.left - 56.0, self.top + self.height / 2.0),
+            (self.left - 62.0, self.top + self.height / 2.0),
             15,
             &self.y.label,
         );
@@ -268,14 +292,11 @@ mod tests {
             (unit, ticks.collect::<Vec<_>>()),
             (1.0, vec![-1.0, 0.0, 1.0, 2.0])
         );
-        let axis = Axis::decades(3e-16, 2e-3, "");
+        let axis = Axis::powers(3e-16, 2e-3, 0.25, "");
         let (unit, ticks) = axis.ticks(7.0);
         assert_eq!(
             (unit, ticks.collect::<Vec<_>>()),
-            (
-                2.0,
-                vec![-16.0, -14.0, -12.0, -10.0, -8.0, -6.0, -4.0, -2.0]
-            )
+            (2.0, vec![-14.0, -12.0, -10.0, -8.0, -6.0, -4.0])
         );
     }
 
@@ -294,17 +315,9 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_to_the_end_of_a_run_of_no_length_is_finite() {
-        let axis = Axis::decades_to(0.0, 0.0, "");
-        assert_eq!((axis.low, axis.high), (-1.0, 0.0));
-        let axis = Axis::decades_to(1.0, 50.0, "");
-        assert_eq!((axis.low, axis.high), (0.0, 50f64.log10()));
-    }
-
-    #[test]
     fn a_power_of_ten_is_always_within() {
         for (low, high) in [(2.0, 3.0), (5.0, 5.0), (0.3, 40.0), (1e-17, 1e-16)] {
-            let axis = Axis::powers(low, high, "");
+            let axis = Axis::powers(low, high, 0.1, "");
             let (_, ticks) = axis.ticks(5.0);
             assert!(ticks.count() > 0, "{axis:?}");
             assert!(

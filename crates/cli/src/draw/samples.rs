@@ -139,8 +139,18 @@ impl Envelope {
         }
     }
 
+    /// The same in at most `most` points.
+    pub(crate) fn coarse(&self, most: usize) -> Vec<(f64, f64)> {
+        let joined = self.points.chunks(self.points.len().div_ceil(most).max(1));
+        let largest = |points: &[(f64, f64)]| points.iter().map(|p| p.1).fold(0.0, f64::max);
+        joined
+            .map(|points| (points[0].0, largest(points)))
+            .collect()
+    }
+
     /// Start time and largest |value| of each bucket.
-    pub(crate) fn points(&self) -> &[(f64, f64)] {
+    #[cfg(test)]
+    fn points(&self) -> &[(f64, f64)] {
         &self.points
     }
 }

@@ -1,4 +1,4 @@
-//! A small SVG writer: text, lines, dots.
+//! A small SVG writer: text, lines, dots, in colours that have a counterpart on dark paper.
 //!
 //! Coordinates are pixels, y downwards. Text is not measured: labels are kept short and have room of their
 //! own.
@@ -6,14 +6,52 @@
 use std::fmt::Write;
 
 pub(crate) const INK: &str = "#333333";
-pub(crate) const FAINT: &str = "#777777";
+pub(crate) const FAINT: &str = "#707070";
+pub(crate) const GRID: &str = "#e0e0e0";
+pub(crate) const FINE_GRID: &str = "#f3f3f3";
+/// The band up to the round-off level.
+pub(crate) const BAND: &str = "#ddddd6";
 const PAPER: &str = "#ffffff";
 
-#[derive(Debug)]
+/// Methods, in every picture; distinct also where red and green look alike.
+pub(crate) const EQUIP: &str = "#0072b2";
+pub(crate) const GAUSS: &str = "#d55e00";
+/// Bodies, orbits and other things side by side.
+pub(crate) const COLOURS: [&str; 6] = [
+    "#009e73", "#882255", "#3a9bd6", "#8c6d1f", "#6b6b6b", "#5b4ea3",
+];
+
+/// Colours on white paper, and what they are where the reader prefers dark paper. Programs that know no
+/// styles draw the first.
+const DARK: [(&str, &str); 13] = [
+    (PAPER, "#16181c"),
+    (INK, "#dadada"),
+    (FAINT, "#a0a0a0"),
+    (GRID, "#363a40"),
+    (FINE_GRID, "#23262b"),
+    (BAND, "#3d4045"),
+    (EQUIP, "#4ea8e6"),
+    (GAUSS, "#f58a3a"),
+    (COLOURS[0], "#5fe0b8"),
+    (COLOURS[1], "#c2689c"),
+    (COLOURS[3], "#c9a648"),
+    (COLOURS[4], "#a8a8a8"),
+    (COLOURS[5], "#9d92e0"),
+];
+
+/// The style of dark paper, for a picture or for a page of them.
+pub(crate) fn dark_style() -> String {
+    let rules = DARK.map(|(light, dark)| {
+        format!("[fill=\"{light}\"]{{fill:{dark}}}[stroke=\"{light}\"]{{stroke:{dark}}}")
+    });
+    format!("@media (prefers-color-scheme: dark){{{}}}", rules.concat())
+}
+
+#[derive(Debug, Clone)]
 pub(crate) struct Svg {
     body: String,
-    width: u32,
-    height: u32,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
 }
 
 /// Where the given point of a text is.
@@ -41,10 +79,28 @@ pub(crate) enum Mark {
     Square,
     Diamond,
     Triangle,
+    Wedge,
+}
+
+impl Mark {
+    /// The corners of a regular polygon, from the one at this angle on, for a radius of 1.
+    fn corners(self) -> impl Iterator<Item = (f64, f64)> {
+        let (count, first, radius) = match self {
+            Mark::Disc => (12, 0.0, 1.0),
+            Mark::Square => (4, 45.0, 1.2),
+            Mark::Diamond => (4, 0.0, 1.25),
+            Mark::Triangle => (3, -90.0, 1.3),
+            Mark::Wedge => (3, 90.0, 1.3),
+        };
+        (0..count).map(move |k| {
+            let angle = f64::to_radians(first + 360.0 * f64::from(k) / f64::from(count));
+            (radius * angle.cos(), radius * angle.sin())
+        })
+    }
 }
 
 impl Svg {
-    pub(crate) fn new(width: u32, height: u32) -> Self {
+    pub(crate) fn new(width: f64, height: f64) -> Self {
         Svg {
             body: String::new(),
             width,
@@ -93,6 +149,25 @@ impl Svg {
         self.push(format_args!(
             r#"<line x1="{:.1}" y1="{:.1}" x2="{:.1}" y2="{:.1}" stroke="{colour}" stroke-width="{width}"/>"#,
             from.0, from.1, to.0, to.1
+        ));
+    }
+
+    pub(crate) fn rectangle(
+        &mut self,
+        (x, y): (f64, f64),
+        (width, height): (f64, f64),
+        colour: &str,
+    ) {
+        self.push(format_args!(
+            r#"<rect x="{x:.1}" y="{y:.1}" width="{width:.1}" height="{height:.1}" fill="{colour}"/>"#
+        ));
+    }
+
+    /// Another picture, with its upper left corner here.
+    pub(crate) fn place(&mut self, (x, y): (f64, f64), other: &Svg) {
+        self.push(format_args!(
+            "<g transform=\"translate({x:.1} {y:.1})\">\n{}</g>",
+            other.body
         ));
     }
 
@@ -153,72 +228,57 @@ impl Svg {
         ));
     }
 
-    /// Filled marks of the given radius.
+    /// Marks of the given radius, filled or hollow.
     pub(crate) fn marks(
         &mut self,
         points: impl Iterator<Item = (f64, f64)>,
-        mark: Mark,
+        (mark, is_hollow): (Mark, bool),
         radius: f64,
         colour: &str,
     ) {
         let mut path = String::new();
         for (x, y) in points {
-            let _ = match mark {
-                Mark::Disc => write!(path, "M{x:.1} {y:.1}h0"),
-                Mark::Square => {
-                    let r = 0.88 * radius;
-                    write!(
-                        path,
-                        "M{:.1} {:.1}h{:.1}v{:.1}h{:.1}z",
-                        x - r,
-                        y - r,
-                        2.0 * r,
-                        2.0 * r,
-                        -2.0 * r
-                    )
-                }
-                Mark::Diamond => {
-                    let r = 1.25 * radius;
-                    write!(
-                        path,
-                        "M{:.1} {y:.1}l{r:.1} {:.1}l{r:.1} {r:.1}l{:.1} {r:.1}z",
-                        x - r,
-                        -r,
-                        -r
-                    )
-                }
-                Mark::Triangle => {
-                    let r = 1.2 * radius;
-                    write!(
-                        path,
-                        "M{x:.1} {:.1}l{r:.1} {:.1}h{:.1}z",
-                        y - r,
-                        1.8 * r,
-                        -2.0 * r
-                    )
-                }
-            };
+            for (k, (right, down)) in mark.corners().enumerate() {
+                let letter = if k == 0 { 'M' } else { 'L' };
+                let (x, y) = (x + right * radius, y + down * radius);
+                let _ = write!(path, "{letter}{x:.1} {y:.1}");
+            }
+            path.push('z');
         }
-        if mark == Mark::Disc {
-            let width = 2.0 * radius;
-            self.push(format_args!(
-                r#"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="round"/>"#
-            ));
-        } else {
-            self.push(format_args!(r#"<path d="{path}" fill="{colour}"/>"#));
+        if path.is_empty() {
+            return;
         }
+        let fill = if is_hollow { PAPER } else { colour };
+        self.push(format_args!(
+            r#"<path d="{path}" fill="{fill}" stroke="{colour}" stroke-width="1.3"/>"#
+        ));
     }
 
+    /// As a file.
     pub(crate) fn finish(self) -> String {
+        self.element(
+            "xmlns=\"http://www.w3.org/2000/svg\" ",
+            &format!(
+                "<style>{}</style>\n<rect width=\"100%\" height=\"100%\" fill=\"{PAPER}\"/>\n",
+                dark_style()
+            ),
+        )
+    }
+
+    /// As a part of a page that has the style of dark paper.
+    pub(crate) fn inline(&self) -> String {
+        self.element("", "")
+    }
+
+    fn element(&self, space: &str, before: &str) -> String {
         let Svg {
             body,
             width,
             height,
         } = self;
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-             font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n\
-             <rect width=\"{width}\" height=\"{height}\" fill=\"{PAPER}\"/>\n{body}</svg>\n"
+            "<svg {space}viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" height=\"{height:.0}\" \
+             font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n{before}{body}</svg>\n"
         )
     }
 }

@@ -3,26 +3,28 @@
 use super::convergence::{Convergence, Member, STEPS};
 use super::orbit::Orbit;
 use super::residual::Residual;
-use crate::draw::chart::{Line, Look, Spot, draw};
+use crate::draw::chart::{Line, Plot, Spot, chart};
+use crate::draw::figure::{Figure, Look};
 use crate::draw::panel::{Axis, Panel};
-use crate::draw::svg::{Anchor, INK, Mark, Svg};
+use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark, Svg};
 
-const BLUES: [&str; 3] = ["#62a9d8", "#2f7fb8", "#06305c"];
-const ORANGES: [&str; 3] = ["#f0a13c", "#d97a12", "#6b3304"];
-const GREYS: [&str; 3] = ["#a8a8a8", "#7a7a7a", "#444444"];
-
+/// Colour by method, mark by stages.
 fn look(method: Member, stages: usize) -> Look {
-    let shade = stages.clamp(2, 4) - 2;
-    let (colour, dashes, mark) = match method {
-        Member::Gauss => (ORANGES[shade], "7 4", Mark::Square),
-        Member::Fixed => (GREYS[shade], "2 3", Mark::Triangle),
-        Member::Solved => (BLUES[shade], "none", Mark::Disc),
+    let (colour, dashes) = match method {
+        Member::Gauss => (GAUSS, "none"),
+        Member::Fixed => (FAINT, "2 3"),
+        Member::Solved => (EQUIP, "none"),
+    };
+    let mark = match stages {
+        2 => Mark::Triangle,
+        3 => Mark::Square,
+        _ => Mark::Disc,
     };
     Look {
-        colour: colour.into(),
+        colour,
         dashes,
-        width: 2.0,
-        mark,
+        width: 1.8,
+        mark: Some(mark),
     }
 }
 
@@ -36,7 +38,7 @@ fn name(method: Member, stages: usize) -> String {
 }
 
 /// Errors against steps.
-pub(super) fn convergence(rows: &[Convergence]) -> String {
+pub(super) fn convergence(rows: &[Convergence]) -> Figure {
     let rows = rows.iter();
     let lines: Vec<Line> = rows
         .map(|row| Line {
@@ -49,20 +51,22 @@ pub(super) fn convergence(rows: &[Convergence]) -> String {
             ],
         })
         .collect();
-    draw(
-        "Error after two periods",
-        &[("steps per period", "error")],
-        &lines,
-    )
+    let plot = Plot::new(
+        "Two periods, in double-double",
+        "steps per period",
+        "error of (q, p)",
+    );
+    chart("Error after two periods", "", &[plot], &lines)
 }
 
-/// Energy errors over 1000 periods; half of ε where there is none.
-pub(super) fn energy(orbits: &[Orbit]) -> String {
+/// Energy errors over 1000 periods; H₀ = −1/2.
+pub(super) fn energy(orbits: &[Orbit]) -> Figure {
     let spots = |orbit: &Orbit| -> Vec<Spot> {
         let each = orbit.energies.iter().enumerate();
-        // On a logarithmic axis, as many after 100 periods as before.
-        let each = each.filter(|(k, _)| (k + 1) % (k / 20 + 1) == 0);
-        each.map(|(k, &energy)| Spot::exact((k + 1) as f64, energy.max(f64::EPSILON / 2.0)))
+        // On a logarithmic axis, about as many marks in every decade.
+        let part = |n: usize| (8.0 * (n as f64).log10()).floor() as i64;
+        let each = each.filter(|(k, _)| *k == 0 || part(k + 1) > part(*k));
+        each.map(|(k, &energy)| Spot::exact((k + 1) as f64, 2.0 * energy))
             .collect()
     };
     let lines: Vec<Line> = orbits
@@ -73,54 +77,53 @@ pub(super) fn energy(orbits: &[Orbit]) -> String {
             points: vec![spots(orbit)],
         })
         .collect();
-    draw(
-        "Largest |H − H₀| of a period",
-        &[("period", "|H − H₀|")],
-        &lines,
-    )
+    let plot = Plot::new("Largest of each period", "period", "|ΔH/H₀|");
+    chart("Energy error over 1000 periods", "", &[plot], &lines)
 }
 
-const WIDTH: f64 = 820.0;
-const HEIGHT: f64 = 360.0;
-const LEFT: f64 = 110.0;
-const TOP: f64 = 92.0;
+/// g(α, h)/h³ over α, and α₀ over h.
+pub(super) fn residual(residual: &Residual, rows: &[Convergence]) -> Figure {
+    let curves = &residual.curves;
+    let colours = [EQUIP, COLOURS[3], INK];
+    let lines = curves.iter().zip(colours);
+    let legend =
+        lines.map(|(c, colour)| (format!("{} steps a period", c.steps), Look::line(colour)));
+    let mut figure = roots(residual, rows);
+    let mut all: Vec<_> = legend.collect();
+    all.append(&mut figure.legend);
+    Figure {
+        title: "Energy error of a step, s = 2".into(),
+        facts:
+            "Left: from the pericentre, divided by h\u{b3}, with a dot at its zero \u{3b1}\u{2080}."
+                .into(),
+        legend: all,
+        panels: [vec![slopes(residual, colours)], figure.panels].concat(),
+    }
+}
 
-/// g(α, h)/h³ over α.
-pub(super) fn residual(residual: &Residual) -> String {
+fn slopes(residual: &Residual, colours: [&'static str; 3]) -> Svg {
     let curves = &residual.curves;
     let scaled = |h: f64, g: f64| g / h.powi(3);
     let all = curves
         .iter()
         .flat_map(|c| c.points.iter().map(|&(_, g)| scaled(c.h, g)));
-    let panel = Panel {
-        left: LEFT,
-        top: TOP,
-        width: WIDTH,
-        height: HEIGHT,
-        x: Axis::between(-1e-3, 1e-3, "α"),
-        y: Axis::around(all, "g(α, h)/h³"),
-    };
-    let mut svg = Svg::new((LEFT + WIDTH + 34.0) as u32, (TOP + HEIGHT + 62.0) as u32);
-    let title = "Energy error of one step from the pericentre, s = 2; a dot where it vanishes";
-    svg.text((24.0, 34.0), 19, Anchor::Start, INK, title);
-    panel.draw_axes(&mut svg);
-    svg.line(panel.at((-1e-3, 0.0)), panel.at((1e-3, 0.0)), INK, 1.0);
-    for (k, curve) in curves.iter().enumerate() {
-        let colour = BLUES[k % BLUES.len()];
-        let x = 24.0 + 222.0 * k as f64;
-        svg.line((x, 62.0), (x + 34.0, 62.0), colour, 2.4);
-        let label = format!("{} steps a period", curve.steps);
-        svg.text((x + 42.0, 67.0), 14, Anchor::Start, INK, &label);
+    let panel = Panel::new(
+        Axis::between(-1.0, 1.0, "10\u{b3} \u{3b1}"),
+        Axis::around(all, "g(\u{3b1}, h)/h\u{b3}"),
+    );
+    let mut svg = panel.svg("Energy error over \u{3b1}");
+    svg.line(panel.at((-1.0, 0.0)), panel.at((1.0, 0.0)), INK, 1.0);
+    for (curve, colour) in curves.iter().zip(colours) {
         let points = curve.points.iter();
-        let points = points.map(|&(alpha, g)| panel.at((alpha, scaled(curve.h, g))));
+        let points = points.map(|&(alpha, g)| panel.at((1e3 * alpha, scaled(curve.h, g))));
         svg.polyline(points, colour, 2.0);
-        svg.dot(panel.at((curve.root, 0.0)), 4.5, colour);
+        svg.dot(panel.at((1e3 * curve.root, 0.0)), 4.5, colour);
     }
-    svg.finish()
+    svg
 }
 
 /// α₀ over h.
-pub(super) fn roots(residual: &Residual, rows: &[Convergence]) -> String {
+fn roots(residual: &Residual, rows: &[Convergence]) -> Figure {
     let curves = &residual.curves;
     let is_it = |row: &&Convergence| row.method == Member::Solved && row.stages == residual.stages;
     let largest = rows.iter().find(is_it).map(|row| row.alphas);
@@ -129,17 +132,26 @@ pub(super) fn roots(residual: &Residual, rows: &[Convergence]) -> String {
         pairs.map(|(c, alpha)| Spot::exact(c.h, alpha)).collect()
     };
     let roots = curves.iter().map(|c| Spot::exact(c.h, c.root.abs()));
-    let line = |name: &str, shade: usize, points: Vec<Spot>| Line {
+    let line = |name: &str, stages: usize, points: Vec<Spot>| Line {
         name: name.into(),
-        look: look(Member::Solved, shade),
+        look: Look {
+            colour: INK,
+            ..look(Member::Solved, stages)
+        },
         points: vec![points],
     };
-    draw(
-        "α₀(h), where the energy error of a step vanishes, s = 2",
-        &[("h", "|α₀|")],
-        &[
-            line("from the pericentre", 2, roots.collect()),
-            line("largest of two periods", 4, largest.map_or(Vec::new(), at)),
-        ],
-    )
+    let lines = [
+        line("|\u{3b1}\u{2080}| from the pericentre", 2, roots.collect()),
+        line(
+            "largest |\u{3b1}\u{2080}| of two periods",
+            4,
+            largest.map_or(Vec::new(), at),
+        ),
+    ];
+    let plot = Plot::new(
+        "Zero \u{3b1}\u{2080}(h) of the energy error",
+        "h",
+        "|\u{3b1}\u{2080}|",
+    );
+    chart("", "", &[plot], &lines)
 }

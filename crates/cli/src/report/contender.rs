@@ -5,32 +5,42 @@ use cpu_time::ThreadTime;
 use equip_integrate::{Certificate, Equip, Gauss, Invariant, Method, Record};
 use equip_scalar::Float;
 
-/// A method of the report, with its stages.
+/// A method of the report.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Contender {
-    Equip(usize),
-    Gauss(usize),
-    /// EQUIP with variable steps.
-    Variable(usize),
+pub(super) struct Contender {
+    /// EQUIP or Gauss.
+    pub(super) is_equip: bool,
+    pub(super) stages: usize,
+    /// Whether the step controller selects the steps; else they are fixed.
+    pub(super) adapts: bool,
 }
 
 /// Which methods to run with which stages.
 pub(super) fn contenders(stages: &[usize]) -> Vec<Contender> {
-    let ours = stages.iter().map(|&s| Contender::Equip(s));
-    let gauss = stages.iter().map(|&s| Contender::Gauss(s));
-    // One is enough to see what steps of their own size are worth on a scene.
-    let variable = stages.iter().filter(|s| **s == 8);
-    ours.chain(variable.map(|&s| Contender::Variable(s)))
-        .chain(gauss)
-        .collect()
+    let of = |is_equip| {
+        let one = move |stages, adapts| Contender {
+            is_equip,
+            stages,
+            adapts,
+        };
+        let fixed = stages.iter().map(move |&s| one(s, false));
+        // One shows what step control changes on a scene.
+        fixed.chain(stages.contains(&8).then(|| one(8, true)))
+    };
+    of(true).chain(of(false)).collect()
 }
 
 /// What a run did, all in `f64`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Outcome {
     pub(super) error: f64,
-    /// Largest |H − H(0)| over the steps.
+    /// Largest |ΔH| over the steps.
     pub(super) energy: f64,
+    /// |H₀|, and the largest round-off level of H if EQUIP computed it.
+    pub(super) start: f64,
+    pub(super) floor: Option<f64>,
+    /// Steps whose energy error was not removed.
+    pub(super) uncorrected: u64,
     /// Largest defect of each invariant.
     pub(super) invariants: Vec<f64>,
     pub(super) steps: u64,
@@ -44,11 +54,9 @@ type Ran<T> = (Outcome, Vec<T>, f64);
 
 impl Contender {
     pub(super) fn name(&self) -> String {
-        match self {
-            Contender::Equip(s) => format!("EQUIP({s})"),
-            Contender::Gauss(s) => format!("Gauss({s})"),
-            Contender::Variable(s) => format!("EQUIP({s}) variable"),
-        }
+        let method = if self.is_equip { "EQUIP" } else { "Gauss" };
+        let control = if self.adapts { " step control" } else { "" };
+        format!("{method}({}){control}", self.stages)
     }
 
     pub(super) fn order(&self) -> usize {
@@ -56,29 +64,19 @@ impl Contender {
     }
 
     fn method(&self) -> Method {
-        match *self {
-            Contender::Equip(s) | Contender::Variable(s) => Equip::stages(s),
-            Contender::Gauss(s) => Gauss::stages(s),
+        if self.is_equip {
+            Equip::stages(self.stages)
+        } else {
+            Gauss::stages(self.stages)
         }
-    }
-
-    /// Whether its setting is a tolerance; else it is a number of steps.
-    pub(super) fn adapts(&self) -> bool {
-        matches!(self, Contender::Variable(_))
-    }
-
-    /// Whether it keeps the energy by itself.
-    pub(super) fn keeps_energy(&self) -> bool {
-        !matches!(self, Contender::Gauss(_))
     }
 
     /// Setting number `k`, from coarse to fine.
     pub(super) fn setting<T: Float>(&self, subject: &Subject<T>, k: i32) -> f64 {
-        match self {
-            Contender::Equip(s) | Contender::Gauss(s) => {
-                (subject.fewest * 4.0 / *s as f64 * 1.4_f64.powi(k)).ceil()
-            }
-            Contender::Variable(_) => 10_f64.powi(-4 - k),
+        if self.adapts {
+            10_f64.powi(-4 - k)
+        } else {
+            (subject.fewest * 4.0 / self.stages as f64 * 1.4_f64.powi(k)).ceil()
         }
     }
 
@@ -114,7 +112,7 @@ impl Contender {
         setting: f64,
         watched: bool,
     ) -> Result<Ran<T>, String> {
-        if self.adapts() {
+        if self.adapts {
             variable(self.method(), subject, setting, watched)
         } else {
             fixed(self.method(), subject, setting, watched)
@@ -189,12 +187,14 @@ fn variable<T: Float>(
 
 fn outcome<T: Float>(certificate: &Certificate<T>) -> Outcome {
     let invariants = certificate.invariants.iter();
+    let energy = certificate.energy.as_ref();
+    let floor = certificate.energy_floor.map(|level| level.floor.to_f64());
     Outcome {
         error: f64::NAN,
-        energy: certificate
-            .energy
-            .as_ref()
-            .map_or(f64::NAN, |e| e.max.to_f64()),
+        energy: energy.map_or(f64::NAN, |e| e.max.to_f64()),
+        start: energy.map_or(f64::NAN, |e| e.start.to_f64().abs()),
+        floor: floor.filter(|floor| *floor > 0.0 && floor.is_finite()),
+        uncorrected: certificate.counts.uncorrected(),
         invariants: invariants.map(|i| i.max.to_f64()).collect(),
         steps: certificate.counts.steps,
         gradients: certificate.counts.gradients,

@@ -6,11 +6,11 @@ use super::results::{Results, times};
 use crate::write::csv::cell;
 use std::fmt::Write;
 
-/// Every run of every scene. Defects of invariants stand in one cell, `name=value` joined by semicolons.
+/// Every run of every scene. Errors of invariants stand in one cell, `name=value` joined by semicolons.
 pub(super) fn runs(results: &[Results]) -> String {
     let mut text = String::from(
-        "scene,precision,method,order,setting,steps,error,energy_defect,invariant_defects,gradients,iterations,\
-         milliseconds,least,most,repeats\n",
+        "scene,precision,method,order,setting,steps,error,energy_error,invariant_errors,gradients,iterations,\
+         milliseconds,least,most,repeats,uncorrected\n",
     );
     for result in results {
         for curve in &result.curves {
@@ -24,7 +24,7 @@ pub(super) fn runs(results: &[Results]) -> String {
                 // Writing to a String does not fail.
                 let _ = writeln!(
                     text,
-                    "{},{},{},{},{},{},{},{},\"{}\",{},{},{},{},{},{}",
+                    "{},{},{},{},{},{},{},{},\"{}\",{},{},{},{},{},{},{}",
                     result.name,
                     result.precision,
                     curve.contender.name(),
@@ -39,7 +39,8 @@ pub(super) fn runs(results: &[Results]) -> String {
                     cell(point.median()),
                     cell(least),
                     cell(most),
-                    point.milliseconds.len()
+                    point.milliseconds.len(),
+                    o.uncorrected
                 );
             }
         }

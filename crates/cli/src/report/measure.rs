@@ -120,7 +120,7 @@ fn climb<T: Float>(
     let (mut best, mut worse, mut slow) = (f64::INFINITY, 0, 0);
     for k in 0..SETTINGS {
         let setting = contender.setting(subject, k);
-        if contender.adapts() && setting < T::EPSILON.to_f64() {
+        if contender.adapts && setting < T::EPSILON.to_f64() {
             break;
         }
         let run_begun = Instant::now();

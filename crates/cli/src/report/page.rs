@@ -1,56 +1,74 @@
-//! The page: facts, and for each scene its picture and tables, in one file that needs nothing else.
+//! The page: the conclusion; long runs and close encounters; for each scene time against error; other
+//! programs.
 
 use super::accuracy::Time;
-use super::measure::Curve;
-use super::peers::{Peers, is_ours};
+use super::long::{CLOSE, LONG, Long, REVOLUTIONS, figure};
+use super::measure::{Curve, Point};
+use super::peers::{Peers, section};
 use super::results::{Results, times};
+use crate::commands::growth;
+use crate::draw::page::{self, table};
 use crate::draw::svg::escape;
+use crate::text::three_digits;
 use std::fmt::Write;
 
-const STYLE: &str = "
-:root { color-scheme: light dark; }
-body { font: 15px/1.45 system-ui, sans-serif; margin: 1.5rem auto; max-width: 1420px; padding: 0 1rem; }
-h2 { margin-top: 3rem; } svg { max-width: 100%; height: auto; border-radius: 6px; }
-table { border-collapse: collapse; white-space: nowrap; font-variant-numeric: tabular-nums; }
-.wide { overflow-x: auto; }
-th, td { padding: .15rem .8rem; text-align: right; border-bottom: 1px solid #8884; }
-th:first-child, td:first-child { text-align: left; }
-.first { color: #1a7f37; font-weight: bold; } .keeps { color: #2f7fb8; font-weight: bold; }
-nav a { margin-right: 1rem; white-space: nowrap; } small, .note { color: GrayText; }
-summary { cursor: pointer; margin: .6rem 0; }
-";
-
 /// The page as text.
-pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>) -> String {
+pub(super) fn page(
+    (conclusion, facts): (&[String], &[String]),
+    long: &Long,
+    results: &[Results],
+    peers: Option<&Peers>,
+) -> String {
     let mut body = String::new();
     let mut push = |text: String| {
         // Writing to a String does not fail.
         let _ = writeln!(body, "{text}");
     };
-    push(contents(results, peers));
+    push("<h1>EQUIP and Gauss: error, energy and time</h1>".into());
+    let sentences: String = conclusion
+        .iter()
+        .map(|s| format!("<li>{}</li>\n", escape(s)))
+        .collect();
+    push(format!("<ol class=\"conclusion\">\n{sentences}</ol>"));
+    push(contents(long, results, peers));
+    if !long.regular.is_empty() {
+        let title = "Kepler’s problem over many revolutions";
+        push(format!(
+            "<h2 id=\"{LONG}\">Long runs with step control</h2>"
+        ));
+        push(figure(title, &long.regular).html());
+        push(growth_table(
+            &long.regular.iter().collect::<Vec<_>>(),
+            &long.numbers(),
+        ));
+    }
+    if !long.close.is_empty() {
+        let title = "Kepler’s problem with close encounters";
+        push(format!("<h2 id=\"{CLOSE}\">Close encounters</h2>"));
+        push(figure(title, &long.close).html());
+        push(growth_table(
+            &long.close.iter().collect::<Vec<_>>(),
+            &[REVOLUTIONS],
+        ));
+    }
+    if !results.is_empty() {
+        push(
+            "<h2 id=\"time\">Time against error</h2>\n<p>CPU time to an error at the end of a short run. \
+             <span class=\"first\">Green</span>: the fastest method. <span class=\"keeps\">Blue</span>: the fastest that conserves the energy by \
+             itself. A setting counts if the next finer one has at most this error too.</p>"
+                .into(),
+        );
+    }
     for result in results {
+        push(format!("<a id=\"{}\"></a>", result.id()));
+        push(result.figure.html());
         push(format!(
-            "<h2 id=\"{0}-{1}\">{2} <small>{1}</small></h2>",
-            result.name,
-            result.precision,
-            escape(&result.title)
-        ));
-        push(format!(
-            "<p class=\"note\">End state: {}.</p>",
-            escape(&result.source)
-        ));
-        push(result.svg.clone());
-        push(format!(
-            "<h3>Milliseconds to an error of</h3><div class=\"wide\">{}</div>\
-             <p class=\"note\"><span class=\"first\">Green</span>: the quickest. <span class=\"keeps\">Blue</span>: the quickest that keeps the \
-             energy on its own.</p>",
+            "<p>CPU milliseconds to an error. End state: {}.</p>\n{}",
+            escape(&result.source),
             accuracies(result)
         ));
-        if let Some(advice) = advice(result) {
-            push(format!("<p>{}</p>", escape(&advice)));
-        }
         push(format!(
-            "<details><summary>All runs</summary><div class=\"wide\">{}</div></details>",
+            "<details><summary>All runs</summary>{}</details>",
             runs(result)
         ));
         for curve in &result.curves {
@@ -64,113 +82,84 @@ pub(super) fn page(results: &[Results], facts: &[String], peers: Option<&Peers>)
         }
     }
     if let Some(peers) = peers {
-        push("<h1>Compared with other integrators</h1>".into());
-        push(format!(
-            "<p>CPU milliseconds on {}; the rules are in docs/compare.md. In brackets: our time over that of the quickest other program. \
-             Least and most of the rounds show when the pointer rests on a figure.</p>",
-            escape(&peers.cpu)
-        ));
-        push(format!(
-            "<p class=\"note\">{}</p>",
-            escape(&versions(peers))
-        ));
-        for scene in &peers.scenes {
-            push(format!(
-                "<h2 id=\"peers-{}\">{}</h2>",
-                escape(&scene.scene),
-                escape(&scene.title)
-            ));
-            push(scene.picture());
-            push(format!("<div class=\"wide\">{}</div>", against(scene)));
-            if let Some(at) = &scene.at_tolerance {
-                push(format!(
-                    "<h3>All at tolerance {:.0e}</h3><div class=\"wide\">{}</div>",
-                    at.tolerance,
-                    at_tolerance(at)
-                ));
-            }
-        }
+        push(section(peers));
     }
     let facts: String = facts
         .iter()
         .map(|f| format!("<li>{}</li>", escape(f)))
         .collect();
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
-         <title>equip report</title>\n<style>{STYLE}</style>\n<h1>Error against run time</h1>\n<ul>{facts}</ul>\n{body}</html>\n"
-    )
+    push(format!("<h2>How it was measured</h2>\n<ul>{facts}</ul>"));
+    page::page("equip report", &body)
 }
 
-/// The quickest method that keeps the energy on its own, for an error in the middle of those looked at, or
-/// for the smallest above it that one reaches.
-fn advice(result: &Results) -> Option<String> {
-    let middle = (result.targets.len() / 2).min(result.targets.len().checked_sub(1)?);
-    let keeping = || result.curves.iter().filter(|c| c.contender.keeps_energy());
-    let quickest = |k: usize| {
-        let timed = keeping().filter_map(|curve| {
-            let milliseconds = times(curve, result.targets).get(k)?.milliseconds()?;
-            Some((milliseconds, curve.contender.name()))
-        });
-        timed.min_by(|a, b| a.0.total_cmp(&b.0))
-    };
-    let found = (0..=middle)
-        .rev()
-        .find_map(|k| Some((result.targets[k], quickest(k)?)));
-    let (target, (milliseconds, name)) = found?;
-    Some(format!(
-        "To begin with: {name}, the quickest that keeps the energy on its own for an error of {target:e} ({} ms).",
-        brief(milliseconds)
-    ))
+/// Links to all parts.
+fn contents(long: &Long, results: &[Results], peers: Option<&Peers>) -> String {
+    let link = |id: &str, title: &str| format!("<a href=\"#{id}\">{}</a> ", escape(title));
+    let mut links = Vec::new();
+    if !long.regular.is_empty() {
+        links.push(link(LONG, "Long runs"));
+    }
+    if !long.close.is_empty() {
+        links.push(link(CLOSE, "Close encounters"));
+    }
+    links.extend(results.iter().map(|r| link(&r.id(), &r.title)));
+    if peers.is_some() {
+        links.push(link("peers", "Other programs"));
+    }
+    format!("<nav>{}</nav>", links.concat())
 }
 
-/// A table of heads and rows of cells that are escaped already.
-fn table(heads: &[String], rows: &[Vec<String>]) -> String {
-    let heads: String = heads.iter().map(|h| format!("<th>{h}</th>")).collect();
-    let row = |cells: &Vec<String>| {
-        let cells: String = cells.iter().map(|c| format!("<td>{c}</td>")).collect();
-        format!("<tr>{cells}</tr>\n")
-    };
-    let rows: String = rows.iter().map(row).collect();
-    format!("<table><thead><tr>{heads}</tr></thead><tbody>\n{rows}</tbody></table>")
-}
-
-/// Three digits, or nothing.
-fn brief(x: f64) -> String {
-    match x {
-        x if !x.is_finite() => String::new(),
-        x if (0.1..1e4).contains(&x) => {
-            let decimals = (2.0 - x.log10().floor()).clamp(0.0, 3.0) as usize;
-            format!("{x:.decimals$}")
-        }
-        x => format!("{x:.2e}"),
+/// Uncorrected steps: Gauss corrects none, which is no news.
+fn uncorrected(is_equip: bool, count: u64) -> String {
+    if is_equip {
+        count.to_string()
+    } else {
+        "–".into()
     }
 }
 
-/// Links to all scenes.
-fn contents(results: &[Results], peers: Option<&Peers>) -> String {
-    let link = |id: String, title: String| format!("<a href=\"#{id}\">{title}</a> ");
-    let scenes = results.iter().map(|r| {
-        let id = format!("{}-{}", r.name, r.precision);
-        link(id.clone(), id)
-    });
-    let others = peers.iter().flat_map(|p| &p.scenes).map(|scene| {
-        let name = escape(&scene.scene);
-        link(
-            format!("peers-{name}"),
-            format!("{name} and other programs"),
-        )
-    });
-    let links: String = scenes.chain(others).collect();
-    format!("<nav>{links}</nav>")
+/// Runs with step control: errors after the `numbers` of revolutions.
+fn growth_table(curves: &[&growth::Curve], numbers: &[u64]) -> String {
+    let mut heads: Vec<String> = ["method", "e", "tolerance"].map(Into::into).into();
+    heads.extend(numbers.iter().map(|n| format!("error after {n}")));
+    let more = [
+        "max |ΔH/H₀|",
+        "in round-off levels",
+        "steps per revolution",
+        "uncorrected steps",
+        "CPU ms per revolution",
+    ];
+    heads.extend(more.map(Into::into));
+    let row = |curve: &&growth::Curve| {
+        let c = &curve.certificate;
+        let mut cells = vec![
+            format!("{}(8)", curve.name()),
+            escape(&curve.eccentricity),
+            escape(&curve.tolerance),
+        ];
+        cells.extend(
+            numbers
+                .iter()
+                .map(|&n| format!("{:.1e}", curve.error_after(n))),
+        );
+        let energy = curve.energies.last().copied().unwrap_or(f64::NAN);
+        cells.extend([
+            format!("{energy:.1e}"),
+            c.energy_in_floors.map_or("–".into(), |x| format!("{x:.1}")),
+            format!("{:.1}", c.counts.steps as f64 / curve.revolutions),
+            uncorrected(curve.is_equip, c.counts.uncorrected()),
+            three_digits(curve.milliseconds / curve.revolutions),
+        ]);
+        cells
+    };
+    table(
+        "numbers",
+        &heads,
+        &curves.iter().map(row).collect::<Vec<_>>(),
+    )
 }
 
-fn versions(peers: &Peers) -> String {
-    let all = peers.versions.iter();
-    let known =
-        all.filter_map(|(program, version)| Some(format!("{program} {}", version.as_ref()?)));
-    known.collect::<Vec<_>>().join(", ")
-}
-
+/// Milliseconds to each error.
 fn accuracies(result: &Results) -> String {
     let mut heads = vec!["method".to_owned()];
     heads.extend(result.targets.iter().map(|t| format!("{t:.0e}")));
@@ -187,13 +176,13 @@ fn accuracies(result: &Results) -> String {
     let cell = |k: usize, time: &Time| {
         let text = match time {
             Time::NotReached => return "–".to_owned(),
-            Time::AtMost(ms) => format!("≤ {}", brief(*ms)),
-            Time::Interpolated(ms) => brief(*ms),
+            Time::AtMost(ms) => format!("≤ {}", three_digits(*ms)),
+            Time::Interpolated(ms) => three_digits(*ms),
         };
         let ms = time.milliseconds();
         if ms == Some(quickest(k, |_| true)) {
             format!("<span class=\"first\">{text}</span>")
-        } else if ms == Some(quickest(k, |c| c.contender.keeps_energy())) {
+        } else if ms == Some(quickest(k, |c| c.contender.is_equip)) {
             format!("<span class=\"keeps\">{text}</span>")
         } else {
             text
@@ -207,25 +196,27 @@ fn accuracies(result: &Results) -> String {
             cells
         })
         .collect();
-    table(&heads, &rows)
+    table("numbers", &heads, &rows)
 }
 
+/// All runs of a scene.
 fn runs(result: &Results) -> String {
     let mut heads: Vec<String> = [
         "method",
         "order",
         "setting",
         "steps",
+        "uncorrected",
         "error",
-        "energy defect",
+        "max |ΔH|",
     ]
     .map(Into::into)
     .into();
     heads.extend(result.invariants.iter().map(|name| escape(name)));
     heads.extend(
         [
-            "gradients",
-            "per step",
+            "∇H",
+            "∇H per step",
             "iterations per step",
             "ms, median",
             "least",
@@ -235,9 +226,9 @@ fn runs(result: &Results) -> String {
         .map(Into::into),
     );
     let per_step = |count: u64, steps: u64| format!("{:.1}", count as f64 / steps.max(1) as f64);
-    let row = |curve: &Curve, point: &super::measure::Point| {
+    let row = |curve: &Curve, point: &Point| {
         let o = &point.outcome;
-        let setting = if curve.contender.adapts() {
+        let setting = if curve.contender.adapts {
             format!("tolerance {:.0e}", point.setting)
         } else {
             format!("{} steps", point.setting)
@@ -247,6 +238,7 @@ fn runs(result: &Results) -> String {
             curve.contender.order().to_string(),
             setting,
             o.steps.to_string(),
+            uncorrected(curve.contender.is_equip, o.uncorrected),
             format!("{:.1e}", o.error),
             format!("{:.1e}", o.energy),
         ];
@@ -256,9 +248,9 @@ fn runs(result: &Results) -> String {
             o.gradients.to_string(),
             per_step(o.gradients, o.steps),
             per_step(o.iterations, o.steps),
-            brief(point.median()),
-            brief(least),
-            brief(most),
+            three_digits(point.median()),
+            three_digits(least),
+            three_digits(most),
             point.milliseconds.len().to_string(),
         ]);
         cells
@@ -268,97 +260,5 @@ fn runs(result: &Results) -> String {
         .iter()
         .flat_map(|curve| curve.points.iter().map(move |point| row(curve, point)))
         .collect();
-    table(&heads, &rows)
-}
-
-fn against(scene: &super::peers::Scene) -> String {
-    let mut heads = vec!["program".to_owned()];
-    heads.extend(scene.targets.iter().map(|t| format!("{t:.0e}")));
-    let rows: Vec<Vec<String>> = scene
-        .programs
-        .iter()
-        .map(|program| {
-            let mut cells = vec![escape(&program.program)];
-            cells.extend(program.reached.iter().map(|reached| match reached {
-                None => "–".into(),
-                Some(r) => {
-                    let ours = is_ours(&program.program);
-                    let ratio = r.ratio_to_quickest_peer.filter(|_| ours);
-                    let ratio = ratio.map_or(String::new(), |x| format!(" ({x:.2})"));
-                    let spread = format!("{} to {}", brief(r.least), brief(r.most));
-                    format!(
-                        "<span title=\"{spread}\">{}{ratio}</span> <small>{}</small>",
-                        brief(r.milliseconds),
-                        escape(&r.method)
-                    )
-                }
-            }));
-            cells
-        })
-        .collect();
-    table(&heads, &rows)
-}
-
-fn at_tolerance(at: &super::peers::AtTolerance) -> String {
-    let heads = ["program", "method", "ms", "least", "most", "error"].map(Into::into);
-    let row = |row: &super::peers::Row| {
-        vec![
-            escape(&row.program),
-            escape(&row.method),
-            brief(row.milliseconds),
-            brief(row.least),
-            brief(row.most),
-            row.error.map_or("–".into(), |e| format!("{e:.1e}")),
-        ]
-    };
-    table(&heads, &at.rows.iter().map(row).collect::<Vec<_>>())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Curve, Results, advice, brief};
-    use crate::report::contender::{Contender, Outcome};
-    use crate::report::measure::Point;
-
-    /// Two methods that keep the energy: to 1e-8 the second is the quicker, and none reaches 1e-10.
-    #[test]
-    fn the_advice_is_for_an_error_that_is_reached() {
-        let curve = |stages, reached: &[(f64, f64)]| Curve {
-            contender: Contender::Equip(stages),
-            points: (reached.iter())
-                .map(|&(error, milliseconds)| Point {
-                    setting: 1.0,
-                    outcome: Outcome {
-                        error,
-                        ..Outcome::default()
-                    },
-                    milliseconds: vec![milliseconds],
-                })
-                .collect(),
-            failure: None,
-        };
-        let mut results = Results {
-            name: "",
-            precision: "f64",
-            title: String::new(),
-            source: String::new(),
-            invariants: vec![],
-            targets: &[1e-6, 1e-8, 1e-10, 1e-12],
-            curves: vec![
-                curve(4, &[(1e-7, 1.0), (1e-9, 16.0)]),
-                curve(8, &[(1e-7, 2.0), (1e-9, 3.0)]),
-            ],
-            svg: String::new(),
-        };
-        let text = advice(&results).unwrap();
-        assert!(text.contains("EQUIP(8)") && text.contains("1e-8"), "{text}");
-        results.curves.clear();
-        assert_eq!(advice(&results), None);
-    }
-
-    #[test]
-    fn three_digits() {
-        let texts = [0.012345, 0.12345, 1.2345, 123.45, 12345.0, f64::NAN].map(brief);
-        assert_eq!(texts, ["1.23e-2", "0.123", "1.23", "123", "1.23e4", ""]);
-    }
+    table("numbers", &heads, &rows)
 }

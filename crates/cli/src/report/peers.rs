@@ -1,8 +1,11 @@
 //! What `benches/peers` measured, read from its JSON file to be joined to the page.
 
-use crate::draw::chart::{Line, Look, Spot, draw};
-use crate::draw::svg::Mark;
+use crate::draw::chart::{Line, Plot, Spot, chart};
+use crate::draw::figure::{Figure, Look};
+use crate::draw::page::table;
+use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark, escape};
 use crate::fault::Fault;
+use crate::text::three_digits;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -13,10 +16,10 @@ const WRONG: f64 = 10.0;
 /// The file of the peers.
 #[derive(Debug, Deserialize)]
 pub(super) struct Peers {
-    pub(super) cpu: String,
+    cpu: String,
     /// Programs and their versions.
     #[serde(default)]
-    pub(super) versions: BTreeMap<String, Option<String>>,
+    versions: BTreeMap<String, Option<String>>,
     pub(super) scenes: Vec<Scene>,
 }
 
@@ -24,46 +27,46 @@ pub(super) struct Peers {
 #[derive(Debug, Deserialize)]
 pub(super) struct Scene {
     pub(super) scene: String,
-    pub(super) title: String,
-    pub(super) targets: Vec<f64>,
-    pub(super) programs: Vec<Program>,
+    title: String,
+    targets: Vec<f64>,
+    programs: Vec<Program>,
     curves: Vec<Curve>,
-    pub(super) at_tolerance: Option<AtTolerance>,
+    at_tolerance: Option<AtTolerance>,
 }
 
 /// All programs at one tolerance.
 #[derive(Debug, Deserialize)]
-pub(super) struct AtTolerance {
-    pub(super) tolerance: f64,
-    pub(super) rows: Vec<Row>,
+struct AtTolerance {
+    tolerance: f64,
+    rows: Vec<Row>,
 }
 
 /// A program at a tolerance.
 #[derive(Debug, Deserialize)]
-pub(super) struct Row {
-    pub(super) program: String,
-    pub(super) method: String,
-    pub(super) error: Option<f64>,
-    pub(super) milliseconds: f64,
-    pub(super) least: f64,
-    pub(super) most: f64,
+struct Row {
+    program: String,
+    method: String,
+    error: Option<f64>,
+    milliseconds: f64,
+    least: f64,
+    most: f64,
 }
 
 /// A program with its quickest way to each target.
 #[derive(Debug, Deserialize)]
-pub(super) struct Program {
-    pub(super) program: String,
-    pub(super) reached: Vec<Option<Reached>>,
+struct Program {
+    program: String,
+    reached: Vec<Option<Reached>>,
 }
 
 /// A target reached.
 #[derive(Debug, Deserialize)]
-pub(super) struct Reached {
-    pub(super) method: String,
-    pub(super) milliseconds: f64,
-    pub(super) least: f64,
-    pub(super) most: f64,
-    pub(super) ratio_to_quickest_peer: Option<f64>,
+struct Reached {
+    method: String,
+    milliseconds: f64,
+    least: f64,
+    most: f64,
+    ratio_to_quickest_peer: Option<f64>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -94,7 +97,7 @@ pub(super) fn read(path: &Path) -> Result<Peers, Fault> {
 
 impl Scene {
     /// Error against time: of each program the settings that no other of its settings beats in both.
-    pub(super) fn picture(&self) -> String {
+    pub(super) fn figure(&self) -> Figure {
         let mut ours_first: Vec<&Program> = self.programs.iter().collect();
         ours_first.sort_by_key(|p| !is_ours(&p.program));
         let lines: Vec<Line> = ours_first
@@ -113,44 +116,116 @@ impl Scene {
                 }
             })
             .collect();
-        draw(
-            &self.title,
-            &[("CPU time / ms", "error of (q, p) at the end")],
-            &lines,
-        )
+        let plot = Plot::new("", "CPU time / ms", "error of (q, p) at the end");
+        chart(&self.title, "", &[plot], &lines)
     }
 }
 
+/// The part of the page on other programs.
+pub(super) fn section(peers: &Peers) -> String {
+    let mut text = format!(
+        "<h2 id=\"peers\">Compared with other programs</h2>\n<p>CPU milliseconds on {}; docs/compare.md has the rules. In brackets: the time \
+         of EQUIP over that of the fastest other program. The title of a figure has the least and the largest time of the rounds.</p>\n\
+         <p class=\"note\">{}</p>\n",
+        escape(&peers.cpu),
+        escape(&versions(peers))
+    );
+    for scene in &peers.scenes {
+        text += &scene.figure().html();
+        text += &against(scene);
+        if let Some(at) = &scene.at_tolerance {
+            text += &format!(
+                "<h3>All at tolerance {:.0e}</h3>\n{}",
+                at.tolerance,
+                at_tolerance(at)
+            );
+        }
+    }
+    text
+}
+
+fn versions(peers: &Peers) -> String {
+    let all = peers.versions.iter();
+    let known =
+        all.filter_map(|(program, version)| Some(format!("{program} {}", version.as_ref()?)));
+    known.collect::<Vec<_>>().join(", ")
+}
+
+fn against(scene: &Scene) -> String {
+    let mut heads = vec!["program".to_owned()];
+    heads.extend(scene.targets.iter().map(|t| format!("{t:.0e}")));
+    let rows: Vec<Vec<String>> = scene
+        .programs
+        .iter()
+        .map(|program| {
+            let mut cells = vec![escape(&program.program)];
+            cells.extend(program.reached.iter().map(|reached| match reached {
+                None => "–".into(),
+                Some(r) => {
+                    let ours = is_ours(&program.program);
+                    let ratio = r.ratio_to_quickest_peer.filter(|_| ours);
+                    let ratio = ratio.map_or(String::new(), |x| format!(" ({x:.2})"));
+                    let spread = format!("{} to {}", three_digits(r.least), three_digits(r.most));
+                    format!(
+                        "<span title=\"{spread}\">{}{ratio}</span> <small>{}</small>",
+                        three_digits(r.milliseconds),
+                        escape(&r.method)
+                    )
+                }
+            }));
+            cells
+        })
+        .collect();
+    table("numbers", &heads, &rows)
+}
+
+fn at_tolerance(at: &AtTolerance) -> String {
+    let heads = ["program", "method", "ms", "least", "most", "error"];
+    let row = |row: &Row| {
+        vec![
+            escape(&row.program),
+            escape(&row.method),
+            three_digits(row.milliseconds),
+            three_digits(row.least),
+            three_digits(row.most),
+            row.error.map_or("–".into(), |e| format!("{e:.1e}")),
+        ]
+    };
+    table(
+        "numbers",
+        &heads,
+        &at.rows.iter().map(row).collect::<Vec<_>>(),
+    )
+}
+
 /// Whether a program is this library.
-pub(super) fn is_ours(program: &str) -> bool {
+fn is_ours(program: &str) -> bool {
     program.starts_with("equip")
 }
 
-/// The look of a program, the same in every picture: ours in blues, dashed with variable steps.
+/// The look of a program, the same in every picture: ours in blue, dashed with step control.
 fn look(program: &str) -> Look {
-    let colour = match program {
-        p if p.starts_with("equip closure") => "#2f7fb8",
-        p if p.starts_with("equip by hand") => "#06305c",
-        p if is_ours(p) => "#7db7de",
-        "heyoka" => "#c0392b",
-        "composition" => "#2b2b2b",
-        "rebound" => "#d97a12",
-        "ode_solvers" => "#3f8f5f",
-        "differential-equations" => "#8fc9a3",
-        "diffsol" => "#9a9a9a",
-        "scipy" => "#a03c8c",
-        _ => "#6b3304",
+    let (colour, mark) = match program {
+        p if p.starts_with("equip closure") => (EQUIP, Mark::Disc),
+        p if p.starts_with("equip by hand") => (EQUIP, Mark::Diamond),
+        p if is_ours(p) => (EQUIP, Mark::Wedge),
+        "heyoka" => (GAUSS, Mark::Triangle),
+        "composition" => (INK, Mark::Square),
+        "rebound" => (COLOURS[3], Mark::Triangle),
+        "ode_solvers" => (COLOURS[0], Mark::Square),
+        "differential-equations" => (COLOURS[0], Mark::Triangle),
+        "diffsol" => (FAINT, Mark::Diamond),
+        "scipy" => (COLOURS[1], Mark::Square),
+        _ => (COLOURS[5], Mark::Wedge),
     };
-    let variable = is_ours(program) && program.ends_with("variable");
     Look {
-        colour: colour.into(),
-        dashes: if variable { "7 4" } else { "none" },
-        width: if is_ours(program) { 2.4 } else { 1.8 },
-        mark: match (is_ours(program), variable) {
-            (true, false) => Mark::Disc,
-            (true, true) => Mark::Diamond,
-            (false, _) => Mark::Triangle,
+        colour,
+        dashes: match is_ours(program) && program.ends_with("variable") {
+            true => "7 4",
+            false => "none",
         },
+        width: if is_ours(program) { 2.2 } else { 1.6 },
+        mark: Some(mark),
     }
 }
 

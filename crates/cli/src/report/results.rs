@@ -1,7 +1,10 @@
 //! [`Results`]: a scene with all that was measured on it.
 
 use super::accuracy::{Time, time_to};
+use super::contender::Outcome;
 use super::measure::Curve;
+use crate::draw::figure::Figure;
+use crate::limits::FLOORS;
 
 /// A scene with all that was measured on it.
 #[derive(Debug)]
@@ -13,7 +16,25 @@ pub(crate) struct Results {
     pub(crate) invariants: Vec<&'static str>,
     pub(crate) targets: &'static [f64],
     pub(crate) curves: Vec<Curve>,
-    pub(crate) svg: String,
+    pub(crate) figure: Figure,
+}
+
+impl Results {
+    pub(super) fn id(&self) -> String {
+        format!("{}-{}", self.name, self.precision)
+    }
+}
+
+/// The least round-off level of H that a run of EQUIP found: that of Gauss is the same.
+pub(super) fn floor(curves: &[Curve]) -> Option<f64> {
+    let points = curves.iter().flat_map(|curve| &curve.points);
+    let floors = points.filter_map(|point| point.outcome.floor);
+    floors.min_by(f64::total_cmp)
+}
+
+/// Whether a run conserved the energy to round-off, where the level is known.
+pub(super) fn is_conserved(outcome: &Outcome, floor: Option<f64>) -> bool {
+    floor.is_none_or(|floor| outcome.energy <= FLOORS * floor)
 }
 
 /// The times of a method to each target.

@@ -6,6 +6,7 @@
 //! method that does nothing scores zero.
 
 use crate::fault::Fault;
+use crate::text::symbol;
 use equip_integrate::{Gauss, Record};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -23,9 +24,6 @@ pub(super) struct Entry {
     pub(super) quick: bool,
     /// Whether it is also run in double-double.
     pub(super) extended: bool,
-    /// Whether it is about what long runs keep: its picture has the first invariant in place of the number of
-    /// gradients.
-    pub(super) long: bool,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -42,7 +40,7 @@ enum End {
 }
 
 const fn entry(name: &'static str, scene: Source, end: End, fewest: f64) -> Entry {
-    let (quick, extended, long) = (false, false, false);
+    let (quick, extended) = (false, false);
     Entry {
         name,
         scene,
@@ -50,18 +48,12 @@ const fn entry(name: &'static str, scene: Source, end: End, fewest: f64) -> Entr
         fewest,
         quick,
         extended,
-        long,
     }
 }
 
 impl Entry {
     const fn quick(mut self) -> Self {
         self.quick = true;
-        self
-    }
-
-    const fn long(mut self) -> Self {
-        self.long = true;
         self
     }
 
@@ -72,15 +64,7 @@ impl Entry {
 }
 
 /// The scenes in the order of the page.
-pub(super) const ENTRIES: [Entry; 10] = [
-    entry(
-        "kepler-1000-periods",
-        Source::Scene("kepler", &[("e", "0.6")]),
-        End::Periods(1000.3),
-        28_000.0,
-    )
-    .quick()
-    .long(),
+pub(super) const ENTRIES: [Entry; 9] = [
     entry(
         "kepler-0.6",
         Source::Scene("kepler", &[("e", "0.6")]),
@@ -173,17 +157,17 @@ impl<T: Float> Subject<T> {
         let (reference, source) = end_state(&instance, entry, &start, end)?;
         let parameters: Vec<_> = instance
             .parameters()
-            .map(|(n, v)| format!("{n} = {v}"))
+            .map(|(n, v)| format!("{} = {}, ", symbol(n), v.replace('-', "−")))
             .collect();
         let title = format!(
-            "{}, {}, t = {}",
+            "{}, {}t = {}",
             instance.scene().title,
-            parameters.join(", "),
-            (1e6 * end.to_f64()).round() / 1e6
+            parameters.concat(),
+            (1e3 * end.to_f64()).round() / 1e3
         );
         Ok(Subject {
             name: entry.name,
-            title: title.replace(", ,", ","),
+            title,
             fewest: entry.fewest,
             instance,
             start,
@@ -239,6 +223,6 @@ fn end_state<T: Float>(
     let off = coarse.iter().zip(&fine).map(far).fold(0.0, f64::max);
     Ok((
         fine,
-        format!("Gauss(16) in double-double, within {off:.0e}"),
+        format!("Gauss(16) in double-double, error below {off:.0e}"),
     ))
 }

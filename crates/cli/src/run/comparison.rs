@@ -9,7 +9,7 @@ use equip_scalar::Float;
 use equip_scenes::Instance;
 use std::ops::ControlFlow;
 
-/// The energy defect of the Gauss method.
+/// The energy error of the Gauss method.
 #[derive(Debug)]
 pub(crate) struct Comparison {
     pub(crate) energy: Envelope,

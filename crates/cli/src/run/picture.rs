@@ -1,29 +1,22 @@
-//! The picture of a run: orbit or phase portrait on the left, the energy defect over time on the right; below
-//! them Lyapunov exponent and MEGNO if they were asked for.
+//! The picture of a run: orbit or phase portrait, and the relative energy error over time; Lyapunov exponent
+//! and MEGNO if they were requested.
 
+use crate::draw::figure::{Figure, Look};
 use crate::draw::panel::{Axis, Panel};
-use crate::draw::samples::{Envelope, Path};
-use crate::draw::svg::{Anchor, FAINT, INK, Svg};
+use crate::draw::samples::{Envelope, Path as Curve};
+use crate::draw::svg::{COLOURS, EQUIP, FAINT, GAUSS, INK, Mark};
 use crate::run::comparison::Comparison;
 use crate::run::finished::Finished;
 use crate::run::watch::Watch;
-use crate::text::brief;
+use crate::text::{brief, symbol};
 use equip_scalar::Float;
 use equip_scenes::{Instance, View};
+use std::path::Path;
 
-/// Muted colours, distinct also where red and green look alike: the first is that of the run.
-const COLOURS: [&str; 6] = [
-    "#2b6a99", "#c46b1f", "#4f8f6b", "#8d6a9f", "#b0485c", "#6b6b6b",
-];
-const GAUSS: &str = COLOURS[1];
-const WIDTH: u32 = 1040;
-const HEIGHT: u32 = 480;
-const TOP: f64 = 108.0;
-const SIDE: f64 = 300.0;
-/// What the panels of the chaos indicators add.
-const MORE: u32 = 390;
 /// Up to this many steps, each is marked by a dot on its curve.
 const FEW: usize = 400;
+/// Points of a curve of the energy at most.
+const MOST_POINTS: usize = 250;
 
 /// The components of y = (q, p) that the scene's picture is made of, two for each path.
 pub(crate) fn components(instance: &Instance) -> Vec<usize> {
@@ -34,20 +27,57 @@ pub(crate) fn components(instance: &Instance) -> Vec<usize> {
     }
 }
 
-/// The picture as the text of an SVG file.
+/// The text of the file that `watch` is to draw to: a picture, or a page.
 pub(crate) fn draw<T: Float>(
     finished: &Finished<'_, T>,
     watch: &Watch<'_, T>,
     comparison: Option<&Comparison>,
-    curve: Option<&Path>,
+    curve: Option<&Curve>,
 ) -> String {
-    let more = if watch.follows_chaos { MORE } else { 0 };
-    let mut svg = Svg::new(WIDTH, HEIGHT + more);
     let (instance, certificate) = (finished.instance, finished.run.certificate());
-    svg.text((28.0, 36.0), 20, Anchor::Start, INK, instance.scene().title);
-    let mut facts: Vec<_> = instance
-        .parameters()
-        .map(|(n, v)| format!("{n} = {v}"))
+    let mut figure = Figure {
+        title: instance.scene().title.into(),
+        facts: facts(finished),
+        legend: Vec::new(),
+        panels: Vec::new(),
+    };
+    match instance.view() {
+        View::Profile => profile(&mut figure, watch.start.0, finished),
+        view => paths(&mut figure, instance, (&watch.picture.path, curve), &view),
+    }
+    let end = certificate.end.to_f64();
+    let unit = instance.units().time;
+    let time = Axis::between(end.min(0.0), end.max(0.0), &labelled("time t", unit));
+    energies(
+        &mut figure,
+        finished,
+        &watch.picture.energy,
+        comparison,
+        time,
+    );
+    if watch.follows_chaos {
+        let since = if end < 0.0 {
+            "time since the start"
+        } else {
+            "time t"
+        };
+        chaos(
+            &mut figure,
+            &watch.picture.chaos,
+            end.abs(),
+            &labelled(since, unit),
+        );
+    }
+    let file = watch.plot.as_deref().unwrap_or(Path::new(""));
+    figure.file(file)
+}
+
+/// Parameters, steps and method.
+fn facts<T: Float>(finished: &Finished<'_, T>) -> String {
+    let (instance, certificate) = (finished.instance, finished.run.certificate());
+    let parameters = instance.parameters();
+    let mut facts: Vec<_> = parameters
+        .map(|(name, value)| format!("{} = {}", symbol(name), value.replace('-', "\u{2212}")))
         .collect();
     let mut sizes = match &certificate.variable_steps {
         None => brief(certificate.step.to_f64()),
@@ -62,72 +92,19 @@ pub(crate) fn draw<T: Float>(
     }
     facts.push(format!("{} steps of {sizes}", certificate.counts.steps));
     facts.push(format!("{} in {}", certificate.method, T::NAME));
-    svg.text(
-        (28.0, 60.0),
-        14,
-        Anchor::Start,
-        FAINT,
-        &facts.join("  \u{b7}  "),
-    );
-    match instance.view() {
-        View::Profile => profile(&mut svg, watch.start.0, finished),
-        view => paths(&mut svg, instance, (&watch.picture.path, curve), &view),
-    }
-    let scale = certificate
-        .energy
-        .as_ref()
-        .map_or(0.0, |e| e.start.to_f64().abs());
-    let epsilon: f64 = T::EPSILON.to_f64();
-    let floor = if scale > 0.0 {
-        epsilon * scale
-    } else {
-        epsilon
-    };
-    let name = certificate.method.to_string();
-    let name = name.split(',').next().unwrap_or_default();
-    let end = certificate.end.to_f64();
-    let time = labelled("time t", instance.units().time);
-    energies(
-        &mut svg,
-        &watch.picture.energy,
-        name,
-        comparison,
-        Axis::between(end.min(0.0), end.max(0.0), &time),
-        floor,
-    );
-    if watch.follows_chaos {
-        let since = if end < 0.0 {
-            "time since the start"
-        } else {
-            "time t"
-        };
-        let time = labelled(since, instance.units().time);
-        chaos(&mut svg, &watch.picture.chaos, end.abs(), &time);
-    }
-    svg.finish()
-}
-
-fn left_panel(x: Axis, y: Axis) -> Panel {
-    Panel {
-        left: 92.0,
-        top: TOP,
-        width: 340.0,
-        height: SIDE,
-        x,
-        y,
-    }
+    facts.join(" \u{b7} ")
 }
 
 /// Paths of bodies, or the phase portrait of one degree of freedom: the curve, with a dot for each of few
 /// steps, or dots alone where there is no curve.
-fn paths(svg: &mut Svg, instance: &Instance, drawn: (&Path, Option<&Path>), view: &View) {
+fn paths(figure: &mut Figure, instance: &Instance, drawn: (&Curve, Option<&Curve>), view: &View) {
     let (path, curve) = drawn;
     let count = components(instance).len() / 2;
     let plane = *view == View::PhasePlane;
-    let (x, y) = match view {
-        View::PhasePlane => ("q", "p"),
-        _ if count > 1 => ("x", "y"),
-        _ => ("q\u{2081}", "q\u{2082}"),
+    let (heading, x, y) = match view {
+        View::PhasePlane => ("Phase portrait", "q", "p"),
+        _ if count > 1 => ("Paths", "x", "y"),
+        _ => ("Path", "q\u{2081}", "q\u{2082}"),
     };
     let all = || {
         let both = curve.into_iter().chain([path]);
@@ -137,54 +114,52 @@ fn paths(svg: &mut Svg, instance: &Instance, drawn: (&Path, Option<&Path>), view
     let [x, y] = [x, y].map(|what| labelled(what, unit));
     let x = Axis::around(all().map(|point| point.0), &x);
     let y = Axis::around(all().map(|point| point.1), &y);
-    let mut panel = left_panel(x, y);
+    let mut panel = Panel::new(x, y);
     if !plane {
         panel.same_units();
     }
-    panel.draw_axes(svg);
+    let heading = match (curve, path.stride()) {
+        (Some(_), _) => heading.to_owned(),
+        (None, 1) => format!("{heading}, each step"),
+        (None, stride) => format!("{heading}, one step in {stride}"),
+    };
+    let mut svg = panel.svg(&heading);
     for i in 0..count {
-        let colour = COLOURS[i % COLOURS.len()];
+        let colour = if count > 1 {
+            COLOURS[i % COLOURS.len()]
+        } else {
+            EQUIP
+        };
         let points = path.pairs(i).map(|point| panel.at(point));
         // Points of steps are not joined: the line would not be the path.
         match curve {
             Some(curve) => {
                 if points.clone().count() <= FEW {
-                    svg.dots(points, colour, 3.0);
+                    svg.dots(points, colour, 3.4);
                 }
                 let points = curve.pairs(i).map(|point| panel.at(point));
                 svg.polyline(points, colour, 1.2);
             }
-            None => svg.dots(points, colour, 1.6),
+            None => svg.dots(points, colour, 1.8),
         }
         if let Some(start) = path.pairs(i).next() {
             svg.dot(panel.at(start), 4.0, INK);
         }
     }
-    svg.dot((panel.left + 6.0, TOP - 18.0), 4.0, INK);
-    let every = match (curve, path.stride()) {
-        (Some(_), _) | (None, 1) => String::new(),
-        (None, stride) => format!(", one step in {stride} drawn"),
-    };
-    svg.text(
-        (panel.left + 18.0, TOP - 13.0),
-        14,
-        Anchor::Start,
-        INK,
-        &format!("start{every}"),
-    );
+    figure.panels.push(svg);
+    let start = ("initial state".into(), Look::mark(INK, Mark::Disc));
+    figure.legend.push(start);
 }
 
 /// q_i against i, at the start and at the end.
-fn profile<T: Float>(svg: &mut Svg, start: &[T], finished: &Finished<'_, T>) {
+fn profile<T: Float>(figure: &mut Figure, start: &[T], finished: &Finished<'_, T>) {
     let (end, last, _) = finished.run.last();
-    let states = [(start, FAINT), (last, COLOURS[0])];
-    let all = states
-        .iter()
-        .flat_map(|(q, _)| q.iter().map(|x| x.to_f64()));
+    let states = [(start, FAINT, 0.0), (last, COLOURS[0], end.to_f64())];
+    let all = (states.iter()).flat_map(|(q, ..)| q.iter().map(|x| x.to_f64()));
     let y = Axis::around(all, "q\u{1d62}");
-    let panel = left_panel(Axis::between(0.0, (start.len() + 1) as f64, "i"), y);
-    panel.draw_axes(svg);
-    for (k, (q, colour)) in states.into_iter().enumerate() {
+    let panel = Panel::new(Axis::between(0.0, (start.len() + 1) as f64, "i"), y);
+    let mut svg = panel.svg("Profile");
+    for (q, colour, time) in states {
         let points = q
             .iter()
             .enumerate()
@@ -193,116 +168,105 @@ fn profile<T: Float>(svg: &mut Svg, start: &[T], finished: &Finished<'_, T>) {
         if q.len() <= 64 {
             svg.dots(points, colour, 5.0);
         }
-        let left = panel.left + 120.0 * k as f64;
-        legend(
-            svg,
-            left,
-            colour,
-            &format!("t = {}", brief(if k == 0 { 0.0 } else { end.to_f64() })),
-        );
+        let time = format!("q at t = {}", brief(time));
+        figure.legend.push((time, Look::line(colour)));
     }
+    figure.panels.push(svg);
 }
 
-/// |H − H_ref| over time, zero at the bottom line.
-fn energies(
-    svg: &mut Svg,
+/// |ΔH/H₀| over time, or |ΔH| where H₀ is small compared with round-off. Exact zeros are left out.
+fn energies<T: Float>(
+    figure: &mut Figure,
+    finished: &Finished<'_, T>,
     energy: &Envelope,
-    name: &str,
     comparison: Option<&Comparison>,
-    x: Axis,
-    floor: f64,
+    time: Axis,
 ) {
-    let mut curves = vec![(energy, COLOURS[0], name.to_owned())];
+    let legend = &mut figure.legend;
+    let certificate = finished.run.certificate();
+    let start = (certificate.energy.as_ref()).map_or(0.0, |e| e.start.to_f64().abs());
+    let epsilon = T::EPSILON.to_f64();
+    let level = certificate.energy_floor.map(|level| level.floor.to_f64());
+    let level = level.filter(|level| *level > 0.0 && level.is_finite());
+    let floor = level.unwrap_or(epsilon * if start > 0.0 { start } else { 1.0 });
+    let is_relative = start > 0.0 && floor < epsilon.sqrt() * start;
+    let (unit, heading, label) = if is_relative {
+        (start, "Relative energy error", "|\u{394}H/H\u{2080}|")
+    } else {
+        (1.0, "Energy error", "|\u{394}H|")
+    };
+    let method = certificate.method.to_string();
+    let method = method.split(',').next().unwrap_or_default();
+    let is_gauss = method == "Gauss";
+    let mut curves = vec![(
+        energy.coarse(MOST_POINTS),
+        if is_gauss { GAUSS } else { EQUIP },
+    )];
+    legend.push((method.to_owned(), Look::line(curves[0].1)));
     if let Some(comparison) = comparison {
         let short = if comparison.complete {
             ""
         } else {
             ", ended early"
         };
-        let label = format!("{}{short}", comparison.label);
-        curves.insert(0, (&comparison.energy, GAUSS, label));
+        curves.insert(0, (comparison.energy.coarse(MOST_POINTS), GAUSS));
+        legend.push((format!("{}{short}", comparison.label), Look::line(GAUSS)));
     }
-    let all = curves
-        .iter()
-        .flat_map(|(curve, ..)| curve.points().iter().map(|point| point.1));
-    let (low, high) = all
-        .filter(|&x| x.is_finite() && x > 0.0)
-        .fold((f64::INFINITY, floor), |(low, high), x| {
-            (low.min(x), high.max(x))
-        });
-    let y = Axis::decades(
-        low.clamp(floor * 0.1, high),
-        high,
-        "energy defect |H \u{2212} H(0)|",
-    );
-    let panel = Panel {
-        left: 560.0,
-        top: TOP,
-        width: 448.0,
-        height: SIDE,
-        x,
-        y,
-    };
-    panel.draw_axes(svg);
-    for (curve, colour, _) in &curves {
-        svg.polyline(
-            curve.points().iter().map(|&point| panel.at(point)),
-            colour,
-            1.2,
-        );
+    legend.push(("round-off level of H".into(), Look::band()));
+    for (points, _) in &mut curves {
+        points.retain(|point| point.1.is_finite() && point.1 > 0.0);
+        points.iter_mut().for_each(|point| point.1 /= unit);
     }
-    let mut left = panel.left;
-    for (_, colour, label) in curves.iter().rev() {
-        legend(svg, left, colour, label);
-        left += 60.0 + 8.0 * label.chars().count() as f64;
+    let floor = floor / unit;
+    let all = curves.iter().flat_map(|(points, _)| points);
+    let (low, high) = all.fold((floor, floor), |(low, high), point| {
+        (low.min(point.1), high.max(point.1))
+    });
+    let y = Axis::powers(low.max(1e-3 * floor), high, 0.25, label);
+    let mut panel = Panel::new(time, y);
+    panel.floor = Some(floor);
+    let mut svg = panel.svg(heading);
+    for (points, colour) in &curves {
+        svg.polyline(points.iter().map(|&point| panel.at(point)), colour, 1.3);
     }
+    figure.panels.push(svg);
 }
 
 /// λ(t), which falls like ln t/t for regular motion, and MEGNO, which stays near 2.
-fn chaos(svg: &mut Svg, seen: &Path, end: f64, time: &str) {
+fn chaos(figure: &mut Figure, seen: &Curve, end: f64, time: &str) {
     let positive = || seen.pairs(0).filter(|&(t, x)| t > 0.0 && x > 0.0);
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold((f64::INFINITY, f64::MIN_POSITIVE), |(low, high), x| {
-            (low.min(x), high.max(x))
-        })
+    let axis = |of: fn((f64, f64)) -> f64, margin, label| {
+        let range = positive().map(of).fold(None, |range, x| {
+            let (low, high) = range.unwrap_or((x, x));
+            Some((x.min(low), x.max(high)))
+        });
+        let (low, high) = range.unwrap_or((0.1, 1.0));
+        Axis::powers(low, high, margin, label)
     };
-    let first = positive().map(|point| point.0).fold(end, f64::min);
-    let (low, high) = match positive().next() {
-        Some(_) => range(&mut positive().map(|point| point.1)),
-        None => (1e-3, 1.0),
-    };
-    let top = TOP + f64::from(MORE);
-    let exponent = Panel {
-        top,
-        x: Axis::decades_to(first, end, time),
-        y: Axis::decades(low.min(high), high, "Lyapunov exponent \u{3bb}(t)"),
-        ..left_panel(Axis::between(0.0, 1.0, ""), Axis::between(0.0, 1.0, ""))
-    };
-    exponent.draw_axes(svg);
+    let exponent = Panel::new(
+        axis(|point| point.0, 0.0, time),
+        axis(|point| point.1, 0.25, "\u{3bb}(t)"),
+    );
+    let mut svg = exponent.svg("Lyapunov exponent");
     for stretch in positive_stretches(seen.pairs(0)) {
         let points = stretch.iter().map(|&point| exponent.at(point));
         match stretch.len() {
-            1 => svg.dots(points, COLOURS[0], 1.5),
-            _ => svg.polyline(points, COLOURS[0], 1.5),
+            1 => svg.dots(points, EQUIP, 1.5),
+            _ => svg.polyline(points, EQUIP, 1.5),
         }
     }
+    figure.panels.push(svg);
     let values = seen.pairs(1).map(|point| point.1).chain([0.0, 2.0]);
-    let megno = Panel {
-        left: 560.0,
-        top,
-        width: 448.0,
-        height: SIDE,
-        x: Axis::between(0.0, end, time),
-        y: Axis::around(values, "MEGNO, mean over time"),
-    };
-    megno.draw_axes(svg);
-    svg.polyline(
-        [(0.0, 2.0), (end, 2.0)].map(|p| megno.at(p)).into_iter(),
-        FAINT,
-        1.0,
+    let megno = Panel::new(
+        Axis::between(0.0, end, time),
+        Axis::around(values, "mean MEGNO"),
     );
+    let mut svg = megno.svg("MEGNO, 2 for regular motion");
+    let two = [(0.0, 2.0), (end, 2.0)].map(|p| megno.at(p));
+    svg.polyline(two.into_iter(), FAINT, 1.2);
     let points = seen.pairs(1).map(|point| megno.at(point));
-    svg.polyline(points, COLOURS[0], 1.5);
+    svg.polyline(points, EQUIP, 1.5);
+    figure.panels.push(svg);
 }
 
 /// The stretches in which both coordinates are positive, as on logarithmic axes: a line must not join what
@@ -323,11 +287,6 @@ fn labelled(what: &str, unit: &str) -> String {
     } else {
         format!("{what} / {unit}")
     }
-}
-
-fn legend(svg: &mut Svg, left: f64, colour: &str, label: &str) {
-    svg.line((left, TOP - 18.0), (left + 26.0, TOP - 18.0), colour, 3.0);
-    svg.text((left + 34.0, TOP - 13.0), 14, Anchor::Start, INK, label);
 }
 
 #[cfg(test)]

@@ -47,7 +47,7 @@ fn orbits_are_drawn_between_their_steps() {
         numbers.collect()
     };
     let orbit = path
-        .filter(|path| path.contains('L'))
+        .filter(|path| path.contains('L') && !path.contains('z'))
         .map(points)
         .max_by_key(Vec::len)
         .unwrap();
@@ -91,6 +91,51 @@ fn lines_are_curves() {
     };
     assert!(drawn("630") > 2100);
     assert_eq!(drawn("4200"), 0);
+}
+
+/// Figures of a page are its panels one by one, in colours for light and dark paper.
+#[test]
+fn a_plot_can_be_a_page() {
+    let plot = file("page.html");
+    let path = plot.to_str().unwrap();
+    stdout(&[
+        "run",
+        "henon-heiles",
+        "--until",
+        "20",
+        "--lyapunov",
+        "--plot",
+        path,
+    ]);
+    let page = std::fs::read_to_string(&plot).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+    let panels = page.split("class=\"panels\"").nth(1).unwrap();
+    assert_eq!(panels.matches("<svg").count(), 4);
+    for words in [
+        "prefers-color-scheme: dark",
+        "|\u{394}H/H\u{2080}|",
+        "E = 1/12",
+        "round-off level of H",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+/// The energy after a step is often exactly H₀: such points are left out, and the curve stays in the panel
+/// above its lower edge.
+#[test]
+fn exact_zeros_are_no_spikes() {
+    let plot = file("zeros.svg");
+    let path = plot.to_str().unwrap();
+    stdout(&["run", "fput-beta", "--until", "100", "--plot", path]);
+    let picture = std::fs::read_to_string(&plot).unwrap();
+    let energy = picture.split("|\u{394}H/H\u{2080}|").nth(1).unwrap();
+    let lowest = (energy.split("<path d=\"M").skip(1))
+        .flat_map(|path| path.split('"').next().unwrap().split('L'))
+        .filter_map(|point| point.split_once(' ')?.1.parse::<f64>().ok())
+        .fold(0.0, f64::max);
+    // The frame ends at 298.
+    assert!(lowest > 34.0 && lowest < 290.0, "{lowest}");
 }
 
 #[test]
@@ -188,6 +233,8 @@ fn a_section_is_drawn() {
         // p1² is what is left.
         assert!(1.0 / 6.0 - q2 * q2 + 2.0 / 3.0 * q2.powi(3) - p2 * p2 > 0.0);
     }
-    assert!(std::fs::read_to_string(&plot).unwrap().contains("<path"));
+    let picture = std::fs::read_to_string(&plot).unwrap();
+    well_formed(&picture);
+    assert!(picture.contains("boundary of the energy surface") && picture.contains("p\u{2082}"));
     failure(2, &["section", "kepler"]);
 }

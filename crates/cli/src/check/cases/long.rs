@@ -1,4 +1,4 @@
-//! Long runs: the energy defect must not grow with the number of steps.
+//! Long runs: the energy error must not grow with the number of steps.
 
 use crate::check::case::{Case, Reference, Trajectory, scene};
 use std::f64::consts::TAU;
