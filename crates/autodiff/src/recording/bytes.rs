@@ -17,7 +17,7 @@
 use crate::error::{BuildError, BytesError};
 use crate::recording::op::{Node, Op};
 use crate::recording::recorder::{MOST, Recorder, Recording};
-use equip_scalar::{Constant, Outside, Written, ratio};
+use equip_scalar::{Constant, Outside, Words, Written, ratio};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -189,6 +189,9 @@ fn write_recording<E>(
     Ok(())
 }
 
+/// Doubles of an extended constant, of which there are more only in numbers with more than 212 bits.
+const FEW: usize = 4;
+
 fn write_constant(constant: Written, bytes: &mut Vec<u8>) {
     match constant {
         Written::Double(x) => {
@@ -204,8 +207,10 @@ fn write_constant(constant: Written, bytes: &mut Vec<u8>) {
             write_all(text.as_bytes(), bytes);
         }
         Written::Extended(parts) => {
-            bytes.push(3);
-            bytes.extend(parts.map(f64::to_le_bytes).concat());
+            let few = parts[FEW..].iter().all(|&part| part == 0.0);
+            let count = if few { FEW } else { parts.len() };
+            bytes.push(if few { 3 } else { 4 });
+            bytes.extend(parts[..count].iter().flat_map(|part| part.to_le_bytes()));
         }
     }
 }
@@ -333,9 +338,10 @@ impl<'a> Reader<'a> {
                 let constant = text.and_then(|text| Constant::from_text(text).ok());
                 constant.ok_or(damaged("a constant is no decimal"))?
             }
-            3 => {
-                let mut parts = [0.0; 4];
-                for part in &mut parts {
+            kind @ (3 | 4) => {
+                let mut parts = Words::default();
+                let count = if kind == 3 { FEW } else { parts.len() };
+                for part in &mut parts[..count] {
                     *part = f64::from_le_bytes(self.take()?);
                 }
                 Constant::from_expansion(parts)

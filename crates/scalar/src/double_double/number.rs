@@ -1,6 +1,7 @@
 //! [`DoubleDouble`] itself: two words, their order and their signs.
 
 use super::transforms::{fast_two_sum, power_of_two, two_sum};
+use crate::constant::Words;
 use std::num::FpCategory;
 
 /// About 31 digits: an unevaluated sum of two doubles, `hi` being the sum rounded.
@@ -59,8 +60,8 @@ impl DoubleDouble {
 
     /// The number as an unevaluated sum, largest part first.
     #[inline(always)]
-    pub const fn expansion(self) -> [f64; 4] {
-        [self.hi, self.lo, 0.0, 0.0]
+    pub const fn expansion(self) -> Words {
+        [self.hi, self.lo, 0.0, 0.0, 0.0, 0.0]
     }
 
     #[inline(always)]
