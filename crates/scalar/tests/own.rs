@@ -1,5 +1,6 @@
 //! Floats of which only the arithmetic is written: the default functions over double-double against those
-//! of double-double, and over 237 bits against the crate f256 and against each other.
+//! of double-double, and over 237 bits against the crate f256 and against each other. Largest error measured:
+//! 1.6 ε.
 #![allow(clippy::unwrap_used)]
 
 use crate::common::Random;
@@ -77,7 +78,7 @@ fn points(count: usize, bound: f64) -> impl Iterator<Item = DoubleDouble> {
 #[test]
 fn defaults_have_the_digits_of_double_double() {
     macro_rules! check {
-        ($($f:ident to $bound:expr, $units:expr;)*) => {$(
+        ($($f:ident to $bound:expr;)*) => {$(
             let mut worst = 0.0_f64;
             for x in points(300, $bound) {
                 let found = <Pair as Scalar>::$f(Own(x)).0;
@@ -90,15 +91,15 @@ fn defaults_have_the_digits_of_double_double() {
                 worst = worst.max(error / DoubleDouble::EPSILON.hi());
             }
             println!("{}: {worst:.1} ε", stringify!($f));
-            assert!(worst < $units, "{}: {worst}", stringify!($f));
+            assert!(worst < 2.5, "{}: {worst}", stringify!($f));
         )*};
     }
     check! {
-        recip to 1e4, 1.0; sqrt to 1e4, 8.0; cbrt to 1e4, 8.0; exp to 600.0, 8.0; exp2 to 900.0, 8.0;
-        ln to 1e4, 8.0; exp_m1 to 600.0, 8.0; ln_1p to 1e4, 8.0; sin to 1e4, 8.0; cos to 1e4, 8.0; tan to 1e4, 12.0;
-        asin to 2.0, 12.0; acos to 2.0, 12.0; atan to 1e4, 8.0; sinh to 700.0, 12.0; cosh to 700.0, 8.0;
-        tanh to 1e4, 12.0; asinh to 1e4, 12.0; acosh to 1e4, 12.0; atanh to 2.0, 12.0; erf to 9.0, 12.0;
-        erfc to 20.0, 20.0; abs to 1e4, 1.0;
+        recip to 1e4; sqrt to 1e4; cbrt to 1e4; exp to 600.0; exp2 to 900.0;
+        ln to 1e4; exp_m1 to 600.0; ln_1p to 1e4; sin to 1e4; cos to 1e4; tan to 1e4;
+        asin to 2.0; acos to 2.0; atan to 1e4; sinh to 700.0; cosh to 700.0;
+        tanh to 1e4; asinh to 1e4; acosh to 1e4; atanh to 2.0; erf to 9.0;
+        erfc to 20.0; abs to 1e4;
     }
     let mut worst = 0.0_f64;
     let two: [fn(DoubleDouble, DoubleDouble) -> [DoubleDouble; 2]; 3] = [
@@ -119,7 +120,7 @@ fn defaults_have_the_digits_of_double_double() {
         }
     }
     println!("of two numbers: {worst:.1} ε");
-    assert!(worst < 12.0, "{worst}");
+    assert!(worst < 2.5, "{worst}");
 }
 
 /// In units of 2⁻²³⁶.
@@ -140,7 +141,7 @@ fn defaults_have_71_digits() {
                 }
             }
             println!("{}: {worst:.1} ε", stringify!($f));
-            assert!(worst < 12.0, "{}: {worst}", stringify!($f));
+            assert!(worst < 2.5, "{}: {worst}", stringify!($f));
         )*};
     }
     check! {
@@ -172,7 +173,7 @@ fn the_error_function_has_71_digits() {
     ] {
         let error = units(found, Long::decimal(text).unwrap());
         println!("{error:.1} ε");
-        assert!(error < 24.0, "{text}: {error}");
+        assert!(error < 2.5, "{text}: {error}");
     }
 }
 
@@ -186,10 +187,10 @@ const ERFC_10: &str = "2.08848758376254475700078629495778861156081811932116372\
 #[test]
 fn constants_and_decimals_are_exact() {
     let close = |found: Long, exact: f256| units(found, Own(exact)) < 4.0;
-    assert!(close(Long::PI(), f256::consts::PI));
-    assert!(close(Long::LN_2(), f256::consts::LN_2));
-    assert!(close(Long::LN_10(), f256::consts::LN_10));
-    assert!(close(Long::E(), f256::consts::E));
+    assert!(close(Long::PI(), ::f256::consts::PI));
+    assert!(close(Long::LN_2(), ::f256::consts::LN_2));
+    assert!(close(Long::LN_10(), ::f256::consts::LN_10));
+    assert!(close(Long::E(), ::f256::consts::E));
     assert_eq!(Pair::PI().0, DoubleDouble::PI);
     assert_eq!(Pair::LN_2().0, DoubleDouble::LN_2);
 
