@@ -4,7 +4,7 @@ use crate::constant::Words;
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
 use crate::kernels::Lanes;
-use crate::traits::{Float, Outside, Scalar};
+use crate::traits::{Float, Outside, Scalar, scalar_glue};
 use std::sync::Arc;
 
 impl Scalar for f64 {

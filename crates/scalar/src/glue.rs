@@ -7,7 +7,8 @@
 //!   `+ − × ÷ %` and negation by value, and our [`Float`](crate::Float);
 //! - the elementary functions of `f64` by the same names and signatures;
 //! - `from_i64`, `from_u64`, `from_i128`, `from_u128`, `to_i128`, `to_u128`, `hi` (the nearest double);
-//! - `small` (a double, exactly), num-traits' `FloatConst` and num-dual's `DualNumFloat`.
+//! - the limits of [`Float`](crate::Float) as constants, and `small` (a double, exactly);
+//! - num-traits' `FloatConst` and num-dual's `DualNumFloat`.
 //!
 //! [`Own`](crate::Own) brings them for every type that has arithmetic.
 
@@ -44,12 +45,12 @@ macro_rules! forward {
     };
 }
 
-/// Functions without arguments that return a limit of [`Float`](crate::Float), or a constant of num-traits.
+/// Functions without arguments that return a limit of the type, or a constant of num-traits.
 macro_rules! constants {
     ($t:ty; $($f:ident = $c:ident),* $(,)?) => {$(
         #[inline(always)]
         fn $f() -> Self {
-            <$t as $crate::Float>::$c
+            <$t>::$c
         }
     )*};
     ($t:ty, named; $($f:ident = $c:ident),* $(,)?) => {$(
@@ -155,7 +156,7 @@ macro_rules! approx_glue {
             type Epsilon = $t;
             #[inline(always)]
             fn default_epsilon() -> $t {
-                <$t as $crate::Float>::EPSILON
+                <$t>::EPSILON
             }
             fn abs_diff_eq(&self, other: &$t, epsilon: $t) -> bool {
                 *self == *other || <$t>::abs(*self - *other) <= epsilon
@@ -164,7 +165,7 @@ macro_rules! approx_glue {
         impl<$($g)*> ::approx::RelativeEq for $t {
             #[inline(always)]
             fn default_max_relative() -> $t {
-                <$t as $crate::Float>::EPSILON
+                <$t>::EPSILON
             }
             fn relative_eq(&self, other: &$t, epsilon: $t, max_relative: $t) -> bool {
                 if *self == *other {
@@ -184,68 +185,9 @@ macro_rules! approx_glue {
             }
             /// One unit in the last place being ε times the larger of the two.
             fn ulps_eq(&self, other: &$t, epsilon: $t, max_ulps: u32) -> bool {
-                let relative = <$t as $crate::Float>::EPSILON * <$t>::from(f64::from(max_ulps));
+                let relative = <$t>::EPSILON * <$t>::from(f64::from(max_ulps));
                 ::approx::RelativeEq::relative_eq(self, other, epsilon, relative)
             }
         }
-    };
-}
-
-/// What [`Scalar`](crate::Scalar) asks of every float alike, inside its impl.
-macro_rules! scalar_glue {
-    (; $($f:ident),*) => {$(
-        #[inline(always)]
-        fn $f(x: Self) -> Self {
-            Self::$f(x)
-        }
-    )*};
-    () => {
-        #[inline(always)]
-        fn constant(c: $crate::Constant) -> Self {
-            c.to()
-        }
-        #[inline(always)]
-        fn powi(x: Self, n: i32) -> Self {
-            Self::powi(x, n)
-        }
-        #[inline(always)]
-        fn powf(x: Self, c: $crate::Constant) -> Self {
-            match c.halves::<Self>() {
-                Some(n) => $crate::traits::half_power::half_power(x, n),
-                None => Self::powf(x, c.to()),
-            }
-        }
-        #[inline(always)]
-        fn pow(x: Self, y: Self) -> Self {
-            Self::powf(x, y)
-        }
-        #[inline(always)]
-        fn atan2(y: Self, x: Self) -> Self {
-            Self::atan2(y, x)
-        }
-        #[inline(always)]
-        fn hypot(x: Self, y: Self) -> Self {
-            Self::hypot(x, y)
-        }
-        #[inline(always)]
-        fn min(x: Self, y: Self) -> Self {
-            Self::min(x, y)
-        }
-        #[inline(always)]
-        fn max(x: Self, y: Self) -> Self {
-            Self::max(x, y)
-        }
-        #[inline(always)]
-        fn signum(x: Self) -> Self {
-            $crate::Piecewise::sign(x)
-        }
-        #[inline(always)]
-        fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
-            $crate::Piecewise::by_sign(test, at_least_zero, below)
-        }
-        scalar_glue!(;
-            recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh,
-            asinh, abs
-        );
     };
 }

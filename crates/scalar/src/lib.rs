@@ -35,7 +35,6 @@ mod forward;
 mod kernels;
 mod num;
 mod own;
-pub mod power;
 mod ready;
 mod traits;
 
@@ -43,6 +42,7 @@ pub use constant::{Constant, Words, Written, decimal, ratio};
 pub use double_double::{DoubleDouble, DoubleDoubles};
 pub use error::ParseFloatError;
 pub use forward::{Forward, Forward2};
+pub use kernels::power;
 pub use kernels::stages::mix_stages;
 pub use kernels::{InstructionSet, Kernel, Lanes};
 pub use num::Num;

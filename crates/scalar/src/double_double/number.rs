@@ -1,7 +1,6 @@
 //! [`DoubleDouble`] itself: two words, their order and their signs.
 
 use super::transforms::{fast_two_sum, power_of_two, two_sum};
-use crate::constant::Words;
 use std::num::FpCategory;
 
 /// About 31 digits: an unevaluated sum of two doubles, `hi` being the sum rounded.
@@ -60,7 +59,7 @@ impl DoubleDouble {
 
     /// The number as an unevaluated sum, largest part first.
     #[inline(always)]
-    pub const fn expansion(self) -> Words {
+    pub const fn expansion(self) -> [f64; 6] {
         [self.hi, self.lo, 0.0, 0.0, 0.0, 0.0]
     }
 

@@ -6,7 +6,7 @@ use super::words;
 use crate::constant::{Constant, Words};
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
-use crate::traits::{Float, Outside, Scalar};
+use crate::traits::{Float, Outside, Scalar, scalar_glue};
 use std::sync::Arc;
 
 float_glue!([] DoubleDouble);

@@ -52,7 +52,7 @@ macro_rules! num_dual_glue {
             /// Cancels like ε/x² for small x.
             fn sph_j1(&self) -> $t {
                 let x = *self;
-                if <$t>::abs(x) < <$t>::sqrt(<$t as $crate::Float>::EPSILON) {
+                if <$t>::abs(x) < <$t>::sqrt(<$t>::EPSILON) {
                     return x / <$t>::from(3.0);
                 }
                 let (s, c) = <$t>::sin_cos(x);
@@ -61,7 +61,7 @@ macro_rules! num_dual_glue {
             /// Cancels like ε/x⁴ for small x.
             fn sph_j2(&self) -> $t {
                 let x = *self;
-                if <$t>::abs(x) < <$t>::sqrt(<$t as $crate::Float>::EPSILON) {
+                if <$t>::abs(x) < <$t>::sqrt(<$t>::EPSILON) {
                     return x * x / <$t>::from(15.0);
                 }
                 let (s, c) = <$t>::sin_cos(x);

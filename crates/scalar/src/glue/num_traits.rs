@@ -35,7 +35,7 @@ macro_rules! num_traits_glue {
         impl<$($g)*> ::num_traits::Bounded for $t {
             constants!($t; max_value = MAX);
             fn min_value() -> $t {
-                -<$t as $crate::Float>::MAX
+                -<$t>::MAX
             }
         }
         impl<$($g)*> ::num_traits::FromPrimitive for $t {
@@ -100,10 +100,10 @@ macro_rules! num_traits_glue {
             constants!($t; nan = NAN, infinity = INFINITY, max_value = MAX, min_positive_value = MIN_POSITIVE,
                 epsilon = EPSILON);
             fn neg_infinity() -> $t {
-                -<$t as $crate::Float>::INFINITY
+                -<$t>::INFINITY
             }
             fn min_value() -> $t {
-                -<$t as $crate::Float>::MAX
+                -<$t>::MAX
             }
             fn neg_zero() -> $t {
                 -<$t>::small(0.0)

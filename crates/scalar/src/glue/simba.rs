@@ -132,10 +132,10 @@ macro_rules! simba_glue {
                 }
             }
             fn min_value() -> Option<$t> {
-                Some(-<$t as $crate::Float>::MAX)
+                Some(-<$t>::MAX)
             }
             fn max_value() -> Option<$t> {
-                Some(<$t as $crate::Float>::MAX)
+                Some(<$t>::MAX)
             }
             constants!($t, named; pi = PI, two_pi = TAU, frac_pi_2 = FRAC_PI_2, frac_pi_3 = FRAC_PI_3, frac_pi_4 = FRAC_PI_4,
                 frac_pi_6 = FRAC_PI_6, frac_pi_8 = FRAC_PI_8, frac_1_pi = FRAC_1_PI, frac_2_pi = FRAC_2_PI,

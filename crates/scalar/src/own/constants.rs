@@ -1,6 +1,7 @@
 //! Mathematical constants in a float of any precision, computed once for each type.
 
 use super::functions::exponential::ln_2_words;
+use super::functions::sum;
 use super::{Arithmetic, Own};
 use num_traits::FloatConst;
 use std::any::{Any, TypeId};
@@ -27,13 +28,12 @@ impl<A: Arithmetic> Kept<A> {
     fn new() -> Self {
         let read = |text: &str| text.parse().unwrap_or(Own(A::NAN));
         let pi: Own<A> = read(PI);
-        let add = |sum, &word: &f64| sum + Own::small(word);
         Kept {
             pi,
             root_pi: pi.sqrt(),
             root_2: Own::small(2.0).sqrt(),
             e: Own::small(1.0).exp(),
-            ln_2: ln_2_words().iter().rev().fold(Own::small(0.0), add),
+            ln_2: sum(ln_2_words()),
             ln_10: read(LN_10),
         }
     }
@@ -55,13 +55,6 @@ impl<A: Arithmetic> Kept<A> {
     }
 }
 
-impl<A: Arithmetic> Own<A> {
-    /// π/n.
-    pub(super) fn pi_over(n: f64) -> Self {
-        Kept::get().pi / Self::small(n)
-    }
-}
-
 macro_rules! constants {
     ($($c:ident = |$k:ident| $value:expr;)*) => {$(
         fn $c() -> Self {
@@ -76,11 +69,11 @@ impl<A: Arithmetic> FloatConst for Own<A> {
         E = |k| k.e;
         PI = |k| k.pi;
         TAU = |k| k.pi + k.pi;
-        FRAC_PI_2 = |_k| Self::pi_over(2.0);
-        FRAC_PI_3 = |_k| Self::pi_over(3.0);
-        FRAC_PI_4 = |_k| Self::pi_over(4.0);
-        FRAC_PI_6 = |_k| Self::pi_over(6.0);
-        FRAC_PI_8 = |_k| Self::pi_over(8.0);
+        FRAC_PI_2 = |k| k.pi * Self::small(0.5);
+        FRAC_PI_3 = |k| k.pi / Self::small(3.0);
+        FRAC_PI_4 = |k| k.pi * Self::small(0.25);
+        FRAC_PI_6 = |k| k.pi / Self::small(6.0);
+        FRAC_PI_8 = |k| k.pi * Self::small(0.125);
         FRAC_1_PI = |k| k.pi.recip();
         FRAC_2_PI = |k| Self::small(2.0) / k.pi;
         FRAC_2_SQRT_PI = |k| Self::small(2.0) / k.root_pi;

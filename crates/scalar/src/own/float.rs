@@ -1,11 +1,12 @@
 //! [`Own`] as [`Scalar`] and [`Float`].
 
 use super::each::Each;
+use super::functions::{sum, words};
 use super::{Arithmetic, Own};
 use crate::constant::{Constant, Words};
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
-use crate::traits::{Float, Outside, Scalar};
+use crate::traits::{Float, Outside, Scalar, scalar_glue};
 use num_dual::DualNumFloat;
 use std::sync::Arc;
 
@@ -48,11 +49,11 @@ impl<A: Arithmetic> Float for Own<A> {
     const NAME: &'static str = A::NAME;
     const MANTISSA_BITS: u32 = A::MANTISSA_BITS;
     const ROUND_TRIP_DIGITS: usize = (A::MANTISSA_BITS * 30_103).div_ceil(100_000) as usize + 1;
-    const EPSILON: Self = Own(A::EPSILON);
-    const MAX: Self = Own(A::MAX);
-    const MIN_POSITIVE: Self = Own(A::MIN_POSITIVE);
-    const INFINITY: Self = Own(A::INFINITY);
-    const NAN: Self = Own(A::NAN);
+    const EPSILON: Self = Self::EPSILON;
+    const MAX: Self = Self::MAX;
+    const MIN_POSITIVE: Self = Self::MIN_POSITIVE;
+    const INFINITY: Self = Self::INFINITY;
+    const NAN: Self = Self::NAN;
 
     const WIDTH: usize = 1;
     type Pack<const N: usize> = Each<Self, N>;
@@ -79,22 +80,9 @@ impl<A: Arithmetic> Float for Own<A> {
         self.hi()
     }
     fn expansion(self) -> Words {
-        let mut words = Words::default();
-        let mut rest = self;
-        for word in &mut words {
-            *word = rest.hi();
-            if *word == 0.0 || !word.is_finite() {
-                break;
-            }
-            rest = rest - Self::small(*word);
-        }
-        words
+        words(self)
     }
-    /// The sum, from the smallest word on; of a zero the sign too.
-    fn from_expansion(words: Words) -> Self {
-        let last = words.iter().rposition(|&word| word != 0.0).unwrap_or(0);
-        let (smaller, rest) = words[..=last].split_at(last);
-        let sum = |sum, &word: &f64| sum + Self::small(word);
-        smaller.iter().rev().fold(Self::small(rest[0]), sum)
+    fn from_expansion(parts: Words) -> Self {
+        sum(&parts)
     }
 }

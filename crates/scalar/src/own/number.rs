@@ -7,6 +7,7 @@ use crate::double_double::text::parse::Decimal;
 use crate::double_double::text::print::{display, scientific};
 use crate::error::ParseFloatError;
 use crate::traits::Float;
+use num_traits::FloatConst;
 use std::cmp::Ordering;
 use std::fmt;
 use std::num::FpCategory;
@@ -111,6 +112,12 @@ inherent!(
 
 /// What is left of the functions of `f64`, as nalgebra and num-traits ask for them.
 impl<A: Arithmetic> Own<A> {
+    pub(crate) const EPSILON: Self = Own(A::EPSILON);
+    pub(crate) const MAX: Self = Own(A::MAX);
+    pub(crate) const MIN_POSITIVE: Self = Own(A::MIN_POSITIVE);
+    pub(crate) const INFINITY: Self = Own(A::INFINITY);
+    pub(crate) const NAN: Self = Own(A::NAN);
+
     #[inline(always)]
     pub(crate) fn small(x: f64) -> Self {
         Own(A::from_f64(x))
@@ -148,11 +155,11 @@ impl<A: Arithmetic> Own<A> {
     }
 
     pub(crate) fn to_degrees(self) -> Self {
-        self * (Self::small(180.0) / Self::pi_over(1.0))
+        self * (Self::small(180.0) / Self::PI())
     }
 
     pub(crate) fn to_radians(self) -> Self {
-        self * Self::pi_over(180.0)
+        self * (Self::PI() / Self::small(180.0))
     }
 
     #[inline(always)]

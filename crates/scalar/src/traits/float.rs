@@ -197,3 +197,63 @@ impl<T: Float> Piecewise for T {
         x - x == T::int(0)
     }
 }
+
+/// What [`Scalar`](crate::Scalar) asks of every float alike, inside its impl.
+macro_rules! scalar_glue {
+    (; $($f:ident),*) => {$(
+        #[inline(always)]
+        fn $f(x: Self) -> Self {
+            Self::$f(x)
+        }
+    )*};
+    () => {
+        #[inline(always)]
+        fn constant(c: $crate::Constant) -> Self {
+            c.to()
+        }
+        #[inline(always)]
+        fn powi(x: Self, n: i32) -> Self {
+            Self::powi(x, n)
+        }
+        #[inline(always)]
+        fn powf(x: Self, c: $crate::Constant) -> Self {
+            match c.halves::<Self>() {
+                Some(n) => $crate::traits::half_power::half_power(x, n),
+                None => Self::powf(x, c.to()),
+            }
+        }
+        #[inline(always)]
+        fn pow(x: Self, y: Self) -> Self {
+            Self::powf(x, y)
+        }
+        #[inline(always)]
+        fn atan2(y: Self, x: Self) -> Self {
+            Self::atan2(y, x)
+        }
+        #[inline(always)]
+        fn hypot(x: Self, y: Self) -> Self {
+            Self::hypot(x, y)
+        }
+        #[inline(always)]
+        fn min(x: Self, y: Self) -> Self {
+            Self::min(x, y)
+        }
+        #[inline(always)]
+        fn max(x: Self, y: Self) -> Self {
+            Self::max(x, y)
+        }
+        #[inline(always)]
+        fn signum(x: Self) -> Self {
+            $crate::Piecewise::sign(x)
+        }
+        #[inline(always)]
+        fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
+            $crate::Piecewise::by_sign(test, at_least_zero, below)
+        }
+        $crate::traits::scalar_glue!(;
+            recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh,
+            asinh, abs
+        );
+    };
+}
+pub(crate) use scalar_glue;

@@ -80,7 +80,8 @@ impl Decimal {
         self.exponent += 1;
     }
 
-    /// The shortest tried rounding, from `least` digits on, that is the `same` number, without trailing zeros.
+    /// The shortest tried rounding of at least `least` digits that is the `same` number, without trailing
+    /// zeros.
     fn shortest(&self, least: i64, same: impl Fn(&Decimal) -> bool) -> Self {
         let further = [40, 48, 64, 96, 128, 256, 512];
         let further = further.into_iter().filter(|&count| count > least + 5);

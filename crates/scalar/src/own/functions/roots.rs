@@ -1,19 +1,18 @@
 //! √, ∛, √(x² + y²) and whole powers.
 
-use super::{parts, scaled};
-use crate::own::{Arithmetic, Own};
+use super::{Real, parts, scaled};
 
 /// By Newton's iteration from 53 bits: 106, 212, 424.
-pub(in crate::own) fn sqrt<A: Arithmetic>(x: Own<A>) -> Own<A> {
-    if x == Own::small(0.0) || x == Own(A::INFINITY) {
+pub(crate) fn sqrt<T: Real>(x: T) -> T {
+    if x == T::exact(0.0) || x == T::infinity() {
         return x;
     }
-    if !(x > Own::small(0.0)) {
-        return Own(A::NAN);
+    if !(x > T::exact(0.0)) {
+        return T::nan();
     }
     let (m, k) = parts(x);
     let m = scaled(m, k & 1);
-    let mut y = Own::small(m.hi().sqrt());
+    let mut y = T::exact(m.double().sqrt());
     for _ in 0..3 {
         y = y + (m - y * y) / (y + y);
     }
@@ -21,14 +20,14 @@ pub(in crate::own) fn sqrt<A: Arithmetic>(x: Own<A>) -> Own<A> {
 }
 
 /// By Halley's iteration from 53 bits: 159, 477.
-pub(in crate::own) fn cbrt<A: Arithmetic>(x: Own<A>) -> Own<A> {
-    if x == Own::small(0.0) || !x.is_finite() {
+pub(crate) fn cbrt<T: Real>(x: T) -> T {
+    if x == T::exact(0.0) || !x.is_finite() {
         return x;
     }
     let (m, k) = parts(x);
     let rest = k.rem_euclid(3);
     let m = scaled(m, rest);
-    let mut y = Own::small(m.hi().cbrt());
+    let mut y = T::exact(m.double().cbrt());
     for _ in 0..2 {
         let cube = y * y * y;
         y = y + y * (m - cube) / (cube + cube + m);
@@ -36,21 +35,21 @@ pub(in crate::own) fn cbrt<A: Arithmetic>(x: Own<A>) -> Own<A> {
     scaled(y, (k - rest) / 3)
 }
 
-pub(in crate::own) fn hypot<A: Arithmetic>(x: Own<A>, y: Own<A>) -> Own<A> {
+pub(crate) fn hypot<T: Real>(x: T, y: T) -> T {
     let (x, y) = (x.abs(), y.abs());
     if x.is_infinite() || y.is_infinite() {
-        return Own(A::INFINITY);
+        return T::infinity();
     }
     let (large, small) = if x >= y { (x, y) } else { (y, x) };
-    if small == Own::small(0.0) || !large.is_finite() {
+    if small == T::exact(0.0) || !large.is_finite() {
         return large + small;
     }
     let ratio = small / large;
-    large * (Own::small(1.0) + ratio * ratio).sqrt()
+    large * (T::exact(1.0) + ratio * ratio).sqrt()
 }
 
 /// By squaring.
-pub(in crate::own) fn powi<A: Arithmetic>(x: Own<A>, n: i32) -> Own<A> {
+pub(crate) fn powi<T: Real>(x: T, n: i32) -> T {
     let mut exponent = n.unsigned_abs();
     let (mut square, mut power) = (x, None);
     while exponent > 0 {
@@ -62,6 +61,6 @@ pub(in crate::own) fn powi<A: Arithmetic>(x: Own<A>, n: i32) -> Own<A> {
             square = square * square;
         }
     }
-    let power = power.unwrap_or(Own::small(1.0));
+    let power = power.unwrap_or(T::exact(1.0));
     if n < 0 { power.recip() } else { power }
 }
