@@ -37,7 +37,7 @@
 //! # }
 //! ```
 //!
-//! The guide, page by page, and fourteen programs to begin with:
+//! The guide, page by page, and fifteen programs to begin with:
 #![doc = concat!("[docs](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/docs),")]
 #![doc = concat!("[examples](", env!("CARGO_PKG_REPOSITORY"), "/tree/main/crates/equip/examples).")]
 //!
