@@ -69,7 +69,7 @@ fn points(count: usize, bound: f64) -> impl Iterator<Item = DoubleDouble> {
     (0..count).map(move |_| {
         let mut x = random.log_uniform(-13.0, 13.0);
         while x.hi() > bound {
-            x = x * DoubleDouble::exact(0.5);
+            x *= DoubleDouble::exact(0.5);
         }
         random.sign(x)
     })

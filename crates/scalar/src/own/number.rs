@@ -169,8 +169,8 @@ impl<A: Arithmetic> Own<A> {
 
     #[inline(always)]
     pub(crate) fn is_finite(self) -> bool {
-        let rest = self - self;
-        rest == rest && rest == Self::small(0.0)
+        let zero = Self::small(0.0);
+        self * zero == zero
     }
 
     pub(crate) fn is_infinite(self) -> bool {
