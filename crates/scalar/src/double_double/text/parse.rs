@@ -48,9 +48,10 @@ impl Decimal {
     /// The sum of N doubles, each of them nearest to what is left by those before it.
     pub(crate) fn to_words<const N: usize>(&self) -> [f64; N] {
         let mut magnitude = [0.0; N];
-        if self.exponent > 400 {
+        let is_zero = self.digits.iter().all(|&d| d == 0) || self.exponent < -400;
+        if !is_zero && self.exponent > 400 {
             magnitude[0] = f64::INFINITY;
-        } else if self.digits.iter().any(|&d| d != 0) && self.exponent >= -400 {
+        } else if !is_zero {
             magnitude = self.magnitude();
         }
         magnitude.map(|word| if self.negative { -word } else { word })
