@@ -49,7 +49,7 @@ where
         let (made, words) = run.one_more();
         decisions.push_str(&made);
         for x in words {
-            for word in x.expansion() {
+            for word in &x.expansion()[..4] {
                 write!(bits, "{:x} ", word.to_bits()).unwrap();
             }
         }

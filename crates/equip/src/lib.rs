@@ -37,7 +37,7 @@
 //! # }
 //! ```
 //!
-//! The source tree has a guide in chapters, `docs/SUMMARY.md`, and fourteen programs to copy from,
+//! The source tree has a guide in chapters, `docs/SUMMARY.md`, and fifteen programs to copy from,
 //! `crates/equip/examples`.
 //!
 //! | crate | re-exported as | what is in it |

@@ -43,7 +43,7 @@ impl<T: Float> Observer<T> for Keep {
     }
 }
 
-fn bits<T: Float>(x: &[T]) -> Vec<[u64; 4]> {
+fn bits<T: Float>(x: &[T]) -> Vec<[u64; 6]> {
     x.iter().map(|x| x.expansion().map(f64::to_bits)).collect()
 }
 

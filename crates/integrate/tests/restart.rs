@@ -51,7 +51,7 @@ macro_rules! steps {
 steps!(Stepper, AdaptiveStepper, ReversibleStepper);
 
 /// Everything a step shows, by its bits.
-fn bits<T: Float>(view: &StepView<'_, T>) -> (u64, Vec<[u64; 4]>, String) {
+fn bits<T: Float>(view: &StepView<'_, T>) -> (u64, Vec<[u64; 6]>, String) {
     let numbers = [view.time, view.step].into_iter();
     let numbers = numbers.chain(view.q.iter().chain(view.p).chain(view.alphas).copied());
     let numbers = numbers.chain(view.energy_defect).chain(view.energy_floor);

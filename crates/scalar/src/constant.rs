@@ -4,6 +4,9 @@ use crate::error::ParseFloatError;
 use std::collections::HashSet;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
+/// A number as an unevaluated sum of doubles, largest first: up to 318 bits.
+pub type Words = [f64; 6];
+
 /// A constant that is evaluated in whatever float type H is later computed in.
 ///
 /// An `f64` literal in a 31-digit run silently limits it to 16 digits unless it is exactly representable
@@ -27,7 +30,7 @@ pub enum Written {
     /// A decimal, parsed in the target type.
     Decimal(&'static str),
     /// A value captured from an extended type: an unevaluated sum, largest part first.
-    Extended([f64; 4]),
+    Extended(Words),
 }
 
 impl Constant {
@@ -42,7 +45,7 @@ impl Constant {
 
     /// The sum of an expansion made by [`Float::expansion`](crate::Float::expansion).
     #[inline]
-    pub fn from_expansion(parts: [f64; 4]) -> Self {
+    pub fn from_expansion(parts: Words) -> Self {
         Constant {
             double: parts.iter().rev().fold(0.0, |sum, part| sum + part),
             written: Written::Extended(parts),

@@ -1,58 +1,14 @@
 //! `f64` as [`Scalar`] and [`Float`].
 
-use crate::constant::Constant;
+use crate::constant::Words;
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
 use crate::kernels::Lanes;
-use crate::traits::half_power::half_power;
-use crate::traits::{Float, Outside, Piecewise, Scalar};
+use crate::traits::{Float, Outside, Scalar, scalar_glue};
 use std::sync::Arc;
 
-macro_rules! functions {
-    ($($f:ident),*) => {$(
-        #[inline(always)]
-        fn $f(x: f64) -> f64 {
-            f64::$f(x)
-        }
-    )*};
-}
-
 impl Scalar for f64 {
-    #[inline(always)]
-    fn constant(c: Constant) -> f64 {
-        c.to()
-    }
-    #[inline(always)]
-    fn powi(x: f64, n: i32) -> f64 {
-        f64::powi(x, n)
-    }
-    #[inline(always)]
-    fn powf(x: f64, c: Constant) -> f64 {
-        match c.halves::<f64>() {
-            Some(n) => half_power(x, n),
-            None => f64::powf(x, c.to()),
-        }
-    }
-    #[inline(always)]
-    fn pow(x: f64, y: f64) -> f64 {
-        f64::powf(x, y)
-    }
-    #[inline(always)]
-    fn atan2(y: f64, x: f64) -> f64 {
-        f64::atan2(y, x)
-    }
-    #[inline(always)]
-    fn hypot(x: f64, y: f64) -> f64 {
-        f64::hypot(x, y)
-    }
-    #[inline(always)]
-    fn min(x: f64, y: f64) -> f64 {
-        f64::min(x, y)
-    }
-    #[inline(always)]
-    fn max(x: f64, y: f64) -> f64 {
-        f64::max(x, y)
-    }
+    scalar_glue!();
     /// ln(1 + (t + √(t(t + 2)))), t = x − 1: near 1 the logarithm of x + √(x² − 1) has half of the digits.
     #[inline(always)]
     fn acosh(x: f64) -> f64 {
@@ -78,21 +34,9 @@ impl Scalar for f64 {
         libm::erfc(x)
     }
     #[inline(always)]
-    fn signum(x: f64) -> f64 {
-        Piecewise::sign(x)
-    }
-    #[inline(always)]
-    fn select(test: f64, at_least_zero: f64, below: f64) -> f64 {
-        Piecewise::by_sign(test, at_least_zero, below)
-    }
-    #[inline(always)]
     fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], x: [f64; 2]) -> f64 {
         f.derivative(orders, x)
     }
-    functions!(
-        recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh,
-        cosh, tanh, asinh, abs
-    );
 }
 
 impl Float for f64 {
@@ -137,7 +81,7 @@ impl Float for f64 {
         Some(x)
     }
     #[inline(always)]
-    fn expansion(self) -> [f64; 4] {
-        [self, 0.0, 0.0, 0.0]
+    fn expansion(self) -> Words {
+        [self, 0.0, 0.0, 0.0, 0.0, 0.0]
     }
 }

@@ -3,8 +3,8 @@
 //! Its first derivatives are ∇²H·v of every energy: the trace of ∇H replayed on [`Forward`] numbers.
 //!
 //! √, tanh, xⁿ, xᶜ and atan2 are not num-dual's but follow the chain rule here, because num-dual 0.15.1 gives
-//! NaN for (0)^2.5, tanh(800), the slope of √ at 0, x⁻¹ at 1e-110 and atan2(y, 0). A derivative that is
-//! infinite stays so, and an infinite slope times a derivative that is exactly 0 is 0.
+//! NaN for (0)^2.5, tanh(800), the slope of √ at 0, x⁻¹ at 1e-110 and atan2(y, 0); 1/x, because a float of
+//! the user's has no constant 2. Infinite derivatives stay so, and an infinite slope times 0 is 0.
 //!
 //! The value part of √, tanh, xᶜ, atan2 and of all functions of one argument is bitwise that of the plain
 //! float. That of x/y (computed as x·(1/y)) and of xⁿ for n ≥ 3 (xⁿ⁻²·x·x) may differ in the last bits; with
@@ -265,7 +265,8 @@ macro_rules! scalar_by_num_dual {
             }
             #[inline(always)]
             fn recip(x: Self) -> Self {
-                $name(x.0.recip())
+                let f0 = <T as Scalar>::recip(x.0.re);
+                $name(x.0.chain(f0, -(f0 * f0), f0 * f0 * f0 + f0 * f0 * f0))
             }
             #[inline(always)]
             fn sqrt(x: Self) -> Self {

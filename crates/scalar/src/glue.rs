@@ -1,14 +1,16 @@
 //! One glue between our float types and num-traits, num-dual, approx and nalgebra.
 //!
-//! `float_glue!(T)` writes every impl these crates ask for by forwarding to inherent functions of `T` that
-//! are named as those of `f64`. A new float type brings:
+//! `float_glue!([] T)` writes every impl these crates ask for by forwarding to inherent functions of `T` that
+//! are named as those of `f64`; a generic type has its parameters in the brackets. A new float type brings:
 //!
 //! - `Copy`, `Debug`, `Display`, `PartialEq`, `PartialOrd`, `FromStr<Err = ParseFloatError>`, `From<f64>`,
 //!   `+ − × ÷ %` and negation by value, and our [`Float`](crate::Float);
 //! - the elementary functions of `f64` by the same names and signatures;
 //! - `from_i64`, `from_u64`, `from_i128`, `from_u128`, `to_i128`, `to_u128`, `hi` (the nearest double);
-//! - `small` (a `const fn` from `f64`) and the constants `ZERO`, `ONE`, `THIRD`, `MIN`, `NEG_INFINITY` and
-//!   those of `std::f64::consts`.
+//! - the limits of [`Float`](crate::Float) as constants, and `small` (a double, exactly);
+//! - num-traits' `FloatConst` and num-dual's `DualNumFloat`.
+//!
+//! [`Own`](crate::Own) brings them for every type that has arithmetic.
 
 #[macro_use]
 mod num_dual;
@@ -43,7 +45,7 @@ macro_rules! forward {
     };
 }
 
-/// Functions without arguments that return a constant.
+/// Functions without arguments that return a limit of the type, or a constant of num-traits.
 macro_rules! constants {
     ($t:ty; $($f:ident = $c:ident),* $(,)?) => {$(
         #[inline(always)]
@@ -51,97 +53,106 @@ macro_rules! constants {
             <$t>::$c
         }
     )*};
+    ($t:ty, named; $($f:ident = $c:ident),* $(,)?) => {$(
+        #[inline(always)]
+        fn $f() -> Self {
+            <$t as ::num_traits::FloatConst>::$c()
+        }
+    )*};
 }
 
 /// An operator between references, its assigning form, and both with references.
 macro_rules! operator_glue {
-    ($t:ty; $($op:ident $f:ident $assign:ident $f_assign:ident),*) => {$(
-        impl std::ops::$op<&$t> for $t {
+    ($g:tt $t:ty; $($op:ident $f:ident $assign:ident $f_assign:ident),*) => {$(
+        operator_glue!(@one $g $t; $op $f $assign $f_assign);
+    )*};
+    (@one [$($g:tt)*] $t:ty; $op:ident $f:ident $assign:ident $f_assign:ident) => {
+        impl<$($g)*> std::ops::$op<&$t> for $t {
             type Output = $t;
             #[inline(always)]
             fn $f(self, other: &$t) -> $t {
                 std::ops::$op::$f(self, *other)
             }
         }
-        impl std::ops::$op<$t> for &$t {
+        impl<$($g)*> std::ops::$op<$t> for &$t {
             type Output = $t;
             #[inline(always)]
             fn $f(self, other: $t) -> $t {
                 std::ops::$op::$f(*self, other)
             }
         }
-        impl std::ops::$op<&$t> for &$t {
+        impl<$($g)*> std::ops::$op<&$t> for &$t {
             type Output = $t;
             #[inline(always)]
             fn $f(self, other: &$t) -> $t {
                 std::ops::$op::$f(*self, *other)
             }
         }
-        impl std::ops::$assign for $t {
+        impl<$($g)*> std::ops::$assign for $t {
             #[inline(always)]
             fn $f_assign(&mut self, other: $t) {
                 *self = std::ops::$op::$f(*self, other);
             }
         }
-        impl std::ops::$assign<&$t> for $t {
+        impl<$($g)*> std::ops::$assign<&$t> for $t {
             #[inline(always)]
             fn $f_assign(&mut self, other: &$t) {
                 *self = std::ops::$op::$f(*self, *other);
             }
         }
-    )*};
+    };
 }
 
 /// All foreign traits of a float type. See the head of this file for what the type brings.
 macro_rules! float_glue {
-    ($t:ty) => {
+    ($g:tt $t:ty) => {
         const _: () = {
-            operator_glue!($t; Add add AddAssign add_assign, Sub sub SubAssign sub_assign,
+            operator_glue!($g $t; Add add AddAssign add_assign, Sub sub SubAssign sub_assign,
                 Mul mul MulAssign mul_assign, Div div DivAssign div_assign, Rem rem RemAssign rem_assign);
-            std_glue!($t);
-            num_traits_glue!($t);
-            num_dual_glue!($t);
-            approx_glue!($t);
-            simba_glue!($t);
+            std_glue!($g $t);
+            num_traits_glue!($g $t);
+            num_dual_glue!($g $t);
+            approx_glue!($g $t);
+            simba_glue!($g $t);
         };
     };
 }
 
 macro_rules! std_glue {
-    ($t:ty) => {
-        impl std::ops::Neg for &$t {
+    ([$($g:tt)*] $t:ty) => {
+        impl<$($g)*> std::ops::Neg for &$t {
             type Output = $t;
             #[inline(always)]
             fn neg(self) -> $t {
                 -*self
             }
         }
-        impl std::iter::Sum for $t {
+        impl<$($g)*> std::iter::Sum for $t {
             fn sum<I: Iterator<Item = $t>>(terms: I) -> $t {
-                terms.fold(<$t>::ZERO, |sum, term| sum + term)
+                terms.fold(<$t>::small(0.0), |sum, term| sum + term)
             }
         }
-        impl<'a> std::iter::Sum<&'a $t> for $t {
+        impl<'a, $($g)*> std::iter::Sum<&'a $t> for $t {
             fn sum<I: Iterator<Item = &'a $t>>(terms: I) -> $t {
-                terms.fold(<$t>::ZERO, |sum, term| sum + *term)
+                terms.fold(<$t>::small(0.0), |sum, term| sum + *term)
             }
         }
-        impl std::iter::Product for $t {
+        impl<$($g)*> std::iter::Product for $t {
             fn product<I: Iterator<Item = $t>>(factors: I) -> $t {
-                factors.fold(<$t>::ONE, |product, factor| product * factor)
+                factors.fold(<$t>::small(1.0), |product, factor| product * factor)
             }
         }
-        impl<'a> std::iter::Product<&'a $t> for $t {
+        impl<'a, $($g)*> std::iter::Product<&'a $t> for $t {
             fn product<I: Iterator<Item = &'a $t>>(factors: I) -> $t {
-                factors.fold(<$t>::ONE, |product, factor| product * *factor)
+                factors.fold(<$t>::small(1.0), |product, factor| product * *factor)
             }
         }
     };
 }
 
 macro_rules! approx_glue {
-    ($t:ty) => {
-        impl ::approx::AbsDiffEq for $t {
+    ([$($g:tt)*] $t:ty) => {
+        impl<$($g)*> ::approx::AbsDiffEq for $t {
             type Epsilon = $t;
             #[inline(always)]
             fn default_epsilon() -> $t {
@@ -151,7 +162,7 @@ macro_rules! approx_glue {
                 *self == *other || <$t>::abs(*self - *other) <= epsilon
             }
         }
-        impl ::approx::RelativeEq for $t {
+        impl<$($g)*> ::approx::RelativeEq for $t {
             #[inline(always)]
             fn default_max_relative() -> $t {
                 <$t>::EPSILON
@@ -168,7 +179,7 @@ macro_rules! approx_glue {
                 distance <= epsilon || distance <= largest * max_relative
             }
         }
-        impl ::approx::UlpsEq for $t {
+        impl<$($g)*> ::approx::UlpsEq for $t {
             fn default_max_ulps() -> u32 {
                 4
             }

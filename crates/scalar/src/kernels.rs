@@ -2,6 +2,7 @@
 
 mod instructions;
 mod lanes;
+pub mod power;
 pub(crate) mod stages;
 
 pub use instructions::{InstructionSet, Kernel};

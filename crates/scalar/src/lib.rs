@@ -10,6 +10,7 @@
 //! | [`Num`] | the wrapper a user's generic energy sees: `0.5 * q[0]`, `q[0].sin()`, never `q[0] < 1.0` |
 //! | [`Constant`] | a constant in H that is as exact as the float type that later reads it |
 //! | [`DoubleDouble`] | about 31 digits, as an unevaluated sum of two `f64` |
+//! | [`Own`] | a float of one's own, of which only the [`Arithmetic`] is written |
 //! | [`Lanes`], [`DoubleDoubles`] | N doubles or double-doubles at once, one for each stage; vector instructions inside a [`Kernel`] |
 //! | [`Pack`] | either of them, in generic code |
 //! | [`power`] | log₂, 2ˣ and xᵃ to eight digits, the same bits on every machine: for choices, not for results |
@@ -33,17 +34,19 @@ mod forward;
 
 mod kernels;
 mod num;
-pub mod power;
+mod own;
 mod ready;
 mod traits;
 
-pub use constant::{Constant, Written, decimal, ratio};
+pub use constant::{Constant, Words, Written, decimal, ratio};
 pub use double_double::{DoubleDouble, DoubleDoubles};
 pub use error::ParseFloatError;
 pub use forward::{Forward, Forward2};
+pub use kernels::power;
 pub use kernels::stages::mix_stages;
 pub use kernels::{InstructionSet, Kernel, Lanes};
 pub use num::Num;
+pub use own::{Arithmetic, Own};
 #[doc(hidden)]
 pub use ready::same;
 pub use traits::{

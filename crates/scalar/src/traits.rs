@@ -11,6 +11,7 @@ mod scalar;
 
 pub use derivatives::{FirstOrder, SecondOrder};
 pub use float::Float;
+pub(crate) use float::scalar_glue;
 pub use outside::Outside;
 pub use pack::Pack;
 pub use piecewise::Piecewise;

@@ -9,6 +9,7 @@ mod functions_of_doubles;
 mod glue;
 mod half_power;
 mod lanes;
+mod own;
 
 /// A file of tests that is not named above would be left out in silence.
 #[test]

@@ -224,9 +224,9 @@ fn expansions_and_constants_are_exact() {
         assert_eq!(<Dd as Float>::from_expansion(x.expansion()), x);
         assert_eq!(Constant::from(x).to::<Dd>(), x);
     }
-    assert!(<Dd as Float>::from_expansion([-0.0, 0.0, 0.0, 0.0]).is_sign_negative());
+    assert!(<Dd as Float>::from_expansion([-0.0, 0.0, 0.0, 0.0, 0.0, 0.0]).is_sign_negative());
     assert_eq!(
-        <Dd as Float>::from_expansion([1.0, 1e-20, 1e-40, 1e-60]).lo(),
+        <Dd as Float>::from_expansion([1.0, 1e-20, 1e-40, 1e-60, 0.0, 0.0]).lo(),
         1e-20
     );
     assert_eq!(

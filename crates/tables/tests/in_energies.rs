@@ -48,7 +48,7 @@ fn points() -> Vec<[f64; 4]> {
         .collect()
 }
 
-fn bits<T: Float>(x: &[T]) -> Vec<[u64; 4]> {
+fn bits<T: Float>(x: &[T]) -> Vec<[u64; 6]> {
     x.iter().map(|x| x.expansion().map(f64::to_bits)).collect()
 }
 

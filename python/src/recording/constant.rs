@@ -84,7 +84,7 @@ fn fraction(x: &Bound<'_, PyAny>) -> PyResult<Constant> {
 fn long_double(x: &Bound<'_, PyAny>) -> PyResult<Constant> {
     let high: f64 = x.call_method0("__float__")?.extract()?;
     let rest: f64 = x.sub(high)?.call_method0("__float__")?.extract()?;
-    Ok(Constant::from_expansion([high, rest, 0.0, 0.0]))
+    Ok(Constant::from_expansion([high, rest, 0.0, 0.0, 0.0, 0.0]))
 }
 
 /// A number as an unevaluated sum of two doubles.

@@ -8,16 +8,14 @@
 //! | | for each recording: inputs, lengths of the three lists, root; constants, functions, operations |
 //!
 //! The least significant byte of a number is the first. An operation is its code, its payload if it has one,
-//! and its operands; components of the state stand before all others and are not written.
-//!
-//! Bytes come from files, and files from anywhere. The reader compares every count with the bytes that are
-//! left before it reserves memory, so that reading takes less than 100 times the memory of the bytes, and
-//! 10 MB for components that no operation needs.
+//! and its operands; components of the state stand before all others and are not written. Bytes come from
+//! anywhere: the reader compares every count with the bytes that are left before it reserves memory, so that
+//! it takes less than 100 times the memory of the bytes, and 10 MB for components that no operation needs.
 
 use crate::error::{BuildError, BytesError};
 use crate::recording::op::{Node, Op};
 use crate::recording::recorder::{MOST, Recorder, Recording};
-use equip_scalar::{Constant, Outside, Written, ratio};
+use equip_scalar::{Constant, Outside, Words, Written, ratio};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -31,6 +29,7 @@ const FREE_COMPONENTS: usize = 1 << 16;
 const COMPONENT: usize = 4;
 /// Fewest bytes of a constant, of a function and of an operation.
 const SHORTEST: [usize; 3] = [9, 8, 5];
+const LENGTHS: [usize; 2] = [4, 6]; // doubles of an extended constant up to 212 bits, and beyond
 
 /// Operations without a payload; the place here is the code. Another order is another format.
 const PLAIN: [Op; 37] = [
@@ -204,8 +203,9 @@ fn write_constant(constant: Written, bytes: &mut Vec<u8>) {
             write_all(text.as_bytes(), bytes);
         }
         Written::Extended(parts) => {
-            bytes.push(3);
-            bytes.extend(parts.map(f64::to_le_bytes).concat());
+            let kind = usize::from(parts[LENGTHS[0]..] != [0.0; 2]);
+            bytes.push(3 + kind as u8);
+            bytes.extend(parts[..LENGTHS[kind]].iter().flat_map(|x| x.to_le_bytes()));
         }
     }
 }
@@ -333,9 +333,9 @@ impl<'a> Reader<'a> {
                 let constant = text.and_then(|text| Constant::from_text(text).ok());
                 constant.ok_or(damaged("a constant is no decimal"))?
             }
-            3 => {
-                let mut parts = [0.0; 4];
-                for part in &mut parts {
+            kind @ (3 | 4) => {
+                let mut parts = Words::default();
+                for part in &mut parts[..LENGTHS[usize::from(kind) - 3]] {
                     *part = f64::from_le_bytes(self.take()?);
                 }
                 Constant::from_expansion(parts)

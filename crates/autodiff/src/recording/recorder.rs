@@ -21,7 +21,7 @@ enum ConstantKey {
     Double(u64),
     Ratio(i64, i64),
     Decimal(&'static str),
-    Extended([u64; 4]),
+    Extended([u64; 6]),
 }
 
 impl From<Constant> for ConstantKey {

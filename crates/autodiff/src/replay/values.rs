@@ -150,9 +150,10 @@ impl<S: Piecewise> Replay<S> {
 
 /// The number as the constant that is cheapest to read.
 fn resolved<T: Float>(x: T) -> Constant {
-    match x.expansion() {
-        [head, 0.0, 0.0, 0.0] => Constant::double(head),
-        parts => Constant::from_expansion(parts),
+    let parts = x.expansion();
+    match parts[1..].iter().all(|&part| part == 0.0) {
+        true => Constant::double(parts[0]),
+        false => Constant::from_expansion(parts),
     }
 }
 

@@ -42,7 +42,10 @@ impl Checksum {
     }
 
     fn value<T: Float>(&mut self, x: T) {
-        for part in x.expansion() {
+        // Four words at least: as many as have always been counted.
+        let parts = x.expansion();
+        let last = parts.iter().rposition(|&part| part != 0.0).unwrap_or(0);
+        for &part in &parts[..=last.max(3)] {
             // All NaN are one.
             let part = if part.is_nan() { f64::NAN } else { part };
             self.count(part.to_bits());

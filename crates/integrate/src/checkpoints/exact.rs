@@ -1,7 +1,7 @@
 //! [`Exact`]: a number by its bits.
 
 use crate::error::IntegrateError;
-use equip_scalar::Float;
+use equip_scalar::{Float, Words};
 
 /// A number by the bits of its parts: hexadecimal, separated by colons, the largest part first.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Exact {
     }
 
     pub(crate) fn read<T: Float>(&self) -> Result<T, IntegrateError<T>> {
-        let mut parts = [0.0; 4];
+        let mut parts = Words::default();
         let mut count = 0;
         for text in self.0.split(':') {
             let bits = u64::from_str_radix(text, 16);
@@ -109,6 +109,6 @@ mod tests {
         let back: f64 = Exact::of(f64::NAN).read().unwrap();
         assert!(back.is_nan());
         assert!(Exact("no number".into()).read::<f64>().is_err());
-        assert!(Exact("0:0:0:0:0".into()).read::<f64>().is_err());
+        assert!(Exact("0:0:0:0:0:0:0".into()).read::<f64>().is_err());
     }
 }

@@ -5,7 +5,7 @@
 //! took part. A cold path sorts these out. The algorithms lose the sign of a zero; it is put back from the
 //! leading operation.
 
-use super::natural::Natural;
+use super::natural::remainder;
 use super::number::{DoubleDouble, dd};
 use super::transforms::{SAFE_MIN, exponent, two_sum};
 use super::words;
@@ -157,9 +157,7 @@ impl Rem for DoubleDouble {
                 self
             };
         }
-        let unit = self.unit().min(other.unit());
-        let mut rest = Natural::of_magnitude(self, unit);
-        rest.reduce(&Natural::of_magnitude(other, unit));
-        rest.to_double_double(unit).copysign(self)
+        let [hi, lo] = remainder(&self.array(), &other.array());
+        dd(hi, lo).copysign(self)
     }
 }

@@ -5,6 +5,8 @@
 #![allow(clippy::approx_constant)] // They are not approximations of the constants of std, they extend them.
 
 use super::number::{DoubleDouble, dd};
+use num_dual::DualNumFloat;
+use num_traits::FloatConst;
 
 impl DoubleDouble {
     /// 0.
@@ -67,4 +69,48 @@ impl DoubleDouble {
     pub const LOG10_2: Self = dd(0.3010299956639812, -2.8037281277851704e-18);
     /// log₂ 10.
     pub const LOG2_10: Self = dd(3.321928094887362, 1.661617516973592e-16);
+}
+
+macro_rules! constants {
+    ($($c:ident),*) => {$(
+        #[inline(always)]
+        fn $c() -> Self {
+            Self::$c
+        }
+    )*};
+}
+
+impl FloatConst for DoubleDouble {
+    constants!(
+        E,
+        FRAC_1_PI,
+        FRAC_1_SQRT_2,
+        FRAC_2_PI,
+        FRAC_2_SQRT_PI,
+        FRAC_PI_2,
+        FRAC_PI_3,
+        FRAC_PI_4,
+        FRAC_PI_6,
+        FRAC_PI_8,
+        LN_10,
+        LN_2,
+        LOG10_E,
+        LOG2_E,
+        PI,
+        SQRT_2,
+        TAU,
+        LOG10_2,
+        LOG2_10
+    );
+}
+
+impl DualNumFloat for DoubleDouble {
+    const THIRD: Self = Self::THIRD;
+    const HALF: Self = dd(0.5, 0.0);
+    const TWO: Self = dd(2.0, 0.0);
+    const THREE: Self = dd(3.0, 0.0);
+    const FOUR: Self = dd(4.0, 0.0);
+    const SIX: Self = dd(6.0, 0.0);
+    const TEN: Self = dd(10.0, 0.0);
+    const FIFTEEN: Self = dd(15.0, 0.0);
 }

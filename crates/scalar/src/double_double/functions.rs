@@ -4,7 +4,7 @@ mod error_function;
 mod exponential;
 mod inverse;
 mod logarithm;
-mod reduction;
+pub(crate) mod reduction;
 mod roots;
 mod tables;
 mod trigonometric;

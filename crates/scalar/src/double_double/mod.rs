@@ -30,15 +30,15 @@
 
 mod arithmetic;
 mod constants;
-mod functions;
+pub(crate) mod functions;
 mod lane_words;
 mod lanes;
-mod natural;
+pub(crate) mod natural;
 mod number;
 mod rounding;
-mod text;
+pub(crate) mod text;
 mod traits;
-mod transforms;
+pub(crate) mod transforms;
 mod words;
 
 pub use lanes::DoubleDoubles;

@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 
 /// A natural number; the last limb is not zero.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Natural(Vec<u32>);
+pub(crate) struct Natural(Vec<u32>);
 
 /// |x| = integer · 2^exponent of a finite double.
 fn decode(x: f64) -> (u64, i32) {
@@ -28,7 +28,7 @@ impl Natural {
         Natural(limbs.to_vec()).trimmed()
     }
 
-    pub(super) fn from_u64(n: u64) -> Self {
+    pub(crate) fn from_u64(n: u64) -> Self {
         Self::from_limbs(&[n as u32, (n >> 32) as u32])
     }
 
@@ -217,23 +217,26 @@ impl Natural {
         limb(1) << 32 | limb(0)
     }
 
-    /// self · 2^exponent as the nearest pair: hi = RN(x), lo = RN(x − hi).
-    pub(super) fn to_double_double(&self, exponent: i32) -> DoubleDouble {
-        let hi = self.to_double(exponent);
-        if !hi.is_finite() {
-            return hi.into();
+    /// self · 2^exponent as a sum of doubles, each of them nearest to what is left by those before it.
+    pub(crate) fn to_words<const N: usize>(&self, exponent: i32) -> [f64; N] {
+        let mut words = [0.0; N];
+        let (mut rest, mut negative) = (self.clone(), false);
+        for word in &mut words {
+            let x = rest.to_double(exponent);
+            *word = if negative { -x } else { x };
+            let (integer, scale) = decode(x);
+            if !x.is_finite() || scale < exponent {
+                break;
+            }
+            let head = Natural::from_u64(integer).shifted_left((scale - exponent) as usize);
+            negative ^= rest < head;
+            rest = rest.distance(&head);
         }
-        let (integer, scale) = decode(hi);
-        if scale < exponent {
-            return hi.into();
-        }
-        let head = Natural::from_u64(integer).shifted_left((scale - exponent) as usize);
-        let lo = self.distance(&head).to_double(exponent);
-        super::number::dd(hi, if *self < head { -lo } else { lo })
+        words
     }
 
-    /// |x| / 2^unit, where 2^unit divides both parts of x.
-    pub(super) fn of_magnitude(x: DoubleDouble, unit: i32) -> Self {
+    /// |x| / 2^unit, where 2^unit divides all words that x is the sum of, largest first.
+    pub(crate) fn of_magnitude(x: &[f64], unit: i32) -> Self {
         let part = |x: f64| {
             let (integer, scale) = decode(x);
             // Trailing zeros make up for a scale below the unit.
@@ -243,12 +246,13 @@ impl Natural {
                 Natural::from_u64(integer).shifted_right((unit - scale) as usize)
             }
         };
-        let (hi, lo) = (part(x.hi), part(x.lo));
-        if x.hi.is_sign_negative() == x.lo.is_sign_negative() {
-            hi.plus(&lo)
-        } else {
-            hi.distance(&lo)
-        }
+        x[1..].iter().fold(part(x[0]), |sum, &word| {
+            if word.is_sign_negative() == x[0].is_sign_negative() {
+                sum.plus(&part(word))
+            } else {
+                sum.distance(&part(word))
+            }
+        })
     }
 }
 
@@ -267,18 +271,27 @@ impl Ord for Natural {
     }
 }
 
+/// The largest k such that 2ᵏ divides all words of a finite number; 0 for zero.
+pub(crate) fn unit(x: &[f64]) -> i32 {
+    let units = x.iter().filter(|&&x| x != 0.0).map(|&x| {
+        let (integer, scale) = decode(x);
+        scale + integer.trailing_zeros() as i32
+    });
+    units.min().unwrap_or(0)
+}
+
+/// The remainder of truncated division of |x| by |y| ≠ 0, by long division of integers.
+pub(crate) fn remainder<const N: usize>(x: &[f64], y: &[f64]) -> [f64; N] {
+    let unit = unit(x).min(unit(y));
+    let mut rest = Natural::of_magnitude(x, unit);
+    rest.reduce(&Natural::of_magnitude(y, unit));
+    rest.to_words(unit)
+}
+
 impl DoubleDouble {
-    /// The largest k such that 2ᵏ divides both parts of a finite number; 0 for zero.
-    pub(super) fn unit(self) -> i32 {
-        let unit = |x: f64| {
-            let (integer, scale) = decode(x);
-            scale + integer.trailing_zeros() as i32
-        };
-        match (self.hi == 0.0, self.lo == 0.0) {
-            (true, _) => 0,
-            (_, true) => unit(self.hi),
-            _ => unit(self.hi).min(unit(self.lo)),
-        }
+    /// The words, largest first.
+    pub(super) fn array(self) -> [f64; 2] {
+        [self.hi, self.lo]
     }
 
     /// ⌊log₂|x|⌋ of the upper part.

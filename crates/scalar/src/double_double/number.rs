@@ -59,8 +59,8 @@ impl DoubleDouble {
 
     /// The number as an unevaluated sum, largest part first.
     #[inline(always)]
-    pub const fn expansion(self) -> [f64; 4] {
-        [self.hi, self.lo, 0.0, 0.0]
+    pub const fn expansion(self) -> [f64; 6] {
+        [self.hi, self.lo, 0.0, 0.0, 0.0, 0.0]
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
 //! A [`DoubleDouble`](super::DoubleDouble) as decimal text.
 
-mod parse;
-mod print;
+pub(crate) mod parse;
+pub(crate) mod print;

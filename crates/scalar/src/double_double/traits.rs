@@ -3,14 +3,13 @@
 use super::lanes::DoubleDoubles;
 use super::number::{DoubleDouble, dd};
 use super::words;
-use crate::constant::Constant;
+use crate::constant::{Constant, Words};
 use crate::error::ParseFloatError;
 use crate::forward::{Forward, Forward2};
-use crate::traits::half_power::half_power;
-use crate::traits::{Float, Outside, Piecewise, Scalar};
+use crate::traits::{Float, Outside, Scalar, scalar_glue};
 use std::sync::Arc;
 
-float_glue!(DoubleDouble);
+float_glue!([] DoubleDouble);
 
 impl From<DoubleDouble> for Constant {
     fn from(x: DoubleDouble) -> Self {
@@ -18,68 +17,14 @@ impl From<DoubleDouble> for Constant {
     }
 }
 
-macro_rules! functions {
-    ($($f:ident),*) => {$(
-        #[inline(always)]
-        fn $f(x: DoubleDouble) -> DoubleDouble {
-            DoubleDouble::$f(x)
-        }
-    )*};
-}
-
 impl Scalar for DoubleDouble {
-    #[inline(always)]
-    fn constant(c: Constant) -> Self {
-        c.to()
-    }
-    #[inline(always)]
-    fn powi(x: Self, n: i32) -> Self {
-        DoubleDouble::powi(x, n)
-    }
-    #[inline(always)]
-    fn powf(x: Self, c: Constant) -> Self {
-        match c.halves::<DoubleDouble>() {
-            Some(n) => half_power(x, n),
-            None => DoubleDouble::powf(x, c.to()),
-        }
-    }
-    #[inline(always)]
-    fn pow(x: Self, y: Self) -> Self {
-        DoubleDouble::powf(x, y)
-    }
-    #[inline(always)]
-    fn atan2(y: Self, x: Self) -> Self {
-        DoubleDouble::atan2(y, x)
-    }
-    #[inline(always)]
-    fn hypot(x: Self, y: Self) -> Self {
-        DoubleDouble::hypot(x, y)
-    }
-    #[inline(always)]
-    fn min(x: Self, y: Self) -> Self {
-        DoubleDouble::min(x, y)
-    }
-    #[inline(always)]
-    fn max(x: Self, y: Self) -> Self {
-        DoubleDouble::max(x, y)
-    }
-    #[inline(always)]
-    fn signum(x: Self) -> Self {
-        Piecewise::sign(x)
-    }
-    #[inline(always)]
-    fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
-        Piecewise::by_sign(test, at_least_zero, below)
-    }
+    scalar_glue!();
+    scalar_glue!(; acosh, atanh, erf, erfc);
     #[inline(always)]
     fn outside(f: &Arc<dyn Outside>, orders: [u8; 2], x: [Self; 2]) -> Self {
         let [hi, lo] = f.derivative_in_pairs(orders, x.map(|x| [x.hi, x.lo]));
         DoubleDouble::new(hi, lo)
     }
-    functions!(
-        recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh,
-        cosh, tanh, asinh, acosh, atanh, erf, erfc, abs
-    );
 }
 
 impl Float for DoubleDouble {
@@ -114,11 +59,11 @@ impl Float for DoubleDouble {
         self.hi
     }
     #[inline(always)]
-    fn expansion(self) -> [f64; 4] {
+    fn expansion(self) -> Words {
         DoubleDouble::expansion(self)
     }
-    fn from_expansion(parts: [f64; 4]) -> Self {
-        let [a, b, c, d] = parts;
+    fn from_expansion(parts: Words) -> Self {
+        let [a, b, c, d, ..] = parts;
         if c == 0.0 && d == 0.0 {
             Self::new(a, b)
         } else {

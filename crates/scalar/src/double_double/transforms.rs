@@ -87,7 +87,7 @@ pub(super) fn rest_by_splitting(a: f64, b: f64, p: f64) -> f64 {
 
 /// 2ᵏ for −1022 ≤ k ≤ 1023.
 #[inline(always)]
-pub(super) const fn power_of_two(k: i32) -> f64 {
+pub(crate) const fn power_of_two(k: i32) -> f64 {
     debug_assert!(-1022 <= k && k <= 1023);
     f64::from_bits(((k + 1023) as u64) << 52)
 }

@@ -1,8 +1,8 @@
 //! The part of the glue for num-dual.
 
 macro_rules! num_dual_glue {
-    ($t:ty) => {
-        impl ::num_dual::DualStruct for $t {
+    ([$($g:tt)*] $t:ty) => {
+        impl<$($g)*> ::num_dual::DualStruct for $t {
             type Real = $t;
             type Inner = $t;
             #[inline(always)]
@@ -14,14 +14,14 @@ macro_rules! num_dual_glue {
                 *inner
             }
         }
-        impl ::num_dual::Mappable<$t> for $t {
+        impl<$($g)*> ::num_dual::Mappable<$t> for $t {
             type Output<O> = O;
             #[inline(always)]
             fn map_dual<M: Fn($t) -> O, O>(self, f: M) -> O {
                 f(self)
             }
         }
-        impl ::num_dual::DualNum for $t {
+        impl<$($g)*> ::num_dual::DualNum for $t {
             type Primitive = $t;
             const NDERIV: usize = 0;
             type InnerDual = $t;
@@ -47,7 +47,7 @@ macro_rules! num_dual_glue {
                 <$t>::powf(*self, n)
             }
             fn sph_j0(&self) -> $t {
-                if *self == <$t>::ZERO { <$t>::ONE } else { <$t>::sin(*self) / *self }
+                if *self == <$t>::small(0.0) { <$t>::small(1.0) } else { <$t>::sin(*self) / *self }
             }
             /// Cancels like ε/x² for small x.
             fn sph_j1(&self) -> $t {
@@ -66,18 +66,8 @@ macro_rules! num_dual_glue {
                 }
                 let (s, c) = <$t>::sin_cos(x);
                 let three = <$t>::from(3.0);
-                ((three / (x * x) - <$t>::ONE) * s - three * c / x) / x
+                ((three / (x * x) - <$t>::small(1.0)) * s - three * c / x) / x
             }
-        }
-        impl ::num_dual::DualNumFloat for $t {
-            const THIRD: $t = <$t>::THIRD;
-            const HALF: $t = <$t>::small(0.5);
-            const TWO: $t = <$t>::small(2.0);
-            const THREE: $t = <$t>::small(3.0);
-            const FOUR: $t = <$t>::small(4.0);
-            const SIX: $t = <$t>::small(6.0);
-            const TEN: $t = <$t>::small(10.0);
-            const FIFTEEN: $t = <$t>::small(15.0);
         }
     };
 }

@@ -1,41 +1,44 @@
 //! The part of the glue for num-traits.
 
 macro_rules! num_traits_glue {
-    ($t:ty) => {
-        impl ::num_traits::Zero for $t {
+    ([$($g:tt)*] $t:ty) => {
+        impl<$($g)*> ::num_traits::Zero for $t {
             #[inline(always)]
             fn zero() -> $t {
-                <$t>::ZERO
+                <$t>::small(0.0)
             }
             #[inline(always)]
             fn is_zero(&self) -> bool {
-                *self == <$t>::ZERO
+                *self == <$t>::small(0.0)
             }
         }
-        impl ::num_traits::One for $t {
+        impl<$($g)*> ::num_traits::One for $t {
             #[inline(always)]
             fn one() -> $t {
-                <$t>::ONE
+                <$t>::small(1.0)
             }
         }
-        impl ::num_traits::Num for $t {
+        impl<$($g)*> ::num_traits::Num for $t {
             type FromStrRadixErr = $crate::ParseFloatError;
             /// Decimals only.
             fn from_str_radix(text: &str, radix: u32) -> Result<$t, $crate::ParseFloatError> {
                 if radix == 10 { text.parse() } else { Err($crate::ParseFloatError { text: text.into() }) }
             }
         }
-        impl ::num_traits::Inv for $t {
+        impl<$($g)*> ::num_traits::Inv for $t {
             type Output = $t;
             #[inline(always)]
             fn inv(self) -> $t {
                 <$t>::recip(self)
             }
         }
-        impl ::num_traits::Bounded for $t {
-            constants!($t; min_value = MIN, max_value = MAX);
+        impl<$($g)*> ::num_traits::Bounded for $t {
+            constants!($t; max_value = MAX);
+            fn min_value() -> $t {
+                -<$t>::MAX
+            }
         }
-        impl ::num_traits::FromPrimitive for $t {
+        impl<$($g)*> ::num_traits::FromPrimitive for $t {
             fn from_i64(n: i64) -> Option<$t> {
                 Some(<$t>::from_i64(n))
             }
@@ -53,7 +56,7 @@ macro_rules! num_traits_glue {
                 Some(<$t>::from(x))
             }
         }
-        impl ::num_traits::ToPrimitive for $t {
+        impl<$($g)*> ::num_traits::ToPrimitive for $t {
             fn to_i64(&self) -> Option<i64> {
                 <$t>::to_i128(*self)?.try_into().ok()
             }
@@ -71,7 +74,7 @@ macro_rules! num_traits_glue {
                 Some(<$t>::hi(*self))
             }
         }
-        impl ::num_traits::NumCast for $t {
+        impl<$($g)*> ::num_traits::NumCast for $t {
             /// Floats through `f64`; integers beyond 2⁵³ whole.
             fn from<N: ::num_traits::ToPrimitive>(n: N) -> Option<$t> {
                 let double = n.to_f64()?;
@@ -79,10 +82,10 @@ macro_rules! num_traits_glue {
                 Some(integer.map_or(<$t as From<f64>>::from(double), <$t>::from_i128))
             }
         }
-        impl ::num_traits::Signed for $t {
+        impl<$($g)*> ::num_traits::Signed for $t {
             forward!($t, reference: abs, signum);
             fn abs_sub(&self, other: &$t) -> $t {
-                <$t>::max(*self - *other, <$t>::ZERO)
+                <$t>::max(*self - *other, <$t>::small(0.0))
             }
             #[inline(always)]
             fn is_positive(&self) -> bool {
@@ -93,11 +96,17 @@ macro_rules! num_traits_glue {
                 <$t>::is_sign_negative(*self)
             }
         }
-        impl ::num_traits::Float for $t {
-            constants!($t; nan = NAN, infinity = INFINITY, neg_infinity = NEG_INFINITY, min_value = MIN,
-                max_value = MAX, min_positive_value = MIN_POSITIVE, epsilon = EPSILON);
+        impl<$($g)*> ::num_traits::Float for $t {
+            constants!($t; nan = NAN, infinity = INFINITY, max_value = MAX, min_positive_value = MIN_POSITIVE,
+                epsilon = EPSILON);
+            fn neg_infinity() -> $t {
+                -<$t>::INFINITY
+            }
+            fn min_value() -> $t {
+                -<$t>::MAX
+            }
             fn neg_zero() -> $t {
-                -<$t>::ZERO
+                -<$t>::small(0.0)
             }
             forward!($t, value: floor, ceil, round, trunc, fract, abs, signum, recip, sqrt, cbrt, exp, exp2, exp_m1,
                 ln, ln_1p, log2, log10, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh,
@@ -127,19 +136,12 @@ macro_rules! num_traits_glue {
                 self * a + b
             }
             fn abs_sub(self, other: $t) -> $t {
-                <$t>::max(self - other, <$t>::ZERO)
+                <$t>::max(self - other, <$t>::small(0.0))
             }
             /// Of the nearest double.
             fn integer_decode(self) -> (u64, i16, i8) {
                 ::num_traits::Float::integer_decode(<$t>::hi(self))
             }
-        }
-        impl ::num_traits::FloatConst for $t {
-            constants!($t; E = E, FRAC_1_PI = FRAC_1_PI, FRAC_1_SQRT_2 = FRAC_1_SQRT_2, FRAC_2_PI = FRAC_2_PI,
-                FRAC_2_SQRT_PI = FRAC_2_SQRT_PI, FRAC_PI_2 = FRAC_PI_2, FRAC_PI_3 = FRAC_PI_3,
-                FRAC_PI_4 = FRAC_PI_4, FRAC_PI_6 = FRAC_PI_6, FRAC_PI_8 = FRAC_PI_8, LN_10 = LN_10, LN_2 = LN_2,
-                LOG10_E = LOG10_E, LOG2_E = LOG2_E, PI = PI, SQRT_2 = SQRT_2, TAU = TAU, LOG10_2 = LOG10_2,
-                LOG2_10 = LOG2_10);
         }
     };
 }

@@ -14,7 +14,7 @@ impl Serialize for DoubleDouble {
 impl<'de> Deserialize<'de> for DoubleDouble {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let [high, low] = <[f64; 2]>::deserialize(from)?;
-        Ok(Float::from_expansion([high, low, 0.0, 0.0]))
+        Ok(Float::from_expansion([high, low, 0.0, 0.0, 0.0, 0.0]))
     }
 }
 

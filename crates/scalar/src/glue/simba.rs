@@ -1,10 +1,10 @@
 //! The part of the glue for simba, by which nalgebra accepts the type.
 
 macro_rules! simba_glue {
-    ($t:ty) => {
-        impl ::simba::scalar::Field for $t {}
-        impl ::simba::simd::PrimitiveSimdValue for $t {}
-        impl ::simba::simd::SimdValue for $t {
+    ([$($g:tt)*] $t:ty) => {
+        impl<$($g)*> ::simba::scalar::Field for $t {}
+        impl<$($g)*> ::simba::simd::PrimitiveSimdValue for $t {}
+        impl<$($g)*> ::simba::simd::SimdValue for $t {
             const LANES: usize = 1;
             type Element = $t;
             type SimdBool = bool;
@@ -36,9 +36,9 @@ macro_rules! simba_glue {
                 if condition { self } else { other }
             }
         }
-        subset_glue!($t; $t => |x: $t| x, |x: $t| x; f64 => |x: f64| <$t>::from(x), |x: $t| x.hi();
+        subset_glue!([$($g)*] $t; $t => |x: $t| x, |x: $t| x; f64 => |x: f64| <$t>::from(x), |x: $t| x.hi();
             f32 => |x: f32| <$t>::from(f64::from(x)), |x: $t| x.hi() as f32);
-        impl ::simba::scalar::ComplexField for $t {
+        impl<$($g)*> ::simba::scalar::ComplexField for $t {
             type RealField = $t;
             forward!($t, value: floor, ceil, round, trunc, fract, abs, signum, recip, sqrt, cbrt, exp, exp2, exp_m1,
                 ln, ln_1p, log2, log10, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh);
@@ -59,7 +59,7 @@ macro_rules! simba_glue {
             }
             #[inline(always)]
             fn imaginary(self) -> $t {
-                <$t>::ZERO
+                <$t>::small(0.0)
             }
             #[inline(always)]
             fn modulus(self) -> $t {
@@ -70,7 +70,7 @@ macro_rules! simba_glue {
                 self * self
             }
             fn argument(self) -> $t {
-                if self >= <$t>::ZERO { <$t>::ZERO } else { <$t>::PI }
+                if self >= <$t>::small(0.0) { <$t>::small(0.0) } else { <$t as ::num_traits::FloatConst>::PI() }
             }
             #[inline(always)]
             fn norm1(self) -> $t {
@@ -85,7 +85,7 @@ macro_rules! simba_glue {
                 self / factor
             }
             fn to_exp(self) -> ($t, $t) {
-                if self >= <$t>::ZERO { (self, <$t>::ONE) } else { (-self, -<$t>::ONE) }
+                if self >= <$t>::small(0.0) { (self, <$t>::small(1.0)) } else { (-self, -<$t>::small(1.0)) }
             }
             #[inline(always)]
             fn mul_add(self, a: $t, b: $t) -> $t {
@@ -104,10 +104,10 @@ macro_rules! simba_glue {
                 <$t>::is_finite(*self)
             }
             fn try_sqrt(self) -> Option<$t> {
-                if self >= <$t>::ZERO { Some(<$t>::sqrt(self)) } else { None }
+                if self >= <$t>::small(0.0) { Some(<$t>::sqrt(self)) } else { None }
             }
         }
-        impl ::simba::scalar::RealField for $t {
+        impl<$($g)*> ::simba::scalar::RealField for $t {
             #[inline(always)]
             fn is_sign_positive(&self) -> bool {
                 <$t>::is_sign_positive(*self)
@@ -132,12 +132,12 @@ macro_rules! simba_glue {
                 }
             }
             fn min_value() -> Option<$t> {
-                Some(<$t>::MIN)
+                Some(-<$t>::MAX)
             }
             fn max_value() -> Option<$t> {
                 Some(<$t>::MAX)
             }
-            constants!($t; pi = PI, two_pi = TAU, frac_pi_2 = FRAC_PI_2, frac_pi_3 = FRAC_PI_3, frac_pi_4 = FRAC_PI_4,
+            constants!($t, named; pi = PI, two_pi = TAU, frac_pi_2 = FRAC_PI_2, frac_pi_3 = FRAC_PI_3, frac_pi_4 = FRAC_PI_4,
                 frac_pi_6 = FRAC_PI_6, frac_pi_8 = FRAC_PI_8, frac_1_pi = FRAC_1_PI, frac_2_pi = FRAC_2_PI,
                 frac_2_sqrt_pi = FRAC_2_SQRT_PI, e = E, log2_e = LOG2_E, log10_e = LOG10_E, ln_2 = LN_2,
                 ln_10 = LN_10);
@@ -148,8 +148,11 @@ macro_rules! simba_glue {
 /// The inclusions nalgebra converts along. As in simba they stand for "both are reals": nothing is ever
 /// outside.
 macro_rules! subset_glue {
-    ($t:ty; $($subset:ty => $up:expr, $down:expr);*) => {$(
-        impl ::simba::scalar::SubsetOf<$t> for $subset {
+    ($g:tt $t:ty; $($subset:ty => $up:expr, $down:expr);*) => {$(
+        subset_glue!(@one $g $t; $subset => $up, $down);
+    )*};
+    (@one [$($g:tt)*] $t:ty; $subset:ty => $up:expr, $down:expr) => {
+        impl<$($g)*> ::simba::scalar::SubsetOf<$t> for $subset {
             #[inline(always)]
             fn to_superset(&self) -> $t {
                 $up(*self)
@@ -163,5 +166,5 @@ macro_rules! subset_glue {
                 true
             }
         }
-    )*};
+    };
 }

@@ -4,7 +4,7 @@ use super::derivatives::{FirstOrder, SecondOrder};
 use super::pack::Pack;
 use super::piecewise::Piecewise;
 use super::scalar::Scalar;
-use crate::constant::{Constant, Written};
+use crate::constant::{Constant, Words, Written};
 use crate::error::ParseFloatError;
 use crate::traits::half_power::half_power_slope;
 use nalgebra::RealField;
@@ -66,10 +66,11 @@ pub trait Float: Scalar + RealField + Copy + Display + LowerExp {
     fn decimal(text: &str) -> Result<Self, ParseFloatError>;
     /// The nearest `f64`.
     fn to_f64(self) -> f64;
-    /// The number as an unevaluated sum of four `f64`, largest first; exact for every type up to 212 bits.
-    fn expansion(self) -> [f64; 4];
+    /// The number as an unevaluated sum of doubles, largest first: exact up to 318 bits, as far as it lies in
+    /// the range of doubles. Checkpoints and constants hold these.
+    fn expansion(self) -> Words;
     /// The sum of an expansion made by [`expansion`](Self::expansion).
-    fn from_expansion(parts: [f64; 4]) -> Self {
+    fn from_expansion(parts: Words) -> Self {
         parts
             .iter()
             .rev()
@@ -120,7 +121,7 @@ impl Constant {
             Written::Ratio(above, below) => {
                 2 * i128::from(above) == i128::from(n) * i128::from(below)
             }
-            Written::Extended(parts) => parts[1..] == [0.0; 3],
+            Written::Extended(parts) => parts[1..].iter().all(|&part| part == 0.0),
             Written::Decimal(_) => false,
         };
         is_exact.then_some(n)
@@ -196,3 +197,63 @@ impl<T: Float> Piecewise for T {
         x - x == T::int(0)
     }
 }
+
+/// What [`Scalar`](crate::Scalar) asks of every float alike, inside its impl.
+macro_rules! scalar_glue {
+    (; $($f:ident),*) => {$(
+        #[inline(always)]
+        fn $f(x: Self) -> Self {
+            Self::$f(x)
+        }
+    )*};
+    () => {
+        #[inline(always)]
+        fn constant(c: $crate::Constant) -> Self {
+            c.to()
+        }
+        #[inline(always)]
+        fn powi(x: Self, n: i32) -> Self {
+            Self::powi(x, n)
+        }
+        #[inline(always)]
+        fn powf(x: Self, c: $crate::Constant) -> Self {
+            match c.halves::<Self>() {
+                Some(n) => $crate::traits::half_power::half_power(x, n),
+                None => Self::powf(x, c.to()),
+            }
+        }
+        #[inline(always)]
+        fn pow(x: Self, y: Self) -> Self {
+            Self::powf(x, y)
+        }
+        #[inline(always)]
+        fn atan2(y: Self, x: Self) -> Self {
+            Self::atan2(y, x)
+        }
+        #[inline(always)]
+        fn hypot(x: Self, y: Self) -> Self {
+            Self::hypot(x, y)
+        }
+        #[inline(always)]
+        fn min(x: Self, y: Self) -> Self {
+            Self::min(x, y)
+        }
+        #[inline(always)]
+        fn max(x: Self, y: Self) -> Self {
+            Self::max(x, y)
+        }
+        #[inline(always)]
+        fn signum(x: Self) -> Self {
+            $crate::Piecewise::sign(x)
+        }
+        #[inline(always)]
+        fn select(test: Self, at_least_zero: Self, below: Self) -> Self {
+            $crate::Piecewise::by_sign(test, at_least_zero, below)
+        }
+        $crate::traits::scalar_glue!(;
+            recip, sqrt, cbrt, exp, exp2, ln, exp_m1, ln_1p, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh,
+            asinh, abs
+        );
+    };
+}
+pub(crate) use scalar_glue;

@@ -103,7 +103,8 @@ impl<T: Float> Core<T> {
                 noise = self.noise_allowed(SHARE);
             }
             if !is_done {
-                if stalls > MOST_STALLS {
+                // Moves that only reach the noise of Z: more of them where there are more digits than 31.
+                if stalls > MOST_STALLS.max(T::MANTISSA_BITS / 26) {
                     break;
                 }
                 // Below so many round-off levels the error left by one update is round-off. Above, an update

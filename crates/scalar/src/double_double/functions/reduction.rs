@@ -6,7 +6,7 @@
 //! keep their relative precision everywhere. The long way costs some microseconds.
 
 use super::tables::TWO_OVER_PI;
-use crate::double_double::natural::Natural;
+use crate::double_double::natural::{Natural, unit};
 use crate::double_double::number::{DoubleDouble, dd};
 use crate::double_double::transforms::{nearest, power_of_two, two_prod, two_sum};
 
@@ -42,7 +42,13 @@ pub(super) fn reduce(x: DoubleDouble) -> (u32, DoubleDouble) {
 
 #[cold]
 fn reduce_exactly(x: DoubleDouble) -> (u32, DoubleDouble) {
-    let unit = x.unit();
+    let (quadrant, [hi, lo]) = turns(&x.array());
+    (quadrant, dd(hi, lo).times(DoubleDouble::FRAC_PI_2))
+}
+
+/// (n mod 4, f) with x = (n + f)·π/2, |f| ≤ 1/2, for a finite sum x of doubles, largest first.
+pub(crate) fn turns<const N: usize>(x: &[f64]) -> (u32, [f64; N]) {
+    let unit = unit(x);
     let product = Natural::of_magnitude(x, unit).times(&Natural::from_limbs(&TWO_OVER_PI));
     let point = (1280 - unit) as usize; // bits behind the binary point; unit ≤ 1023
     let mut quadrant = u32::from(product.bit(point)) + 2 * u32::from(product.bit(point + 1));
@@ -52,13 +58,18 @@ fn reduce_exactly(x: DoubleDouble) -> (u32, DoubleDouble) {
         quadrant += 1;
         fraction = Natural::from_u64(1).shifted_left(point).distance(&fraction);
     }
-    let r = fraction
-        .to_double_double(-(point as i32))
-        .times(DoubleDouble::FRAC_PI_2);
-    let r = if above_half { -r } else { r };
-    if x.is_sign_negative() {
-        (quadrant.wrapping_neg() & 3, -r)
+    let is_negative = x[0].is_sign_negative();
+    let f = fraction.to_words(-(point as i32));
+    let f = f.map(|word: f64| {
+        if above_half != is_negative {
+            -word
+        } else {
+            word
+        }
+    });
+    if is_negative {
+        (quadrant.wrapping_neg() & 3, f)
     } else {
-        (quadrant & 3, r)
+        (quadrant & 3, f)
     }
 }

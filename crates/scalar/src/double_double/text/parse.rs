@@ -1,7 +1,7 @@
 //! Decimal to binary, correctly rounded: hi = RN(x), lo = RN(x − hi) for the exact decimal x.
 
 use crate::double_double::natural::Natural;
-use crate::double_double::number::DoubleDouble;
+use crate::double_double::number::{DoubleDouble, dd};
 use crate::error::ParseFloatError;
 use std::str::FromStr;
 
@@ -12,7 +12,7 @@ const DIGITS_KEPT: usize = 1500;
 const FRACTION_BITS: usize = 1140;
 
 /// ± 0.d₁d₂… · 10^exponent.
-pub(super) struct Decimal {
+pub(crate) struct Decimal {
     pub(super) negative: bool,
     pub(super) digits: Vec<u8>,
     pub(super) exponent: i64,
@@ -20,7 +20,7 @@ pub(super) struct Decimal {
 
 impl Decimal {
     /// Reads `12.5e-3` and the like; `None` when the text is anything else.
-    fn read(text: &str) -> Option<Self> {
+    pub(crate) fn read(text: &str) -> Option<Self> {
         let (negative, text) = sign(text);
         let (mantissa, exponent) = match text.find(['e', 'E']) {
             Some(at) => (&text[..at], read_exponent(&text[at + 1..])?),
@@ -45,19 +45,19 @@ impl Decimal {
         })
     }
 
-    /// The nearest pair.
-    pub(super) fn to_double_double(&self) -> DoubleDouble {
-        let magnitude = if self.digits.iter().all(|&d| d == 0) || self.exponent < -400 {
-            DoubleDouble::ZERO
-        } else if self.exponent > 400 {
-            DoubleDouble::INFINITY
-        } else {
-            self.magnitude()
-        };
-        if self.negative { -magnitude } else { magnitude }
+    /// The sum of N doubles, each of them nearest to what is left by those before it.
+    pub(crate) fn to_words<const N: usize>(&self) -> [f64; N] {
+        let mut magnitude = [0.0; N];
+        let is_zero = self.digits.iter().all(|&d| d == 0) || self.exponent < -400;
+        if !is_zero && self.exponent > 400 {
+            magnitude[0] = f64::INFINITY;
+        } else if !is_zero {
+            magnitude = self.magnitude();
+        }
+        magnitude.map(|word| if self.negative { -word } else { word })
     }
 
-    fn magnitude(&self) -> DoubleDouble {
+    fn magnitude<const N: usize>(&self) -> [f64; N] {
         let mut n = Natural::from_u64(0);
         for chunk in self.digits.chunks(9) {
             let value = chunk.iter().fold(0, |value, &d| 10 * value + u32::from(d));
@@ -81,7 +81,7 @@ impl Decimal {
         if inexact {
             n.set_low_bit();
         }
-        n.to_double_double(-(FRACTION_BITS as i32) - 1)
+        n.to_words(-(FRACTION_BITS as i32) - 1)
     }
 }
 
@@ -120,7 +120,8 @@ impl FromStr for DoubleDouble {
     /// ```
     fn from_str(text: &str) -> Result<Self, ParseFloatError> {
         if let Some(decimal) = Decimal::read(text) {
-            return Ok(decimal.to_double_double());
+            let [hi, lo] = decimal.to_words();
+            return Ok(dd(hi, lo));
         }
         // What is left for f64's parser are the words for infinity and NaN.
         text.parse::<f64>()

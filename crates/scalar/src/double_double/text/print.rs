@@ -1,20 +1,20 @@
 //! Binary to decimal.
 //!
-//! Every double-double is a finite decimal. Its digits are computed exactly, then rounded (half to even) to
-//! the precision asked for, or to the first length in a short list that parses back to the same two doubles:
-//! 31 digits and up, of which trailing zeros are dropped.
+//! Every sum of doubles is a finite decimal. Its digits are computed exactly, then rounded (half to even) to
+//! the precision asked for, or to the first length in a short list that parses back to the same number: of
+//! double-doubles 31 digits and up, of which trailing zeros are dropped.
 
 use super::parse::Decimal;
-use crate::double_double::natural::Natural;
+use crate::double_double::natural::{Natural, unit};
 use crate::double_double::number::DoubleDouble;
 use std::fmt;
 
 /// Positional notation without a given precision for 10⁻⁶ ≤ |x| < 10³³; outside it is scientific.
 const POSITIONAL: std::ops::Range<i64> = -5..34;
 
-/// All decimal digits of a finite number.
-fn exact(x: DoubleDouble) -> Decimal {
-    let unit = x.unit();
+/// All decimal digits of a finite sum of doubles, largest first.
+fn exact(x: &[f64]) -> Decimal {
+    let unit = unit(x);
     let mut n = Natural::of_magnitude(x, unit.min(0));
     // m/2ᵏ = m 5ᵏ/10ᵏ
     let places = (-unit).max(0);
@@ -37,7 +37,7 @@ fn exact(x: DoubleDouble) -> Decimal {
     digits.reverse();
     let exponent = digits.len() as i64 - i64::from(places);
     Decimal {
-        negative: x.is_sign_negative(),
+        negative: x[0].is_sign_negative(),
         digits,
         exponent,
     }
@@ -80,12 +80,14 @@ impl Decimal {
         self.exponent += 1;
     }
 
-    /// The shortest tried rounding that parses back to `x`, without trailing zeros.
-    fn shortest(&self, x: DoubleDouble) -> Self {
-        let lengths = [31, 32, 33, 34, 35, 36, 40, 48, 64, 96, 128, 256, 512];
-        let candidates = lengths.iter().map(|&count| self.rounded(count));
-        let same = |d: &Decimal| d.to_double_double() == x;
+    /// The shortest tried rounding of at least `least` digits that is the `same` number, without trailing
+    /// zeros.
+    fn shortest(&self, least: i64, same: impl Fn(&Decimal) -> bool) -> Self {
+        let further = [40, 48, 64, 96, 128, 256, 512];
+        let further = further.into_iter().filter(|&count| count > least + 5);
+        let candidates = (least..=least + 5).chain(further);
         let mut decimal = candidates
+            .map(|count| self.rounded(count))
             .take_while(|d| d.digits.len() < self.digits.len())
             .find(same)
             .unwrap_or_else(|| self.rounded(i64::MAX));
@@ -129,50 +131,74 @@ impl Decimal {
     }
 }
 
-impl fmt::Display for DoubleDouble {
-    /// With a precision `{:.n}` exactly n decimals, as `f64`; without one, digits that parse back to the same
-    /// number.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.is_finite() {
-            return fmt::Display::fmt(&self.hi, f);
-        }
-        let all = exact(*self);
-        let text = match f.precision() {
-            Some(decimals) => all
-                .rounded(all.exponent.saturating_add(decimals as i64))
-                .positional(decimals),
-            None => {
-                let decimal = all.shortest(*self);
-                let length = decimal.digits.len() as i64;
-                if length == 0 || POSITIONAL.contains(&decimal.exponent) {
-                    decimal.positional(
-                        (length - decimal.exponent).max(0) as usize * usize::from(length > 0),
-                    )
-                } else {
-                    decimal.scientific((length - 1) as usize)
-                }
+/// As `Display` of a finite sum of doubles: with a precision `{:.n}` exactly n decimals, as `f64`; without
+/// one, at least `least` digits, so many that they are the `same` number.
+pub(crate) fn display(
+    x: &[f64],
+    least: i64,
+    same: impl Fn(&Decimal) -> bool,
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    if !x[0].is_finite() {
+        return fmt::Display::fmt(&x[0], f);
+    }
+    let all = exact(x);
+    let text = match f.precision() {
+        Some(decimals) => all
+            .rounded(all.exponent.saturating_add(decimals as i64))
+            .positional(decimals),
+        None => {
+            let decimal = all.shortest(least, same);
+            let length = decimal.digits.len() as i64;
+            if length == 0 || POSITIONAL.contains(&decimal.exponent) {
+                decimal.positional(
+                    (length - decimal.exponent).max(0) as usize * usize::from(length > 0),
+                )
+            } else {
+                decimal.scientific((length - 1) as usize)
             }
-        };
-        f.pad_integral(self.is_sign_positive(), "", &text)
+        }
+    };
+    f.pad_integral(x[0].is_sign_positive(), "", &text)
+}
+
+/// As `LowerExp` of a finite sum of doubles: d.ddd…e±x, with n decimals for `{:.ne}`, otherwise with digits
+/// that are the `same` number.
+pub(crate) fn scientific(
+    x: &[f64],
+    least: i64,
+    same: impl Fn(&Decimal) -> bool,
+    f: &mut fmt::Formatter<'_>,
+) -> fmt::Result {
+    if !x[0].is_finite() {
+        return fmt::LowerExp::fmt(&x[0], f);
+    }
+    let all = exact(x);
+    let text = match f.precision() {
+        Some(decimals) => all
+            .rounded((decimals as i64).saturating_add(1))
+            .scientific(decimals),
+        None => {
+            let decimal = all.shortest(least, same);
+            decimal.scientific(decimal.digits.len().saturating_sub(1))
+        }
+    };
+    f.pad_integral(x[0].is_sign_positive(), "", &text)
+}
+
+/// Digits that are tried first: as many as a double-double always has.
+const LEAST: i64 = 31;
+
+impl fmt::Display for DoubleDouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let words = self.array();
+        display(&words, LEAST, |d| d.to_words() == words, f)
     }
 }
 
 impl fmt::LowerExp for DoubleDouble {
-    /// d.ddd…e±x, with n decimals for `{:.ne}`, otherwise with digits that parse back to the same number.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.is_finite() {
-            return fmt::LowerExp::fmt(&self.hi, f);
-        }
-        let all = exact(*self);
-        let text = match f.precision() {
-            Some(decimals) => all
-                .rounded((decimals as i64).saturating_add(1))
-                .scientific(decimals),
-            None => {
-                let decimal = all.shortest(*self);
-                decimal.scientific(decimal.digits.len().saturating_sub(1))
-            }
-        };
-        f.pad_integral(self.is_sign_positive(), "", &text)
+        let words = self.array();
+        scientific(&words, LEAST, |d| d.to_words() == words, f)
     }
 }
