@@ -28,8 +28,8 @@ impl Raised {
     }
 }
 
-/// The energy of `value(q, p)`, a number, and `gradient(q, p)`, an array of ∂H/∂q and ∂H/∂p, 2m numbers. Where
-/// one of them raises an exception its numbers are NaN, and the exception is kept in `raised`.
+/// The energy of `value(q, p)`, a number, and `gradient(q, p)`, an array of ∂H/∂q and ∂H/∂p, 2m numbers.
+/// Where one of them raises an exception its numbers are NaN, and the exception is kept in `raised`.
 pub(crate) fn external(
     m: usize,
     accuracy: f64,

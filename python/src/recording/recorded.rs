@@ -145,7 +145,8 @@ impl Recorded {
         finish(function.py(), fault, made)
     }
 
-    /// An energy of m positions that is not recorded: `value(q, p)` and `gradient(q, p)` are called for numbers.
+    /// An energy of m positions that is not recorded: `value(q, p)` and `gradient(q, p)` are called for
+    /// numbers.
     #[staticmethod]
     fn external(m: usize, accuracy: f64, value: Py<PyAny>, gradient: Py<PyAny>) -> PyResult<Self> {
         let raised = Raised::default();

@@ -58,7 +58,8 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// Makes now what the first evaluation would make, by one of `n` zeros. Code of the user's own is not called.
+    /// Makes now what the first evaluation would make, by one of `n` zeros. Code of the user's own is not
+    /// called.
     #[doc(hidden)]
     pub fn make_ready(&mut self, n: usize) {
         let (zeros, mut gradient) = (vec![T::int(0); n], vec![T::int(0); n]);
