@@ -140,7 +140,7 @@ class Hamiltonian:
             found = np.asarray(value(q.reshape(axes), p.reshape(axes)), dtype=float)
             if found.size != 1:
                 raise TypeError(f"value(q, p) must return one number; it returned shape {found.shape}")
-            return found.item()
+            return float(found.item())
 
         def slopes(q: Floats, p: Floats) -> Floats:
             found = gradient(q.reshape(axes), p.reshape(axes))
@@ -312,7 +312,7 @@ class Hamiltonian:
         if not isinstance(other, Hamiltonian):
             return NotImplemented
         if self.is_external or other.is_external:
-            return self._external == other._external
+            return bool(self._external == other._external)
         return self._shape == other._shape and self.to_bytes() == other.to_bytes()
 
     def __hash__(self) -> int:
