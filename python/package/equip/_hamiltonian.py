@@ -99,7 +99,7 @@ class Hamiltonian:
         """An energy that other code computes: a C library, an interpolator, a learned energy.
 
         Its functions are called for numbers in every iteration, with the GIL held: an evaluation costs some
-        microseconds of Python in addition to its own time, where a recorded energy costs a tenth of one. A run
+        microseconds of Python in addition to its own time; a recorded energy costs a tenth of one. A run
         compares the gradient with differences of the values where it starts, and now and then on its way.
         The Hessian is made of differences of gradients, kinks are not seen, and a run in double-double knows
         H to doubles only.
