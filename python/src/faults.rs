@@ -49,7 +49,6 @@ pub(crate) fn of_run<T: Float>(error: &IntegrateError<T>) -> PyErr {
         IntegrateError::EventTooRough { .. }
         | IntegrateError::TargetBelowRoundOff { .. }
         | IntegrateError::TargetNotReached { .. }
-        | IntegrateError::StepRuleNotMet { .. }
         | IntegrateError::StepBelowMinimum { .. }
         | IntegrateError::StepLimit { .. }
         | IntegrateError::NotFinite { .. }

@@ -4,16 +4,13 @@ use crate::faults::value_error;
 use crate::number::{Number, Pair};
 use crate::recording::recorded::Recorded;
 use equip::integrate::{
-    Alphas, Fixed, Integrator, Preconditioner, Reach, StepRule, Symmetric, Tolerance,
+    Alphas, Fixed, Integrator, Preconditioner, Reach, Tolerance,
 };
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-
-/// ε, σ if it is not the automatic one, and whether sizes follow the integral rule.
-type ReversibleOptions = (f64, Option<Py<Recorded>>, bool);
 
 /// Name, function, direction, whether it ends the run, and what it does to the state.
 type EventOptions = (String, Py<Recorded>, i8, bool, Option<Py<PyAny>>);
@@ -32,7 +29,6 @@ pub(crate) struct Options {
     preconditioner: String,
     measure_energy: bool,
     pub(crate) step: Option<Pair>,
-    reversible: Option<ReversibleOptions>,
     tolerance: f64,
     rtol: Option<(Vec<f64>, Vec<f64>)>,
     atol: Option<(Vec<f64>, Vec<f64>)>,
@@ -54,7 +50,6 @@ pub(crate) trait WithIntegrator<T: Number> {
     type Output;
     fn fixed(self, integrator: Integrator<T, Fixed<T>>) -> Self::Output;
     fn adaptive(self, integrator: Integrator<T, Tolerance<T>>) -> Self::Output;
-    fn reversible(self, integrator: Integrator<T, Symmetric<T>>) -> Self::Output;
 }
 
 impl Options {
@@ -74,18 +69,6 @@ impl Options {
     /// Hands the integrator to `task`.
     pub(crate) fn with<T: Number, W: WithIntegrator<T>>(&self, task: W) -> PyResult<W::Output> {
         let method = self.method()?;
-        if let Some((epsilon, sigma, by_integral)) = &self.reversible {
-            let epsilon = T::exact(*epsilon);
-            let sizes = match sigma {
-                Some(sigma) => method.reversible(epsilon, sigma.get().hamiltonian.clone()),
-                None => method.reversible_automatic(epsilon),
-            };
-            let sizes = match by_integral {
-                true => sizes.rule(StepRule::Integral),
-                false => sizes,
-            };
-            return Ok(task.reversible(self.fill(sizes)?));
-        }
         Ok(match self.step {
             Some(h) => task.fixed(self.fill(method.step(T::read(h)))?),
             None => {

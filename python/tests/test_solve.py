@@ -295,7 +295,6 @@ def test_options_are_named(kepler):
         ({"chaos": "a"}, "chaos is 'a'; it must be True or False"),
         ({"tolerance": "a"}, "tolerance is 'a'; it must be a number"),
         ({"first_step": "a"}, "first_step is 'a'; it must be a number"),
-        ({"step": equip.Reversible(0.1), "max_steps": 4}, "max_steps belongs to steps by tolerance"),
     ]:
         fails(kepler, text, **options)
     fails(kepler, r"span is 10; it must be two numbers: \(start, end\)", *START, 10)

@@ -251,18 +251,6 @@ pub enum IntegrateError<T: Float> {
         /// The smallest step tried.
         step: T,
     },
-    /// No step of which the integral rule of reversible control holds was found.
-    #[error(
-        "no size was found at t = {time} for which h Σ b_i/σ(Y_i) = ε, the last one {step:e} misses it by {miss:e}; take a smaller ε, a smoother σ, or `StepRule::Explicit`",
-        time = plain(*time))]
-    StepRuleNotMet {
-        /// Start of the step.
-        time: T,
-        /// The size tried last.
-        step: T,
-        /// By how much of ε it misses the rule.
-        miss: T,
-    },
     /// The motion leaves a table of H that does not extrapolate.
     #[error(
         "at t = {time} the motion is at {argument:e}, outside of a table of H that begins at {first:e} and ends at {last:e}; end the run before, measure further, or extrapolate the table",

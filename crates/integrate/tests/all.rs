@@ -19,7 +19,6 @@ mod memory;
 mod outputs_end_no_run;
 mod preconditioners;
 mod restart;
-mod reversible;
 mod silent_switches;
 mod suggest;
 mod tangent;

@@ -4,7 +4,7 @@
 use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{
     Checkpoint, Equip, Event, Gauss, IntegrateError, Integrator, Method, NoObserver, Observer,
-    Preconditioner, Run, StepRule, StepSizes, StepView, Target,
+    Preconditioner, Run, StepSizes, StepView, Target,
 };
 use equip_scalar::{DoubleDouble, Float, ratio};
 use std::ops::ControlFlow;
@@ -141,14 +141,6 @@ fn a_run_back_in_time_is_that_of_minus_h_forward_bit_for_bit() {
     is_the_mirror("Gauss", &Gauss::stages(3).step(0.04), end);
     is_the_mirror("tolerance", &four.tolerance(1e-9), end);
     is_the_mirror("fine tolerance", &Equip::stages(8).tolerance(1e-13), end);
-    for rule in [StepRule::Explicit, StepRule::Integral] {
-        is_the_mirror("σ given", &four.reversible(0.02, sigma()).rule(rule), end);
-        is_the_mirror(
-            "σ automatic",
-            &four.reversible_automatic(0.6).rule(rule),
-            end,
-        );
-    }
     for preconditioner in [
         Preconditioner::Diagonal,
         Preconditioner::Frozen,
@@ -234,8 +226,6 @@ fn checkpoints_of_runs_back_in_time_go_on_bit_for_bit() {
     let four = Equip::stages(4);
     goes_on_the_same(&four.step(0.03125));
     goes_on_the_same(&four.tolerance(1e-10));
-    goes_on_the_same(&four.reversible(0.05, sigma()));
-    goes_on_the_same(&four.reversible_automatic(0.5).rule(StepRule::Integral));
     // A negative step is the same option.
     let (h, q, p) = (particle(1.0), [0.8, -0.3], [0.2, 0.6]);
     let mut run = four.step(-0.1).start(&h, &q, &p, 0.0).unwrap();

@@ -118,7 +118,6 @@ fn every_flipped_bit_is_refused() {
     every_flip_is_refused(&Equip::stages(3).step(0.25));
     every_flip_is_refused(&Equip::stages(3).step(0.25).chaos());
     every_flip_is_refused(&Equip::stages(4).tolerance(1e-8));
-    every_flip_is_refused(&Equip::stages(3).reversible_automatic(0.25));
 }
 
 #[test]
@@ -209,5 +208,4 @@ fn nan_is_refused<S: StepSizes<f64>>(options: &Integrator<f64, S>) {
 fn nan_in_any_place_that_decides_something_is_refused() {
     nan_is_refused(&Equip::stages(3).step(0.25));
     nan_is_refused(&Equip::stages(4).tolerance(1e-8));
-    nan_is_refused(&Equip::stages(3).reversible_automatic(0.25));
 }

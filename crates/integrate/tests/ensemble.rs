@@ -55,7 +55,6 @@ fn bits_are_those_of_single_runs<S: StepSizes<f64> + Send + Sync>(options: &Inte
 fn rows_are_runs_of_their_own() {
     bits_are_those_of_single_runs(&Equip::stages(4).step(0.1));
     bits_are_those_of_single_runs(&Equip::stages(8).tolerance(1e-10));
-    bits_are_those_of_single_runs(&Equip::stages(6).reversible_automatic(0.3));
 }
 
 #[test]

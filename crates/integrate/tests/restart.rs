@@ -6,7 +6,7 @@ use crate::memory::allocations;
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
     AdaptiveStepper, Alphas, Equip, Gauss, IntegrateError, Integrator, Invariant, Method,
-    Preconditioner, Record, ReversibleStepper, StepRule, StepSizes, StepView, Stepper,
+    Preconditioner, Record, StepSizes, StepView, Stepper,
 };
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -48,7 +48,7 @@ macro_rules! steps {
     )*};
 }
 
-steps!(Stepper, AdaptiveStepper, ReversibleStepper);
+steps!(Stepper, AdaptiveStepper);
 
 /// Everything a step shows, by its bits.
 fn bits<T: Float>(view: &StepView<'_, T>) -> (u64, Vec<[u64; 6]>, String) {
@@ -128,15 +128,11 @@ fn fixed_steps() {
 }
 
 #[test]
-fn variable_and_reversible_steps() {
+fn variable_steps() {
     let kepler = scene("kepler", &[("e", "0.8")]);
     for s in [3, 8] {
         same_again::<f64, _>(&kepler, &Equip::stages(s).tolerance(1e-10), 60);
         let options = Equip::stages(s).tolerance(1e-8).first_step(0.01);
-        same_again::<f64, _>(&kepler, &options, 30);
-    }
-    for rule in [StepRule::Explicit, StepRule::Integral] {
-        let options = Equip::stages(4).reversible_automatic(0.5).rule(rule);
         same_again::<f64, _>(&kepler, &options, 30);
     }
 }

@@ -81,24 +81,6 @@ fn negative_time_leads_back_to_the_start() {
         let off = distance(&[back.last().1, back.last().2].concat(), &start);
         println!("{number}, tolerance: {off:.1e} in {} steps", back.len() - 1);
         assert!(off < 1e-13 * (back.len() + there.len()) as f64);
-        // Reversible steps are the same ones.
-        let mut run = Equip::stages(6)
-            .reversible_automatic(0.3)
-            .start(h, q, p, 0.0)
-            .unwrap();
-        for _ in 0..200 {
-            run.advance().unwrap();
-        }
-        run.turn_back().unwrap();
-        for _ in 0..200 {
-            run.advance().unwrap();
-        }
-        let off = distance(&[run.view().q, run.view().p].concat(), &start) / 400.0;
-        println!(
-            "{number}, reversible: {off:.1e} a step, time {:.1e}",
-            run.time()
-        );
-        assert!(off < 1e-13 && run.time().abs() < 1e-10);
     }
 }
 
@@ -138,7 +120,6 @@ fn times_are_met_by_every_stepper_in_any_order() {
     }
     meets!(Equip::stages(8).step(0.1));
     meets!(Equip::stages(8).tolerance(1e-13));
-    meets!(Equip::stages(8).reversible_automatic(0.2));
 }
 
 #[test]
@@ -269,7 +250,6 @@ fn the_tangent_map_comes_along_in_one_call() {
     }
     carries!(Equip::stages(8).step(0.01));
     carries!(Equip::stages(8).tolerance(1e-14));
-    carries!(Equip::stages(8).reversible_automatic(0.2));
 }
 
 #[test]

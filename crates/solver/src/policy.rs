@@ -4,7 +4,7 @@
 
 /// Moves of the α_k of one step that may fail to halve what they are to remove: where the slopes all but
 /// vanish, Broyden's correction needs some. // moves; with 1 Kepler's problem, e = 0.6, s = 4, returns from
-/// 1000 reversible steps to 5e-7 in place of 3e-10; with 16 15 of 1320 cells differ.
+/// 1000 steps and back to 5e-7 in place of 3e-10; with 16 15 of 1320 cells differ.
 pub(crate) const MOST_STALLS: u32 = 4;
 
 /// The largest floor of late loses 1 over this a step. // steps; floors swing by 30 within an oscillation of
@@ -33,7 +33,7 @@ pub(crate) const SHARE: i64 = 1000;
 /// the steps more are uncorrected, with 32 0.2 % fewer, errors and work alike.
 pub(crate) const STALLED: i64 = 8;
 /// The ridge of the least-squares problem for the direction is the diagonal over this. // ratio; 1e2 to 1e4
-/// alike on the grid; with 10 1000 reversible steps of Kepler's problem, e = 0.6, return to 7.5e-6 in place
+/// alike on the grid; with 10 1000 steps of Kepler's problem, e = 0.6, return to 7.5e-6 in place
 /// of 3e-10.
 pub(crate) const RIDGE: i64 = 1000;
 /// Steps for which a cheaper preconditioner that has failed is not tried again: 1, 2, 4, … up to this. //

@@ -21,7 +21,7 @@ from ._certificate import (
 from ._functions import Table, erf, erfc, table, table2
 from ._hamiltonian import Hamiltonian
 from ._many import Ensemble, draw_starts, ensemble
-from ._methods import AveragedVectorField, Equip, FixedAlpha, Gauss, Hbvm, Reversible, Trapezoidal
+from ._methods import AveragedVectorField, Equip, FixedAlpha, Gauss, Hbvm, Trapezoidal
 from ._native import FileFormatError, FileInUseError, IntegrationError, __version__
 from ._numbers import DoubleDouble
 from ._solution import Solution, load
@@ -47,7 +47,6 @@ __all__ = [
     "IntegrationError",
     "Occurrence",
     "PhasePerStep",
-    "Reversible",
     "Solution",
     "Step",
     "Steps",

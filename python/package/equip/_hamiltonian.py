@@ -66,8 +66,8 @@ class Hamiltonian:
 
         Runs of it start, go on and are read like all others. What they keep is H less the energy that has
         gone in since the start, so that is what `Solution.energy_defect` and the certificate are of; at
-        times of `t_eval` it is not known. Quantities to watch and to keep, and σ of reversible steps, are
-        functions of (t, q, p) as well.
+        times of `t_eval` it is not known. Quantities to watch and to keep are functions of
+        (t, q, p) as well.
 
         Parameters
         ----------

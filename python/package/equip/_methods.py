@@ -168,32 +168,6 @@ class Trapezoidal:
         return {**_options("trapezoidal", 2, self.preconditioner), "family": f"trapezoidal={nodes}"}
 
 
-@dataclass(frozen=True)
-class Reversible:
-    """Variable steps that are the same backwards: given as `step`, for long runs of reversible systems.
-
-    Each step has about the size epsilon · sigma(q, p). No step is refused for its error: epsilon is the
-    accuracy, chosen once.
-
-    Parameters
-    ----------
-    epsilon
-        Step over sigma, positive. With the automatic sigma it is the angle in radians by which the fastest
-        linearised motion turns in a step.
-    sigma
-        A positive function of q and p, even in p, recorded like H; of (t, q, p) where H is. By default 1/σ
-        is the rate of the fastest linearised motion, from ∇²H: for at most 256 degrees of freedom, and for
-        motion that is nowhere free.
-    rule
-        "explicit" takes the size from the one before and the motion between; "integral" from the stages of
-        the step itself, which takes several solves of a step and needs no memory.
-    """
-
-    epsilon: float
-    sigma: Optional[Callable[..., Any]] = None
-    rule: Literal["explicit", "integral"] = "explicit"
-
-
 Method = Union[Equip, Gauss, FixedAlpha, Hbvm, AveragedVectorField, Trapezoidal]
 
 

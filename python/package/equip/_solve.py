@@ -13,7 +13,7 @@ from . import _native
 from ._certificate import Certificate
 from ._events import Event, changes_of, events_of, raise_of
 from ._hamiltonian import Function, Hamiltonian, of_recording, recorded_quantity
-from ._methods import Equip, Method, Reversible, chosen, method_options
+from ._methods import Equip, Method, chosen, method_options
 from ._numbers import Floats, Shape, number, pair, pairs, refuse_units, state, truth, whole
 from ._solution import Solution
 from ._terminate import terminating
@@ -85,16 +85,9 @@ def options(
         belong = "belongs" if len(given) == 1 else "belong"
         raise ValueError(f"{' and '.join(given)} {belong} to steps by tolerance: leave out step, or them")
 
-    reversible = None
-    if isinstance(step, Reversible):
-        by_integral = chosen("rule", step.rule, ("explicit", "integral")) == "integral"
-        sigma = None if step.sigma is None else recorded_quantity(step.sigma, h, "sigma")
-        reversible, step = (number(step.epsilon, "epsilon"), sigma, by_integral), None
-
     return {
         **method_options(method, by_tolerance),
         "step": None if step is None else pair(step, "step"),
-        "reversible": reversible,
         "tolerance": _TOLERANCE[precision] if tolerance is None else number(tolerance, "tolerance"),
         "first_step": None if first_step is None else number(first_step, "first_step"),
         "min_step": number(min_step, "min_step"),
@@ -193,7 +186,7 @@ def solve(
     method
         `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
     step, tolerance
-        A fixed step, or `equip.Reversible`, or an error per step relative to the motion within it: one of
+        A fixed step, or an error per step relative to the motion within it: one of
         them. Without both, the tolerance is 1e-12, in double-double 1e-24.
     t_eval
         Times within the span, (k,), at which states are wanted; `t` is then these. They ascend, or descend

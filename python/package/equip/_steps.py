@@ -12,7 +12,7 @@ from . import _native
 from ._certificate import Certificate
 from ._events import Change, Event, changes_of, events_of, raise_of
 from ._hamiltonian import Function, Hamiltonian
-from ._methods import Equip, Method, Reversible
+from ._methods import Equip, Method
 from ._numbers import Floats, Shape, number, state
 from ._solve import interval_of, options
 
@@ -104,8 +104,7 @@ class Steps:
         return self.last.p
 
     def turn_back(self) -> None:
-        """Turns the run round in time: the steps from here on go the other way, and with `equip.Reversible`
-        are those so far, backwards."""
+        """Turns the run round in time: the steps from here on go the other way."""
         self._native.turn_back()
 
     @property
@@ -178,7 +177,7 @@ def steps(
     t0: float = 0.0,
     *,
     method: Method = Equip(stages=8),
-    step: Union[None, float, Reversible] = None,
+    step: Optional[float] = None,
     tolerance: Optional[float] = None,
     deviations: Any = None,
     events: Union[None, Event, Sequence[Event]] = None,
@@ -204,7 +203,7 @@ def steps(
     method
         `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
     step, tolerance
-        A fixed step, negative to go back in time, or `equip.Reversible`, or an error per step relative to the
+        A fixed step, negative to go back in time, or an error per step relative to the
         motion within it: one of them. Without both, the tolerance is 1e-12.
     invariants, keep
         Further quantities f(q, p) by name that the certificate shows, and that are kept like the energy; of

@@ -6,7 +6,7 @@ use crate::options::{Options, WithIntegrator};
 use crate::recording::recorded::Recorded;
 use crate::runs::patience::{Meanwhile, patiently_with};
 use equip::integrate::{
-    Fixed, Integrator, RunFailure, Starts, StepSizes, Symmetric, Tolerance, drawn_start,
+    Fixed, Integrator, RunFailure, Starts, StepSizes, Tolerance, drawn_start,
 };
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyArray1};
@@ -74,10 +74,6 @@ impl<'py> WithIntegrator<f64> for Task<'_, 'py> {
     }
 
     fn adaptive(self, integrator: Integrator<f64, Tolerance<f64>>) -> Self::Output {
-        self.run(integrator)
-    }
-
-    fn reversible(self, integrator: Integrator<f64, Symmetric<f64>>) -> Self::Output {
         self.run(integrator)
     }
 }

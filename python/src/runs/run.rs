@@ -9,7 +9,7 @@ use crate::runs::curve::{Curve, Kept};
 use crate::runs::keeping::Keeping;
 use crate::runs::patience::patiently_with;
 use crate::runs::signals::{Signals, Watch};
-use equip::integrate::{Fixed, Integrator, RunFailure, StepSizes, Symmetric, Tolerance};
+use equip::integrate::{Fixed, Integrator, RunFailure, StepSizes, Tolerance};
 use equip::prelude::*;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
@@ -76,10 +76,6 @@ impl<'py, T: Number + Kept> WithIntegrator<T> for Whole<'_, 'py> {
     }
 
     fn adaptive(self, integrator: Integrator<T, Tolerance<T>>) -> Self::Output {
-        self.run(integrator)
-    }
-
-    fn reversible(self, integrator: Integrator<T, Symmetric<T>>) -> Self::Output {
         self.run(integrator)
     }
 }

@@ -8,8 +8,8 @@ use crate::runs::certificate::certificate;
 use crate::runs::patience::{Stop, lock, patiently};
 use crate::runs::signals::{Reached, Signals};
 use equip::integrate::{
-    AdaptiveStepper, Fixed, IntegrateError, Integrator, Occurrence, ReversibleStepper, StepEvents,
-    StepSizes, Stepper, Steps as _, Symmetric, Tolerance,
+    AdaptiveStepper, Fixed, IntegrateError, Integrator, Occurrence, StepEvents,
+    StepSizes, Stepper, Steps as _, Tolerance,
 };
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyArray1};
@@ -21,7 +21,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 enum Sized {
     Fixed(Stepper<f64>),
     Adaptive(AdaptiveStepper<f64>),
-    Reversible(ReversibleStepper<f64>),
 }
 
 macro_rules! each {
@@ -29,7 +28,6 @@ macro_rules! each {
         match $sized {
             Sized::Fixed($stepper) => $body,
             Sized::Adaptive($stepper) => $body,
-            Sized::Reversible($stepper) => $body,
         }
     };
 }
@@ -77,7 +75,6 @@ impl Run {
         match &mut self.stepper {
             Sized::Fixed(stepper) => stepper.turn_back(),
             Sized::Adaptive(stepper) => stepper.turn_back(),
-            Sized::Reversible(stepper) => return stepper.turn_back(),
         }
         Ok(())
     }
@@ -312,10 +309,6 @@ impl WithIntegrator<f64> for Start<'_> {
 
     fn adaptive(self, integrator: Integrator<f64, Tolerance<f64>>) -> Self::Output {
         self.run(integrator, Sized::Adaptive)
-    }
-
-    fn reversible(self, integrator: Integrator<f64, Symmetric<f64>>) -> Self::Output {
-        self.run(integrator, Sized::Reversible)
     }
 }
 

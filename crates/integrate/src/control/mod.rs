@@ -9,5 +9,4 @@ pub(crate) mod frequency;
 pub(crate) mod make;
 pub(crate) mod policy;
 pub(crate) mod rate;
-pub(crate) mod step_density;
 pub(crate) mod stuck;

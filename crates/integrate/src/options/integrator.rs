@@ -8,8 +8,8 @@ use equip_scalar::Float;
 use equip_solver::{Invariant, Preconditioner, Reach};
 
 /// A method with the sizes of its steps and with options, which are the same whatever the sizes `S` are:
-/// fixed ([`FixedStep`](crate::FixedStep)), by a tolerance ([`Adaptive`](crate::Adaptive)) or reversible
-/// ([`Reversible`](crate::Reversible)). It is checked when a run starts.
+/// fixed ([`FixedStep`](crate::FixedStep)) or by a tolerance ([`Adaptive`](crate::Adaptive)). It is checked when
+/// a run starts.
 #[derive(Debug, Clone)]
 pub struct Integrator<T: Float, S> {
     pub(crate) method: Method,

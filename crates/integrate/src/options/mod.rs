@@ -7,4 +7,3 @@ pub(crate) mod fixed_step;
 pub(crate) mod integrator;
 pub(crate) mod method;
 pub(crate) mod record;
-pub(crate) mod reversible;

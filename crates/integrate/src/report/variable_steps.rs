@@ -6,7 +6,7 @@ use equip_scalar::Float;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VariableSteps<T> {
-    /// The requested tolerance; ε of reversible steps.
+    /// The requested tolerance.
     pub tolerance: T,
     /// Smallest step taken; a step cut to reach the end of the run does not count.
     pub smallest: T,

@@ -6,11 +6,9 @@ use crate::error::IntegrateError;
 use crate::options::adaptive::Tolerance;
 use crate::options::fixed_step::Fixed;
 use crate::options::integrator::Integrator;
-use crate::options::reversible::Symmetric;
 use crate::runs::observer::Observer;
 use crate::runs::run::{Run, RunFailure};
 use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
-use crate::steppers::reversible_stepper::ReversibleStepper;
 use crate::steppers::sizes::{Advance, Sizes};
 use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
@@ -49,20 +47,18 @@ fn advance_to<T: Float>(steps: &mut impl Advance<T>, t: T) -> Result<(), Integra
 struct Ready<T: Float> {
     fixed: Entries<T, Fixed<T>>,
     tolerance: Entries<T, Tolerance<T>>,
-    symmetric: Entries<T, Symmetric<T>>,
 }
 
 impl<T: Float> Ready<T> {
     const HERE: Self = Ready {
         fixed: Entries::HERE,
         tolerance: Entries::HERE,
-        symmetric: Entries::HERE,
     };
 }
 
 equip_scalar::ready!(Ready);
 
-/// How an [`Integrator`] sizes its steps: [`Fixed`], [`Tolerance`] or [`Symmetric`].
+/// How an [`Integrator`] sizes its steps: [`Fixed`] or [`Tolerance`].
 pub trait StepSizes<T: Float>: Sizes<T> {
     /// The functions of its runs.
     #[doc(hidden)]
@@ -78,12 +74,6 @@ impl<T: Float> StepSizes<T> for Fixed<T> {
 impl<T: Float> StepSizes<T> for Tolerance<T> {
     fn entries() -> &'static Entries<T, Self> {
         &ready::<T>().tolerance
-    }
-}
-
-impl<T: Float> StepSizes<T> for Symmetric<T> {
-    fn entries() -> &'static Entries<T, Self> {
-        &ready::<T>().symmetric
     }
 }
 
@@ -199,40 +189,6 @@ impl<T: Float> AdaptiveStepper<T> {
     /// good step ended.
     pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
         (Tolerance::entries().advance_to)(self, t)?;
-        Ok(self.view())
-    }
-}
-
-impl<T: Float> ReversibleStepper<T> {
-    /// Makes the next step.
-    ///
-    /// # Errors
-    /// When the step cannot be made, or σ or the density is not positive; the state then is that before
-    /// the step.
-    pub fn advance(&mut self) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        (Symmetric::entries().advance)(self)?;
-        Ok(self.view())
-    }
-
-    /// Goes to the time `t`, forward or back, which the last step meets exactly: a shorter one, so that the
-    /// steps back from there are other ones. At `t` already, no step is made.
-    ///
-    /// ```
-    /// use equip_autodiff::Hamiltonian;
-    /// use equip_integrate::Equip;
-    ///
-    /// let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
-    /// let options = Equip::stages(6).reversible_automatic(0.3);
-    /// let mut run = options.start(&pendulum, &[1.0], &[0.5], 0.0)?;
-    /// assert_eq!(run.advance_to(-4.5)?.time, -4.5);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// A time that is not finite, and those of [`advance`](Self::advance); the run then is where the last
-    /// good step ended.
-    pub fn advance_to(&mut self, t: T) -> Result<StepView<'_, T>, IntegrateError<T>> {
-        (Symmetric::entries().advance_to)(self, t)?;
         Ok(self.view())
     }
 }

@@ -6,8 +6,6 @@ pub(crate) mod domains;
 pub(crate) mod fixed_steps;
 pub(crate) mod grid;
 pub(crate) mod in_parts;
-pub(crate) mod reversible_stepper;
-pub(crate) mod reversible_steps;
 pub(crate) mod sizes;
 pub(crate) mod start;
 pub(crate) mod stepper;

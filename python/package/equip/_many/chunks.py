@@ -66,9 +66,6 @@ def chunk_of(task: Task, q: Floats, p: Floats, show: Show = None) -> Ensemble:
     keep = [(name, quantity._recorded) for name, quantity in task.given["keep"].items()]
     events = [(name, event._recorded, *rest) for name, event, *rest in task.given["events"]]
     given = {**task.given, "keep": keep, "events": events}
-    reversible = given["reversible"]
-    if reversible is not None and reversible[1] is not None:
-        given["reversible"] = (reversible[0], reversible[1]._recorded, reversible[2])
     flat = (q.ravel().tolist(), p.ravel().tolist())
     h = task.h
     if task.output is None:

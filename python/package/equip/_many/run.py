@@ -13,7 +13,7 @@ from .. import _native
 from .._events import Event
 from .._files import Path
 from .._hamiltonian import Function, Hamiltonian, of_recording
-from .._methods import Equip, Method, Reversible
+from .._methods import Equip, Method
 from .._numbers import whole
 from .._solution import Solution
 from .._solve import interval_of, options, outputs
@@ -39,7 +39,7 @@ def ensemble(
     events: Union[None, Event, Sequence[Event]] = None,
     precision: Literal["f64", "dd"] = "f64",
     method: Method = Equip(stages=8),
-    step: Union[None, float, Reversible] = None,
+    step: Optional[float] = None,
     tolerance: Optional[float] = None,
     keep: Optional[Mapping[str, Function]] = None,
     measure_energy: bool = True,
@@ -83,7 +83,7 @@ def ensemble(
     method
         `equip.Equip`, `equip.Gauss` or `equip.FixedAlpha`, with the number of stages.
     step, tolerance
-        A fixed step without a sign, or `equip.Reversible`, or an error per step relative to the motion within
+        A fixed step without a sign, or an error per step relative to the motion within
         it: one of them. Without both, the tolerance is 1e-12.
     keep
         Further quantities f(q, p) by name that are kept like the energy; of (t, q, p) where H is.
@@ -228,11 +228,8 @@ def _task(
 ) -> Task:
     """What all chunks have in common; recordings in it can be pickled."""
     keep = {name: of_recording(f, h.shape) for name, f in given["keep"]}
-    sizes = given["reversible"]
-    if sizes is not None and sizes[1] is not None:
-        sizes = (sizes[0], of_recording(sizes[1], h.shape), sizes[2])
     events = [(name, of_recording(f, h.shape), *rest) for name, f, *rest in given["events"]]
-    every = {**given, "keep": keep, "reversible": sizes, "events": events}
+    every = {**given, "keep": keep, "events": events}
     return Task(h, times, every, precision, threads, output)
 
 
