@@ -3,9 +3,7 @@
 use crate::faults::value_error;
 use crate::number::{Number, Pair};
 use crate::recording::recorded::Recorded;
-use equip::integrate::{
-    Alphas, Fixed, Integrator, Preconditioner, Reach, Tolerance,
-};
+use equip::integrate::{Alphas, Integrator, Preconditioner, Reach};
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -45,13 +43,6 @@ pub(crate) struct Options {
     events: Vec<EventOptions>,
 }
 
-/// Something to do with an integrator, whatever its steps.
-pub(crate) trait WithIntegrator<T: Number> {
-    type Output;
-    fn fixed(self, integrator: Integrator<T, Fixed<T>>) -> Self::Output;
-    fn adaptive(self, integrator: Integrator<T, Tolerance<T>>) -> Self::Output;
-}
-
 impl Options {
     pub(crate) fn method(&self) -> PyResult<Method> {
         Ok(match self.family.as_str() {
@@ -66,11 +57,11 @@ impl Options {
         })
     }
 
-    /// Hands the integrator to `task`.
-    pub(crate) fn with<T: Number, W: WithIntegrator<T>>(&self, task: W) -> PyResult<W::Output> {
+    /// The integrator.
+    pub(crate) fn integrator<T: Number>(&self) -> PyResult<Integrator<T>> {
         let method = self.method()?;
-        Ok(match self.step {
-            Some(h) => task.fixed(self.fill(method.step(T::read(h)))?),
+        self.fill(match self.step {
+            Some(h) => method.step(T::read(h)),
             None => {
                 let tolerance = T::exact(self.tolerance);
                 let sizes = method.tolerance(tolerance).max_steps(self.max_steps);
@@ -87,7 +78,7 @@ impl Options {
                 if let Some(h) = self.first_step {
                     sizes = sizes.first_step(T::exact(h));
                 }
-                task.adaptive(self.fill(sizes)?)
+                sizes
             }
         })
     }
@@ -114,7 +105,7 @@ impl Options {
         self.events.iter().map(event).collect()
     }
 
-    fn fill<T: Number, S>(&self, integrator: Integrator<T, S>) -> PyResult<Integrator<T, S>> {
+    fn fill<T: Number>(&self, integrator: Integrator<T>) -> PyResult<Integrator<T>> {
         let mut integrator = integrator
             .output_at(&T::read_all(&self.t_eval))
             .alpha_bound(T::exact(self.alpha_bound))

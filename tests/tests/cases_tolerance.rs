@@ -143,7 +143,7 @@ fn motion_below_atol_is_not_resolved() {
     })
     .unwrap();
     let (q, p) = ([1.0, 1e-7], [0.0, 0.0]);
-    let steps = |options: equip_integrate::Adaptive<f64>| {
+    let steps = |options: equip_integrate::Integrator<f64>| {
         let run = options.integrate(&energy, &q, &p, 0.0..=50.0).unwrap();
         run.certificate().counts.steps
     };

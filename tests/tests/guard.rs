@@ -4,7 +4,7 @@
 //! `cargo test -p equip-tests --test all guard -- --nocapture`.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_integrate::{Equip, Integrator, StepSizes, Steps};
+use equip_integrate::{Equip, Integrator, Stepper};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::find;
 use std::fmt::Write;
@@ -35,10 +35,7 @@ fn hash(text: &str) -> u64 {
 }
 
 /// Outcome and work of every step, and the bits after it.
-fn row<T: Float, S: StepSizes<T>>(name: &str, scene: &str, options: &Integrator<T, S>) -> String
-where
-    S::Stepper: Steps<T> + AsStepper<T>,
-{
+fn row<T: Float>(name: &str, scene: &str, options: &Integrator<T>) -> String {
     let instance = find(scene).unwrap().instance(&[]).unwrap();
     let (q, p) = instance.initial::<T>();
     let mut run = options
@@ -46,7 +43,7 @@ where
         .unwrap();
     let (mut decisions, mut bits) = (String::new(), String::new());
     for _ in 0..STEPS {
-        let (made, words) = run.one_more();
+        let (made, words) = one_more(&mut run);
         decisions.push_str(&made);
         for x in words {
             for word in &x.expansion()[..4] {
@@ -61,25 +58,15 @@ where
     )
 }
 
-/// A step of a run with what it decided.
-trait AsStepper<T: Float> {
-    fn one_more(&mut self) -> (String, Vec<T>);
+/// Makes a step; what it decided, and the state after it.
+fn one_more<T: Float>(run: &mut Stepper<T>) -> (String, Vec<T>) {
+    let view = run.advance().unwrap();
+    let (outcome, state) = (view.outcome, [view.q, view.p].concat());
+    (
+        format!("{outcome:?} {:?}\n", run.certificate().counts),
+        state,
+    )
 }
-
-macro_rules! as_stepper {
-    ($($stepper:ident),*) => {$(
-        impl<T: Float> AsStepper<T> for equip_integrate::$stepper<T> {
-            fn one_more(&mut self) -> (String, Vec<T>) {
-                let (outcome, state) = {
-                    let view = self.advance().unwrap();
-                    (view.outcome, [view.q, view.p].concat())
-                };
-                (format!("{outcome:?} {:?}\n", self.certificate().counts), state)
-            }
-        }
-    )*};
-}
-as_stepper!(Stepper, AdaptiveStepper);
 
 fn rows() -> Vec<String> {
     let mut rows = Vec::new();

@@ -31,9 +31,6 @@ const LEVELS: [&[&str]; 8] = [
 /// Folders that are lists of like things, and may be longer than [`MOST_FILES`].
 const LISTS: &[(&str, &str)] = &[("scenes", "scenes")];
 
-/// Folders of a crate that still import from each other. The list is to shrink.
-const BOTH_WAYS: [(&str, &str, &str); 1] = [("scalar", "double_double", "double_double/lanes")];
-
 const MOST_FLOORS: usize = 8;
 const MOST_FILES: usize = 12;
 const MOST_LINES: usize = 400;
@@ -118,26 +115,14 @@ fn no_circles() {
     none(&wrong);
 }
 
-/// Two folders of a crate do not import from each other; a pair of [`BOTH_WAYS`] that no longer does is to be
-/// taken off there.
+/// Two folders of a crate do not import from each other.
 #[test]
 fn folders_import_one_way() {
-    let mut found = Vec::new();
-    let rooms = rooms();
-    for (name, krate) in &rooms {
-        for [one, other] in Graph::of(krate).folders_both_ways() {
-            found.push((name.clone(), one.to_string(), other.to_string()));
-        }
-    }
-    let known = BOTH_WAYS.map(|(name, one, other)| (name.into(), one.into(), other.into()));
     let mut wrong = Vec::new();
-    for (name, one, other) in found.iter().filter(|pair| !known.contains(pair)) {
-        wrong.push(format!("{name}: {one} and {other} import from each other"));
-    }
-    for (name, one, other) in known.iter().filter(|pair| !found.contains(pair)) {
-        wrong.push(format!(
-            "{name}: {one} and {other} no longer do: take them off BOTH_WAYS"
-        ));
+    for (name, krate) in rooms() {
+        for [one, other] in Graph::of(&krate).folders_both_ways() {
+            wrong.push(format!("{name}: {one} and {other} import from each other"));
+        }
     }
     none(&wrong);
 }

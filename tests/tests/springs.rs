@@ -2,14 +2,14 @@
 //! the same trajectory and energy.
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
-use equip_integrate::{Equip, FixedStep, Gauss, Method, Preconditioner, Record, Run};
+use equip_integrate::{Equip, Gauss, Integrator, Method, Preconditioner, Record, Run};
 use equip_scenes::Instance;
 use equip_tests::{decimal_digits, relative_distance};
 
 const BOTH: [Preconditioner; 2] = [Preconditioner::Diagonal, Preconditioner::Frozen];
 
 /// Three springs of ω = 50 in a soft chain, up to `end`.
-fn chain(options: &FixedStep<f64>, end: f64) -> Run<f64> {
+fn chain(options: &Integrator<f64>, end: f64) -> Run<f64> {
     let scene = Instance::from_reference("fpu_hlw").unwrap();
     let (q, p) = scene.initial::<f64>();
     let options = options.clone().record(Record::Ends);
@@ -18,12 +18,12 @@ fn chain(options: &FixedStep<f64>, end: f64) -> Run<f64> {
         .unwrap()
 }
 
-fn with(method: Method, h: f64, preconditioner: Preconditioner) -> FixedStep<f64> {
+fn with(method: Method, h: f64, preconditioner: Preconditioner) -> Integrator<f64> {
     method.step(h).preconditioner(preconditioner)
 }
 
 /// Correct digits at t = 200, and iterations a step; no step is left to anything else.
-fn digits(options: &FixedStep<f64>) -> (f64, f64) {
+fn digits(options: &Integrator<f64>) -> (f64, f64) {
     let scene = Instance::from_reference("fpu_hlw").unwrap();
     let reference = scene.reference().unwrap();
     let run = chain(options, reference.end::<f64>());

@@ -13,7 +13,7 @@ mod systems;
 
 use clap::Parser;
 use equip_autodiff::BuildError;
-use equip_integrate::{Adaptive, Equip, Gauss, Record, RunFailure};
+use equip_integrate::{Equip, Gauss, Integrator, Record, RunFailure};
 use equip_tests::Seeded;
 use systems::{SYSTEMS, System};
 
@@ -132,7 +132,7 @@ impl Pairs {
 
 impl System {
     /// The state at the end, and the work.
-    fn end(&self, method: Adaptive<f64>) -> Result<(Vec<f64>, f64), RunFailure<f64>> {
+    fn end(&self, method: Integrator<f64>) -> Result<(Vec<f64>, f64), RunFailure<f64>> {
         let method = method.record(Record::Ends);
         let run = method.integrate(&self.energy, &self.q, &self.p, 0.0..=self.end)?;
         let (counts, (_, q, p)) = (&run.certificate().counts, run.last());

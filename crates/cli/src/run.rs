@@ -22,11 +22,11 @@ use crate::write::lock::Claim;
 use crate::write::outputs::ordinary;
 use comparison::Comparison;
 use curve::curve;
-use equip_integrate::{Checkpoint, Gauss, Invariant, Method, Reach, Target};
+use equip_integrate::{Checkpoint, Gauss, Integrator, Invariant, Method, Reach, Target};
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
 use finished::{EndError, Finished, end_error};
-use integrator::Integrator;
+use integrator::{integrate, integrator};
 use method::method;
 use picture::{components, draw};
 use progress::Progress;
@@ -55,18 +55,16 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         .tolerance()
         .map(|text| number::<T>("--tolerance", text));
     let tolerance = tolerance.transpose()?;
-    let mut integrator = Integrator::new(method, tolerance, h);
-    integrator = integrator.reach(match args.reach {
+    let mut options = integrator(method, tolerance, h).reach(match args.reach {
         ReachName::WithinError => Reach::WithinError,
         ReachName::Always => Reach::Always,
         ReachName::Refuse => Reach::Refuse,
     });
     if args.lyapunov {
-        integrator = integrator.chaos();
+        options = options.chaos();
     }
     for invariant in instance.invariants() {
-        integrator =
-            integrator.invariant(Invariant::new(invariant.name, invariant.quantity.clone()));
+        options = options.invariant(Invariant::new(invariant.name, invariant.quantity.clone()));
     }
 
     let (q0, p0) = instance.initial::<T>();
@@ -103,7 +101,7 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
     }
     signals::catch()?;
 
-    let made = integrator.integrate(instance, from.as_ref(), end, &mut watch);
+    let made = integrate(&options, instance, from.as_ref(), end, &mut watch);
     let (run, error) = match made {
         Ok(run) => (run, None),
         Err(failure) => match failure.partial {
@@ -121,8 +119,8 @@ fn run_in<T: Float>(args: &RunArgs, instance: &Instance) -> Result<(), Fault> {
         run,
         error,
     };
-    let gauss = Integrator::new(Gauss::stages(method.degree()), tolerance, h);
-    picture(args, [integrator, gauss], &finished, &mut watch)?;
+    let gauss = integrator(Gauss::stages(method.degree()), tolerance, h);
+    picture(args, [options, gauss], &finished, &mut watch)?;
     drop(watch);
     drop(claim);
     report(args, &finished)?;
@@ -216,7 +214,7 @@ fn resume<T: Float>(
 /// Draws the finished run into the file made for it, if there is one.
 fn picture<T: Float>(
     args: &RunArgs,
-    [integrator, gauss]: [Integrator<T>; 2],
+    [options, gauss]: [Integrator<T>; 2],
     finished: &Finished<'_, T>,
     watch: &mut Watch<'_, T>,
 ) -> Result<(), Fault> {
@@ -229,10 +227,15 @@ fn picture<T: Float>(
         let shown = !args.quiet && args.tolerance().is_none();
         let progress = Progress::new("Gauss for comparison", watch.progress.steps(), shown);
         let end = finished.run.certificate().end;
-        Comparison::new(&gauss, finished.instance, end, progress)
+        Comparison::new(
+            (&gauss, args.tolerance().is_some()),
+            finished.instance,
+            end,
+            progress,
+        )
     });
     let curve = curve(
-        integrator,
+        options,
         finished.instance,
         &finished.run,
         components(finished.instance),

@@ -58,6 +58,16 @@ pub enum IntegrateError<T: Float> {
         /// The step given.
         step: T,
     },
+    /// An option of the other kind of steps.
+    #[error(
+        "`{option}` does not belong to {}; leave it out, or use `.{}`",
+        if *option == "max_halvings" { "steps by a tolerance" } else { "fixed steps" },
+        if *option == "max_halvings" { "step(h)" } else { "tolerance(tol)" }
+    )]
+    MisplacedOption {
+        /// Its name.
+        option: &'static str,
+    },
     /// The steps lead away from where the run is to end.
     #[error(
         "steps of {step} lead from {start} away from {end}; give a step without a sign, which takes the direction of the interval, or an end on the other side; a resumed run keeps its direction",

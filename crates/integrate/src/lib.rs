@@ -2,8 +2,8 @@
 //! checkpoints, the tangent map and the certificate.
 //!
 //! Folders, each importing from those before it only, but for the constants in `control`: `error`, `time` ←
-//! `options`, `control` ← `report` ← `checkpoints`, `dense` ← `events`, `tangent` ← `steppers` (one step at a
-//! time) ← `runs` (whole intervals).
+//! `options`, `control` ← `report` ← `checkpoints`, `dense` ← `events` ← `steppers` (one step at a time) ←
+//! `tangent` ← `runs` (whole intervals).
 //! The step itself is `equip-solver`'s, whose public names are given here as well.
 #![forbid(unsafe_code)]
 
@@ -25,9 +25,7 @@ pub use equip_solver::{
     Alphas, Counts, Family, Invariant, MAX_STAGES, Outcome, Preconditioner, Reach,
 };
 pub use error::IntegrateError;
-pub use options::adaptive::{Adaptive, Tolerance};
 pub use options::event::{Direction, Event, Occurrence};
-pub use options::fixed_step::{Fixed, FixedStep};
 pub use options::integrator::Integrator;
 pub use options::method::{Equip, Gauss, Method};
 pub use options::record::Record;
@@ -38,7 +36,6 @@ pub use report::energy_floor::EnergyFloor;
 pub use report::energy_jumps::EnergyJumps;
 pub use report::phase_per_step::PhasePerStep;
 pub use report::variable_steps::VariableSteps;
-pub use runs::compiled::StepSizes;
 #[cfg(feature = "rayon")]
 pub use runs::ensemble::drawn::drawn_start;
 #[cfg(feature = "rayon")]
@@ -48,10 +45,8 @@ pub use runs::prepared::Prepared;
 pub use runs::run::{Run, RunFailure};
 pub use runs::step_events::StepEvents;
 pub use runs::suggest::Target;
-pub use steppers::adaptive::adaptive_stepper::AdaptiveStepper;
 pub use steppers::stepper::Stepper;
 pub use steppers::view::{Step, StepView};
 pub use tangent::chaos::Chaos;
-pub use tangent::steps::Steps;
 pub use tangent::tangent_map::TangentMap;
 pub use time::extended::Extended;

@@ -230,7 +230,7 @@ fn every_component_has_the_relative_error_it_is_given() {
     });
     let h = h.unwrap();
     let (q, p, end) = ([1.0, 1.0], [0.0, 0.0], 20.3);
-    let run = |options: equip_integrate::Adaptive<f64>| {
+    let run = |options: equip_integrate::Integrator<f64>| {
         let run = options.integrate(&h, &q, &p, 0.0..=end).unwrap();
         let last = run.last();
         ([last.1[0], last.1[1]], run.len() - 1)

@@ -4,9 +4,9 @@
 use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{
     Checkpoint, Equip, Event, Gauss, IntegrateError, Integrator, Method, NoObserver, Observer,
-    Preconditioner, Run, StepSizes, StepView, Target,
+    Preconditioner, Run, StepView, Target,
 };
-use equip_scalar::{DoubleDouble, Float, ratio};
+use equip_scalar::{DoubleDouble, Float};
 use std::ops::ControlFlow;
 
 /// A charged particle in a magnetic field with a quartic well: H(q, −p) ≠ H(q, p). `sign` is that of H; both
@@ -97,7 +97,7 @@ fn everything<T: Float>(run: &Run<T>, sign: i64) -> Vec<Vec<T>> {
 }
 
 /// H back from 0 to `end` < 0, and −H forward; the stiff system has no σ that resolves its spring.
-fn is_the_mirror<T: Float, S: StepSizes<T>>(name: &str, options: &Integrator<T, S>, end: T) {
+fn is_the_mirror<T: Float>(name: &str, options: &Integrator<T>, end: T) {
     let count = if name.starts_with('σ') { 2 } else { 3 };
     for (number, (system, start)) in STARTS.iter().take(count).enumerate() {
         let start = start.map(T::exact);
@@ -124,13 +124,6 @@ fn is_the_mirror<T: Float, S: StepSizes<T>>(name: &str, options: &Integrator<T, 
             same(&format!("{name}, system {number}"), back, forward);
         }
     }
-}
-
-fn sigma() -> Hamiltonian {
-    Hamiltonian::new(2, |q, _| {
-        (0.1 + q[0] * q[0] + q[1] * q[1]).powf(ratio(3, 4))
-    })
-    .unwrap()
 }
 
 #[test]
@@ -201,7 +194,7 @@ impl<T: Float> Observer<T> for Keep {
     }
 }
 
-fn goes_on_the_same<S: StepSizes<f64>>(options: &Integrator<f64, S>) {
+fn goes_on_the_same(options: &Integrator<f64>) {
     let (h, q, p) = (particle(1.0), [0.8, -0.3], [0.2, 0.6]);
     let options = options.clone().chaos();
     let mut keep = Keep(0, 7, None);

@@ -3,7 +3,7 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    Adaptive, Checkpoint, Equip, FixedStep, Gauss, IntegrateError, Invariant, NoObserver, Observer,
+    Checkpoint, Equip, Gauss, IntegrateError, Integrator, Invariant, NoObserver, Observer,
     Preconditioner, Run, StepView,
 };
 use equip_scalar::{DoubleDouble, Float};
@@ -67,7 +67,7 @@ fn assert_same<T: Float>(whole: &Run<T>, rest: &Run<T>, at: usize) {
     assert_eq!(&a, b);
 }
 
-fn fixed<T: Float>(scene: &Instance, options: &FixedStep<T>, at: u64, end: T) {
+fn fixed<T: Float>(scene: &Instance, options: &Integrator<T>, at: u64, end: T) {
     let (q, p) = scene.initial::<T>();
     let (h, zero) = (scene.hamiltonian(), T::int(0));
     let whole = options.integrate(h, &q, &p, zero..=end).unwrap();
@@ -88,7 +88,7 @@ fn fixed<T: Float>(scene: &Instance, options: &FixedStep<T>, at: u64, end: T) {
     assert_same(&whole, &rest, at as usize);
 }
 
-fn adaptive<T: Float>(scene: &Instance, options: &Adaptive<T>, at: u64, end: T) {
+fn adaptive<T: Float>(scene: &Instance, options: &Integrator<T>, at: u64, end: T) {
     let (q, p) = scene.initial::<T>();
     let (h, zero) = (scene.hamiltonian(), T::int(0));
     let mut keep = Keep {

@@ -3,7 +3,7 @@
 
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    Certificate, Checkpoint, Equip, IntegrateError, Integrator, Observer, StepSizes, StepView,
+    Certificate, Checkpoint, Equip, IntegrateError, Integrator, Observer, StepView,
 };
 use equip_scalar::{DoubleDouble, Float};
 use serde_json::Value;
@@ -76,10 +76,7 @@ impl Observer<f64> for AfterThree {
     }
 }
 
-fn after_three<S: StepSizes<f64>>(
-    options: &Integrator<f64, S>,
-    pendulum: &Hamiltonian,
-) -> Checkpoint {
+fn after_three(options: &Integrator<f64>, pendulum: &Hamiltonian) -> Checkpoint {
     let mut keep = AfterThree::default();
     options
         .integrate_observed(pendulum, &[0.3], &[1.0], 0.0..=10.0, &mut keep)
@@ -88,7 +85,7 @@ fn after_three<S: StepSizes<f64>>(
 }
 
 /// Flips every bit of the text; what still is a checkpoint must not be resumed.
-fn every_flip_is_refused<S: StepSizes<f64>>(options: &Integrator<f64, S>) {
+fn every_flip_is_refused(options: &Integrator<f64>) {
     let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
     let text = serde_json::to_vec(&after_three(options, &pendulum)).unwrap();
     let resumed = |text: &[u8]| {
@@ -182,7 +179,7 @@ fn numbers(value: &Value, place: &str, found: &mut Vec<String>) {
 }
 
 /// A checkpoint whose checksum is right, with NaN in one place after the other.
-fn nan_is_refused<S: StepSizes<f64>>(options: &Integrator<f64, S>) {
+fn nan_is_refused(options: &Integrator<f64>) {
     let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
     let whole = serde_json::to_value(after_three(options, &pendulum)).unwrap();
     let mut places = Vec::new();

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Certificate, Equip, Gauss, Integrator, Run, StepSizes};
+use equip_integrate::{Certificate, Equip, Gauss, Integrator, Run};
 use equip_scalar::{DoubleDouble, Float};
 
 const FIRST: &str = "energy conserved to round-off: ";
@@ -39,8 +39,8 @@ fn error_at_end(h: &Hamiltonian, run: &Run<f64>) -> f64 {
 }
 
 /// The run, or what there was of it.
-fn made<S: StepSizes<f64>>(
-    options: &Integrator<f64, S>,
+fn made(
+    options: &Integrator<f64>,
     h: &Hamiltonian,
     (q, p): (&[f64], &[f64]),
     end: f64,

@@ -2,9 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{
-    Equip, IntegrateError, Integrator, Run, RunFailure, Starts, StepSizes, drawn_start,
-};
+use equip_integrate::{Equip, IntegrateError, Integrator, Run, RunFailure, Starts, drawn_start};
 use equip_scalar::{DoubleDouble, Float};
 use rayon::ThreadPoolBuilder;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -28,7 +26,7 @@ fn end(run: Result<Run<f64>, RunFailure<f64>>) -> Option<(f64, f64, u64)> {
     Some((q[0], p[0], run.certificate().counts.steps))
 }
 
-fn bits_are_those_of_single_runs<S: StepSizes<f64> + Send + Sync>(options: &Integrator<f64, S>) {
+fn bits_are_those_of_single_runs(options: &Integrator<f64>) {
     // The last start is none.
     let q: Vec<f64> = (0..40)
         .map(|i| 0.05 * f64::from(i))
@@ -75,7 +73,7 @@ fn they_stop_when_they_are_told_to() {
 #[test]
 fn faults_of_all_runs_are_found_at_once() {
     let h = pendulum();
-    let ensemble = |options: &Integrator<f64, _>, q: &[f64], p: &[f64]| {
+    let ensemble = |options: &Integrator<f64>, q: &[f64], p: &[f64]| {
         let starts = Starts::new(q, p, 0.0..=1.0);
         options.ensemble(&h, starts, |i, _| i, || false)
     };

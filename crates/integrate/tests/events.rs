@@ -267,7 +267,7 @@ fn events_leave_the_steps_alone() {
     let scene = scene.instance(&[("e", "0.6")]).unwrap();
     let (q, p) = scene.initial::<f64>();
     let options = Equip::stages(6).tolerance(1e-10);
-    let run = |options: &equip_integrate::Adaptive<f64>| {
+    let run = |options: &equip_integrate::Integrator<f64>| {
         let run = options
             .integrate(scene.hamiltonian(), &q, &p, 0.0..=20.0)
             .unwrap();

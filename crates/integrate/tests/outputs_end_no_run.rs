@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
-use equip_integrate::{Adaptive, Equip, Event, Method, Run};
+use equip_integrate::{Equip, Event, Integrator, Method, Run};
 use equip_scalar::ratio;
 
 /// A slow rotor that is pushed by a clock q2 = t.
@@ -52,7 +52,7 @@ fn apart(a: (&[f64], &[f64]), b: (&[f64], &[f64])) -> f64 {
     pairs.fold(0.0, |most: f64, (x, y)| most.max((x - y).abs()))
 }
 
-fn run(options: &Adaptive<f64>, h: &Hamiltonian, (q, p): Start, end: f64) -> Run<f64> {
+fn run(options: &Integrator<f64>, h: &Hamiltonian, (q, p): Start, end: f64) -> Run<f64> {
     let run = options.integrate(h, q, p, 0.0..=end);
     run.unwrap_or_else(|failure| panic!("{failure}"))
 }

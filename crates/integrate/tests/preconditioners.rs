@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_integrate::{
-    Certificate, Counts, Equip, FixedStep, Gauss, IntegrateError, Method, Outcome, Preconditioner,
+    Certificate, Counts, Equip, Gauss, IntegrateError, Integrator, Method, Outcome, Preconditioner,
 };
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -68,7 +68,7 @@ type States<T> = Result<Vec<(Vec<T>, Outcome)>, IntegrateError<T>>;
 /// The states of a run, and the counts.
 fn states<T: Float>(
     scene: &Instance,
-    options: &FixedStep<T>,
+    options: &Integrator<T>,
     (q, p): (&[T], &[T]),
     steps: usize,
 ) -> (States<T>, Counts) {

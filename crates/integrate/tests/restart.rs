@@ -5,8 +5,8 @@
 use crate::memory::allocations;
 use equip_autodiff::Hamiltonian;
 use equip_integrate::{
-    AdaptiveStepper, Alphas, Equip, Gauss, IntegrateError, Integrator, Invariant, Method,
-    Preconditioner, Record, StepSizes, StepView, Stepper,
+    Alphas, Equip, Gauss, IntegrateError, Integrator, Invariant, Method, Preconditioner, Record,
+    StepView, Stepper,
 };
 use equip_scalar::{DoubleDouble, Float};
 use equip_scenes::Instance;
@@ -16,39 +16,12 @@ fn scene(name: &str, values: &[(&str, &str)]) -> Instance {
     equip_scenes::find(name).unwrap().instance(values).unwrap()
 }
 
-/// The verbs that steppers of all sizes have.
-trait Steps<T: Float> {
-    fn make(&mut self) -> StepView<'_, T>;
-    fn again(&mut self, q: &[T], p: &[T], t: T) -> Result<(), IntegrateError<T>>;
-    fn kick(&mut self, q: &[T], p: &[T]);
-    fn certificate(&self) -> String;
+/// The certificate without the time that the run took.
+fn certified<T: Float>(run: &Stepper<T>) -> String {
+    let mut certificate = run.certificate();
+    certificate.seconds = 0.0;
+    format!("{certificate:?}")
 }
-
-macro_rules! steps {
-    ($($stepper:ident),*) => {$(
-        impl<T: Float> Steps<T> for $stepper<T> {
-            fn make(&mut self) -> StepView<'_, T> {
-                self.advance().unwrap()
-            }
-
-            fn again(&mut self, q: &[T], p: &[T], t: T) -> Result<(), IntegrateError<T>> {
-                self.restart(q, p, t)
-            }
-
-            fn kick(&mut self, q: &[T], p: &[T]) {
-                self.set_state(q, p).unwrap();
-            }
-
-            fn certificate(&self) -> String {
-                let mut certificate = self.certificate();
-                certificate.seconds = 0.0;
-                format!("{certificate:?}")
-            }
-        }
-    )*};
-}
-
-steps!(Stepper, AdaptiveStepper);
 
 /// Everything a step shows, by its bits.
 fn bits<T: Float>(view: &StepView<'_, T>) -> (u64, Vec<[u64; 6]>, String) {
@@ -67,10 +40,7 @@ fn elsewhere<T: Float>(q: &[T], p: &[T]) -> (Vec<T>, Vec<T>) {
 
 /// The first `steps` steps of a new run from the scene's start are those of one that was somewhere else
 /// before.
-fn same_again<T: Float, S: StepSizes<T>>(scene: &Instance, options: &Integrator<T, S>, steps: usize)
-where
-    S::Stepper: Steps<T>,
-{
+fn same_again<T: Float>(scene: &Instance, options: &Integrator<T>, steps: usize) {
     let h = scene.hamiltonian();
     let (q, p) = scene.initial::<T>();
     let (other_q, other_p) = elsewhere(&q, &p);
@@ -79,23 +49,29 @@ where
     let mut prepared = options.prepare(h).unwrap();
     let again = prepared.start(&other_q, &other_p, T::int(0)).unwrap();
     for _ in 0..steps + 1 {
-        again.make();
+        again.advance().unwrap();
     }
     let before = allocations();
-    again.again(&q, &p, t0).unwrap();
+    again.restart(&q, &p, t0).unwrap();
     assert_eq!(allocations(), before, "a restart allocates");
-    assert_eq!(again.certificate(), fresh.certificate());
+    assert_eq!(certified(again), certified(&fresh));
     for _ in 0..steps {
-        let (new, old) = (bits(&again.make()), bits(&fresh.make()));
-        assert_eq!(new, old, "{}", fresh.certificate());
+        let (new, old) = (
+            bits(&again.advance().unwrap()),
+            bits(&fresh.advance().unwrap()),
+        );
+        assert_eq!(new, old, "{}", certified(&fresh));
     }
-    assert_eq!(again.certificate(), fresh.certificate());
+    assert_eq!(certified(again), certified(&fresh));
     // The same once more, as a run that was prepared.
     let before = allocations();
     let again = prepared.start(&q, &p, t0).unwrap();
     assert_eq!(allocations(), before, "a start allocates");
     let mut fresh = options.start(h, &q, &p, t0).unwrap();
-    assert_eq!(bits(&again.make()), bits(&fresh.make()));
+    assert_eq!(
+        bits(&again.advance().unwrap()),
+        bits(&fresh.advance().unwrap())
+    );
 }
 
 #[test]
@@ -108,8 +84,8 @@ fn fixed_steps() {
         Equip::stages(4).alphas(Alphas::Last),
         Method::fixed_alpha(3, 0.01),
     ] {
-        same_again::<f64, _>(&kepler, &method.step(0.3), 40);
-        same_again::<DoubleDouble, _>(&kepler, &method.step(DoubleDouble::ratio(3, 10)), 6);
+        same_again(&kepler, &method.step(0.3), 40);
+        same_again(&kepler, &method.step(DoubleDouble::ratio(3, 10)), 6);
     }
     for solver in [
         Preconditioner::Identity,
@@ -119,21 +95,21 @@ fn fixed_steps() {
     ] {
         // Steps so long that some are halved.
         let options = Equip::stages(4).step(0.7).preconditioner(solver);
-        same_again::<f64, _>(&kepler, &options, 30);
+        same_again(&kepler, &options, 30);
     }
     let henon = scene("henon-heiles", &[]);
-    same_again::<f64, _>(&henon, &Equip::stages(6).step(0.5), 40);
+    same_again(&henon, &Equip::stages(6).step(0.5), 40);
     let ring = scene("dnls", &[("n", "16")]);
-    same_again::<f64, _>(&ring, &Equip::stages(4).step(0.5), 20);
+    same_again(&ring, &Equip::stages(4).step(0.5), 20);
 }
 
 #[test]
 fn variable_steps() {
     let kepler = scene("kepler", &[("e", "0.8")]);
     for s in [3, 8] {
-        same_again::<f64, _>(&kepler, &Equip::stages(s).tolerance(1e-10), 60);
+        same_again(&kepler, &Equip::stages(s).tolerance(1e-10), 60);
         let options = Equip::stages(s).tolerance(1e-8).first_step(0.01);
-        same_again::<f64, _>(&kepler, &options, 30);
+        same_again(&kepler, &options, 30);
     }
 }
 
@@ -144,11 +120,11 @@ fn what_is_watched_and_kept_begins_anew() {
     let options = Equip::stages(5)
         .step(0.2)
         .invariant(Invariant::new("angular momentum", energy.clone()));
-    same_again::<f64, _>(&kepler, &options, 30);
+    same_again(&kepler, &options, 30);
     let options = Equip::stages(5)
         .step(0.2)
         .keep(Invariant::new("its cube", energy));
-    same_again::<f64, _>(&kepler, &options, 30);
+    same_again(&kepler, &options, 30);
 }
 
 #[test]
@@ -161,10 +137,10 @@ fn a_run_goes_on_from_another_state_as_one_that_starts_there() {
     let options = Equip::stages(4).step(0.25);
     let mut run = options.start(h, &other_q, &other_p, 0.0).unwrap();
     for _ in 0..8 {
-        run.make();
+        run.advance().unwrap();
     }
     let before = allocations();
-    run.kick(&q, &p);
+    run.set_state(&q, &p).unwrap();
     assert_eq!(allocations(), before);
     let mut fresh = options.start(h, &q, &p, run.time()).unwrap();
     for _ in 0..20 {
@@ -186,8 +162,8 @@ fn a_start_that_is_refused_leaves_the_run_as_it_was() {
     let start = || options.start(kepler.hamiltonian(), &q, &p, 0.0).unwrap();
     let (mut run, mut whole) = (start(), start());
     for _ in 0..5 {
-        run.make();
-        whole.make();
+        run.advance().unwrap();
+        whole.advance().unwrap();
     }
     let refused = run.restart(&[0.0, 0.0], &p, 0.0).unwrap_err();
     assert!(matches!(refused, IntegrateError::EnergyNotFinite { .. }));
@@ -201,7 +177,10 @@ fn a_start_that_is_refused_leaves_the_run_as_it_was() {
         IntegrateError::StepBelowTimeResolution { .. }
     ));
     for _ in 0..5 {
-        assert_eq!(bits(&run.make()), bits(&whole.make()));
+        assert_eq!(
+            bits(&run.advance().unwrap()),
+            bits(&whole.advance().unwrap())
+        );
     }
 }
 

@@ -194,3 +194,37 @@ fn no_step_is_suggested_for_no_time() {
         .unwrap_err();
     assert!(matches!(error, IntegrateError::Option { .. }), "{error}");
 }
+
+/// An option of the other kind of steps is refused before the run, with its name and the remedy.
+#[test]
+fn options_of_other_steps_are_refused() {
+    let pendulum = Hamiltonian::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos()).unwrap();
+    let (fixed, by_tolerance) = (Equip::stages(4).step(0.1), Equip::stages(4).tolerance(1e-8));
+    let wrong = [
+        ("rtol", fixed.clone().rtol(&[1e-8], &[1e-8])),
+        ("atol", fixed.clone().atol(&[1e-8], &[1e-8])),
+        ("first_step", fixed.clone().first_step(0.1)),
+        ("min_step", fixed.clone().min_step(0.1)),
+        ("max_step", fixed.clone().max_step(0.1)),
+        ("max_steps", fixed.clone().max_steps(10)),
+        ("max_halvings", by_tolerance.max_halvings(3)),
+    ];
+    for (name, options) in wrong {
+        let error = options.prepare(&pendulum).unwrap_err();
+        assert_eq!(error, IntegrateError::MisplacedOption { option: name });
+        let text = error.to_string();
+        assert!(text.contains("leave it out, or use `."), "{text}");
+    }
+    let suggested = fixed.suggest_step(&pendulum, &[0.5], &[0.0], 0.0..=1.0);
+    assert!(matches!(
+        suggested.unwrap_err(),
+        IntegrateError::MisplacedOption { .. }
+    ));
+    assert_eq!(
+        fixed
+            .start(&pendulum, &[0.5], &[0.0], 0.0)
+            .unwrap()
+            .next_step(),
+        0.1
+    );
+}

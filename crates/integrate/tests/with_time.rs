@@ -4,7 +4,7 @@
 use equip_autodiff::{Hamiltonian, Var};
 use equip_integrate::{
     Chaos, Checkpoint, Equip, Event, Gauss, IntegrateError, Integrator, Invariant, NoObserver,
-    Observer, StepSizes, StepView, TangentMap, Target,
+    Observer, StepView, TangentMap, Target,
 };
 use equip_scalar::{DoubleDouble, Float, ratio};
 use std::ops::ControlFlow;
@@ -199,7 +199,7 @@ impl<T: Float> Observer<T> for Keep {
 }
 
 /// Stops and goes on, there and back, and −H(−t) forward in place of H back.
-fn goes_both_ways<S: StepSizes<f64>>(options: &Integrator<f64, S>, bound: f64) {
+fn goes_both_ways(options: &Integrator<f64>, bound: f64) {
     let (h, q, p) = (field(1.0), [0.8, -0.3], [0.2, 0.6]);
     for end in [9.0, -9.0] {
         let mut keep = Keep(0, 5, None);

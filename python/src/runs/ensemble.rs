@@ -2,12 +2,10 @@
 //! starts.
 
 use crate::faults::{of_run, value_error};
-use crate::options::{Options, WithIntegrator};
+use crate::options::Options;
 use crate::recording::recorded::Recorded;
 use crate::runs::patience::{Meanwhile, patiently_with};
-use equip::integrate::{
-    Fixed, Integrator, RunFailure, Starts, StepSizes, Tolerance, drawn_start,
-};
+use equip::integrate::{Integrator, RunFailure, Starts, drawn_start};
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
@@ -46,14 +44,15 @@ pub(crate) fn ensemble<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     system.raised.forget();
-    let made = options.with::<f64, _>(Task {
+    let task = Task {
         py,
         hamiltonian: system.hamiltonian.clone(),
         starts: (q, p),
         span,
         threads,
         progress: progress.as_ref(),
-    })?;
+    };
+    let made = task.run(options.integrator()?);
     system.raised.or(made)
 }
 
@@ -66,23 +65,8 @@ struct Task<'a, 'py> {
     progress: Option<&'a Py<PyAny>>,
 }
 
-impl<'py> WithIntegrator<f64> for Task<'_, 'py> {
-    type Output = PyResult<Bound<'py, PyDict>>;
-
-    fn fixed(self, integrator: Integrator<f64, Fixed<f64>>) -> Self::Output {
-        self.run(integrator)
-    }
-
-    fn adaptive(self, integrator: Integrator<f64, Tolerance<f64>>) -> Self::Output {
-        self.run(integrator)
-    }
-}
-
 impl<'py> Task<'_, 'py> {
-    fn run<S: StepSizes<f64> + Send + Sync + 'static>(
-        self,
-        integrator: Integrator<f64, S>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    fn run(self, integrator: Integrator<f64>) -> PyResult<Bound<'py, PyDict>> {
         let Task {
             hamiltonian,
             starts: (q, p),

@@ -2,14 +2,14 @@
 
 use crate::faults::{of_run, value_error};
 use crate::number::{Number, Pair, words};
-use crate::options::{Options, WithIntegrator};
+use crate::options::Options;
 use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
 use crate::runs::curve::{Curve, Kept};
 use crate::runs::keeping::Keeping;
 use crate::runs::patience::patiently_with;
 use crate::runs::signals::{Signals, Watch};
-use equip::integrate::{Fixed, Integrator, RunFailure, StepSizes, Tolerance};
+use equip::integrate::{Integrator, RunFailure};
 use equip::prelude::*;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
@@ -51,8 +51,8 @@ pub(crate) fn solve<'py>(
     };
     system.raised.forget();
     let made = match precision {
-        "f64" => options.with::<f64, _>(task)?,
-        "dd" => options.with::<DoubleDouble, _>(task)?,
+        "f64" => task.run(options.integrator::<f64>()?),
+        "dd" => task.run(options.integrator::<DoubleDouble>()?),
         other => Err(value_error(format!(
             "precision is '{other}'; it must be 'f64' or 'dd' (double-double, 31 digits)"
         ))),
@@ -68,23 +68,8 @@ struct Whole<'a, 'py> {
     keeping: Option<Keeping>,
 }
 
-impl<'py, T: Number + Kept> WithIntegrator<T> for Whole<'_, 'py> {
-    type Output = PyResult<Bound<'py, PyDict>>;
-
-    fn fixed(self, integrator: Integrator<T, Fixed<T>>) -> Self::Output {
-        self.run(integrator)
-    }
-
-    fn adaptive(self, integrator: Integrator<T, Tolerance<T>>) -> Self::Output {
-        self.run(integrator)
-    }
-}
-
 impl<'py> Whole<'_, 'py> {
-    fn run<T: Number + Kept, S: StepSizes<T> + Send + Sync + 'static>(
-        self,
-        integrator: Integrator<T, S>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    fn run<T: Number + Kept>(self, integrator: Integrator<T>) -> PyResult<Bound<'py, PyDict>> {
         let (q, p, t0, t1) = self.start;
         let (q, p) = (T::read_all(&q), T::read_all(&p));
         let interval = T::read(t0)..=T::read(t1);

@@ -1,40 +1,22 @@
 //! [`Steps`]: a run one step at a time, with deviations propagated.
 
 use crate::faults::of_run;
-use crate::options::{Options, WithIntegrator};
+use crate::options::Options;
 use crate::recording::external::Raised;
 use crate::recording::recorded::Recorded;
 use crate::runs::certificate::certificate;
 use crate::runs::patience::{Stop, lock, patiently};
 use crate::runs::signals::{Reached, Signals};
-use equip::integrate::{
-    AdaptiveStepper, Fixed, IntegrateError, Integrator, Occurrence, StepEvents,
-    StepSizes, Stepper, Steps as _, Tolerance,
-};
+use equip::integrate::{IntegrateError, Integrator, Occurrence, StepEvents, Stepper};
 use equip::prelude::*;
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-#[expect(clippy::large_enum_variant, reason = "all are ten thousand bytes")]
-enum Sized {
-    Fixed(Stepper<f64>),
-    Adaptive(AdaptiveStepper<f64>),
-}
-
-macro_rules! each {
-    ($sized:expr, $stepper:ident => $body:expr) => {
-        match $sized {
-            Sized::Fixed($stepper) => $body,
-            Sized::Adaptive($stepper) => $body,
-        }
-    };
-}
-
 struct Run {
     hamiltonian: Hamiltonian,
-    stepper: Sized,
+    stepper: Stepper<f64>,
     tangent: Option<TangentMap<f64>>,
     deviations: Vec<f64>,
     events: Option<StepEvents<f64>>,
@@ -45,14 +27,14 @@ struct Run {
 impl Run {
     fn advance(&mut self) -> Result<(), IntegrateError<f64>> {
         self.found.clear();
-        each!(&mut self.stepper, s => s.advance().map(|_| ()))?;
+        self.stepper.advance().map(|_| ())?;
         self.follow()
     }
 
     /// Makes the steps to the time `t`, unless it is told to stop.
     fn advance_to(&mut self, t: f64, stop: &Stop) -> Result<(), IntegrateError<f64>> {
         self.found.clear();
-        while !stop.is_set() && each!(&mut self.stepper, s => s.advance_towards(t))? {
+        while !stop.is_set() && self.stepper.advance_towards(t)? {
             self.follow()?;
         }
         Ok(())
@@ -60,21 +42,12 @@ impl Run {
 
     /// Deviations over the step made last, and the events within it.
     fn follow(&mut self) -> Result<(), IntegrateError<f64>> {
-        each!(&mut self.stepper, s => {
-            if let Some(tangent) = &mut self.tangent {
-                tangent.propagate(&*s, &mut self.deviations)?;
-            }
-            if let Some(events) = &mut self.events {
-                self.found.extend_from_slice(events.find(s)?);
-            }
-            Ok(())
-        })
-    }
-
-    fn turn_back(&mut self) -> Result<(), IntegrateError<f64>> {
-        match &mut self.stepper {
-            Sized::Fixed(stepper) => stepper.turn_back(),
-            Sized::Adaptive(stepper) => stepper.turn_back(),
+        if let Some(tangent) = &mut self.tangent {
+            tangent.propagate(&self.stepper, &mut self.deviations)?;
+        }
+        if let Some(events) = &mut self.events {
+            self.found
+                .extend_from_slice(events.find(&mut self.stepper)?);
         }
         Ok(())
     }
@@ -144,7 +117,7 @@ impl Steps {
         let hamiltonian = system.hamiltonian.clone();
         let events = options.events();
         system.raised.forget();
-        let run = options.with::<f64, _>(Start {
+        let start = Start {
             py,
             is_large: system.is_large(),
             hamiltonian,
@@ -153,7 +126,8 @@ impl Steps {
             t,
             deviations,
             events,
-        })?;
+        };
+        let run = start.run(options.integrator()?);
         Ok(Steps {
             run: Arc::new(Mutex::new(system.raised.or(run)?)),
             is_large: system.is_large(),
@@ -179,14 +153,14 @@ impl Steps {
 
     /// Turns the run round in time.
     fn turn_back(&self, py: Python<'_>) -> PyResult<()> {
-        let turned = self.run(py)?.turn_back();
-        turned.map_err(|error| of_run(&error))
+        self.run(py)?.stepper.turn_back();
+        Ok(())
     }
 
     /// The step made last.
     fn made<'py>(&self, py: Python<'py>) -> PyResult<Made<'py>> {
         let run = self.run(py)?;
-        let view = each!(&run.stepper, s => s.view());
+        let view = run.stepper.view();
         let y = [view.q, view.p].concat().into_pyarray(py);
         let alphas = view.alphas.to_vec().into_pyarray(py);
         let outcome = view.outcome.label();
@@ -203,14 +177,14 @@ impl Steps {
     fn restart(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>, t: f64) -> PyResult<()> {
         let mut run = self.run(py)?;
         run.found.clear();
-        let begun = each!(&mut run.stepper, s => s.restart(&q, &p, t));
+        let begun = run.stepper.restart(&q, &p, t);
         self.raised.or(begun.map_err(|error| of_run(&error)))
     }
 
     fn set_state(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>) -> PyResult<()> {
         let mut run = self.run(py)?;
         run.found.clear();
-        let set = each!(&mut run.stepper, s => s.set_state(&q, &p));
+        let set = run.stepper.set_state(&q, &p);
         self.raised.or(set.map_err(|error| of_run(&error)))
     }
 
@@ -232,7 +206,7 @@ impl Steps {
 
     fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let run = self.run(py)?;
-        let found = each!(&run.stepper, s => s.certificate());
+        let found = run.stepper.certificate();
         certificate(py, &found)
     }
 }
@@ -260,11 +234,7 @@ struct Start<'py> {
 
 impl Start<'_> {
     /// The run at its start.
-    fn run<S: StepSizes<f64> + Send + 'static>(
-        self,
-        integrator: Integrator<f64, S>,
-        sized: fn(S::Stepper) -> Sized,
-    ) -> PyResult<Run> {
+    fn run(self, integrator: Integrator<f64>) -> PyResult<Run> {
         let Start {
             hamiltonian,
             q,
@@ -275,12 +245,12 @@ impl Start<'_> {
             ..
         } = self;
         let begin = move || {
-            let mut stepper = sized(integrator.start(&hamiltonian, &q, &p, t)?);
-            let tangent = (!deviations.is_empty())
-                .then(|| each!(&mut stepper, s => TangentMap::new(&hamiltonian, s)));
+            let mut stepper = integrator.start(&hamiltonian, &q, &p, t)?;
+            let tangent =
+                (!deviations.is_empty()).then(|| TangentMap::new(&hamiltonian, &mut stepper));
             let events = match events.is_empty() {
                 true => None,
-                false => Some(each!(&mut stepper, s => StepEvents::new(&hamiltonian, s, &events))?),
+                false => Some(StepEvents::new(&hamiltonian, &mut stepper, &events)?),
             };
             Ok(Run {
                 hamiltonian,
@@ -297,18 +267,6 @@ impl Start<'_> {
             begin()
         };
         run.map_err(|error| of_run(&error))
-    }
-}
-
-impl WithIntegrator<f64> for Start<'_> {
-    type Output = PyResult<Run>;
-
-    fn fixed(self, integrator: Integrator<f64, Fixed<f64>>) -> Self::Output {
-        self.run(integrator, Sized::Fixed)
-    }
-
-    fn adaptive(self, integrator: Integrator<f64, Tolerance<f64>>) -> Self::Output {
-        self.run(integrator, Sized::Adaptive)
     }
 }
 

@@ -4,16 +4,16 @@
 mod on_the_way;
 mod refused;
 
-use equip_integrate::{FixedStep, IntegrateError, RunFailure};
+use equip_integrate::{IntegrateError, Integrator, RunFailure};
 use equip_scalar::Float;
 use equip_tests::kepler;
 
 /// The failure of a Kepler run over 0..=1, with its text.
-fn kepler_failure<T: Float>(options: &FixedStep<T>) -> (IntegrateError<T>, String) {
+fn kepler_failure<T: Float>(options: &Integrator<T>) -> (IntegrateError<T>, String) {
     kepler_failure_until(options, T::int(1))
 }
 
-fn kepler_failure_until<T: Float>(options: &FixedStep<T>, end: T) -> (IntegrateError<T>, String) {
+fn kepler_failure_until<T: Float>(options: &Integrator<T>, end: T) -> (IntegrateError<T>, String) {
     let (h, start) = kepler::<T>(6);
     let interval = T::int(0)..=end;
     let RunFailure { error, .. } = options

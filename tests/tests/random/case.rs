@@ -1,7 +1,7 @@
 //! A case: all that a seed decides, and its run.
 
 use equip_integrate::{
-    Alphas, Counts, Equip, FixedStep, IntegrateError, Outcome, Reach, RunFailure, StepView,
+    Alphas, Counts, Equip, IntegrateError, Integrator, Outcome, Reach, RunFailure, StepView,
 };
 use equip_tests::{RandomSystem, Seeded, rate};
 use std::ops::ControlFlow;
@@ -73,7 +73,7 @@ impl Case {
         }
     }
 
-    pub(super) fn options(&self) -> FixedStep<f64> {
+    pub(super) fn options(&self) -> Integrator<f64> {
         Equip::stages(self.stages)
             .alphas(self.alphas)
             .step(self.h)

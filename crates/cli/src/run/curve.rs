@@ -1,8 +1,8 @@
 //! The curve of a run between its steps, for the picture: dense output of the same steps, made once more.
 
 use crate::draw::samples::Path;
-use crate::run::integrator::Integrator;
-use equip_integrate::{NoObserver, Run};
+use crate::run::integrator::integrate;
+use equip_integrate::{Integrator, NoObserver, Record, Run};
 use equip_scalar::Float;
 use equip_scenes::Instance;
 
@@ -30,9 +30,8 @@ pub(crate) fn curve<T: Float>(
         return None;
     }
     let end = certificate.end;
-    let again = integrator
-        .dense()
-        .integrate(instance, None, end, &mut NoObserver);
+    let dense = integrator.dense().record(Record::All);
+    let again = integrate(&dense, instance, None, end, &mut NoObserver);
     // A run that ends with an error has a curve up to there.
     let run = match again {
         Ok(run) => run,

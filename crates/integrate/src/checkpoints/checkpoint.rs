@@ -18,9 +18,8 @@ use equip_solver::{Counts, Outcome};
 pub(crate) const FORMAT: u32 = 11;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
-/// [`Stepper::checkpoint`](crate::Stepper::checkpoint) and
-/// [`AdaptiveStepper::checkpoint`](crate::AdaptiveStepper::checkpoint), read by `resume` and `integrate_from`
-/// of the same options.
+/// [`Stepper::checkpoint`](crate::Stepper::checkpoint), read by `resume` and `integrate_from` of the same
+/// options.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;

@@ -5,8 +5,7 @@ use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 
 /// The trajectory of a run between its start and its end, with the accuracy of its steps. Stored by runs
-/// with dense output ([`FixedStep::dense`](crate::FixedStep::dense),
-/// [`Adaptive::dense`](crate::Adaptive::dense)).
+/// with dense output ([`Integrator::dense`](crate::Integrator::dense)).
 ///
 /// Memory: min(2s, 32) + 2 numbers per component and step.
 #[derive(Debug, Clone, PartialEq)]

@@ -67,6 +67,8 @@ pub(crate) struct Options<T: Float> {
     pub(crate) dense: bool,
     pub(crate) events: Vec<Event<T>>,
     pub(crate) chaos: bool,
+    /// An option that does not belong to the steps chosen.
+    pub(crate) misplaced: Option<&'static str>,
 }
 
 impl<T: Float> Default for Options<T> {
@@ -86,6 +88,7 @@ impl<T: Float> Default for Options<T> {
             dense: false,
             events: Vec::new(),
             chaos: false,
+            misplaced: None,
         }
     }
 }
@@ -93,6 +96,9 @@ impl<T: Float> Default for Options<T> {
 impl<T: Float> Options<T> {
     /// Checks everything that needs neither the Hamiltonian nor the sizes of the steps.
     pub(crate) fn validate(&self, method: Method) -> Result<StepOptions<T>, IntegrateError<T>> {
+        if let Some(option) = self.misplaced {
+            return Err(IntegrateError::MisplacedOption { option });
+        }
         let bound = self.alpha_bound;
         check(
             bound > T::int(0) && bound.is_finite(),

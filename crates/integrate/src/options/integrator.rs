@@ -1,29 +1,68 @@
 //! [`Integrator`]: a method with its steps and options, ready to integrate.
 
-use crate::options::common::Options;
+use crate::options::common::{Options, Words};
 use crate::options::event::Event;
+use crate::options::fixed_step::Fixed;
 use crate::options::method::Method;
 use crate::options::record::Record;
+use crate::options::tolerance::Tolerance;
 use equip_scalar::Float;
 use equip_solver::{Invariant, Preconditioner, Reach};
 
-/// A method with the sizes of its steps and with options, which are the same whatever the sizes `S` are:
-/// fixed ([`FixedStep`](crate::FixedStep)) or by a tolerance ([`Adaptive`](crate::Adaptive)). It is checked when
-/// a run starts.
+/// A method with the sizes of its steps and with options: fixed steps by [`Method::step`], steps by a tolerance
+/// by [`Method::tolerance`]. Options are checked when a run starts; one that does not belong to these steps is
+/// an [`IntegrateError::MisplacedOption`](crate::IntegrateError::MisplacedOption).
 #[derive(Debug, Clone)]
-pub struct Integrator<T: Float, S> {
+pub struct Integrator<T: Float> {
     pub(crate) method: Method,
     pub(crate) options: Options<T>,
-    pub(crate) sizes: S,
+    pub(crate) sizes: StepSizes<T>,
 }
 
-impl<T: Float, S> Integrator<T, S> {
-    pub(crate) fn new(method: Method, sizes: S) -> Self {
+/// How steps are sized.
+#[derive(Debug, Clone)]
+pub(crate) enum StepSizes<T> {
+    Fixed(Fixed<T>),
+    Tolerance(Tolerance<T>),
+}
+
+impl Method {
+    /// An integrator with the fixed step `h`, in the float type of `h`. A run over an interval goes its way
+    /// with steps of |h|, back in time too, and with h < 0 back only; one that is started and made step by
+    /// step goes back in time if h < 0.
+    pub fn step<T: Float>(self, h: T) -> Integrator<T> {
+        Integrator::new(self, StepSizes::Fixed(Fixed { h }))
+    }
+}
+
+impl<T: Float> Integrator<T> {
+    pub(crate) fn new(method: Method, sizes: StepSizes<T>) -> Self {
         Integrator {
             method,
             options: Options::default(),
             sizes,
         }
+    }
+
+    /// Method, sizes and options in words: what has to be the same again for a checkpoint to fit.
+    pub(crate) fn words(&self) -> Words {
+        let mut words = match &self.sizes {
+            StepSizes::Fixed(sizes) => sizes.words(),
+            StepSizes::Tolerance(sizes) => sizes.words(),
+        };
+        words.extend(self.options.words(self.method));
+        words
+    }
+
+    /// How often a fixed step whose stages do not converge may be halved, 10 by default; 0 never halves.
+    /// Steps by a tolerance are shortened instead.
+    #[must_use]
+    pub fn max_halvings(mut self, halvings: u32) -> Self {
+        match self.sizes {
+            StepSizes::Fixed(_) => self.options.max_halvings = halvings,
+            StepSizes::Tolerance(_) => self.options.misplaced = Some("max_halvings"),
+        }
+        self
     }
 
     /// How far α_k may move the end point of a step to keep the energy; [`Reach::WithinError`] by default.

@@ -7,3 +7,4 @@ pub(crate) mod fixed_step;
 pub(crate) mod integrator;
 pub(crate) mod method;
 pub(crate) mod record;
+pub(crate) mod tolerance;

@@ -3,7 +3,7 @@
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
 use crate::options::common::Options;
-use crate::steppers::stepper::Stepper;
+use crate::steppers::integration::Integration;
 use crate::tangent::chaos::{Chaos, any_deviation};
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
@@ -16,7 +16,7 @@ use equip_scalar::Float;
 pub(crate) fn chaos_of_run<T: Float>(
     system: &Hamiltonian,
     options: &Options<T>,
-    stepper: &mut Stepper<T>,
+    run: &mut Integration<T>,
     from: Option<&Checkpoint>,
 ) -> Result<Option<Chaos<T>>, IntegrateError<T>> {
     let follows = from.map_or(options.chaos, |from| from.chaos.is_some());
@@ -31,7 +31,7 @@ pub(crate) fn chaos_of_run<T: Float>(
     if !options.chaos {
         return Ok(None);
     }
-    let mut chaos = Chaos::new(system, stepper, &any_deviation(2 * stepper.m));
+    let mut chaos = Chaos::of(system, run, &any_deviation(2 * run.m));
     if let Some(memory) = from.and_then(|from| from.chaos.as_ref()) {
         chaos.restore(memory)?;
     }

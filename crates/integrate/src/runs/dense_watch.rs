@@ -8,7 +8,7 @@ use crate::events::watch::EventWatch;
 use crate::options::common::Options;
 use crate::options::event::Action;
 use crate::runs::run::Run;
-use crate::steppers::stepper::Stepper;
+use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
@@ -32,7 +32,7 @@ impl<T: Float> DenseWatch<T> {
         system: &Hamiltonian,
         options: &Options<T>,
         times: &[T],
-        stepper: &mut Stepper<T>,
+        stepper: &mut Integration<T>,
     ) -> Result<Option<Self>, IntegrateError<T>> {
         if !options.dense && options.events.is_empty() && times.is_empty() {
             return Ok(None);
@@ -56,7 +56,7 @@ impl<T: Float> DenseWatch<T> {
     /// time and state of an event that ends the run or changes its state.
     pub(crate) fn see(
         &mut self,
-        stepper: &Stepper<T>,
+        stepper: &Integration<T>,
         time_low: T,
         run: &mut Run<T>,
     ) -> Result<ControlFlow<(T, &[T])>, IntegrateError<T>> {
@@ -122,7 +122,7 @@ impl<T: Float> DenseWatch<T> {
     }
 
     /// The outputs that are left when the run has reached its end.
-    pub(crate) fn last_outputs(&mut self, stepper: &Stepper<T>, run: &mut Run<T>) {
+    pub(crate) fn last_outputs(&mut self, stepper: &Integration<T>, run: &mut Run<T>) {
         for &time in &self.times[self.done..] {
             run.output(time, &stepper.y.hi);
         }

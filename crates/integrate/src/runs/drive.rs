@@ -7,7 +7,7 @@ use crate::runs::dense_watch::DenseWatch;
 use crate::runs::observer::Observer;
 use crate::runs::outputs::Outputs;
 use crate::runs::run::{Run, RunFailure};
-use crate::steppers::sizes::Advance;
+use crate::steppers::stepper::Stepper;
 use crate::steppers::view::StepView;
 use crate::tangent::chaos::Chaos;
 use equip_scalar::Float;
@@ -28,43 +28,43 @@ pub(crate) struct Watchers<'a, T: Float> {
 
 /// Makes the run.
 pub(crate) fn drive<T: Float>(
-    steps: &mut impl Advance<T>,
+    steps: &mut Stepper<T>,
     mut watchers: Watchers<'_, T>,
     observer: &mut dyn Observer<T>,
 ) -> Result<Run<T>, RunFailure<T>> {
-    let mut run = Run::new(steps.inner());
+    let mut run = Run::new(steps);
     let made = watch(steps, &mut watchers, observer, &mut run);
     if let Some(dense) = watchers.dense {
         dense.finish(&mut run);
     }
     match made {
         Ok(()) => {
-            run.finish(steps.inner());
+            run.finish(steps);
             Ok(run)
         }
-        Err(error) => Err(run.fail(error, steps.inner())),
+        Err(error) => Err(run.fail(error, steps)),
     }
 }
 
 fn watch<T: Float>(
-    steps: &mut impl Advance<T>,
+    steps: &mut Stepper<T>,
     watchers: &mut Watchers<'_, T>,
     observer: &mut dyn Observer<T>,
     run: &mut Run<T>,
 ) -> Result<(), IntegrateError<T>> {
     let mut changed: Option<T> = None;
     while !steps.is_done() {
-        if let (Some(outputs), Some(end)) = (&mut watchers.outputs, steps.next_time()) {
-            outputs.up_to(steps.inner(), Some(end), run);
+        if let (Some(outputs), Some(end)) = (&mut watchers.outputs, steps.control.next_time()) {
+            outputs.up_to(&steps.inner, Some(end), run);
         }
-        let time_low = steps.time_low();
+        let time_low = steps.control.time_low();
         steps.step()?;
-        let stepper = steps.inner();
+        let stepper = &steps.inner;
         if let Some(outputs) = &mut watchers.outputs {
             outputs.within(stepper, run);
         }
         if let Some(chaos) = &mut watchers.chaos {
-            chaos.see(stepper)?;
+            chaos.see_step(stepper)?;
             run.certificate.chaos = Some(chaos.indicators());
         }
         if let Some(dense) = &mut watchers.dense
@@ -72,15 +72,15 @@ fn watch<T: Float>(
         {
             let (mut state, m) = (y.to_vec(), y.len() / 2);
             let Some(action) = dense.action() else {
-                run.end_at(time, &state, stepper);
+                run.end_at(time, &state, steps);
                 return Ok(());
             };
             let (q, p) = state.split_at_mut(m);
             if action(time, q, p) == ControlFlow::Break(()) {
-                run.end_at(time, &state, stepper);
+                run.end_at(time, &state, steps);
                 return Ok(());
             }
-            run.drop_outputs_beyond(time, stepper);
+            run.drop_outputs_beyond(time, steps);
             kick(steps, watchers, (&state, time), run)?;
             // Events that accumulate, as of a ball that comes to rest, would be passed over unseen.
             let since = changed.replace(time).map(|before| (time - before).abs());
@@ -89,19 +89,19 @@ fn watch<T: Float>(
                 return Err(IntegrateError::StepBelowTimeResolution { step, time });
             }
         }
-        let stepper = steps.inner();
+        let stepper = &steps.inner;
         let view = StepView {
             chaos: run.certificate.chaos,
             ..stepper.view()
         };
         let mut stop = observer.step(&view) == ControlFlow::Break(());
         if observer.wants_checkpoint() {
-            let mut checkpoint = steps.save();
+            let mut checkpoint = steps.checkpoint();
             checkpoint.chaos = watchers.chaos.as_ref().map(Chaos::memory);
             checkpoint.seal();
             stop |= observer.checkpoint(checkpoint) == ControlFlow::Break(());
         }
-        let view = steps.inner().view();
+        let view = steps.view();
         if stop || steps.is_done() || watchers.record.keeps(view.index) {
             run.keep(&view);
         }
@@ -110,7 +110,7 @@ fn watch<T: Float>(
             return Ok(());
         }
     }
-    let stepper = steps.inner();
+    let stepper = &steps.inner;
     if let Some(outputs) = &mut watchers.outputs {
         outputs.up_to(stepper, None, run);
     }
@@ -122,7 +122,7 @@ fn watch<T: Float>(
 
 /// Continues from the state that an event has made, at its time.
 fn kick<T: Float>(
-    steps: &mut impl Advance<T>,
+    steps: &mut Stepper<T>,
     watchers: &mut Watchers<'_, T>,
     (y, time): (&[T], T),
     run: &Run<T>,

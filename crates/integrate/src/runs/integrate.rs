@@ -3,18 +3,18 @@
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::options::integrator::Integrator;
 use crate::runs::chaos_watch::chaos_of_run;
-use crate::runs::compiled::StepSizes;
+use crate::runs::compiled::ready;
 use crate::runs::dense_watch::DenseWatch;
 use crate::runs::drive::{Watchers, drive};
 use crate::runs::observer::{NoObserver, Observer};
 use crate::runs::outputs::Outputs;
 use crate::runs::run::{Run, RunFailure};
-use crate::steppers::sizes::{Advance, Sizes};
+use crate::steppers::stepper::Stepper;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
 
-impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
+impl<T: Float> Integrator<T> {
     /// Integrates from (`q0`, `p0`), each of length m, over `interval`: forward in time, or back from its
     /// start if its end lies before that.
     ///
@@ -62,7 +62,7 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         let (t0, t1) = interval.into_inner();
         self.options.check_times(t0, t1)?;
         let mut stepper = self.start_towards(system, (q0, p0), t0, Some(t1))?;
-        (S::entries().run)(self, system, &mut stepper, (t1, None), observer)
+        (ready::<T>().run)(self, system, &mut stepper, (t1, None), observer)
     }
 
     /// Resumes the run that `checkpoint` was made of, to time `end`. The run that comes back begins at
@@ -81,7 +81,7 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
         observer: &mut impl Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
         let mut stepper = self.resume(system, checkpoint)?;
-        (S::entries().run)(
+        (ready::<T>().run)(
             self,
             system,
             &mut stepper,
@@ -91,31 +91,29 @@ impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
     }
 }
 
-impl<T: Float, S: Sizes<T>> Integrator<T, S> {
+impl<T: Float> Integrator<T> {
     /// A run of `stepper`, which has begun or been resumed, to `end`.
     pub(crate) fn run(
         &self,
         system: &Hamiltonian,
-        stepper: &mut S::Stepper,
+        stepper: &mut Stepper<T>,
         (end, from): (T, Option<&Checkpoint>),
         observer: &mut dyn Observer<T>,
     ) -> Result<Run<T>, RunFailure<T>> {
-        stepper.inner().check_end(end)?;
-        let start = stepper.inner().stretch_start();
-        self.options.check_times(start, end)?;
         stepper.set_end(end)?;
-        let (now, direction) = (stepper.inner().time(), stepper.inner().direction);
+        let inner = &mut stepper.inner;
+        self.options.check_times(inner.stretch_start(), end)?;
+        let (now, direction) = (inner.time, inner.direction);
         let times = &self.options.output_times;
         let times = &times[times.partition_point(|&t| direction.is_before(t, now))..];
         // Where the next time is known outputs take steps of their own, which the run must not feel.
-        let by_steps = stepper.next_time().is_some();
+        let by_steps = stepper.control.next_time().is_some();
         let outputs = match times {
             [] => None,
-            _ if by_steps => Some(Outputs::new(stepper.inner().beside(self, system)?, times)),
+            _ if by_steps => Some(Outputs::new(inner.beside(self, system)?, times)),
             _ => None,
         };
         let by_polynomial = if by_steps { &[] } else { times };
-        let inner = stepper.inner_mut();
         if outputs.is_some() {
             inner.core.keep_parts();
         }

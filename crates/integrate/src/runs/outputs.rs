@@ -2,7 +2,7 @@
 
 use crate::dense::piece::Piece;
 use crate::runs::run::Run;
-use crate::steppers::stepper::Stepper;
+use crate::steppers::integration::Integration;
 use equip_scalar::Float;
 use equip_solver::Part;
 
@@ -10,14 +10,14 @@ use equip_solver::Part;
 /// can be made, the polynomial of the stages of the step that goes on from there, once it is made.
 #[derive(Debug)]
 pub(crate) struct Outputs<'a, T: Float> {
-    stepper: Stepper<T>,
+    stepper: Integration<T>,
     times: &'a [T],
     done: usize,
 }
 
 impl<'a, T: Float> Outputs<'a, T> {
     /// The steps are made by `stepper`.
-    pub(crate) fn new(stepper: Stepper<T>, times: &'a [T]) -> Self {
+    pub(crate) fn new(stepper: Integration<T>, times: &'a [T]) -> Self {
         Outputs {
             stepper,
             times,
@@ -32,7 +32,7 @@ impl<'a, T: Float> Outputs<'a, T> {
 
     /// Makes the outputs before `end`, or all that are left, starting from the state that `main` has now, up
     /// to one that no step leads to.
-    pub(crate) fn up_to(&mut self, main: &Stepper<T>, end: Option<T>, run: &mut Run<T>) {
+    pub(crate) fn up_to(&mut self, main: &Integration<T>, end: Option<T>, run: &mut Run<T>) {
         let is_due = |time: T| end.is_none_or(|end| main.direction.is_before(time, end));
         while let Some(&time) = self.times.get(self.done).filter(|&&time| is_due(time)) {
             let h = time - main.time();
@@ -56,7 +56,7 @@ impl<'a, T: Float> Outputs<'a, T> {
     }
 
     /// The outputs within the step that `main` has just made that no other step has led to.
-    pub(crate) fn within(&mut self, main: &Stepper<T>, run: &mut Run<T>) {
+    pub(crate) fn within(&mut self, main: &Integration<T>, run: &mut Run<T>) {
         let is_due = |time: T| main.direction.is_before(time, main.time());
         let mut y = Vec::new();
         let mut is_counted = false;

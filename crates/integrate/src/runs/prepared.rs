@@ -2,9 +2,10 @@
 
 use crate::error::IntegrateError;
 use crate::options::integrator::Integrator;
-use crate::runs::compiled::StepSizes;
+use crate::runs::compiled::ready;
 use crate::runs::observer::{NoObserver, Observer};
 use crate::runs::run::{Run, RunFailure};
+use crate::steppers::stepper::Stepper;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::RangeInclusive;
@@ -28,27 +29,27 @@ use std::ops::RangeInclusive;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
-pub struct Prepared<T: Float, S: StepSizes<T>> {
-    integrator: Integrator<T, S>,
+pub struct Prepared<T: Float> {
+    integrator: Integrator<T>,
     system: Hamiltonian,
-    stepper: S::Stepper,
+    stepper: Stepper<T>,
 }
 
-impl<T: Float, S: StepSizes<T>> Integrator<T, S> {
+impl<T: Float> Integrator<T> {
     /// Makes everything ready that does not depend on where a run starts.
     ///
     /// # Errors
     /// Every fault of options and steps.
-    pub fn prepare(&self, system: &Hamiltonian) -> Result<Prepared<T, S>, IntegrateError<T>> {
+    pub fn prepare(&self, system: &Hamiltonian) -> Result<Prepared<T>, IntegrateError<T>> {
         Ok(Prepared {
-            stepper: (S::entries().make)(self, system)?,
+            stepper: (ready::<T>().make)(self, system)?,
             integrator: self.clone(),
             system: system.clone(),
         })
     }
 }
 
-impl<T: Float, S: StepSizes<T>> Prepared<T, S> {
+impl<T: Float> Prepared<T> {
     /// Starts a run at (`q0`, `p0`), each of length m, at time `t0`, and lends what makes its steps: those of
     /// [`Integrator::start`] bit for bit. Costs less than two steps and allocates nothing.
     ///
@@ -59,8 +60,8 @@ impl<T: Float, S: StepSizes<T>> Prepared<T, S> {
         q0: &[T],
         p0: &[T],
         t0: T,
-    ) -> Result<&mut S::Stepper, IntegrateError<T>> {
-        (S::entries().begin)(&mut self.stepper, (q0, p0), t0, None)?;
+    ) -> Result<&mut Stepper<T>, IntegrateError<T>> {
+        (ready::<T>().begin)(&mut self.stepper, (q0, p0), t0, None)?;
         Ok(&mut self.stepper)
     }
 
@@ -90,8 +91,8 @@ impl<T: Float, S: StepSizes<T>> Prepared<T, S> {
     ) -> Result<Run<T>, RunFailure<T>> {
         let (t0, t1) = interval.into_inner();
         self.integrator.options.check_times(t0, t1)?;
-        (S::entries().begin)(&mut self.stepper, (q0, p0), t0, Some(t1))?;
+        (ready::<T>().begin)(&mut self.stepper, (q0, p0), t0, Some(t1))?;
         let (system, stepper) = (&self.system, &mut self.stepper);
-        (S::entries().run)(&self.integrator, system, stepper, (t1, None), observer)
+        (ready::<T>().run)(&self.integrator, system, stepper, (t1, None), observer)
     }
 }

@@ -50,7 +50,7 @@ impl<T: Float> From<IntegrateError<T>> for RunFailure<T> {
 impl<T: Float> Run<T> {
     pub(crate) fn new(stepper: &Stepper<T>) -> Self {
         let mut run = Run {
-            m: stepper.m,
+            m: stepper.inner.m,
             times: Vec::new(),
             states: Vec::new(),
             energy_defects: Vec::new(),
@@ -122,7 +122,7 @@ impl<T: Float> Run<T> {
     /// Drops outputs beyond `end`: those within a step are there before the step is made, or fails. A run
     /// that has come to its end has them all, also where its last step ends short of them by rounding.
     pub(crate) fn drop_outputs_beyond(&mut self, end: T, stepper: &Stepper<T>) {
-        let is_within = |&t: &T| !stepper.direction.is_before(end, t);
+        let is_within = |&t: &T| !stepper.inner.direction.is_before(end, t);
         let within = self.output_times.partition_point(is_within);
         self.output_times.truncate(within);
         self.outputs.truncate(2 * self.m * within);

@@ -4,7 +4,7 @@ use crate::dense::refine::Refiner;
 use crate::error::IntegrateError;
 use crate::events::watch::EventWatch;
 use crate::options::event::{Event, Occurrence};
-use crate::steppers::sizes::Advance;
+use crate::steppers::stepper::Stepper;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use std::ops::ControlFlow;
@@ -49,11 +49,11 @@ impl<T: Float> StepEvents<T> {
     /// When the tables of the polynomial of a step cannot be made.
     pub fn new(
         system: &Hamiltonian,
-        run: &mut impl Advance<T>,
+        run: &mut Stepper<T>,
         events: &[Event<T>],
     ) -> Result<Self, IntegrateError<T>> {
-        let low = run.time_low();
-        let stepper = run.inner_mut();
+        let low = run.control.time_low();
+        let stepper = &mut run.inner;
         stepper.core.keep_parts();
         let from = (stepper.time(), stepper.direction);
         Ok(StepEvents {
@@ -72,15 +72,12 @@ impl<T: Float> StepEvents<T> {
     /// [`IntegrateError::StepsNotFollowed`] if the run has made several steps since the last call,
     /// [`IntegrateError::EventTooRough`] if a function changes sign more often than rounding resolves, and
     /// faults of a changed state.
-    pub fn find(
-        &mut self,
-        run: &mut impl Advance<T>,
-    ) -> Result<&[Occurrence<T>], IntegrateError<T>> {
+    pub fn find(&mut self, run: &mut Stepper<T>) -> Result<&[Occurrence<T>], IntegrateError<T>> {
         self.found.clear();
         let (index, end, low) = self.seen;
-        let made = run.inner().index;
+        let made = run.inner.index;
         let steps = made.checked_sub(index).unwrap_or(made);
-        let stepper = run.inner();
+        let stepper = &run.inner;
         let parts = stepper.parts();
         match steps {
             0 => return Ok(&self.found),
@@ -116,7 +113,7 @@ impl<T: Float> StepEvents<T> {
                 self.events.begin(time);
             }
         }
-        self.seen = (made, run.inner().time(), run.time_low());
+        self.seen = (made, run.time(), run.control.time_low());
         Ok(&self.found)
     }
 }

@@ -17,7 +17,7 @@
 use crate::control::frequency::Frequency;
 use crate::control::policy::{GOOD_ENOUGH, MOST_TRIES, SAFETY};
 use crate::error::IntegrateError;
-use crate::options::adaptive::Adaptive;
+use crate::options::integrator::{Integrator, StepSizes};
 use crate::options::method::Gauss;
 use crate::options::method::Method;
 use crate::options::record::Record;
@@ -99,7 +99,7 @@ impl Method {
         // Checks options, interval and start.
         let options = self.step(length);
         options.options.check_times(t0, t1)?;
-        let start = options.start(system, q0, p0, t0)?.y.hi;
+        let start = options.start(system, q0, p0, t0)?.inner.y.hi;
         let (name, value) = match target {
             Target::Phase(x) => ("phase", x),
             Target::Trajectory(x) => ("target error", x),
@@ -293,12 +293,12 @@ impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
     }
 }
 
-impl<T: Float> Adaptive<T> {
-    /// A fixed step that would have met the tolerance everywhere between `t0` and `t1`: the smallest of the
-    /// steps that the tolerance asks for there.
+impl<T: Float> Integrator<T> {
+    /// A fixed step that would have met the tolerance everywhere in `interval`: the smallest of the steps that
+    /// the tolerance chooses there.
     ///
     /// # Errors
-    /// Those of [`integrate`](Self::integrate), and an interval without length.
+    /// Those of [`integrate`](Self::integrate), an interval without length, and fixed steps.
     pub fn suggest_step(
         &self,
         system: &Hamiltonian,
@@ -312,6 +312,10 @@ impl<T: Float> Adaptive<T> {
                 value: T::int(0),
                 expected: "more than zero, for a step to be suggested",
             });
+        }
+        if let StepSizes::Fixed(_) = self.sizes {
+            let option = "suggest_step";
+            return Err(IntegrateError::MisplacedOption { option });
         }
         let mut integrator = self.clone();
         integrator.options.record = Record::Ends;

@@ -1,20 +1,20 @@
-//! Checkpoints of a [`Stepper`], the part that all step sizes share.
+//! Checkpoints: the part of an [`Integration`].
 
 use crate::checkpoints::checkpoint::{Checkpoint, FORMAT};
 use crate::checkpoints::checksum::of_function;
 use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::{ControlMemory, SwitchMemory, floor_memory, read_floor};
+use crate::checkpoints::memories::{floor_memory, read_floor};
 use crate::error::IntegrateError;
 use crate::report::defect::Watched;
 use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
-use crate::steppers::stepper::Stepper;
+use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 use equip_solver::{Damaged, SolverMemory};
 use std::time::{Duration, Instant};
 
-impl<T: Float> Stepper<T> {
+impl<T: Float> Integration<T> {
     /// The names of the invariants, kept and watched, and their checksums at `y` and time `t`.
     fn invariants(&mut self, t: T, y: &[T]) -> Vec<(String, String)> {
         let all = self.watched.iter_mut();
@@ -49,8 +49,8 @@ impl<T: Float> Stepper<T> {
         Ok(())
     }
 
-    /// The present state of the run, to be resumed by the same options.
-    pub fn checkpoint(&mut self) -> Checkpoint {
+    /// The present state of the run, without the memory of its step control, to be sealed.
+    pub(super) fn checkpoint(&mut self) -> Checkpoint {
         let memory = self.core.memory();
         let parts = memory.parts().iter();
         let solver = parts
@@ -65,7 +65,7 @@ impl<T: Float> Stepper<T> {
             .iter()
             .chain(self.watched.iter().map(|w| &w.defect));
         let seconds = self.begun.elapsed().as_secs_f64();
-        let mut checkpoint = Checkpoint {
+        Checkpoint {
             format: FORMAT,
             precision: T::NAME.to_owned(),
             options: options.collect(),
@@ -77,8 +77,8 @@ impl<T: Float> Stepper<T> {
             time_low: Exact::default(),
             index: self.index,
             goes_back: self.direction == TimeDirection::Backward,
-            grid_start: Exact::of(self.grid_start),
-            place: self.place,
+            grid_start: Exact::of(self.t0),
+            place: 0,
             high: Exact::all(&self.y.hi),
             low: Exact::all(&self.y.lo),
             energy_reference: Exact::of(self.h_ref),
@@ -105,24 +105,7 @@ impl<T: Float> Stepper<T> {
             control: None,
             chaos: None,
             checksum: String::new(),
-        };
-        checkpoint.seal();
-        checkpoint
-    }
-
-    /// The same of a stepper of variable steps.
-    pub(super) fn variable_checkpoint(
-        &mut self,
-        time_low: T,
-        size: (Exact, Option<u32>),
-        switches: SwitchMemory,
-    ) -> Checkpoint {
-        let mut checkpoint = self.checkpoint();
-        checkpoint.time_low = Exact::of(time_low);
-        let steps = self.variable.as_ref();
-        checkpoint.control = steps.map(|steps| ControlMemory::of(steps, size, switches));
-        checkpoint.seal();
-        checkpoint
+        }
     }
 
     pub(super) fn restore_from(&mut self, from: &Checkpoint) -> Result<(), IntegrateError<T>> {
@@ -141,8 +124,6 @@ impl<T: Float> Stepper<T> {
             true => TimeDirection::Backward,
             false => TimeDirection::Forward,
         };
-        self.grid_start = from.grid_start.read_finite("the time")?;
-        self.place = from.place;
         self.h_ref = from.energy_reference.read_finite("the energy")?;
         let watched = self.watched.iter_mut().map(|w| &mut w.defect);
         let defects: Vec<_> = self.energy.iter_mut().chain(watched).collect();

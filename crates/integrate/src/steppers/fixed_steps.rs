@@ -1,113 +1,168 @@
-//! Steps of one size, made by a [`Stepper`] as it is.
+//! [`FixedSteps`]: steps of one size on a grid of time.
 
 use crate::checkpoints::checkpoint::Checkpoint;
+use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
-use crate::options::common::{Words, in_digits};
-use crate::options::fixed_step::Fixed;
-use crate::options::integrator::Integrator;
-use crate::steppers::grid::Grid;
-use crate::steppers::sizes::{Advance, Sizes};
-use crate::steppers::stepper::Stepper;
-use equip_autodiff::Hamiltonian;
+use crate::steppers::grid::{Grid, is_same_time};
+use crate::steppers::integration::Integration;
+use crate::steppers::step_control::{StepControl, way};
+use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 
-impl<T: Float> Advance<T> for Stepper<T> {
-    fn inner(&self) -> &Stepper<T> {
-        self
+/// The grid t_g + n h.
+#[derive(Debug)]
+pub(super) struct FixedSteps<T> {
+    /// Size of the steps, without a sign.
+    size: T,
+    /// Which way a run goes unless an end says otherwise.
+    first_direction: TimeDirection,
+    /// Where the grid begins, and how many of its steps ahead of that, in the order of travel, the run is.
+    start: T,
+    place: i64,
+    /// The grid up to the end of the run, if that is known.
+    grid: Option<Grid<T>>,
+}
+
+impl<T: Float> FixedSteps<T> {
+    /// Steps of size `h`, whose sign is the way a run begins to go.
+    pub(super) fn new(h: T) -> Self {
+        FixedSteps {
+            size: h.abs(),
+            first_direction: TimeDirection::between(T::int(0), h).unwrap_or_default(),
+            start: T::int(0),
+            place: 0,
+            grid: None,
+        }
     }
 
-    fn inner_mut(&mut self) -> &mut Stepper<T> {
-        self
+    /// The step, with its sign.
+    fn step_of(&self, run: &Integration<T>) -> T {
+        run.direction.signed(self.size)
     }
 
+    /// Whether the run is at a point of the grid, within the rounding of time.
+    fn is_on_grid(&self, run: &Integration<T>) -> bool {
+        let point = self.start + T::int(self.place) * self.step_of(run);
+        is_same_time(point, run.time, self.start)
+    }
+
+    /// The grid begins anew at the time reached.
+    fn begin_grid(&mut self, run: &Integration<T>) {
+        (self.start, self.place) = (run.time, 0);
+    }
+
+    fn make(&mut self, run: &mut Integration<T>, time: T, h: T) -> Result<(), IntegrateError<T>> {
+        run.make(time, h)?;
+        self.place += 1;
+        Ok(())
+    }
+}
+
+impl<T: Float> StepControl<T> for FixedSteps<T> {
     fn begin(
         &mut self,
+        run: &mut Integration<T>,
         start: (&[T], &[T]),
         t0: T,
         towards: Option<T>,
     ) -> Result<(), IntegrateError<T>> {
-        self.start_at(start, t0, towards)
+        let to_end = way(t0, towards)?;
+        let step = self.size;
+        if t0 + step == t0 {
+            return Err(IntegrateError::StepBelowTimeResolution { step, time: t0 });
+        }
+        let direction = to_end.unwrap_or(self.first_direction);
+        let has_sign = self.first_direction == TimeDirection::Backward;
+        if let (true, TimeDirection::Forward, Some(end)) = (has_sign, direction, towards) {
+            let (step, start) = (-step, t0);
+            return Err(IntegrateError::StepsLeadAway { step, start, end });
+        }
+        run.start_at(start, t0, direction)?;
+        (self.start, self.place, self.grid) = (t0, 0, None);
+        Ok(())
     }
 
-    fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
-        self.restore_from(checkpoint)
+    fn restore(
+        &mut self,
+        _: &mut Integration<T>,
+        checkpoint: &Checkpoint,
+    ) -> Result<(), IntegrateError<T>> {
+        self.start = checkpoint.grid_start.read_finite("the time")?;
+        self.place = checkpoint.place;
+        Ok(())
     }
 
-    fn save(&mut self) -> Checkpoint {
-        self.checkpoint()
+    fn remember(&self, _: &Integration<T>, checkpoint: &mut Checkpoint) {
+        checkpoint.grid_start = Exact::of(self.start);
+        checkpoint.place = self.place;
     }
 
-    fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>> {
+    fn set_end(&mut self, run: &Integration<T>, end: T) -> Result<(), IntegrateError<T>> {
         // The last step of a run that is over may be shorter than the grid's.
-        if !self.is_on_grid() {
-            return Err(IntegrateError::CheckpointOffGrid { time: self.time });
+        if !self.is_on_grid(run) {
+            return Err(IntegrateError::CheckpointOffGrid { time: run.time });
         }
-        let is_over = self.direction.is_before(end, self.time);
-        let end = if is_over { self.time } else { end };
-        self.grid = Some(Grid::new(self.grid_start, end, self.grid_step())?);
+        let is_over = run.direction.is_before(end, run.time);
+        let end = if is_over { run.time } else { end };
+        self.grid = Some(Grid::new(self.start, end, self.step_of(run))?);
         Ok(())
     }
 
-    fn kick(&mut self, (q, p): (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>> {
-        self.move_to(q, p, t)?;
-        self.time = t;
-        self.begin_grid();
-        if let Some(grid) = self.grid {
-            self.grid = Some(Grid::new(t, grid.end(), self.grid_step())?);
-        }
-        Ok(())
-    }
-
-    fn is_done(&self) -> bool {
+    fn is_done(&self, _: &Integration<T>) -> bool {
         self.grid.is_some_and(|grid| self.place >= grid.last())
     }
 
-    fn go_on(&mut self) -> Result<(), IntegrateError<T>> {
-        if !self.is_on_grid() {
-            self.begin_grid();
+    fn at_another_state(&mut self, _: &mut Integration<T>) {}
+
+    fn at_another_time(&mut self, run: &mut Integration<T>) -> Result<(), IntegrateError<T>> {
+        self.begin_grid(run);
+        if let Some(grid) = self.grid {
+            self.grid = Some(Grid::new(run.time, grid.end(), self.step_of(run))?);
         }
-        let h = self.grid_step();
-        let time = self.grid_start + T::int(self.place + 1) * h;
-        self.make(time, h)
+        Ok(())
     }
 
-    fn step(&mut self) -> Result<(), IntegrateError<T>> {
-        match self.grid {
-            Some(grid) => {
-                let next = self.place + 1;
-                self.make(grid.time(next), grid.size(next))
-            }
-            None => self.go_on(),
-        }
+    fn turn_back(&mut self, run: &mut Integration<T>) {
+        run.direction = run.direction.turned();
+        self.place = -self.place;
+        self.grid = None;
     }
 
-    fn step_towards(&mut self, t: T) -> Result<bool, IntegrateError<T>> {
-        let has_passed = self.has_passed(t)?;
-        if self.is_at(t) {
-            self.time = t;
+    fn step(&mut self, run: &mut Integration<T>, meets_end: bool) -> Result<(), IntegrateError<T>> {
+        if let Some(grid) = self.grid.filter(|_| meets_end) {
+            let next = self.place + 1;
+            return self.make(run, grid.time(next), grid.size(next));
+        }
+        if !self.is_on_grid(run) {
+            self.begin_grid(run);
+        }
+        let h = self.step_of(run);
+        let time = self.start + T::int(self.place + 1) * h;
+        self.make(run, time, h)
+    }
+
+    fn step_towards(&mut self, run: &mut Integration<T>, t: T) -> Result<bool, IntegrateError<T>> {
+        let has_passed = run.has_passed(t)?;
+        if is_same_time(t, run.time, self.start) {
+            run.time = t;
             return Ok(false);
         }
         if has_passed {
-            self.turn_back();
+            self.turn_back(run);
         }
-        if !self.is_on_grid() {
-            self.begin_grid();
+        if !self.is_on_grid(run) {
+            self.begin_grid(run);
         }
-        let (grid, next) = (
-            Grid::new(self.grid_start, t, self.grid_step())?,
-            self.place + 1,
-        );
+        let grid = Grid::new(self.start, t, self.step_of(run))?;
+        let next = self.place + 1;
         if next > grid.last() {
             // Within the rounding of time it is there.
-            self.time = t;
+            run.time = t;
             return Ok(false);
         }
-        let time = if next == grid.last() {
-            t
-        } else {
-            grid.time(next)
-        };
-        self.make(time, grid.size(next))?;
+        let is_last = next == grid.last();
+        let time = if is_last { t } else { grid.time(next) };
+        self.make(run, time, grid.size(next))?;
         Ok(true)
     }
 
@@ -115,31 +170,15 @@ impl<T: Float> Advance<T> for Stepper<T> {
         T::int(0)
     }
 
+    fn size(&self) -> Option<T> {
+        Some(self.size)
+    }
+
+    fn next_step(&self) -> T {
+        self.size
+    }
+
     fn next_time(&self) -> Option<T> {
         self.grid.map(|grid| grid.time(self.place + 1))
-    }
-}
-
-impl<T: Float> Sizes<T> for Fixed<T> {
-    type Stepper = Stepper<T>;
-
-    fn stepper(
-        integrator: &Integrator<T, Self>,
-        system: &Hamiltonian,
-    ) -> Result<Stepper<T>, IntegrateError<T>> {
-        integrator.sizes.validate()?;
-        Stepper::prepare(
-            integrator,
-            system,
-            Some(integrator.sizes.h),
-            integrator.words(),
-        )
-    }
-
-    fn words(&self) -> Words {
-        vec![
-            ("steps", "of one size".to_owned()),
-            ("step", in_digits(self.h.abs())),
-        ]
     }
 }

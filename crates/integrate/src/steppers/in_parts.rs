@@ -12,7 +12,7 @@ use crate::control::policy::{MOST_TRIES, SHORT, SOON};
 use crate::control::stuck::shortest_at;
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
-use crate::steppers::stepper::{InParts, Stepper};
+use crate::steppers::integration::{InParts, Integration};
 use equip_autodiff::Switches;
 use equip_scalar::Float;
 use equip_solver::{Outcome, Part, State};
@@ -52,7 +52,7 @@ impl<T: Float> Substeps<T> {
 }
 
 impl<T: Float> InParts<T> for Substeps<T> {
-    fn attempt(&mut self, run: &mut Stepper<T>, h: T) -> Result<Outcome, IntegrateError<T>> {
+    fn attempt(&mut self, run: &mut Integration<T>, h: T) -> Result<Outcome, IntegrateError<T>> {
         let time = run.time;
         self.start.copy_from(&run.y);
         self.parts.clear();
@@ -76,7 +76,7 @@ impl<T: Float> InParts<T> for Substeps<T> {
     }
 }
 
-impl<T: Float> Stepper<T> {
+impl<T: Float> Integration<T> {
     /// Whether the step of size `h` just made stays where H has data.
     pub(crate) fn check_domains(&mut self, h: T) -> Result<(), IntegrateError<T>> {
         let Some(domains) = &mut self.domains else {
@@ -157,7 +157,7 @@ impl<T: Float> Stepper<T> {
 
     /// Where the step just made meets the first switch, if its stages resolve them.
     fn first_meeting(&mut self, substeps: &mut Substeps<T>) -> Option<Meeting<T>> {
-        let Stepper { core, y, next, .. } = self;
+        let Integration { core, y, next, .. } = self;
         let crossings = &mut substeps.crossings;
         crossings.begin_step();
         let meeting = match crossings.look(core, y, next) {
@@ -199,7 +199,7 @@ impl<T: Float> Stepper<T> {
             }
             self.core.refuse();
             self.attempt(size)?;
-            let Stepper { core, y, next, .. } = self;
+            let Integration { core, y, next, .. } = self;
             match substeps.crossings.look(core, y, next) {
                 Some(Meeting::End) => return Ok(Some((size, true))),
                 Some(Meeting::At(root, _)) => size *= root,

@@ -1,16 +1,16 @@
-//! A [`Stepper`] is prepared once and begun as often as wanted.
+//! An [`Integration`] is prepared once and begun as often as wanted.
 
 use crate::control::frequency::Frequency;
 use crate::control::make::check_gradient;
 use crate::error::IntegrateError;
-use crate::options::common::{Options, Words, coefficients};
+use crate::options::common::{Options, coefficients};
 use crate::options::event::Event;
-use crate::options::integrator::Integrator;
+use crate::options::integrator::{Integrator, StepSizes};
 use crate::report::defect::{Defect, Watched};
 use crate::report::energy_floor::EnergyFloor;
 use crate::steppers::domains::WithinDomains;
 use crate::steppers::in_parts::Substeps;
-use crate::steppers::stepper::Stepper;
+use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
 use crate::time::visible::visible;
 use equip_autodiff::Hamiltonian;
@@ -18,13 +18,11 @@ use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Counts, Invariant, Outcome, State};
 use std::time::Instant;
 
-impl<T: Float> Stepper<T> {
-    /// Everything but a start, for steps of `h`, whose sign is the way a run begins to go, or of any size.
-    pub(super) fn prepare<S>(
-        integrator: &Integrator<T, S>,
+impl<T: Float> Integration<T> {
+    /// Everything but an initial state.
+    pub(crate) fn prepare(
+        integrator: &Integrator<T>,
         system: &Hamiltonian,
-        h: Option<T>,
-        words: Words,
     ) -> Result<Self, IntegrateError<T>> {
         let options = &integrator.options;
         let method = integrator.method.for_degree(system.structure().degree);
@@ -56,25 +54,22 @@ impl<T: Float> Stepper<T> {
         };
         let measured = has_target || options.measure_energy;
         let switches = system.switches();
-        let in_parts = h.and_then(|_| Substeps::boxed(&switches, &coefficients, 2 * all));
+        let in_parts = match integrator.sizes {
+            StepSizes::Fixed(_) => Substeps::boxed(&switches, &coefficients, 2 * all),
+            StepSizes::Tolerance(_) => None,
+        };
         let domains = WithinDomains::new(&switches, stages, 2 * all);
         let mut evaluator = system.evaluator::<T>();
         evaluator.make_ready(2 * all);
         let slope = vec![zero; 2 * all];
         let y = State::new(&slope[..all], &slope[all..]);
-        Ok(Stepper {
+        Ok(Integration {
             core: Core::new(system, evaluator, settings, coefficients, constraints),
             m,
             method,
             has_target,
             t0: zero,
             direction: TimeDirection::Forward,
-            first_direction: h
-                .and_then(|h| TimeDirection::between(zero, h))
-                .unwrap_or_default(),
-            size: h.map(|h| h.abs()),
-            grid_start: zero,
-            place: 0,
             h_ref: zero,
             domains,
             in_parts,
@@ -84,7 +79,6 @@ impl<T: Float> Stepper<T> {
             time: zero,
             next: y.clone(),
             slope,
-            grid: None,
             measure_energy: options.measure_energy,
             energy: measured.then(|| Defect::new("energy")),
             in_floors: has_target.then_some(zero),
@@ -103,52 +97,35 @@ impl<T: Float> Stepper<T> {
             floor: None,
             variable: None,
             begun: Instant::now(),
-            fingerprint: words,
+            fingerprint: integrator.words(),
             start: vec![zero; 2 * m],
             y,
         })
     }
 
     /// Another one for the same steps, at the same state.
-    pub(crate) fn beside<S>(
+    pub(crate) fn beside(
         &self,
-        integrator: &Integrator<T, S>,
+        integrator: &Integrator<T>,
         system: &Hamiltonian,
     ) -> Result<Self, IntegrateError<T>> {
-        let mut other = Self::prepare(integrator, system, self.size, Words::new())?;
-        let (q, p) = visible(&self.y.hi, self.m);
-        other.start_at((q, p), self.time, None)?;
+        let mut other = Self::prepare(integrator, system)?;
+        other.start_at(visible(&self.y.hi, self.m), self.time, self.direction)?;
         Ok(other)
     }
 
-    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared, to go `towards` a time if
-    /// that is known. Nothing is allocated. After an error the run is as it was.
+    /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated.
+    /// After an error the run is as it was.
     pub(super) fn start_at(
         &mut self,
         (q0, p0): (&[T], &[T]),
         t0: T,
-        towards: Option<T>,
+        direction: TimeDirection,
     ) -> Result<(), IntegrateError<T>> {
-        if !t0.is_finite() {
-            let (start, end) = (t0, towards.unwrap_or(t0));
-            return Err(IntegrateError::Interval { start, end });
-        }
-        if let Some(step) = self.size.filter(|&h| t0 + h == t0) {
-            return Err(IntegrateError::StepBelowTimeResolution { step, time: t0 });
-        }
-        let to_end = towards.and_then(|end| TimeDirection::between(t0, end));
-        let direction = to_end.unwrap_or(self.first_direction);
-        let has_sign = self.first_direction == TimeDirection::Backward;
-        if let (true, TimeDirection::Forward, Some(end)) = (has_sign, direction, towards) {
-            let step = -self.size.unwrap_or(T::int(1));
-            let start = t0;
-            return Err(IntegrateError::StepsLeadAway { step, start, end });
-        }
         self.move_to(q0, p0, t0)?;
         *self.core.counts_mut() = Counts::default();
         (self.t0, self.time, self.index) = (t0, t0, 0);
         (self.switches_crossed, self.energy_jumps) = (0, None);
-        (self.grid_start, self.place, self.grid) = (t0, 0, None);
         self.direction = direction;
         self.start[..self.m].copy_from_slice(q0);
         self.start[self.m..].copy_from_slice(p0);
@@ -172,22 +149,6 @@ impl<T: Float> Stepper<T> {
     pub(crate) fn stretch_start(&self) -> T {
         let is_turned = self.direction.is_before(self.time, self.t0);
         if is_turned { self.time } else { self.t0 }
-    }
-
-    /// Whether `end` does not lie behind the stretch that the run is on.
-    ///
-    /// # Errors
-    /// If it does.
-    pub(crate) fn check_end(&self, end: T) -> Result<(), IntegrateError<T>> {
-        if !self.direction.is_before(end, self.stretch_start()) {
-            return Ok(());
-        }
-        let step = self.size.unwrap_or(self.last.0.abs());
-        Err(IntegrateError::StepsLeadAway {
-            step: self.direction.signed(step),
-            start: self.t0,
-            end,
-        })
     }
 
     /// The state at which the run began, as H takes it.

@@ -16,14 +16,15 @@ use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memories::ChaosMemory;
 use crate::error::IntegrateError;
 use crate::report::chaos_indicators::ChaosIndicators;
-use crate::tangent::steps::Steps;
+use crate::steppers::integration::Integration;
+use crate::steppers::stepper::Stepper;
 use crate::tangent::tangent_map::TangentMap;
 use crate::time::visible;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
 /// Lyapunov exponent and MEGNO along a run that is made step by step;
-/// [`FixedStep::chaos`](crate::FixedStep::chaos) is the option for a whole run.
+/// [`Integrator::chaos`](crate::Integrator::chaos) is the option for a whole run.
 ///
 /// ```
 /// use equip_autodiff::Hamiltonian;
@@ -52,16 +53,20 @@ pub struct Chaos<T: Float> {
 impl<T: Float> Chaos<T> {
     /// Follows `run`, made of the same `system`, from now on, with a deviation of any length but zero (2m
     /// components, time not counted).
-    pub fn new(system: &Hamiltonian, run: &mut impl Steps<T>, deviation: &[T]) -> Self {
+    pub fn new(system: &Hamiltonian, run: &mut Stepper<T>, deviation: &[T]) -> Self {
+        Self::of(system, &mut run.inner, deviation)
+    }
+
+    pub(crate) fn of(system: &Hamiltonian, run: &mut Integration<T>, deviation: &[T]) -> Self {
         let zero = T::int(0);
-        let time = run.time_reached();
+        let time = run.time;
         let n = 2 * system.degrees_of_freedom();
         let mut whole = vec![zero; n];
         for (j, &x) in deviation.iter().enumerate() {
             whole[visible::place(j, deviation.len() / 2, n)] = x;
         }
         let mut chaos = Chaos {
-            tangent: TangentMap::new(system, run),
+            tangent: TangentMap::of(system, run),
             deviation: whole,
             time,
             elapsed: zero,
@@ -77,16 +82,20 @@ impl<T: Float> Chaos<T> {
     ///
     /// # Errors
     /// Those of [`TangentMap::propagate`].
-    pub fn see(&mut self, run: &impl Steps<T>) -> Result<(), IntegrateError<T>> {
-        self.tangent.propagate(run, &mut self.deviation)?;
+    pub fn see(&mut self, run: &Stepper<T>) -> Result<(), IntegrateError<T>> {
+        self.see_step(&run.inner)
+    }
+
+    pub(crate) fn see_step(&mut self, run: &Integration<T>) -> Result<(), IntegrateError<T>> {
+        self.tangent.propagate_over(run, &mut self.deviation)?;
         let growth = self.normalise().ln();
-        let (before, step) = (self.elapsed, (run.time_reached() - self.time).abs());
+        let (before, step) = (self.elapsed, (run.time - self.time).abs());
         let now = before + step;
         self.growth += growth;
         self.weighted += growth * (before + now) / T::int(2);
         // Y at the end of the step stands for the step.
         self.sum += T::int(2) * self.weighted / now * step;
-        (self.time, self.elapsed) = (run.time_reached(), now);
+        (self.time, self.elapsed) = (run.time, now);
         Ok(())
     }
 
@@ -94,8 +103,8 @@ impl<T: Float> Chaos<T> {
     ///
     /// # Errors
     /// Those of the run's own `advance_to`, and those of [`see`](Self::see).
-    pub fn advance_to(&mut self, run: &mut impl Steps<T>, t: T) -> Result<(), IntegrateError<T>> {
-        while run.step_to(t)? {
+    pub fn advance_to(&mut self, run: &mut Stepper<T>, t: T) -> Result<(), IntegrateError<T>> {
+        while run.advance_towards(t)? {
             self.see(run)?;
         }
         Ok(())

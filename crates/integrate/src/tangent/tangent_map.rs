@@ -5,7 +5,8 @@
 //! ones do; where it conserves further invariants too, the derivative is that at fixed α.
 
 use crate::error::IntegrateError;
-use crate::tangent::steps::Steps;
+use crate::steppers::integration::Integration;
+use crate::steppers::stepper::Stepper;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Failure, StepTangent};
@@ -41,11 +42,15 @@ pub struct TangentMap<T: Float> {
 
 impl<T: Float> TangentMap<T> {
     /// Follows `run`, made of the same `system`, from its next step on.
-    pub fn new(system: &Hamiltonian, run: &mut impl Steps<T>) -> Self {
-        run.core_mut().keep_parts();
+    pub fn new(system: &Hamiltonian, run: &mut Stepper<T>) -> Self {
+        Self::of(system, &mut run.inner)
+    }
+
+    pub(crate) fn of(system: &Hamiltonian, run: &mut Integration<T>) -> Self {
+        run.core.keep_parts();
         TangentMap {
-            step: StepTangent::new(system, run.core()),
-            propagated: run.steps_made(),
+            step: StepTangent::new(system, &run.core),
+            propagated: run.index,
         }
     }
 
@@ -59,12 +64,12 @@ impl<T: Float> TangentMap<T> {
     /// When the length of `deviations` is no multiple of that of one.
     pub fn advance_to(
         &mut self,
-        run: &mut impl Steps<T>,
+        run: &mut Stepper<T>,
         t: T,
         deviations: &mut [T],
     ) -> Result<(), IntegrateError<T>> {
-        self.check_followed(run, 0)?;
-        while run.step_to(t)? {
+        self.check_followed(&run.inner, 0)?;
+        while run.advance_towards(t)? {
             self.propagate(run, deviations)?;
         }
         Ok(())
@@ -81,14 +86,22 @@ impl<T: Float> TangentMap<T> {
     /// When the length of `deviations` is no multiple of that of one.
     pub fn propagate(
         &mut self,
-        run: &impl Steps<T>,
+        run: &Stepper<T>,
+        deviations: &mut [T],
+    ) -> Result<(), IntegrateError<T>> {
+        self.propagate_over(&run.inner, deviations)
+    }
+
+    pub(crate) fn propagate_over(
+        &mut self,
+        run: &Integration<T>,
         deviations: &mut [T],
     ) -> Result<(), IntegrateError<T>> {
         let n = self.step.components();
         assert_eq!(deviations.len() % n, 0, "a deviation has 2m components");
         self.check_followed(run, 1)?;
-        self.propagated = run.steps_made();
-        for part in run.parts_made() {
+        self.propagated = run.index;
+        for part in run.parts() {
             self.step.linearise(part);
             for deviation in deviations.chunks_exact_mut(n) {
                 let propagated = self.step.propagate(deviation);
@@ -112,8 +125,8 @@ impl<T: Float> TangentMap<T> {
 
     /// Whether the run has made no more than so many steps since deviations were last propagated, or since it
     /// was begun anew.
-    fn check_followed(&self, run: &impl Steps<T>, most: u64) -> Result<(), IntegrateError<T>> {
-        let made = run.steps_made();
+    fn check_followed(&self, run: &Integration<T>, most: u64) -> Result<(), IntegrateError<T>> {
+        let made = run.index;
         let steps = made.checked_sub(self.propagated).unwrap_or(made);
         if steps > most {
             return Err(IntegrateError::StepsNotFollowed { steps });

@@ -6,8 +6,6 @@
 //! then every lane is done as a `DoubleDouble`. So each lane has every bit of a computation with that number
 //! alone. The other elementary functions are N calls.
 
-mod selections;
-
 use super::number::{DoubleDouble, dd};
 use super::transforms::{SAFE_MAX, SAFE_MIN, Word};
 use super::words::{self, Dot, Pair, Sum};
@@ -21,13 +19,13 @@ use std::sync::Arc;
 /// N double-doubles, usually one for each stage of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DoubleDoubles<const N: usize> {
-    hi: Lanes<N>,
-    lo: Lanes<N>,
+    pub(super) hi: Lanes<N>,
+    pub(super) lo: Lanes<N>,
 }
 
 impl<const N: usize> DoubleDoubles<N> {
     #[inline(always)]
-    fn joined((hi, lo): Pair<Lanes<N>>) -> Self {
+    pub(super) fn joined((hi, lo): Pair<Lanes<N>>) -> Self {
         DoubleDoubles { hi, lo }
     }
 
@@ -49,7 +47,7 @@ impl<const N: usize> DoubleDoubles<N> {
 
 #[cold]
 #[inline(never)]
-fn one_by_one<const N: usize>(
+pub(super) fn one_by_one<const N: usize>(
     x: &DoubleDoubles<N>,
     y: &DoubleDoubles<N>,
     f: fn(DoubleDouble, DoubleDouble) -> DoubleDouble,

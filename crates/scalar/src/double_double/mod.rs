@@ -31,7 +31,7 @@
 mod arithmetic;
 mod constants;
 pub(crate) mod functions;
-mod lane_words;
+mod lane_selections;
 mod lanes;
 pub(crate) mod natural;
 mod number;

@@ -5,7 +5,6 @@
 
 use crate::error::IntegrateError;
 use crate::options::integrator::Integrator;
-use crate::runs::compiled::StepSizes;
 use crate::runs::run::{Run, RunFailure};
 use crate::steppers::view::StepView;
 use equip_autodiff::Hamiltonian;
@@ -34,7 +33,7 @@ impl<'a, T: Float> Starts<'a, T> {
     }
 }
 
-impl<T: Float, S: StepSizes<T> + Sync> Integrator<T, S> {
+impl<T: Float> Integrator<T> {
     /// Integrates from each of the starts over the threads of the present pool of rayon, and returns what
     /// `row` makes of each run: `row(i, run)` is called on the thread that made run number i. `stop` is asked
     /// before every run and after every step; once it is true, the runs that are not finished are `None`.

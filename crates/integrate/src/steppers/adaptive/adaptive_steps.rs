@@ -1,205 +1,219 @@
-//! Sizes by a tolerance: the stepper that makes them, and its checkpoints.
+//! [`AdaptiveSteps`]: steps whose sizes follow a tolerance.
+//!
+//! Every step: solve at the proposed size → estimate → accept, or refuse and try a better size from the same
+//! state. The stages of a refused step are the guess of the next try. Time is summed with compensation.
+//!
+//! A step over a switch of H, a kink or a jump, is one that is refused for a shorter one that ends there
+//! ([`super::over_switches`]).
 
-use crate::checkpoints::checkpoint::Checkpoint;
-use crate::checkpoints::exact::Exact;
-use crate::control::controller::Control;
+use crate::control::controller::{Control, Judgement};
 use crate::control::estimate::Decay;
 use crate::control::first_step::FirstSize;
 use crate::control::flow::Flow;
-use crate::control::stuck::shortest_at;
+use crate::control::policy::{MOST_TRIES, PART};
+use crate::control::stuck::TooSmall;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
-use crate::options::adaptive::Tolerance;
-use crate::options::common::{Words, in_digits};
-use crate::options::integrator::Integrator;
 use crate::report::variable_steps::VariableSteps;
-use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
-use crate::steppers::sizes::{Advance, Sizes};
-use crate::steppers::stepper::Stepper;
-use equip_autodiff::Hamiltonian;
+use crate::steppers::adaptive::made::{EndIs, Made, Place};
+use crate::steppers::integration::Integration;
 use equip_scalar::Float;
+use equip_solver::Outcome;
 
-impl<T: Float> Sizes<T> for Tolerance<T> {
-    type Stepper = AdaptiveStepper<T>;
-
-    fn stepper(
-        integrator: &Integrator<T, Self>,
-        system: &Hamiltonian,
-    ) -> Result<AdaptiveStepper<T>, IntegrateError<T>> {
-        let sizes = &integrator.sizes;
-        sizes.validate(integrator.method)?;
-        let mut inner = Stepper::prepare(integrator, system, None, integrator.words())?;
-        let (n, most) = (inner.y.hi.len(), sizes.max_step.to_f64());
-        let tolerance = sizes.tightest();
-        let allowed = sizes.allowed(inner.m, n / 2)?;
-        let crossings = Crossings::new(&system.switches(), inner.core.method(), n, tolerance);
-        if crossings.is_some() {
-            inner.core.defer_alphas();
-        }
-        Ok(AdaptiveStepper {
-            crossings,
-            control: Control::new(tolerance.to_f64(), integrator.method.degree(), most),
-            decay: Decay::new(inner.core.method(), (n, inner.m), tolerance, allowed),
-            flow: Flow::new(integrator.method.degree(), n),
-            slope_rounding: vec![T::int(0); n],
-            slopes: [(); 2].map(|()| vec![T::int(0); n]),
-            first: FirstSize::new(n),
-            first_step: sizes.first_step,
-            longest_first: f64::INFINITY,
-            tolerance,
-            time_low: T::int(0),
-            end: None,
-            min_step: sizes.min_step,
-            max_steps: sizes.max_steps,
-            tries: None,
-            inner,
-        })
-    }
-
-    fn words(&self) -> Words {
-        let or = |x: Option<T>, automatic: &str| x.map_or(automatic.to_owned(), in_digits);
-        let errors = |x: &[T], otherwise: &str| match x {
-            [] => otherwise.to_owned(),
-            x => x
-                .iter()
-                .map(|&x| in_digits(x))
-                .collect::<Vec<_>>()
-                .join(", "),
-        };
-        vec![
-            ("steps", "by a tolerance".to_owned()),
-            ("tolerance", in_digits(self.tolerance)),
-            ("rtol of the positions", errors(&self.relative[0], "that")),
-            ("rtol of the momenta", errors(&self.relative[1], "that")),
-            ("atol of the positions", errors(&self.absolute[0], "zero")),
-            ("atol of the momenta", errors(&self.absolute[1], "zero")),
-            ("first_step", or(self.first_step, "automatic")),
-            ("min_step", in_digits(self.min_step)),
-            ("max_step", in_digits(self.max_step)),
-        ]
-    }
+/// The rule of steps by a tolerance, with its memory.
+#[derive(Debug)]
+pub(crate) struct AdaptiveSteps<T: Float> {
+    pub(super) control: Control,
+    pub(super) decay: Decay<T>,
+    pub(super) flow: Flow<T>,
+    /// ∇H where the step begins, and where it ends.
+    pub(super) slopes: [Vec<T>; 2],
+    /// What rounding makes of ∇H at the end of a step, where that was asked for.
+    pub(super) slope_rounding: Vec<T>,
+    /// None if H is smooth as far as is known.
+    pub(super) crossings: Option<Crossings<T>>,
+    pub(super) first: FirstSize<T>,
+    pub(super) first_step: Option<T>,
+    /// The first step is not made longer than this.
+    pub(super) longest_first: f64,
+    pub(super) tolerance: T,
+    /// What rounding lost of the time.
+    pub(super) time_low: T,
+    /// Where the run ends, if that is known.
+    pub(super) end: Option<T>,
+    pub(super) min_step: T,
+    pub(super) max_steps: u64,
+    /// Tries of the first step so far; none once its size is settled.
+    pub(super) tries: Option<u32>,
 }
 
-impl<T: Float> AdaptiveStepper<T> {
-    /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`; see [`Stepper::restart`].
-    ///
-    /// # Errors
-    /// Faults of the initial values, and an H that is not finite there.
-    pub fn restart(&mut self, q0: &[T], p0: &[T], t0: T) -> Result<(), IntegrateError<T>> {
-        self.begin((q0, p0), t0, None)
-    }
-
-    /// The present state of the run, to be resumed by the same options.
-    pub fn checkpoint(&mut self) -> Checkpoint {
-        let switches = self.crossings.as_ref().map(Crossings::memory);
-        let size = (Exact::of(self.control.next), self.tries);
-        self.inner
-            .variable_checkpoint(self.time_low, size, switches.unwrap_or_default())
-    }
-}
-
-impl<T: Float> Advance<T> for AdaptiveStepper<T> {
-    fn inner(&self) -> &Stepper<T> {
-        &self.inner
-    }
-
-    fn inner_mut(&mut self) -> &mut Stepper<T> {
-        &mut self.inner
-    }
-
-    fn begin(
+impl<T: Float> AdaptiveSteps<T> {
+    /// Makes the next step, but not beyond `end`, which the last step meets exactly.
+    pub(super) fn advance_within(
         &mut self,
-        start: (&[T], &[T]),
-        t0: T,
-        towards: Option<T>,
+        run: &mut Integration<T>,
+        end: Option<T>,
     ) -> Result<(), IntegrateError<T>> {
-        self.inner.start_at(start, t0, towards)?;
-        self.take_slope();
-        self.crossings.iter_mut().for_each(Crossings::begin);
-        (self.time_low, self.end) = (T::int(0), None);
-        let [first, longest] = match self.first_step {
-            Some(h) => [h.to_f64(); 2],
-            None => {
-                let Stepper { core, y, .. } = &mut self.inner;
-                self.first.sizes(core.energy_mut(), &y.hi)
+        if run.counts().steps >= self.max_steps {
+            let (steps, time) = (self.max_steps, run.time);
+            return Err(IntegrateError::StepLimit { steps, time });
+        }
+        let mut size = self.control.next;
+        // The size that nothing but switches speaks against, and the one that knots allow.
+        let (mut proposed, mut longest) = (size, f64::INFINITY);
+        let (mut cause, mut is_retried) = (None, false);
+        if let Some(crossings) = &mut self.crossings {
+            crossings.begin_step();
+        }
+        let mut to_switch = None;
+        loop {
+            let place = to_switch
+                .take()
+                .unwrap_or_else(|| self.place(run, size, end));
+            let too_small = !run.direction.is_before(run.time, place.time)
+                || (place.size < self.min_step && !place.cut);
+            if too_small {
+                return Err(self.too_small(run, place.size, cause));
             }
+            let h = place.size.to_f64();
+            match self.make_up_to_switches(run, place, end) {
+                Ok(Made::OverSwitch(shorter)) => {
+                    self.tries = None;
+                    run.core.refuse();
+                    (to_switch, is_retried) = (Some(shorter), true);
+                }
+                Ok(Made::OverKnots) => {
+                    self.tries = None;
+                    run.core.refuse();
+                    (size, is_retried) = (self.control.shorter(h), true);
+                    longest = size;
+                    self.stop_aiming();
+                }
+                Ok(Made::Step(outcome, estimate, end_is)) => {
+                    let contraction = run.core.contraction();
+                    let limits = (contraction, self.longest_first);
+                    if let Some(tries) = self.tries.filter(|&tries| tries < MOST_TRIES)
+                        && !place.cut
+                        && end_is == EndIs::Smooth
+                        && let Some(longer) = self.control.first_is_timid(h, &estimate, limits)
+                    {
+                        self.tries = Some(tries + 1);
+                        run.core.refuse();
+                        (size, is_retried) = (longer, true);
+                        continue;
+                    }
+                    match (self.control).judge(h, &estimate, (contraction, is_retried)) {
+                        Judgement::Accept => {
+                            let signed = run.direction.signed(place.size);
+                            run.check_domains(signed)?;
+                            self.accept(run, place, outcome);
+                            self.accept_switches(run, end_is, (h, proposed));
+                            let next = &mut self.control.next;
+                            *next = next.min(longest);
+                            return Ok(());
+                        }
+                        Judgement::Refuse(shorter) => {
+                            self.tries = None;
+                            run.core.refuse();
+                            count(run, |steps| &mut steps.rejected);
+                            cause = None;
+                            (size, is_retried) = (shorter, true);
+                            proposed = shorter;
+                            self.stop_aiming();
+                        }
+                    }
+                }
+                Err(error) => {
+                    if error.stays_in_shorter_steps() {
+                        return Err(error);
+                    }
+                    self.tries = None;
+                    count(run, |steps| &mut steps.failed);
+                    size = self.control.shorter(h);
+                    proposed = size;
+                    cause = Some(error);
+                    self.stop_aiming();
+                }
+            }
+        }
+    }
+    /// Why no step of this `size` can be made.
+    fn too_small(
+        &mut self,
+        run: &mut Integration<T>,
+        size: T,
+        cause: Option<IntegrateError<T>>,
+    ) -> IntegrateError<T> {
+        let too_small = TooSmall {
+            time: run.time,
+            h: run.direction.signed(size),
+            min: self.min_step,
+            tolerance: self.tolerance,
         };
-        self.longest_first = longest;
-        self.control.begin(first.max(shortest_at(t0).to_f64()));
-        self.tries = self.first_step.is_none().then_some(0);
-        self.inner.variable = Some(VariableSteps::new(self.tolerance));
-        Ok(())
+        let start = run.start_state();
+        let Integration { core, y, .. } = run;
+        too_small.error(core.energy_mut(), (&start, &y.hi), cause)
     }
 
-    fn restore(&mut self, checkpoint: &Checkpoint) -> Result<(), IntegrateError<T>> {
-        self.inner.restore_from(checkpoint)?;
-        self.take_slope();
-        let memory = checkpoint.control()?;
-        self.time_low = checkpoint.time_low.read_finite("the time")?;
-        let what = "the memory of step control";
-        self.control.next = memory.next.read_finite::<T>(what)?.to_f64();
-        self.tries = memory.tries;
-        self.inner.variable = Some(memory.variable_steps(self.tolerance)?);
-        let fits = match &mut self.crossings {
-            Some(crossings) => crossings.restore(&memory.switches),
-            None => memory.switches.sides.is_empty(),
-        };
-        if fits {
-            Ok(())
-        } else {
-            Err(IntegrateError::CheckpointDamaged { what })
+    /// ∇H where the next step begins.
+    pub(super) fn take_slope(&mut self, run: &mut Integration<T>) {
+        let Integration { core, y, .. } = run;
+        core.energy_mut().gradient(&y.hi, &mut self.slopes[0]);
+    }
+
+    /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a
+    /// sliver.
+    pub(super) fn place(&self, run: &Integration<T>, size: f64, end: Option<T>) -> Place<T> {
+        let h = T::exact(size);
+        let (now, low) = (run.time, self.time_low);
+        if let Some(end) = end {
+            let left = run.direction.signed((end - now) - low);
+            let zero = T::int(0);
+            // A step may be stretched a little to meet the end.
+            let allowed = left <= h || left.to_f64() <= self.control.most;
+            if left <= h + h / T::int(PART) && allowed {
+                return Place {
+                    size: left,
+                    time: end,
+                    time_low: zero,
+                    cut: true,
+                };
+            }
+            if left < h + h {
+                return self.step_to(run, left / T::int(2), true);
+            }
+        }
+        self.step_to(run, h, false)
+    }
+
+    pub(super) fn step_to(&self, run: &Integration<T>, size: T, cut: bool) -> Place<T> {
+        let (sum, lost) = T::two_sum(run.time, run.direction.signed(size));
+        let (time, time_low) = T::two_sum(sum, lost + self.time_low);
+        Place {
+            size,
+            time,
+            time_low,
+            cut,
         }
     }
 
-    fn save(&mut self) -> Checkpoint {
-        self.checkpoint()
-    }
-
-    fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>> {
-        self.end = Some(end);
-        Ok(())
-    }
-
-    fn kick(&mut self, (q, p): (&[T], &[T]), t: T) -> Result<(), IntegrateError<T>> {
-        self.inner.kick((q, p), t)?;
-        self.time_low = T::int(0);
-        self.take_slope();
-        self.crossings.iter_mut().for_each(Crossings::begin);
-        Ok(())
-    }
-
-    fn is_done(&self) -> bool {
-        let is_ahead = |end| self.inner.direction.is_before(self.time(), end);
-        self.end.is_some_and(|end| !is_ahead(end))
-    }
-
-    fn go_on(&mut self) -> Result<(), IntegrateError<T>> {
-        self.advance_within(None).map(|_| ())
-    }
-
-    fn step(&mut self) -> Result<(), IntegrateError<T>> {
-        self.advance_within(self.end).map(|_| ())
-    }
-
-    fn step_towards(&mut self, t: T) -> Result<bool, IntegrateError<T>> {
-        if self.inner.has_passed(t)? {
-            self.turn_back();
+    fn accept(&mut self, run: &mut Integration<T>, place: Place<T>, outcome: Outcome) {
+        self.tries = None;
+        self.time_low = place.time_low;
+        if let Some(steps) = &mut run.variable {
+            steps.largest = steps.largest.max(place.size);
+            if !place.cut || steps.smallest > steps.largest {
+                steps.smallest = steps.smallest.min(place.size);
+            }
         }
-        if t == self.time() {
-            self.time_low = T::int(0);
-            return Ok(false);
-        }
-        let refused = |run: &Self| (run.inner.variable).map(|steps| steps.rejected + steps.failed);
-        let (proposed, before) = (self.control.next, refused(self));
-        self.advance_within(Some(t))?;
-        // A step that was cut says nothing against the size that was proposed.
-        if refused(self) == before && self.inner.last.0.abs().to_f64() < proposed {
-            self.control.next = self.control.next.max(proposed);
-        }
-        Ok(true)
+        let h = run.direction.signed(place.size);
+        run.accept(place.time, h, outcome);
+        self.slopes.swap(0, 1);
     }
+}
 
-    fn time_low(&self) -> T {
-        self.time_low
+fn count<T: Float>(run: &mut Integration<T>, which: impl Fn(&mut VariableSteps<T>) -> &mut u64) {
+    if let Some(steps) = &mut run.variable {
+        *which(steps) += 1;
     }
 }

@@ -9,23 +9,28 @@ use crate::control::policy::SOON;
 use crate::control::stuck::shortest_at;
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
-use crate::steppers::adaptive::adaptive_stepper::AdaptiveStepper;
+use crate::steppers::adaptive::adaptive_steps::AdaptiveSteps;
 use crate::steppers::adaptive::made::{EndIs, Made, Place};
-use crate::steppers::stepper::Stepper;
+use crate::steppers::integration::Integration;
 use equip_scalar::Float;
 
-impl<T: Float> AdaptiveStepper<T> {
+impl<T: Float> AdaptiveSteps<T> {
     /// Makes a step with its estimate, or only its stages if it is to end on a switch before.
     pub(super) fn make_up_to_switches(
         &mut self,
+        run: &mut Integration<T>,
         place: Place<T>,
         end: Option<T>,
     ) -> Result<Made<T>, IntegrateError<T>> {
-        let h = self.inner.direction.signed(place.size);
-        let outcome = self.inner.attempt(h)?;
-        let Stepper { core, y, next, .. } = &mut self.inner;
+        let h = run.direction.signed(place.size);
+        let outcome = run.attempt(h)?;
+        let Integration { core, y, next, .. } = run;
         let Some(crossings) = &mut self.crossings else {
-            return Ok(Made::Step(outcome, self.estimate(h, false), EndIs::Smooth));
+            return Ok(Made::Step(
+                outcome,
+                self.estimate(run, h, false),
+                EndIs::Smooth,
+            ));
         };
         let was_aimed = crossings.is_aimed();
         let meeting = crossings.look(core, y, next);
@@ -39,49 +44,50 @@ impl<T: Float> AdaptiveStepper<T> {
             Some(Meeting::End) => EndIs::OnSwitch,
             Some(Meeting::At(root, next)) => {
                 let is_rough = was_aimed
-                    || self.jumps_at(root)
-                    || self.is_rough(h, [root, next.unwrap_or(root)]);
+                    || self.jumps_at(run, root)
+                    || self.is_rough(run, h, [root, next.unwrap_or(root)]);
                 let is_soon = T::int(SOON) * root < T::int(1);
                 if is_rough && is_soon && !was_aimed && self.may_halve() {
                     return Ok(Made::OverKnots);
                 }
-                if is_rough && let Some(shorter) = self.place_of_switch(place.size * root, end) {
+                if is_rough && let Some(shorter) = self.place_of_switch(run, place.size * root, end)
+                {
                     return Ok(Made::OverSwitch(shorter));
                 }
                 EndIs::BeyondSwitch
             }
             Some(Meeting::Touch(near)) => {
-                if let Some(shorter) = self.place_of_switch(place.size * near, end) {
+                if let Some(shorter) = self.place_of_switch(run, place.size * near, end) {
                     return Ok(Made::OverSwitch(shorter));
                 }
                 EndIs::Smooth
             }
             Some(Meeting::Missed) => EndIs::BeyondSwitch,
             None if crossings.is_among_knots() => {
-                if self.is_rough(h, [T::ratio(1, 2); 2]) && self.may_halve() {
+                if self.is_rough(run, h, [T::ratio(1, 2); 2]) && self.may_halve() {
                     return Ok(Made::OverKnots);
                 }
                 EndIs::BeyondSwitch
             }
             None => EndIs::Smooth,
         };
-        let outcome = self.inner.complete(h)?;
-        let estimate = self.estimate(h, end_is == EndIs::OnSwitch);
+        let outcome = run.complete(h)?;
+        let estimate = self.estimate(run, h, end_is == EndIs::OnSwitch);
         Ok(Made::Step(outcome, estimate, end_is))
     }
 
     /// Whether kinks within the step of size `h` just made, the first of them at `roots`, are more than the
     /// tolerance allows.
-    fn is_rough(&mut self, h: T, roots: [T; 2]) -> bool {
-        let rho = self.estimate(h, false).decay;
-        let (core, decay) = (&mut self.inner.core, (&self.decay, rho));
+    fn is_rough(&mut self, run: &mut Integration<T>, h: T, roots: [T; 2]) -> bool {
+        let rho = self.estimate(run, h, false).decay;
+        let (core, decay) = (&mut run.core, (&self.decay, rho));
         let crossings = self.crossings.as_mut();
         crossings.is_some_and(|crossings| crossings.is_rough(core, (h, roots), decay))
     }
 
     /// Whether H jumps at the first switch that the step just made meets.
-    fn jumps_at(&mut self, root: T) -> bool {
-        let core = &mut self.inner.core;
+    fn jumps_at(&mut self, run: &mut Integration<T>, root: T) -> bool {
+        let core = &mut run.core;
         let crossings = self.crossings.as_mut();
         crossings.is_some_and(|crossings| crossings.jump_at(core, root).is_some())
     }
@@ -93,13 +99,13 @@ impl<T: Float> AdaptiveStepper<T> {
     }
 
     /// A step of `size`, that ends on a switch, if time resolves it; not beyond `end`.
-    fn place_of_switch(&self, size: T, end: Option<T>) -> Option<Place<T>> {
-        let direction = self.inner.direction;
-        let left = end.map(|end| direction.signed((end - self.time()) - self.time_low));
+    fn place_of_switch(&self, run: &Integration<T>, size: T, end: Option<T>) -> Option<Place<T>> {
+        let direction = run.direction;
+        let left = end.map(|end| direction.signed((end - run.time) - self.time_low));
         if let Some(left) = left.filter(|&left| size >= left) {
-            return Some(self.place(left.to_f64(), end));
+            return Some(self.place(run, left.to_f64(), end));
         }
-        (size > shortest_at(self.time())).then(|| self.step_to(size, true))
+        (size > shortest_at(run.time)).then(|| self.step_to(run, size, true))
     }
 
     pub(super) fn stop_aiming(&mut self) {
@@ -107,7 +113,12 @@ impl<T: Float> AdaptiveStepper<T> {
     }
 
     /// A step of size `h` is accepted. That it was cut at a switch says nothing against the size `proposed`.
-    pub(super) fn accept_switches(&mut self, end_is: EndIs, (h, proposed): (f64, f64)) {
+    pub(super) fn accept_switches(
+        &mut self,
+        run: &mut Integration<T>,
+        end_is: EndIs,
+        (h, proposed): (f64, f64),
+    ) {
         let Some(crossings) = &mut self.crossings else {
             return;
         };
@@ -120,14 +131,14 @@ impl<T: Float> AdaptiveStepper<T> {
             }
         }
         if is_on_switch {
-            let jump = crossings.jump(&mut self.inner.core);
-            self.inner.cross(crossings.met(), jump);
+            let jump = crossings.jump(&mut run.core);
+            run.cross(crossings.met(), jump);
         }
     }
 
     /// The estimate of the step of size `h` just made.
-    fn estimate(&mut self, h: T, ends_on_switch: bool) -> Estimate {
-        let Stepper { core, y, next, .. } = &mut self.inner;
+    fn estimate(&mut self, run: &mut Integration<T>, h: T, ends_on_switch: bool) -> Estimate {
+        let Integration { core, y, next, .. } = run;
         let crossings = self.crossings.as_mut();
         let begins_on_switch = crossings.as_ref().is_some_and(|c| c.begins_on_one());
         let on_switch = [begins_on_switch, ends_on_switch];

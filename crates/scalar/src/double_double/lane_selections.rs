@@ -1,7 +1,7 @@
 //! Signs and selections of N double-doubles.
 
-use super::{DoubleDoubles, one_by_one};
 use crate::constant::Constant;
+use crate::double_double::lanes::{DoubleDoubles, one_by_one};
 use crate::double_double::number::{DoubleDouble, dd};
 use crate::double_double::transforms::Word;
 use crate::kernels::Lanes;

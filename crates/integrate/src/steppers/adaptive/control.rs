@@ -1,0 +1,178 @@
+//! How a run by tolerance begins, ends, turns round and is resumed.
+
+use crate::checkpoints::checkpoint::Checkpoint;
+use crate::checkpoints::exact::Exact;
+use crate::checkpoints::memories::ControlMemory;
+use crate::control::controller::Control;
+use crate::control::estimate::Decay;
+use crate::control::first_step::FirstSize;
+use crate::control::flow::Flow;
+use crate::control::stuck::shortest_at;
+use crate::error::IntegrateError;
+use crate::events::crossings::Crossings;
+use crate::options::method::Method;
+use crate::options::tolerance::Tolerance;
+use crate::report::variable_steps::VariableSteps;
+use crate::steppers::adaptive::adaptive_steps::AdaptiveSteps;
+use crate::steppers::integration::Integration;
+use crate::steppers::step_control::{StepControl, way};
+use equip_autodiff::Hamiltonian;
+use equip_scalar::Float;
+
+impl<T: Float> AdaptiveSteps<T> {
+    pub(in crate::steppers) fn new(
+        sizes: &Tolerance<T>,
+        method: Method,
+        system: &Hamiltonian,
+        run: &mut Integration<T>,
+    ) -> Result<Self, IntegrateError<T>> {
+        let (n, most) = (run.y.hi.len(), sizes.max_step.to_f64());
+        let tolerance = sizes.tightest();
+        let allowed = sizes.allowed(run.m, n / 2)?;
+        let crossings = Crossings::new(&system.switches(), run.core.method(), n, tolerance);
+        if crossings.is_some() {
+            run.core.defer_alphas();
+        }
+        Ok(AdaptiveSteps {
+            crossings,
+            control: Control::new(tolerance.to_f64(), method.degree(), most),
+            decay: Decay::new(run.core.method(), (n, run.m), tolerance, allowed),
+            flow: Flow::new(method.degree(), n),
+            slope_rounding: vec![T::int(0); n],
+            slopes: [(); 2].map(|()| vec![T::int(0); n]),
+            first: FirstSize::new(n),
+            first_step: sizes.first_step,
+            longest_first: f64::INFINITY,
+            tolerance,
+            time_low: T::int(0),
+            end: None,
+            min_step: sizes.min_step,
+            max_steps: sizes.max_steps,
+            tries: None,
+        })
+    }
+}
+
+impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
+    fn begin(
+        &mut self,
+        run: &mut Integration<T>,
+        start: (&[T], &[T]),
+        t0: T,
+        towards: Option<T>,
+    ) -> Result<(), IntegrateError<T>> {
+        let direction = way(t0, towards)?.unwrap_or_default();
+        run.start_at(start, t0, direction)?;
+        self.at_another_state(run);
+        (self.time_low, self.end) = (T::int(0), None);
+        let [first, longest] = match self.first_step {
+            Some(h) => [h.to_f64(); 2],
+            None => self.first.sizes(run.core.energy_mut(), &run.y.hi),
+        };
+        self.longest_first = longest;
+        self.control.begin(first.max(shortest_at(t0).to_f64()));
+        self.tries = self.first_step.is_none().then_some(0);
+        run.variable = Some(VariableSteps::new(self.tolerance));
+        Ok(())
+    }
+
+    fn restore(
+        &mut self,
+        run: &mut Integration<T>,
+        checkpoint: &Checkpoint,
+    ) -> Result<(), IntegrateError<T>> {
+        self.take_slope(run);
+        let memory = checkpoint.control()?;
+        self.time_low = checkpoint.time_low.read_finite("the time")?;
+        let what = "the memory of step control";
+        self.control.next = memory.next.read_finite::<T>(what)?.to_f64();
+        self.tries = memory.tries;
+        run.variable = Some(memory.variable_steps(self.tolerance)?);
+        let fits = match &mut self.crossings {
+            Some(crossings) => crossings.restore(&memory.switches),
+            None => memory.switches.sides.is_empty(),
+        };
+        if fits {
+            Ok(())
+        } else {
+            Err(IntegrateError::CheckpointDamaged { what })
+        }
+    }
+
+    fn remember(&self, run: &Integration<T>, checkpoint: &mut Checkpoint) {
+        let switches = self.crossings.as_ref().map(Crossings::memory);
+        let switches = switches.unwrap_or_default();
+        let size = (Exact::of(self.control.next), self.tries);
+        checkpoint.time_low = Exact::of(self.time_low);
+        let steps = run.variable.as_ref();
+        checkpoint.control = steps.map(|steps| ControlMemory::of(steps, size, switches));
+    }
+
+    fn set_end(&mut self, _: &Integration<T>, end: T) -> Result<(), IntegrateError<T>> {
+        self.end = Some(end);
+        Ok(())
+    }
+
+    fn is_done(&self, run: &Integration<T>) -> bool {
+        let is_ahead = |end| run.direction.is_before(run.time, end);
+        self.end.is_some_and(|end| !is_ahead(end))
+    }
+
+    fn at_another_state(&mut self, run: &mut Integration<T>) {
+        self.take_slope(run);
+        self.crossings.iter_mut().for_each(Crossings::begin);
+    }
+
+    fn at_another_time(&mut self, run: &mut Integration<T>) -> Result<(), IntegrateError<T>> {
+        self.time_low = T::int(0);
+        self.at_another_state(run);
+        Ok(())
+    }
+
+    fn turn_back(&mut self, run: &mut Integration<T>) {
+        run.direction = run.direction.turned();
+        self.end = None;
+        if let Some(crossings) = &mut self.crossings {
+            crossings.turn_back();
+        }
+    }
+
+    fn step(&mut self, run: &mut Integration<T>, meets_end: bool) -> Result<(), IntegrateError<T>> {
+        self.advance_within(run, self.end.filter(|_| meets_end))
+    }
+
+    fn step_towards(&mut self, run: &mut Integration<T>, t: T) -> Result<bool, IntegrateError<T>> {
+        if run.has_passed(t)? {
+            self.turn_back(run);
+        }
+        if t == run.time {
+            self.time_low = T::int(0);
+            return Ok(false);
+        }
+        let refused =
+            |run: &Integration<T>| run.variable.map(|steps| steps.rejected + steps.failed);
+        let (proposed, before) = (self.control.next, refused(run));
+        self.advance_within(run, Some(t))?;
+        // A step that was cut says nothing against the size that was proposed.
+        if refused(run) == before && run.last.0.abs().to_f64() < proposed {
+            self.control.next = self.control.next.max(proposed);
+        }
+        Ok(true)
+    }
+
+    fn time_low(&self) -> T {
+        self.time_low
+    }
+
+    fn size(&self) -> Option<T> {
+        None
+    }
+
+    fn next_step(&self) -> T {
+        T::exact(self.control.next)
+    }
+
+    fn next_time(&self) -> Option<T> {
+        None
+    }
+}
