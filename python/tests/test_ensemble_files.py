@@ -12,7 +12,7 @@ import pytest
 
 import equip
 
-NAMES = ("t", "q", "p", "energy_defect", "energy_kept", "steps", "lyapunov", "megno")
+NAMES = ("t", "q", "p", "energy_error", "energy_kept", "steps", "lyapunov", "megno")
 
 
 def starts(n):

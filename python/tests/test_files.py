@@ -109,7 +109,7 @@ def test_arrays_that_do_not_fit_are_refused(solution, tmp_path):
             with pytest.raises(equip.FileFormatError, match="is damaged"):
                 equip.load(path)
     for name in arrays:
-        if name not in ("curve", "energy_defect", "outcome"):
+        if name not in ("curve", "energy_error", "outcome"):
             write(path, words, {other: array for other, array in arrays.items() if other != name})
             with pytest.raises(equip.FileFormatError, match="missing"):
                 equip.load(path)

@@ -118,7 +118,7 @@ def test_three_ways_to_write_a_periodic_box_agree():
         values[name], forces[name] = h(q, p), h.gradient(q, p)[0]
         sol = equip.solve(h, q, p, (0, 0.5), tolerance=1e-9)
         assert sol.success and sol.certificate.counts.switches_crossed > 0
-        assert np.abs(sol.energy_defect).max() < 1e-2
+        assert np.abs(sol.energy_error).max() < 1e-2
         ends[name] = sol.q[-1]
     for name in WAYS:
         assert values[name] == pytest.approx(values["round"], rel=1e-13)

@@ -156,7 +156,7 @@ def test_bits_are_those_of_the_scene(name):
         assert np.array_equal(h.hessian(q, p), scene.hessian(q, p))
     runs = [equip.solve(x, scene.q0, scene.p0, (0, 20 * scene.step), step=scene.step) for x in (h, scene)]
     assert runs[0].success and np.array_equal(runs[0].y, runs[1].y)
-    assert np.array_equal(runs[0].energy_defect, runs[1].energy_defect)
+    assert np.array_equal(runs[0].energy_error, runs[1].energy_error)
 
 
 def test_all_scenes_are_functions():

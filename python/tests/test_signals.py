@@ -76,7 +76,7 @@ def large():
     n = 10**6
     draw = np.random.default_rng(1).random
     return dataclasses.replace(
-        sol, t=draw(n), y=draw((n, 4)), energy_defect=draw(n), t_low=draw(n), y_low=draw((n, 4)),
+        sol, t=draw(n), y=draw((n, 4)), energy_error=draw(n), t_low=draw(n), y_low=draw((n, 4)),
         outcome=np.full(n, "solved"),
     )
 

@@ -29,8 +29,8 @@ def sol():
 
 def test_certificate(sol):
     certificate = sol.certificate
-    assert certificate.energy_kept_on_every_step and certificate.energy_in_floors <= 8
-    assert certificate.energy_floor.floor < 1e-14 and certificate.energy_floor.scale == pytest.approx(0.5)
+    assert certificate.energy_kept_on_every_step and certificate.energy_in_round_off_levels <= 8
+    assert certificate.energy_round_off.round_off < 1e-14 and certificate.energy_round_off.scale == pytest.approx(0.5)
     assert certificate.phase_per_step is None and certificate.motion_is_resolved
     assert certificate.energy.start == pytest.approx(-0.5, abs=1e-15)
     assert certificate.counts.steps == sum(certificate.outcomes.values()) == len(sol.t) - 1
@@ -38,7 +38,7 @@ def test_certificate(sol):
     assert certificate.variable_steps.smallest <= certificate.step <= certificate.variable_steps.largest
     assert certificate.variable_steps.tolerance == 1e-12
     assert len(certificate.alpha_range) in (0, 7) and certificate.lyapunov is not None
-    assert certificate.energy.max == np.abs(sol.energy_defect).max()
+    assert certificate.energy.max == np.abs(sol.energy_error).max()
     assert str(certificate).startswith("energy conserved to round-off: yes, on every step\n")
     assert certificate.energy_conserved_to_round_off == "yes, on every step"
     assert next(iter(certificate.to_dict())) == "energy_conserved_to_round_off"
@@ -69,7 +69,7 @@ def test_files(sol, tmp_path, name):
     path = tmp_path / name
     sol.save(path)
     again = equip.load(path)
-    for name in ("t", "y", "q", "p", "energy_defect", "outcome", "t_low", "y_low"):
+    for name in ("t", "y", "q", "p", "energy_error", "outcome", "t_low", "y_low"):
         assert np.array_equal(getattr(again, name), getattr(sol, name))
     assert again.certificate == sol.certificate and again.success and again.message == sol.message
     assert all(
@@ -105,7 +105,7 @@ def test_files_are_checked(sol, tmp_path):
 
 def test_tables(sol):
     frame = sol.to_dataframe()
-    assert list(frame.columns) == ["t", "q[0]", "q[1]", "p[0]", "p[1]", "energy_defect"]
+    assert list(frame.columns) == ["t", "q[0]", "q[1]", "p[0]", "p[1]", "energy_error"]
     assert np.array_equal(frame["p[1]"], sol.p[:, 1])
     dataset = sol.to_xarray()
     assert (

@@ -19,7 +19,7 @@ def test_steps_are_those_of_the_run(kepler, how):
         [step.p for step in made], run.p[1:101]
     )
     assert np.array_equal([step.t for step in made], run.t[1:101])
-    assert np.array_equal([step.energy_defect for step in made], run.energy_defect[1:101])
+    assert np.array_equal([step.energy_error for step in made], run.energy_error[1:101])
     assert made[0].alphas.shape == (7,) and made[0].outcome in run.outcome
     assert made[0].t == pytest.approx(made[0].step)
 
@@ -42,7 +42,7 @@ def test_kicks(kepler):
     assert step.t == 1.1
     steps.set_state(step.q, 1.01 * step.p)
     kicked = next(steps)
-    assert kicked.t == pytest.approx(1.2) and abs(kicked.energy_defect) < 1e-15
+    assert kicked.t == pytest.approx(1.2) and abs(kicked.energy_error) < 1e-15
     assert kepler(kicked.q, kicked.p) == pytest.approx(kepler(step.q, 1.01 * step.p), abs=1e-15)
     assert kepler(kicked.q, kicked.p) > kepler(*START) + 0.01
 

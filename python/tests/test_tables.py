@@ -48,7 +48,7 @@ def test_runs_keep_the_energy_of_a_table():
     # The spline is within 1.3e-7 of the cosine, its slope within 7e-6.
     assert np.abs(runs[0].q - runs[1].q).max() < 1e-4
     # The third derivative jumps at the knots, which most steps pass: 5.3e-9, where the cosine has 4e-16.
-    assert np.abs(runs[0].energy_defect).max() < 1e-8
+    assert np.abs(runs[0].energy_error).max() < 1e-8
     again = pickle.loads(pickle.dumps(swing))
     assert np.array_equal(equip.solve(again, [1.0], [0.0], (0, 20), step=0.1).y, runs[0].y)
     assert pickle.loads(pickle.dumps(well))(0.3) == well(0.3)

@@ -55,7 +55,7 @@ def test_closed_form(pushed, how):
     # Measured 1e-13 and less.
     assert np.abs(sol.q[:, 0] - q).max() < 2e-12 and np.abs(sol.p[:, 0] - p).max() < 2e-12
     # H less the energy that has gone in is kept; H is not.
-    assert np.abs(sol.energy_defect).max() < 1e-13
+    assert np.abs(sol.energy_error).max() < 1e-13
     assert np.ptp(pushed(sol.q, sol.p, sol.t)) > 1
     times = np.linspace(0, 50, 77)
     assert np.abs(sol.sol(times)[0][:, 0] - exact(times)[0]).max() < 1e-11
@@ -93,7 +93,7 @@ def test_outputs_events_and_quantities(pushed):
     assert np.abs(exact(sol.t_events[1])[0] - sol.t_events[1] / 10).max() < 1e-11
     energy, position = sol.certificate.invariants
     assert energy.max > 0.5 and position.start == 0 and sol.certificate.energy.max < 1e-13
-    assert sol.energy_defect.shape == (0,)
+    assert sol.energy_error.shape == (0,)
 
 
 def test_double_double_has_its_digits():

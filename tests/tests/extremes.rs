@@ -168,7 +168,7 @@ fn shifted_energy<T: Float>(n: i64, s: usize) {
             certificate.alpha_range
         );
         assert!(certificate.energy_kept_on_every_step());
-        assert!(certificate.energy_in_floors.unwrap() <= T::int(8));
+        assert!(certificate.energy_in_round_off_levels.unwrap() <= T::int(8));
         // Measured up to 10 roundings of H, which is what 4 floors are here.
         assert!(energy <= T::int(16) * T::int(10_000_000_000) * T::EPSILON);
         // Never judge by the energy: the trajectory is no worse than that of Gauss.
@@ -228,7 +228,7 @@ fn every_number_of_stages<T: Float>(stages: &[usize], floor: f64) {
                 error < (*last / 3.0).max(floor),
                 "{method}: {error:e} after {last:e}"
             );
-            if s >= 3 && certificate.energy_in_floors.is_some() {
+            if s >= 3 && certificate.energy_in_round_off_levels.is_some() {
                 assert!(certificate.energy_kept_on_every_step(), "{certificate}");
                 assert!(decimal_digits(T::exact(energy)) > -floor.log10());
             }
@@ -284,7 +284,7 @@ fn circular_orbits_stay_what_they_are() {
         // 2e-7.
         assert!(error < 2e-10);
         assert!(certificate.energy_kept_on_every_step());
-        assert!(certificate.energy_in_floors.unwrap() <= 8.0);
+        assert!(certificate.energy_in_round_off_levels.unwrap() <= 8.0);
         let gradients = [&certificate, &gauss].map(|c| c.counts.gradients as f64);
         assert!(gradients[0] < 1.2 * gradients[1], "{gradients:?}");
     }
@@ -293,7 +293,7 @@ fn circular_orbits_stay_what_they_are() {
     let mut errors: Vec<f64> = (0..24)
         .map(|k| {
             let (error, certificate) = run(Equip::stages(16), 1e-8 * 1.4_f64.powi(k), 3500);
-            assert!(certificate.energy_in_floors.unwrap() <= 8.0);
+            assert!(certificate.energy_in_round_off_levels.unwrap() <= 8.0);
             error
         })
         .collect();

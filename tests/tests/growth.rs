@@ -147,7 +147,7 @@ fn a_chain_at_rest_is_iterated_from_the_first_step() {
         let mut worst = 0.0_f64;
         for _ in 0..steps {
             let view = run.advance().unwrap();
-            worst = worst.max(view.energy_defect.unwrap().abs());
+            worst = worst.max(view.energy_error.unwrap().abs());
         }
         let (counts, view) = (*run.counts(), run.view());
         assert_eq!(counts.taken_over + counts.halvings, 0);
@@ -175,7 +175,7 @@ fn rounding_among_many_components_is_no_matter_for_newton() {
         }
         let (counts, view) = (*run.counts(), run.view());
         assert_eq!(counts.newton_iterations + counts.taken_over, 0, "{steps}");
-        assert!(view.energy_defect.unwrap().abs() <= 1e-12);
+        assert!(view.energy_error.unwrap().abs() <= 1e-12);
         [view.q, view.p].concat()
     };
     let fine = end(Gauss::stages(16), 80);

@@ -49,7 +49,10 @@ fn orbit<T: Float>(method: Method, periods: i64) -> Orbit {
                 .max((energy(view.q, view.p) - e0).abs().to_f64());
             defect = moment(view.q, view.p) - l0;
             seen.momentum_max = seen.momentum_max.max(defect.abs().to_f64());
-            seen.solved += u64::from(matches!(view.outcome, Outcome::Solved | Outcome::AtFloor));
+            seen.solved += u64::from(matches!(
+                view.outcome,
+                Outcome::Solved | Outcome::AtRoundOff
+            ));
             seen.steps += 1;
         }
         seen.momentum.push(defect.to_f64());
@@ -160,11 +163,11 @@ fn chaotic<T: Float>(alphas: Alphas, q2: &str, steps: u64) -> (u64, f64) {
     let mut worst = 0.0_f64;
     for _ in 0..steps {
         let view = run.advance().unwrap();
-        worst = worst.max(view.energy_defect.unwrap().abs().to_f64());
+        worst = worst.max(view.energy_error.unwrap().abs().to_f64());
     }
     let counts = run.counts();
     let uncorrected = counts.uncorrected();
-    let solved = counts.outcome(Outcome::Solved) + counts.outcome(Outcome::AtFloor);
+    let solved = counts.outcome(Outcome::Solved) + counts.outcome(Outcome::AtRoundOff);
     assert_eq!(solved + uncorrected, steps);
     println!(
         "{alphas:?}, {}: {uncorrected} of {steps} uncorrected, energy {worst:.1e}",

@@ -12,7 +12,7 @@ use std::time::Instant;
 const SAMPLES: u64 = 1000;
 /// Floors within which the energy of a run stays: steps are judged by the largest floor of late, so that one
 /// with a lower floor of its own may have a defect of somewhat more.
-const FLOORS: f64 = 2.0;
+const LEVELS: f64 = 2.0;
 
 /// What a run of n steps leaves behind. Energies and moments of the samples are those of the f64 states,
 /// computed in double-double.
@@ -23,7 +23,7 @@ struct Long {
     /// Largest |H − H(y0)| of all steps, in f64.
     energy: f64,
     /// The same in round-off levels of the steps; 0 for Gauss, which is not judged by them.
-    in_floors: f64,
+    in_levels: f64,
     /// The largest round-off level of H, the running error bound over all operations of its recording. With
     /// six bodies it is ten times ε (2|H| + Σ|∂_iH y_i|), the rounding of the ends of its sums.
     floor: f64,
@@ -54,7 +54,7 @@ impl Long {
             n,
             counts: Counts::default(),
             energy: 0.0,
-            in_floors: 0.0,
+            in_levels: 0.0,
             floor: 0.0,
             energies: vec![0.0],
             moments: vec![0.0],
@@ -69,7 +69,7 @@ impl Long {
             .unwrap();
         for index in 1..=n {
             let view = stepper.advance().unwrap();
-            long.energy = long.energy.max(view.energy_defect.unwrap().abs());
+            long.energy = long.energy.max(view.energy_error.unwrap().abs());
             if index % every == 0 {
                 let (h1, l1) = exact(view.q, view.p);
                 long.energies.push((h1 - h0).to_f64());
@@ -78,8 +78,10 @@ impl Long {
         }
         long.counts = *stepper.counts();
         let certificate = stepper.certificate();
-        long.in_floors = certificate.energy_in_floors.unwrap_or(0.0);
-        long.floor = certificate.energy_floor.map_or(0.0, |floor| floor.floor);
+        long.in_levels = certificate.energy_in_round_off_levels.unwrap_or(0.0);
+        long.floor = certificate
+            .energy_round_off
+            .map_or(0.0, |level| level.round_off);
         long.print(method, begun.elapsed().as_secs_f64());
         long
     }
@@ -103,7 +105,7 @@ impl Long {
         };
         println!(
             "{method}, {} steps, {seconds:.1} s: energy max {:.2e}, floor {:.2e}, in floors {:.2}, {:?}",
-            self.n, self.energy, self.floor, self.in_floors, self.counts
+            self.n, self.energy, self.floor, self.in_levels, self.counts
         );
         show("energy", &self.energies);
         show("angular momentum", &self.moments);
@@ -115,12 +117,12 @@ impl Long {
         let n = self.n as f64;
         let largest = self.moments.iter().fold(0.0_f64, |a, x| a.max(x.abs()));
         let is_gauss = method == Gauss::stages(method.stage_count());
-        let in_floors = match is_gauss {
+        let in_levels = match is_gauss {
             true => String::new(),
-            false => format!("{:.1}", self.in_floors),
+            false => format!("{:.1}", self.in_levels),
         };
         format!(
-            "| {}, {} stages | {:.1e} | {in_floors} | {largest:.1e} | {:.1e} | {:.2} | {:.1} |\n",
+            "| {}, {} stages | {:.1e} | {in_levels} | {largest:.1e} | {:.1e} | {:.2} | {:.1} |\n",
             if is_gauss { "Gauss" } else { "EQUIP" },
             method.stage_count(),
             self.energy,
@@ -141,13 +143,13 @@ impl Long {
     fn keeps_both(&self) {
         // Measured: 0.2 to 1.13 floors, the energy by double-double 4e-22 where the floor is 4.0e-22.
         assert!(
-            self.floor > 0.0 && self.in_floors <= FLOORS,
+            self.floor > 0.0 && self.in_levels <= LEVELS,
             "{} floors",
-            self.in_floors
+            self.in_levels
         );
         for defect in &self.energies {
             assert!(
-                defect.abs() <= FLOORS * self.floor,
+                defect.abs() <= LEVELS * self.floor,
                 "{defect:e}, floor {:e}",
                 self.floor
             );

@@ -129,7 +129,7 @@ fn a_chain_is_as_near_as_gauss_for_little_more() {
             "α's are needed here"
         );
         assert_eq!((c.newton_iterations, c.halvings), (0, 0));
-        assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
+        assert!(ours.certificate().energy_in_round_off_levels.unwrap() <= 8.0);
     }
 }
 
@@ -147,7 +147,7 @@ fn twelve_masses_are_as_near_as_gauss() {
     assert!(error < 4.0 * least);
     assert_eq!(c.outcome(Outcome::Solved), c.steps, "α's are needed here");
     assert_eq!((c.taken_over, c.newton_iterations), (0, 0));
-    assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
+    assert!(ours.certificate().energy_in_round_off_levels.unwrap() <= 8.0);
 }
 
 /// A chain in units of 10^±100, whose energies are at 10^±200, and of 1e-20, where positions at rest have no
@@ -195,7 +195,7 @@ fn what_is_left_is_not_halved() {
     let c = counts(&run);
     println!("{c:?}");
     assert_eq!(c.halvings, 0);
-    assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
+    assert!(run.certificate().energy_in_round_off_levels.unwrap() <= 8.0);
 }
 
 /// Defects of some 5 floors are worth ten local errors, all of them near round-off: 14 of the 90 steps would
@@ -216,7 +216,7 @@ fn steps_near_round_off_are_whole() {
     assert!(c.outcome(Outcome::Solved) > 10, "α's are needed here");
     assert!(10 * c.halvings < c.steps && c.newton_iterations == 0);
     assert!(error < 3.0 * least && least < 1e-11);
-    assert!(ours.certificate().energy_in_floors.unwrap() <= 8.0);
+    assert!(ours.certificate().energy_in_round_off_levels.unwrap() <= 8.0);
 }
 
 /// Fixed-point iterations do not contract at h = 2.5: halves of the step do, and so do iterations with one
@@ -241,7 +241,7 @@ fn steps_that_are_too_long_for_fixed_point_iteration() {
     assert!(other.taken_over > 0 && other.newton_iterations > 0);
     assert_eq!(other.halvings, 0);
     for run in [&halved, &whole] {
-        assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
+        assert!(run.certificate().energy_in_round_off_levels.unwrap() <= 8.0);
     }
 }
 

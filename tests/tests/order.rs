@@ -209,7 +209,7 @@ fn orders_in_f64_down_to_its_rounding() {
     }
 }
 
-/// α's by responses in double-double: the order, an error below that of Gauss, the energy at its floor, and
+/// α's by responses in double-double: the order, an error below that of Gauss, the energy at round-off, and
 /// no Newton.
 #[test]
 fn responses_have_order_2s_in_double_double() {
@@ -224,7 +224,7 @@ fn responses_have_order_2s_in_double_double() {
             let step = step.preconditioner(Preconditioner::Automatic);
             let mut run = step.start(&h, &q, &p, D::int(0)).unwrap();
             for _ in 0..n {
-                let defect = run.advance().unwrap().energy_defect.unwrap();
+                let defect = run.advance().unwrap().energy_error.unwrap();
                 assert!(
                     defect.abs() < D::exact(1e-30),
                     "s = {s}, n = {n}: {defect:e}"

@@ -97,7 +97,7 @@ fn stays_at_rest<T: Float>() {
         let method = Equip::stages(3).alphas(alphas);
         let (all, counts) = states(method, T::ratio(1, 10), 100, &energy, &rest);
         assert!(all.iter().all(|x| *x == zero));
-        assert_eq!(counts.outcome(Outcome::AtFloor), 100);
+        assert_eq!(counts.outcome(Outcome::AtRoundOff), 100);
         assert_eq!(counts.directions, 0);
     }
     // The unstable one, as near as the float type gets: sin(π rounded) grows like eᵗ from there.
@@ -116,7 +116,7 @@ fn stays_at_rest<T: Float>() {
     );
     // e^10/2 = 11013 times |sin π rounded| ≤ ε, plus as much for the rounding of q.
     assert!(away <= T::int(100_000) * T::EPSILON);
-    assert_eq!(counts.outcome(Outcome::AtFloor), 100);
+    assert_eq!(counts.outcome(Outcome::AtRoundOff), 100);
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn below_the_floor<T: Float>(h: T, s: usize) {
         let method = Equip::stages(s).alphas(alphas);
         let (equip, counts) = states(method, h, 200, &energy, &start);
         assert_eq!(
-            counts.outcome(Outcome::AtFloor),
+            counts.outcome(Outcome::AtRoundOff),
             200,
             "{method}: {counts:?}"
         );
@@ -218,5 +218,5 @@ fn an_energy_not_measured_is_not_evaluated() {
         .integrate(&energy, &start.q, &start.p, 0.0..=1.0)
         .unwrap();
     assert_eq!(run.certificate().counts.energies, 0);
-    assert!(run.certificate().energy.is_none() && run.energy_defects().is_empty());
+    assert!(run.certificate().energy.is_none() && run.energy_errors().is_empty());
 }

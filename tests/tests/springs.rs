@@ -80,7 +80,7 @@ fn energy_is_kept_beside_springs() {
             let run = chain(&with(Equip::stages(s), h, m), 20.0);
             let certificate = run.certificate();
             assert!(certificate.energy_kept_on_every_step());
-            assert!(certificate.energy_in_floors.unwrap() <= 8.0);
+            assert!(certificate.energy_in_round_off_levels.unwrap() <= 8.0);
         }
     }
 }
@@ -108,7 +108,7 @@ fn iterations_do_not_grow_with_the_frequency() {
     }
 }
 
-/// Energy is at its floor, and grows neither without α's nor with them.
+/// Energy is at its round-off level, and grows neither without α's nor with them.
 #[test]
 #[ignore = "known deficit: 1.2e-14 with one Hessian in M, h = 0.1, 1e-14 allowed"]
 fn energy_is_kept() {
@@ -119,7 +119,7 @@ fn energy_is_kept() {
             println!("{m:?}, h = {h}: {:e}", energy.max);
             // Of an energy of 2.
             assert!(energy.max.abs() < 1e-14);
-            assert!(run.certificate().energy_in_floors.unwrap() <= 8.0);
+            assert!(run.certificate().energy_in_round_off_levels.unwrap() <= 8.0);
         }
         let options = with(Gauss::stages(16), 0.1, m).measure_energy(true);
         let run = chain(&options, 200.0);

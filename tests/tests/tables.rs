@@ -66,7 +66,7 @@ fn fixed_steps_over_knots() {
             run.unwrap()
         });
         let [equip, gauss] = runs.each_ref().map(|run| {
-            let sizes = run.energy_defects().iter().map(|defect| defect.abs());
+            let sizes = run.energy_errors().iter().map(|defect| defect.abs());
             sizes.fold(0.0, f64::max)
         });
         let off = (end(&runs[0]) - PENDULUM_AT_100).abs();
@@ -196,7 +196,7 @@ fn lennard_jones_with_crowded_knots() {
         method.integrate(h, &[1.05], &[0.5], 0.0..=20.0).unwrap()
     });
     let defects = runs.each_ref().map(|run| {
-        let sizes = run.energy_defects().iter().map(|defect| defect.abs());
+        let sizes = run.energy_errors().iter().map(|defect| defect.abs());
         sizes.fold(0.0, f64::max)
     });
     let [q, exact] = runs.each_ref().map(end);

@@ -28,7 +28,7 @@ fn kepler(method: Method, reach: Reach, revolutions: f64, steps: u64) -> (u64, f
     let mut energy = 0.0_f64;
     for _ in 0..steps {
         let view = run.advance().unwrap();
-        energy = energy.max(view.energy_defect.unwrap().abs());
+        energy = energy.max(view.energy_error.unwrap().abs());
     }
     let (view, [x, y]) = (run.view(), position(revolutions));
     let error = (view.q[0] - x).hypot(view.q[1] - y);

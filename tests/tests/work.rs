@@ -8,7 +8,7 @@ use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, double_pendulum, henon_heiles, kepler};
 
 /// [fixed-point iterations, those with a preconditioner, factorisations, ∇H, ∇²H, directions, moves of the
-/// α's, local errors], and the steps [at the floor, solved, uncorrected, halved].
+/// α's, local errors], and the steps [at round-off, solved, uncorrected, halved].
 fn work<T: Float>(
     method: Method,
     h: T,
@@ -36,7 +36,7 @@ fn work<T: Float>(
         c.alpha_moves,
         c.local_errors,
     ];
-    let [floor, solved] = [Outcome::AtFloor, Outcome::Solved].map(|o| c.outcome(o));
+    let [floor, solved] = [Outcome::AtRoundOff, Outcome::Solved].map(|o| c.outcome(o));
     (work, [floor, solved, c.uncorrected(), c.halvings])
 }
 

@@ -57,7 +57,7 @@ pub(crate) struct Leg {
     pub(crate) outcomes: Vec<(String, u64)>,
     /// Steps made.
     pub(crate) steps: u64,
-    /// Steps with the energy at its floor, as their outcome says.
+    /// Steps with the energy at its round-off level, as their outcome says.
     pub(crate) kept: u64,
     /// Largest |H − H_ref|.
     pub(crate) energy: f64,
@@ -88,8 +88,8 @@ pub(crate) fn run(contestant: Contestant, task: &Task<'_>, limit: Duration) -> L
     for index in 0..task.steps {
         match stepper.advance() {
             Ok(view) => {
-                energy = energy.max(view.energy_defect.map_or(0.0, f64::abs));
-                floor = floor.max(view.energy_floor.unwrap_or(0.0));
+                energy = energy.max(view.energy_error.map_or(0.0, f64::abs));
+                floor = floor.max(view.energy_round_off.unwrap_or(0.0));
             }
             Err(error) => {
                 ending = Ending::Failed(error.to_string());

@@ -93,7 +93,7 @@ fn by_regime(text: &mut String, cells: &[&Cell]) {
 fn short(text: &mut String, own: &[&Cell], random: &[&Cell]) {
     let _ = writeln!(
         text,
-        "\n| regime | time: median, 99 % | error: mean, 98 %, largest | steps at the floor |\n|---|---|---|---|"
+        "\n| regime | time: median, 99 % | error: mean, 98 %, largest | steps at round-off |\n|---|---|---|---|"
     );
     let mut row = |name: &str, cells: &[&Cell], regime: Regime| {
         let of = cells.iter().copied().filter(|cell| cell.regime == regime);
@@ -121,7 +121,7 @@ fn short(text: &mut String, own: &[&Cell], random: &[&Cell]) {
     row("random starts, resolved", random, Regime::Resolved);
 }
 
-/// Share of EQUIP's steps whose energy is at its floor.
+/// Share of EQUIP's steps whose energy is at its round-off level.
 fn kept(cells: &[&Cell]) -> f64 {
     let sum = |count: fn(&Cell) -> u64| cells.iter().map(|cell| count(cell)).sum::<u64>() as f64;
     sum(|cell| cell.equip.kept) / sum(|cell| cell.equip.steps).max(1.0)
@@ -173,7 +173,7 @@ fn targets(text: &mut String, cells: &[&Cell]) {
     most("error exits where Gauss has none", exits as f64, 0.0);
     let kept = 100.0 * kept(&several(4));
     line(
-        "energy at its floor, resolved, s >= 4, % of the steps, 99",
+        "energy at round-off, resolved, s >= 4, % of the steps, 99",
         kept,
         kept >= 99.0,
     );

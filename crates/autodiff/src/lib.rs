@@ -47,4 +47,4 @@ pub use structure::kinetic::Kinetic;
 pub use structure::pattern::Pattern;
 
 #[doc(hidden)]
-pub use native::fused::{Fused, Slopes};
+pub use native::fused::{Fused, StageGradients};

@@ -185,9 +185,9 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
             time,
             step,
             defect,
-            floor,
+            round_off,
         } => format!(
-            "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off level {floor:e}); take a smaller --step, more --stages, --method equip, or leave out --reach refuse to leave the energy error to a later step"
+            "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off level {round_off:e}); take a smaller --step, more --stages, --method equip, or leave out --reach refuse to leave the energy error to a later step"
         ),
         other => other.to_string(),
     }

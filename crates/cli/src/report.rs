@@ -20,14 +20,14 @@ mod subject;
 use crate::args::ReportArgs;
 use crate::commands::growth;
 use crate::fault::Fault;
-use crate::limits::FLOORS;
+use crate::limits::LEVELS;
 use crate::run::progress::steps_of;
 use crate::text::wrapped;
 use contender::contenders;
 use equip_scalar::{DoubleDouble, Float};
 use indicatif::ProgressBar;
 use measure::{Budget, curves};
-use results::{Results, floor};
+use results::{Results, round_off};
 use std::fs;
 use std::io::{Write, stdout};
 use std::path::Path;
@@ -177,7 +177,7 @@ fn measured<T: Float>(
         f64::NAME => subject.title,
         _ => format!("{}, in double-double", subject.title),
     };
-    let figure = picture::scene(&title, &curves, floor(&curves));
+    let figure = picture::scene(&title, &curves, round_off(&curves));
     Ok(Results {
         name: subject.name,
         precision: T::NAME,
@@ -216,7 +216,7 @@ fn facts(results: &[Results], begun: Instant) -> Vec<String> {
         format!("{cpu}, {cores} cores, {} on {}; one thread is used", std::env::consts::OS, std::env::consts::ARCH),
         format!("CPU time of complete runs in which H is not measured; medians of {fewest} to {most} interleaved repeats; the tables have their spread"),
         "error: the largest difference in any component of q and p at the end; H is given as a closure, and all methods use the gradient derived from it".into(),
-        format!("hollow marks: |ΔH| exceeds {FLOORS} round-off levels of H"),
+        format!("hollow marks: |ΔH| exceeds {LEVELS} round-off levels of H"),
         "times to an error: interpolated linearly in both logarithms; a setting counts if the next finer one has at most this error too".into(),
         format!("measured in {:.0} s", begun.elapsed().as_secs_f64()),
     ]

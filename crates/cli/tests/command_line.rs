@@ -304,7 +304,7 @@ fn steps_that_resolve_nothing_are_named() {
     assert_eq!(document["motion_is_resolved"], false);
     let angle = document["phase_per_step"]["angle"].as_f64().unwrap();
     assert!((angle - 50.0).abs() < 1.0, "{angle}");
-    assert_eq!(document["energy_floor"]["is_small"], true);
+    assert_eq!(document["energy_round_off"]["is_small"], true);
     for count in ["simplified_factorisations", "local_errors", "output_steps"] {
         assert!(document["work"][count].is_u64(), "{count}");
     }

@@ -371,7 +371,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// No admissible α keeps the energy, and the user asked to refuse such steps.
     #[error(
-        "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {defect:e}, round-off level {floor:e}); take a smaller step, more stages, all α, or leave the energy error to a later step",
+        "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {defect:e}, round-off level {round_off:e}); take a smaller step, more stages, all α, or leave the energy error to a later step",
         time = plain(*time), step = plain(*step))]
     NoAdmissibleAlpha {
         /// Start of the step.
@@ -381,7 +381,7 @@ pub enum IntegrateError<T: Float> {
         /// H − H_ref of the step with α = 0.
         defect: T,
         /// What of it would be round-off.
-        floor: T,
+        round_off: T,
     },
 }
 

@@ -31,9 +31,9 @@ pub use options::method::{Equip, Gauss, Method};
 pub use options::record::Record;
 pub use report::certificate::Certificate;
 pub use report::chaos_indicators::ChaosIndicators;
-pub use report::defect::Defect;
-pub use report::energy_floor::EnergyFloor;
+pub use report::conserved::Conserved;
 pub use report::energy_jumps::EnergyJumps;
+pub use report::energy_round_off::EnergyRoundOff;
 pub use report::phase_per_step::PhasePerStep;
 pub use report::variable_steps::VariableSteps;
 #[cfg(feature = "rayon")]

@@ -85,7 +85,7 @@ fn errors_grow_linearly_and_those_of_gauss_do_not() {
     assert!(steps_per_period(&equip) < 30.0);
     let certificate = equip.certificate();
     assert!(certificate.energy_kept_on_every_step());
-    assert!(certificate.energy_in_floors.unwrap() <= 8.0);
+    assert!(certificate.energy_in_round_off_levels.unwrap() <= 8.0);
     // Steps are smooth: measured none refused for their error and none unsolved, of 2500; with 1e-12 92.
     let steps = certificate.variable_steps.unwrap();
     assert!(steps.rejected <= 20 && steps.failed == 0);
@@ -286,11 +286,11 @@ fn pythagorean_to_ten() {
     println!(
         "{error:.1e}, {} steps, {:.1} floors",
         c.counts.steps,
-        c.energy_in_floors.unwrap()
+        c.energy_in_round_off_levels.unwrap()
     );
     // A unit in the last place of the start moves the end by 4e-12 to 2e-10 (12 starts, Gauss alike).
     assert!(error < 2e-10);
-    assert!(c.energy_in_floors.unwrap() <= 8.0);
+    assert!(c.energy_in_round_off_levels.unwrap() <= 8.0);
 }
 
 #[test]
@@ -306,11 +306,11 @@ fn what_a_pericentre_leaves_is_repaired() {
         energy.max,
         energy.end,
         c.counts.steps,
-        c.energy_in_floors.unwrap()
+        c.energy_in_round_off_levels.unwrap()
     );
     // Measured 1.9e-12, 3e-13, none of 1929, 0.97. Without fewer α's a fifth of the steps is uncorrected.
     assert!(uncorrected <= c.counts.steps / 500);
-    assert!(c.energy_in_floors.unwrap() <= 8.0);
+    assert!(c.energy_in_round_off_levels.unwrap() <= 8.0);
     // At the pericentre the terms of H are 10³ times its value, and round to 2e-13 of it: of the phase that
     // is 3π times as much a revolution, 6e-11 in 30.
     let error = error(&scene, &made);

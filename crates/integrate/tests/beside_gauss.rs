@@ -106,7 +106,7 @@ fn round_off_of_a_close_pass_is_not_carried() {
     let mut worst = 0.0_f64;
     for _ in 0..12_000 {
         let view = run.advance().unwrap();
-        worst = worst.max(view.energy_defect.unwrap().abs() / view.energy_floor.unwrap());
+        worst = worst.max(view.energy_error.unwrap().abs() / view.energy_round_off.unwrap());
     }
     assert_eq!(run.counts().uncorrected(), 0);
     assert!(worst <= 8.0, "{worst} floors");

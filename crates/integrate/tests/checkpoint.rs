@@ -59,7 +59,7 @@ fn assert_same<T: Float>(whole: &Run<T>, rest: &Run<T>, at: usize) {
         );
         assert_eq!(bits(whole.q(j)), bits(rest.q(i)), "step {j}");
         assert_eq!(bits(whole.p(j)), bits(rest.p(i)), "step {j}");
-        assert_eq!(whole.energy_defects()[j], rest.energy_defects()[i]);
+        assert_eq!(whole.energy_errors()[j], rest.energy_errors()[i]);
         assert_eq!(whole.outcomes()[j], rest.outcomes()[i]);
     }
     let (mut a, b) = (whole.certificate().clone(), rest.certificate());

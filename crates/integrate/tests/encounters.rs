@@ -43,7 +43,7 @@ fn pythagorean_through_its_close_encounters() {
                 .collect();
             let c = made.certificate();
             let energy = c.energy.as_ref().unwrap();
-            let floors = c.energy_in_floors.map(|x| format!("{x:.1}"));
+            let levels = c.energy_in_round_off_levels.map(|x| format!("{x:.1}"));
             table += &format!(
                 "| {tolerance:e}, {name} | {:.1e} | {:.1e} | {:.1e} | {} | {:.1e} | {} | {:.0e} |\n",
                 errors[0],
@@ -51,7 +51,7 @@ fn pythagorean_through_its_close_encounters() {
                 errors[2],
                 c.counts.steps,
                 energy.max,
-                floors.unwrap_or_default(),
+                levels.unwrap_or_default(),
                 energy.end.abs(),
             );
             if name == "EQUIP" {

@@ -68,7 +68,10 @@ fn uncorrected_steps_are_counted_on_the_first_line() {
     let expected = format!("NO: {left} of {steps} steps uncorrected, largest error {largest:.1e}");
     assert_eq!(verdict(certificate), expected);
     // Multiples of the round-off level are those of all steps, of uncorrected ones too.
-    assert!(certificate.energy_in_floors.unwrap() > 8.0, "{certificate}");
+    assert!(
+        certificate.energy_in_round_off_levels.unwrap() > 8.0,
+        "{certificate}"
+    );
 
     let run = made(&Gauss::stages(4).step(8e-4), &h, start, 0.04);
     let largest = run.certificate().energy.as_ref().unwrap().max;

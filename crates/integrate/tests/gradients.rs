@@ -217,9 +217,9 @@ fn a_step_that_fails_in_its_second_part_forgets_no_floor() {
         }
         run
     }
-    fn floor_back(run: &mut Stepper<f64>) -> f64 {
+    fn round_off_back(run: &mut Stepper<f64>) -> f64 {
         run.turn_back();
-        run.advance().unwrap().energy_floor.unwrap()
+        run.advance().unwrap().energy_round_off.unwrap()
     }
     let mut smooth = after_128_steps(&energy(9.0));
     let from = smooth.view().q[0];
@@ -243,7 +243,7 @@ fn a_step_that_fails_in_its_second_part_forgets_no_floor() {
     // It began at the kink.
     assert!((time - 0.257).abs() < 1e-5, "{error}");
     let mut smooth = after_128_steps(&energy(9.0));
-    let (floor, of_late) = (floor_back(&mut run), floor_back(&mut smooth));
-    println!("{floor:e} {of_late:e}");
-    assert!(floor > 0.9 * of_late);
+    let (round_off, of_late) = (round_off_back(&mut run), round_off_back(&mut smooth));
+    println!("{round_off:e} {of_late:e}");
+    assert!(round_off > 0.9 * of_late);
 }

@@ -27,7 +27,9 @@ fn certified<T: Float>(run: &Stepper<T>) -> String {
 fn bits<T: Float>(view: &StepView<'_, T>) -> (u64, Vec<[u64; 6]>, String) {
     let numbers = [view.time, view.step].into_iter();
     let numbers = numbers.chain(view.q.iter().chain(view.p).chain(view.alphas).copied());
-    let numbers = numbers.chain(view.energy_defect).chain(view.energy_floor);
+    let numbers = numbers
+        .chain(view.energy_error)
+        .chain(view.energy_round_off);
     let bits = numbers.map(|x| x.expansion().map(f64::to_bits)).collect();
     (view.index, bits, format!("{:?}", view.outcome))
 }

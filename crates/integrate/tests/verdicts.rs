@@ -123,9 +123,9 @@ fn a_quadratic_energy_is_judged_by_its_defect() {
         let options = Equip::stages(4).step(0.1);
         let run = options.integrate(h, &[centre], &[1.0], 0.0..=10.0).unwrap();
         println!("{}", run.certificate());
-        let floor = run.certificate().energy_floor.unwrap();
+        let round_off = run.certificate().energy_round_off.unwrap();
         let defect = run.certificate().energy.as_ref().unwrap().max;
-        assert!((floor.floor - defect).abs() < f64::MIN_POSITIVE);
+        assert!((round_off.round_off - defect).abs() < f64::MIN_POSITIVE);
         run.certificate().energy_kept_on_every_step()
     };
     let written_out = Hamiltonian::new(1, move |q, p| {

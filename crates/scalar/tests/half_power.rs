@@ -61,7 +61,7 @@ impl<T: Float, const N: usize> Kernel for Powers<T, N> {
     fn run(&mut self) -> Self::Output {
         let x = T::Pack::<N>::of(&self.0);
         let power = Scalar::powf(x, self.1);
-        [power, Piecewise::powf_slope(x, power, self.1)].map(Pack::numbers)
+        [power, Piecewise::powf_derivative(x, power, self.1)].map(Pack::numbers)
     }
 }
 
@@ -77,7 +77,7 @@ fn in_lanes<T: Float>() {
                     let found = set.run(&mut Powers::<T, 4>(*x, c));
                     for (k, &x) in x.iter().enumerate() {
                         let power = <T as Scalar>::powf(x, c);
-                        let expected = [power, Piecewise::powf_slope(x, power, c)];
+                        let expected = [power, Piecewise::powf_derivative(x, power, c)];
                         let found = found.map(|found| found[k]);
                         assert!(
                             same(found[0], expected[0]),
@@ -109,7 +109,7 @@ fn at_the_ends() {
         [f64::INFINITY, 0.0]
     );
     assert!(power(-1.0, 1.5).is_nan() && power(f64::NAN, 0.5).is_nan());
-    let slope = |x: f64, c: f64| f64::powf_slope(x, power(x, c), c.into());
+    let slope = |x: f64, c: f64| f64::powf_derivative(x, power(x, c), c.into());
     assert_eq!(
         [slope(0.0, 0.5), slope(0.0, 1.5), slope(0.0, 2.5)],
         [f64::INFINITY, 0.0, 0.0]

@@ -39,7 +39,7 @@ fn everything<S: Piecewise>(x: S, y: S) -> [S; COUNT] {
         S::asin(x), S::acos(x), S::atan(x), S::atan2(x, y), S::sinh(x),
         S::cosh(x), S::tanh(x), S::hypot(x, y), S::abs(x), S::min(x, y),
         S::max(x, y), S::powf(x, c), S::pow(x, y), S::sign(x), S::at_most(x, y),
-        S::where_nonzero(x, y), S::times_slope(x, y), S::powf_slope(x, S::powf(x, c), c), S::powi(x, 0), S::powi(x, 1),
+        S::where_nonzero(x, y), S::times_derivative(x, y), S::powf_derivative(x, S::powf(x, c), c), S::powi(x, 0), S::powi(x, 1),
         S::powi(x, 2), S::powi(x, 3), S::powi(x, 4), S::powi(x, 5), S::powi(x, 6), S::powi(x, 7), S::powi(x, -1), S::powi(x, -6),
         S::cbrt(x), S::exp2(x), S::asinh(x), S::acosh(x), S::atanh(x), S::erf(x), S::erfc(x), S::signum(x),
         S::select(x, y, x * y), S::outside(&(Arc::new(Lorentzian) as _), [0, 0], [x, x]),

@@ -217,18 +217,18 @@ impl<T: Float> Constraint<T> {
     }
 
     /// Below this g is round-off: the largest floor of late.
-    pub fn floor(&self) -> T {
-        self.floor.max(self.late)
+    pub fn round_off(&self) -> T {
+        self.round_off.max(self.late)
     }
 
     /// The round-off level of g at the end of the step itself.
-    pub fn momentary_floor(&self) -> T {
-        self.floor
+    pub fn momentary_round_off(&self) -> T {
+        self.round_off
     }
 
     /// |g| in the largest floors of late.
-    pub fn in_late_floors(&self) -> T {
-        self.defect.abs() / self.floor()
+    pub fn in_late_levels(&self) -> T {
+        self.defect.abs() / self.round_off()
     }
 }
 
@@ -246,7 +246,7 @@ impl<T: Float> Core<T> {
         for (name, number) in [
             ("references", (|c| c.reference) as fn(&Constraint<T>) -> T),
             ("floors", |c| c.late),
-            ("defects", |c| c.start_defect),
+            ("defects", |c| c.start_error),
         ] {
             memory.put(name, self.constraints.iter().map(number));
         }
@@ -278,7 +278,7 @@ impl<T: Float> Core<T> {
                 (|c| &mut c.reference) as fn(&mut Constraint<T>) -> &mut T,
             ),
             ("floors", |c| &mut c.late),
-            ("defects", |c| &mut c.start_defect),
+            ("defects", |c| &mut c.start_error),
         ] {
             memory.read(name, &mut numbers)?;
             for (constraint, &x) in self.constraints.iter_mut().zip(&numbers) {

@@ -149,8 +149,8 @@ impl<T: Float> StepTangent<T> {
             // α is small: to what its rounding leaves of r. Without v the derivative is that at fixed α.
             if self.solve(T::EPSILON.sqrt()) {
                 self.v.copy_from_slice(&self.linear.sums()[..n]);
-                let slope = dot(&self.gradients[n..], &self.v);
-                self.v.iter_mut().for_each(|v| *v /= slope);
+                let derivative = dot(&self.gradients[n..], &self.v);
+                self.v.iter_mut().for_each(|v| *v /= derivative);
             }
             if self.v.iter().any(|v| !v.is_finite()) {
                 self.v.fill(T::int(0));

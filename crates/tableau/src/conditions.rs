@@ -23,11 +23,11 @@ use equip_scalar::Float;
 /// B(p): quadrature of degree p − 1. Gauss has B(2s).
 ///
 /// ```
-/// use equip_tableau::{Tableau, conditions::b_defect};
-/// assert!(b_defect(&Tableau::<f64>::classic(), 4) < 1e-15);
-/// assert!(b_defect(&Tableau::<f64>::classic(), 5) > 0.01);
+/// use equip_tableau::{Tableau, conditions::b_residual};
+/// assert!(b_residual(&Tableau::<f64>::classic(), 4) < 1e-15);
+/// assert!(b_residual(&Tableau::<f64>::classic(), 5) > 0.01);
 /// ```
-pub fn b_defect<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
+pub fn b_residual<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
     let values = polynomials_at_nodes(tableau, p);
     let defect = |(k, p_k): (usize, &Vec<T>)| dot(&tableau.b, p_k) - delta(k);
     largest(values.iter().enumerate().map(defect))
@@ -36,10 +36,10 @@ pub fn b_defect<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
 /// C(η): the stages are collocated to degree η. Gauss has C(s).
 ///
 /// ```
-/// use equip_tableau::{Tableau, conditions::c_defect};
-/// assert!(c_defect(&Tableau::<f64>::radau_iia(), 2) < 1e-15);
+/// use equip_tableau::{Tableau, conditions::c_residual};
+/// assert!(c_residual(&Tableau::<f64>::radau_iia(), 2) < 1e-15);
 /// ```
-pub fn c_defect<T: Float>(tableau: &Tableau<T>, eta: usize) -> T {
+pub fn c_residual<T: Float>(tableau: &Tableau<T>, eta: usize) -> T {
     let values = polynomials_at_nodes(tableau, eta);
     let integrals = integrals_at_nodes(tableau, eta);
     largest(values.iter().zip(&integrals).flat_map(|(p_k, integral_k)| {
@@ -55,10 +55,10 @@ pub fn c_defect<T: Float>(tableau: &Tableau<T>, eta: usize) -> T {
 /// D(ζ): the transposed condition. Gauss has D(s).
 ///
 /// ```
-/// use equip_tableau::{Tableau, conditions::d_defect};
-/// assert!(d_defect(&Tableau::<f64>::classic(), 1) < 1e-15);
+/// use equip_tableau::{Tableau, conditions::d_residual};
+/// assert!(d_residual(&Tableau::<f64>::classic(), 1) < 1e-15);
 /// ```
-pub fn d_defect<T: Float>(tableau: &Tableau<T>, zeta: usize) -> T {
+pub fn d_residual<T: Float>(tableau: &Tableau<T>, zeta: usize) -> T {
     let values = polynomials_at_nodes(tableau, zeta);
     let integrals = integrals_at_nodes(tableau, zeta);
     let (s, b) = (tableau.stages(), &tableau.b);
@@ -85,13 +85,13 @@ pub fn d_defect<T: Float>(tableau: &Tableau<T>, zeta: usize) -> T {
 /// Necessary for order p where C(1) holds; they find the entry that an α has moved.
 ///
 /// ```
-/// use equip_tableau::{Coefficients, conditions::bilinear_defect};
+/// use equip_tableau::{Coefficients, conditions::bilinear_residual};
 /// let perturbed = Coefficients::<f64>::gauss(8)?.tableau(&[0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.0]);
-/// assert!(bilinear_defect(&perturbed, 6) < 1e-14);
-/// assert!((bilinear_defect(&perturbed, 7) - 0.1).abs() < 1e-14);
+/// assert!(bilinear_residual(&perturbed, 6) < 1e-14);
+/// assert!((bilinear_residual(&perturbed, 7) - 0.1).abs() < 1e-14);
 /// # Ok::<(), equip_tableau::TableauError>(())
 /// ```
-pub fn bilinear_defect<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
+pub fn bilinear_residual<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
     let n = p.saturating_sub(1);
     let values = polynomials_at_nodes(tableau, n);
     largest(values.iter().enumerate().flat_map(|(b, p_b)| {
@@ -106,10 +106,10 @@ pub fn bilinear_defect<T: Float>(tableau: &Tableau<T>, p: usize) -> T {
 /// (Sanz-Serna 1988; Lasagni 1988; Suris 1988).
 ///
 /// ```
-/// use equip_tableau::{Tableau, conditions::symplecticity_defect};
-/// assert_eq!(symplecticity_defect(&Tableau::<f64>::trapezoidal()), 0.25);
+/// use equip_tableau::{Tableau, conditions::symplecticity_residual};
+/// assert_eq!(symplecticity_residual(&Tableau::<f64>::trapezoidal()), 0.25);
 /// ```
-pub fn symplecticity_defect<T: Float>(tableau: &Tableau<T>) -> T {
+pub fn symplecticity_residual<T: Float>(tableau: &Tableau<T>) -> T {
     let (s, a, b) = (tableau.stages(), &tableau.a, &tableau.b);
     largest(
         (0..s).flat_map(|i| {
@@ -122,10 +122,10 @@ pub fn symplecticity_defect<T: Float>(tableau: &Tableau<T>) -> T {
 /// (Stetter 1973; Wanner 1973). The stages are taken in the order given, c_{s+1−i} = 1 − c_i.
 ///
 /// ```
-/// use equip_tableau::{Tableau, conditions::symmetry_defect};
-/// assert_eq!(symmetry_defect(&Tableau::<f64>::trapezoidal()), 0.0);
+/// use equip_tableau::{Tableau, conditions::symmetry_residual};
+/// assert_eq!(symmetry_residual(&Tableau::<f64>::trapezoidal()), 0.0);
 /// ```
-pub fn symmetry_defect<T: Float>(tableau: &Tableau<T>) -> T {
+pub fn symmetry_residual<T: Float>(tableau: &Tableau<T>) -> T {
     let (s, a, b) = (tableau.stages(), &tableau.a, &tableau.b);
     let of_a = (0..s * s).map(|ij| a[ij] + a[s * s - 1 - ij] - b[ij % s]);
     let of_b = (0..s).map(|i| b[i] - b[s - 1 - i]);

@@ -22,7 +22,7 @@
 //!
 //! let gauss = Coefficients::<f64>::gauss(3)?;
 //! let perturbed = gauss.tableau(&[0.0, 0.05]);
-//! assert!(conditions::symplecticity_defect(&perturbed) < 1e-15);
+//! assert!(conditions::symplecticity_residual(&perturbed) < 1e-15);
 //! # Ok::<(), equip_tableau::TableauError>(())
 //! ```
 #![forbid(unsafe_code)]

@@ -1,6 +1,6 @@
 //! The order of a method, from its tableau alone.
 
-use crate::conditions::{b_defect, bilinear_defect, c_defect, d_defect, symmetry_defect};
+use crate::conditions::{b_residual, bilinear_residual, c_residual, d_residual, symmetry_residual};
 use crate::tableau::Tableau;
 use crate::trees::{MAX_TREE_ORDER, Tree, Trees, Walk};
 use equip_scalar::Float;
@@ -24,17 +24,17 @@ pub fn order<T: Float>(tableau: &Tableau<T>, tolerance: T) -> usize {
     let holds = |defect: T| defect <= tolerance;
     let (mut lower, mut upper) = (0, 2 * tableau.stages());
     // Without C(1) the nodes are not those the equation sees, and the assumptions below say nothing.
-    if holds(c_defect(tableau, 1)) {
+    if holds(c_residual(tableau, 1)) {
         let last = |condition: fn(&Tableau<T>, usize) -> T| {
             (1..=upper)
                 .take_while(|&n| holds(condition(tableau, n)))
                 .count()
         };
-        let (p, eta, zeta) = (last(b_defect), last(c_defect), last(d_defect));
+        let (p, eta, zeta) = (last(b_residual), last(c_residual), last(d_residual));
         lower = p.min(eta + zeta + 1).min(2 * eta + 2);
-        upper = p.min(last(bilinear_defect)).max(lower);
+        upper = p.min(last(bilinear_residual)).max(lower);
     }
-    let symmetric = holds(symmetry_defect(tableau));
+    let symmetric = holds(symmetry_residual(tableau));
     if symmetric {
         lower += lower % 2;
         upper -= upper % 2;

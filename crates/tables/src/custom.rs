@@ -12,7 +12,7 @@ type Function<T> = Box<dyn Fn(T) -> T + Send + Sync>;
 ///
 /// The closures are called anew at every state, from several threads at once if there are, and must return
 /// the same for the same argument. f is for H, f′ for ∇H, f″ for ∇²H; where a third derivative is needed,
-/// as by a [`Custom::slope_at`] inside of H with its Hessian, it is a difference of f″, to some ten digits.
+/// as by a [`Custom::derivative_at`] inside of H with its Hessian, it is a difference of f″, to some ten digits.
 /// Fourth derivatives are NaN.
 ///
 /// In double-double f(x) is f + f′·(lower word of x), as exact as doubles are and smooth to that; give
@@ -86,7 +86,7 @@ impl Custom {
 
     /// f′(x), in an energy.
     #[inline]
-    pub fn slope_at<S: Scalar>(&self, x: Num<S>) -> Num<S> {
+    pub fn derivative_at<S: Scalar>(&self, x: Num<S>) -> Num<S> {
         Num(S::outside(&self.outside, [1, 0], [x.0, x.0]))
     }
 

@@ -108,11 +108,11 @@ fn second_derivatives(
     let mut rows = vec![end_row(ends[0], widths[0], rises[0])];
     rows.extend(inner);
     let end = end_row(ends[1], widths[last - 1], rises[last - 1]);
-    let is_slope = matches!(ends[1], End::Slope(_));
+    let is_derivative = matches!(ends[1], End::Slope(_));
     rows.push(Row {
         before: end.after,
         after: DoubleDouble::ZERO,
-        right: if is_slope { -end.right } else { end.right },
+        right: if is_derivative { -end.right } else { end.right },
         ..end
     });
     // M_0 = (1 + r) M_1 − r M_2 with r = h_0/h_1, put into the next row; at the other end likewise.

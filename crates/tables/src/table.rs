@@ -161,7 +161,7 @@ impl Table {
 
     /// y′(x), in an energy.
     #[inline]
-    pub fn slope_at<S: Scalar>(&self, x: Num<S>) -> Num<S> {
+    pub fn derivative_at<S: Scalar>(&self, x: Num<S>) -> Num<S> {
         Num(S::outside(&self.outside, [1, 0], [x.0, x.0]))
     }
 

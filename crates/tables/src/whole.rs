@@ -47,7 +47,7 @@ pub(crate) fn is_floor(bytes: &[u8]) -> bool {
 }
 
 /// The floor of hi + lo.
-fn floor_of([hi, lo]: [f64; 2]) -> DoubleDouble {
+fn round_off_of([hi, lo]: [f64; 2]) -> DoubleDouble {
     let whole = hi.floor();
     if whole == hi {
         DoubleDouble::new(hi, lo.floor())
@@ -69,7 +69,7 @@ impl Outside for Floor {
         if order > 0 {
             return [0.0; 2];
         }
-        let whole = floor_of(x);
+        let whole = round_off_of(x);
         [whole.hi(), whole.lo()]
     }
 
@@ -108,7 +108,7 @@ impl Outside for Waves {
     }
 
     fn derivative_in_pairs(&self, [order, _]: [u8; 2], [x, _]: [[f64; 2]; 2]) -> [f64; 2] {
-        let whole = floor_of(x);
+        let whole = round_off_of(x);
         let is_even = (whole.hi() % 2.0 == 0.0) == (whole.lo() % 2.0 == 0.0);
         let t = DoubleDouble::new(x[0], x[1]) - whole;
         let result = wave(order, t, is_even);

@@ -32,7 +32,7 @@ fn energies_with_tables_come_back_bit_for_bit() {
     for table in tables() {
         let surface = surface();
         let h = Hamiltonian::new(2, |q, p| {
-            p[0] * p[0] + table.at(q[0]) + table.slope_at(q[1]) + surface.at(q[0], q[1])
+            p[0] * p[0] + table.at(q[0]) + table.derivative_at(q[1]) + surface.at(q[0], q[1])
         })
         .unwrap();
         let bytes = h.to_bytes().unwrap();

@@ -63,7 +63,7 @@ fn as_the_same_function_written_out() {
 fn third_derivatives_by_differences() {
     let f = closures();
     let errors = beside(
-        |q, p| f.slope_at(q) * p,
+        |q, p| f.derivative_at(q) * p,
         |q, p| (1 + q.tan().powi(2)) / 2 * p,
     );
     assert!(errors.iter().all(|&e| e < 1e-9), "{errors:?}");

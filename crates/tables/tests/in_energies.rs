@@ -137,7 +137,7 @@ fn derivatives_agree() {
 #[test]
 fn third_derivatives() {
     let v = Table::natural(&[0.0, 0.5, 1.5, 2.0], &[0.0, 1.0, -1.0, 2.0]).unwrap();
-    let h = Hamiltonian::new(1, |q, p| v.slope_at(q[0]) + p[0]).unwrap();
+    let h = Hamiltonian::new(1, |q, p| v.derivative_at(q[0]) + p[0]).unwrap();
     let mut evaluator = h.evaluator::<f64>();
     for x in [0.2, 0.5, 0.7, 1.9] {
         let mut product = [0.0; 2];
@@ -187,7 +187,7 @@ fn rounding_is_below_its_bound() {
 fn switches() {
     let x: Vec<f64> = (0..12).map(|i| f64::from(i).powf(1.5)).collect();
     let v = Table::natural(&x, &x.clone()).unwrap();
-    let h = Hamiltonian::new(1, |q, p| p[0] + v.at(q[0]) + v.slope_at(q[0])).unwrap();
+    let h = Hamiltonian::new(1, |q, p| p[0] + v.at(q[0]) + v.derivative_at(q[0])).unwrap();
     let switches = h.switches();
     assert_eq!(switches.kinds(), [SwitchKind::Knots]);
     let mut evaluator = switches.evaluator::<f64>();

@@ -65,7 +65,7 @@ fn distance(table: &Table, expected: &[[f64; 4]; 9]) -> f64 {
         let found = match table.derivatives(x) {
             Ok(found) => found,
             Err(_) => {
-                let [value, slope] = [table.at(Num(x)).0, table.slope_at(Num(x)).0];
+                let [value, slope] = [table.at(Num(x)).0, table.derivative_at(Num(x)).0];
                 [value, slope, expected[2], expected[3]]
             }
         };
@@ -132,7 +132,7 @@ fn continuous_to_the_second_derivative() {
         assert!((before[3] - after[3]).abs() > 1.0);
         let below = DoubleDouble::from(knot) - DoubleDouble::from(1e-31);
         let both = [below, DoubleDouble::from(knot)]
-            .map(|x| [table.at(Num(x)).0, table.slope_at(Num(x)).0]);
+            .map(|x| [table.at(Num(x)).0, table.derivative_at(Num(x)).0]);
         for (x, y) in both[0].into_iter().zip(both[1]) {
             assert!((x - y).abs().hi() < 1e-29, "{knot}");
         }

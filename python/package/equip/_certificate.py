@@ -8,7 +8,7 @@ from typing import Any, Optional, Union, get_args, get_origin, get_type_hints
 
 
 @dataclass(frozen=True)
-class Defect:
+class Conserved:
     """How far a quantity has strayed from its value at the start, in its own unit."""
 
     name: str
@@ -20,13 +20,13 @@ class Defect:
 
 
 @dataclass(frozen=True)
-class EnergyFloor:
+class EnergyRoundOff:
     """The largest round-off level of H over the steps that conserved it, and the energies."""
 
-    floor: float
+    round_off: float
     #: Time of the step at whose end it was largest.
     time: float
-    #: abs(H), or the kinetic energy where that is larger and the floor is beyond 1e-6 of abs(H).
+    #: abs(H), or the kinetic energy where that is larger and the round-off level is beyond 1e-6 of abs(H).
     scale: float
 
 
@@ -116,18 +116,18 @@ class Certificate:
     start: float
     end: float
     #: H at the start, H - H(start) over the run; None if it was not measured.
-    energy: Optional[Defect]
+    energy: Optional[Conserved]
     #: Largest error in units of its round-off level, over all steps, if they solve for the energy.
-    energy_in_floors: Optional[float]
+    energy_in_round_off_levels: Optional[float]
     #: None if the energy was not measured.
-    energy_floor: Optional[EnergyFloor]
+    energy_round_off: Optional[EnergyRoundOff]
     #: None if H jumps nowhere on the way.
     energy_jumps: Optional[EnergyJumps]
     #: None where the iteration of the steps contracts without the Hessian, as it does for small angles only.
     phase_per_step: Optional[PhasePerStep]
     #: Whether the steps resolve the fastest motion: at most as many radians as there are stages.
     motion_is_resolved: bool
-    invariants: tuple[Defect, ...]
+    invariants: tuple[Conserved, ...]
     #: Smallest and largest α_1 ... α_{s-1} used; empty if none was solved for.
     alpha_range: tuple[tuple[float, float], ...]
     #: Largest Lyapunov exponent, per unit of time, and MEGNO, if a deviation was followed.
@@ -169,11 +169,11 @@ class Certificate:
         names = Counts.__dataclass_fields__
         return cls(
             counts=Counts(**{name: found[name] for name in names}),
-            energy=Defect(*found["energy"]) if found["energy"] else None,
-            energy_floor=EnergyFloor(*found["energy_floor"]) if found["energy_floor"] else None,
+            energy=Conserved(*found["energy"]) if found["energy"] else None,
+            energy_round_off=EnergyRoundOff(*found["energy_round_off"]) if found["energy_round_off"] else None,
             energy_jumps=EnergyJumps(*found["energy_jumps"]) if found["energy_jumps"] else None,
             phase_per_step=PhasePerStep(*found["phase_per_step"]) if found["phase_per_step"] else None,
-            invariants=tuple(Defect(*defect) for defect in found["invariants"]),
+            invariants=tuple(Conserved(*defect) for defect in found["invariants"]),
             variable_steps=VariableSteps(*found["variable_steps"]) if found["variable_steps"] else None,
             alpha_range=tuple(found["alpha_range"]),
             outcomes={name: count for name, count in found["outcomes"] if count},
@@ -186,7 +186,7 @@ class Certificate:
                     "step",
                     "start",
                     "end",
-                    "energy_in_floors",
+                    "energy_in_round_off_levels",
                     "lyapunov",
                     "megno",
                     "energy_kept_on_every_step",

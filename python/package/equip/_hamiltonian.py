@@ -65,7 +65,7 @@ class Hamiltonian:
         """An energy H(t, q, p) that depends on time.
 
         Runs of it start, go on and are read like all others. What they keep is H less the energy that has
-        gone in since the start, so that is what `Solution.energy_defect` and the certificate are of; at
+        gone in since the start, so that is what `Solution.energy_error` and the certificate are of; at
         times of `t_eval` it is not known. Quantities to watch and to keep are functions of
         (t, q, p) as well.
 

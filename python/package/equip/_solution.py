@@ -23,7 +23,7 @@ _TIMES = 4096
 _POINTS, _MOST_POINTS = 8192, 32
 #: What `Solution.save` writes as it is.
 _STATES = ("t", "y", "t_low", "y_low")
-_ARRAYS = (*_STATES, "energy_defect", "outcome")
+_ARRAYS = (*_STATES, "energy_error", "outcome")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,7 +39,7 @@ class Solution:
         Times, (n,).
     y
         States, (n, 2m): the components of q.ravel() and then those of p.ravel().
-    energy_defect
+    energy_error
         H - H(start), (n,); empty if it was not measured.
     outcome
         How the step before each state ended, (n,); empty with `t_eval`.
@@ -61,7 +61,7 @@ class Solution:
     shape: Shape
     t: Floats
     y: Floats
-    energy_defect: Floats
+    energy_error: Floats
     outcome: np.ndarray[Any, Any]
     t_events: tuple[Floats, ...]
     y_events: tuple[Floats, ...]
@@ -217,13 +217,13 @@ class Solution:
         ValueError
             If it was not measured.
         """
-        if len(self.energy_defect) != len(self.t):
+        if len(self.energy_error) != len(self.t):
             raise ValueError(
                 "the energy was not measured at these times: solve with measure_energy=True, and with "
                 "H(t, q, p) without t_eval"
             )
         ax = _axes(ax)
-        defect = np.abs(self.energy_defect)
+        defect = np.abs(self.energy_error)
         ax.semilogy(self.t[: len(defect)], np.where(defect > 0, defect, np.nan), ".", markersize=2)
         ax.set(xlabel="t", ylabel="|H − H(0)|")
         return ax
@@ -257,7 +257,7 @@ class Solution:
         return ax
 
     def to_dataframe(self) -> Any:
-        """A pandas DataFrame with the columns t, q[...], p[...] and energy_defect, a row for each state."""
+        """A pandas DataFrame with the columns t, q[...], p[...] and energy_error, a row for each state."""
         import pandas
 
         names = [",".join(map(str, index)) for index in np.ndindex(*self.shape)]
@@ -265,19 +265,19 @@ class Solution:
         m = len(names)
         for part, x in enumerate("qp"):
             columns |= {f"{x}[{name}]": self.y[:, part * m + j] for j, name in enumerate(names)}
-        if len(self.energy_defect):
-            columns["energy_defect"] = self.energy_defect
+        if len(self.energy_error):
+            columns["energy_error"] = self.energy_error
         return pandas.DataFrame(columns)
 
     def to_xarray(self) -> Any:
-        """An xarray Dataset with q, p and energy_defect over the coordinate t; axes of q are axis_0,
+        """An xarray Dataset with q, p and energy_error over the coordinate t; axes of q are axis_0,
         axis_1, ..."""
         import xarray
 
         axes = ("t", *(f"axis_{i}" for i in range(len(self.shape))))
         variables: dict[str, Any] = {"q": (axes, self.q), "p": (axes, self.p)}
-        if len(self.energy_defect):
-            variables["energy_defect"] = ("t", self.energy_defect)
+        if len(self.energy_error):
+            variables["energy_error"] = ("t", self.energy_error)
         attributes = {"message": self.message, "method": self.certificate.method}
         return xarray.Dataset(variables, coords={"t": self.t}, attrs=attributes)
 
@@ -321,7 +321,7 @@ def load(path: Path) -> Solution:
     events = max(stored.word("events", int), 0)
     arrays = {name: stored.array(name, (n,) if name[0] == "t" else (n, 2 * m)) for name in _STATES}
     # None of both with `t_eval`, and no energies if they were not measured.
-    for name, kind in (("energy_defect", "f"), ("outcome", "U")):
+    for name, kind in (("energy_error", "f"), ("outcome", "U")):
         found: Any = stored.arrays.get(name)
         length = 0 if np.shape(found) == (0,) else n
         arrays[name] = stored.array(name, (length,), kind)

@@ -252,7 +252,7 @@ def solve(
     >>> import numpy as np
     >>> kepler = Hamiltonian(lambda q, p: 0.5 * p @ p - 1 / np.sqrt(q @ q), shape=2)
     >>> sol = solve(kepler, [0.4, 0.0], [0.0, 2.0], (0, 100))
-    >>> sol.success, bool(abs(sol.energy_defect).max() < 1e-14)
+    >>> sol.success, bool(abs(sol.energy_error).max() < 1e-14)
     (True, True)
     """
     given = options(
@@ -379,7 +379,7 @@ def solution(h: Hamiltonian, found: dict[str, Any], given: dict[str, Any], at_ti
         hamiltonian=h,
         t=t,
         y=y.reshape(-1, n),
-        energy_defect=found.get(prefix + "energy_defect", np.empty(0)),
+        energy_error=found.get(prefix + "energy_error", np.empty(0)),
         outcome=np.array(labels)[codes[:0] if at_times else codes],
         t_events=tuple(found["event_t"][which == event] for event in events),
         y_events=tuple(roots[which == event] for event in events),

@@ -42,7 +42,7 @@ class Step:
     q: Floats
     p: Floats
     #: H - H(start); None if it was not measured.
-    energy_defect: Optional[float]
+    energy_error: Optional[float]
     #: α_1 ... α_{s-1}.
     alphas: Floats
     outcome: str

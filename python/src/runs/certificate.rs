@@ -1,6 +1,6 @@
 //! The certificate of a run as a dict.
 
-use equip::integrate::Defect;
+use equip::integrate::Conserved;
 use equip::prelude::{Certificate, Outcome};
 use equip::scalar::Float;
 use pyo3::prelude::*;
@@ -22,12 +22,12 @@ pub(crate) fn certificate<'py, T: Float>(
     set("end", certificate.end)?;
     dict.set_item("energy", certificate.energy.as_ref().map(defect))?;
     dict.set_item(
-        "energy_in_floors",
-        certificate.energy_in_floors.map(T::to_f64),
+        "energy_in_round_off_levels",
+        certificate.energy_in_round_off_levels.map(T::to_f64),
     )?;
-    let floor = certificate.energy_floor;
-    let floor = floor.map(|of| [of.floor, of.time, of.scale].map(T::to_f64));
-    dict.set_item("energy_floor", floor)?;
+    let round_off = certificate.energy_round_off;
+    let round_off = round_off.map(|of| [of.round_off, of.time, of.scale].map(T::to_f64));
+    dict.set_item("energy_round_off", round_off)?;
     let jumps = certificate.energy_jumps;
     let jumps = jumps.map(|of| (of.count, of.largest.to_f64()));
     dict.set_item("energy_jumps", jumps)?;
@@ -86,7 +86,7 @@ pub(crate) fn certificate<'py, T: Float>(
 }
 
 /// Name, start, largest and last difference.
-fn defect<T: Float>(defect: &Defect<T>) -> (String, f64, f64, f64) {
+fn defect<T: Float>(defect: &Conserved<T>) -> (String, f64, f64, f64) {
     let (start, max, end) = (defect.start, defect.max, defect.end);
     (
         defect.name.clone(),

@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 struct End {
     t: f64,
     y: Vec<f64>,
-    energy_defect: f64,
+    energy_error: f64,
     steps: u64,
     is_kept: bool,
     /// Lyapunov exponent and MEGNO.
@@ -116,7 +116,7 @@ fn end(run: &Run<f64>) -> End {
     End {
         t,
         y: [q, p].concat(),
-        energy_defect: certificate.energy.as_ref().map_or(f64::NAN, |e| e.max),
+        energy_error: certificate.energy.as_ref().map_or(f64::NAN, |e| e.max),
         steps: certificate.counts.steps,
         is_kept: certificate.energy_kept_on_every_step(),
         chaos: (certificate.chaos).map_or([f64::NAN; 2], |chaos| [chaos.lyapunov, chaos.megno]),
@@ -137,7 +137,7 @@ fn table(py: Python<'_>, n: usize, rows: Vec<Option<Row>>) -> PyResult<Bound<'_,
                 End {
                     t: f64::NAN,
                     y: vec![f64::NAN; n],
-                    energy_defect: f64::NAN,
+                    energy_error: f64::NAN,
                     steps: 0,
                     is_kept: false,
                     chaos: [f64::NAN; 2],
@@ -146,7 +146,7 @@ fn table(py: Python<'_>, n: usize, rows: Vec<Option<Row>>) -> PyResult<Bound<'_,
         };
         t.push(end.t);
         y.extend(end.y);
-        defects.push(end.energy_defect);
+        defects.push(end.energy_error);
         steps.push(end.steps as i64);
         kept.push(end.is_kept);
         lyapunov.push(end.chaos[0]);
@@ -155,7 +155,7 @@ fn table(py: Python<'_>, n: usize, rows: Vec<Option<Row>>) -> PyResult<Bound<'_,
     let dict = PyDict::new(py);
     dict.set_item("t", t.into_pyarray(py))?;
     dict.set_item("y", y.into_pyarray(py))?;
-    dict.set_item("energy_defect", defects.into_pyarray(py))?;
+    dict.set_item("energy_error", defects.into_pyarray(py))?;
     dict.set_item("steps", steps.into_pyarray(py))?;
     dict.set_item("kept", kept.into_pyarray(py))?;
     dict.set_item("lyapunov", lyapunov.into_pyarray(py))?;

@@ -112,11 +112,11 @@ impl<'py> Whole<'_, 'py> {
 struct Results<T: Number> {
     t: Pairs,
     y: Pairs,
-    energy_defects: Vec<f64>,
+    energy_errors: Vec<f64>,
     outcomes: Vec<u8>,
     output_t: Pairs,
     output_y: Pairs,
-    output_defects: Option<Vec<f64>>,
+    output_errors: Option<Vec<f64>>,
     events: Vec<i64>,
     event_t: Vec<f64>,
     event_y: Vec<f64>,
@@ -136,11 +136,11 @@ impl<T: Number + Kept> Results<T> {
         Results {
             t: words(run.times().iter().copied()),
             y: words((0..run.len()).flat_map(state)),
-            energy_defects: words(run.energy_defects().iter().copied()).0,
+            energy_errors: words(run.energy_errors().iter().copied()).0,
             outcomes: kinds.map(|&outcome| code(outcome)).collect(),
             output_t: words(run.outputs().map(|(t, _, _)| t)),
             output_y: words(outputs.copied()),
-            output_defects: output_defects(hamiltonian, &run),
+            output_errors: output_errors(hamiltonian, &run),
             events: run.events().iter().map(|e| e.event as i64).collect(),
             event_t: words(run.events().iter().map(|e| e.time)).0,
             event_y: words(roots.copied()).0,
@@ -159,13 +159,13 @@ impl<T: Number + Kept> Results<T> {
         let pairs = |(high, low): Pairs| (high.into_pyarray(py), low.into_pyarray(py));
         dict.set_item("t", pairs(self.t))?;
         dict.set_item("y", pairs(self.y))?;
-        dict.set_item("energy_defect", self.energy_defects.into_pyarray(py))?;
+        dict.set_item("energy_error", self.energy_errors.into_pyarray(py))?;
         let labels = Outcome::ALL.map(|outcome| outcome.label());
         dict.set_item("outcome", (labels.to_vec(), self.outcomes.into_pyarray(py)))?;
         dict.set_item("output_t", pairs(self.output_t))?;
         dict.set_item("output_y", pairs(self.output_y))?;
-        if let Some(defects) = self.output_defects {
-            dict.set_item("output_energy_defect", defects.into_pyarray(py))?;
+        if let Some(defects) = self.output_errors {
+            dict.set_item("output_energy_error", defects.into_pyarray(py))?;
         }
         dict.set_item("event", self.events.into_pyarray(py))?;
         dict.set_item("event_t", self.event_t.into_pyarray(py))?;
@@ -186,7 +186,7 @@ fn code(outcome: Outcome) -> u8 {
 
 /// H - H(start) at the output times. With H(t, q, p) the energy that has gone in up to a time between two
 /// steps is not known.
-fn output_defects<T: Number>(hamiltonian: &Hamiltonian, run: &Run<T>) -> Option<Vec<f64>> {
+fn output_errors<T: Number>(hamiltonian: &Hamiltonian, run: &Run<T>) -> Option<Vec<f64>> {
     let energy = run.certificate().energy.as_ref()?;
     if hamiltonian.has_time() {
         return None;

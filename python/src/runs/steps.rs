@@ -164,7 +164,7 @@ impl Steps {
         let y = [view.q, view.p].concat().into_pyarray(py);
         let alphas = view.alphas.to_vec().into_pyarray(py);
         let outcome = view.outcome.label();
-        let defect = view.energy_defect;
+        let defect = view.energy_error;
         let event = |e: &Occurrence<f64>| {
             let y = [e.q.as_slice(), &e.p].concat().into_pyarray(py);
             (e.event, e.time, y)

@@ -53,7 +53,7 @@ fn leaves_the_domain<T: Float>() {
             view.time,
             view.q.to_vec(),
             view.p.to_vec(),
-            view.energy_defect,
+            view.energy_error,
         )
     };
     let stopped = state(run.view());
@@ -160,13 +160,13 @@ fn refuses<T: Float>() {
     let IntegrateError::NoAdmissibleAlpha {
         time,
         defect,
-        floor,
+        round_off,
         ..
     } = failure.error
     else {
         panic!("{:?}", failure.error);
     };
-    assert!(defect.abs() > floor && floor > T::int(0));
+    assert!(defect.abs() > round_off && round_off > T::int(0));
     says(
         &failure.to_string(),
         &["smaller step", "more stages", "all α", "later step"],

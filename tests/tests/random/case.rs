@@ -106,8 +106,8 @@ pub(super) fn run(case: &Case) -> Ran {
         seen.push(Seen {
             y: [view.q, view.p].concat(),
             outcome: view.outcome,
-            defect: view.energy_defect.unwrap(),
-            floor: view.energy_floor,
+            defect: view.energy_error.unwrap(),
+            floor: view.energy_round_off,
             alphas: view.alphas.to_vec(),
         });
         ControlFlow::Continue(())

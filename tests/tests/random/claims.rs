@@ -96,7 +96,7 @@ pub(super) fn energy_is_as_claimed(case: &Case, ran: &Ran) -> f64 {
             "alphas {:?}",
             seen.alphas
         );
-        if seen.outcome == Outcome::AtFloor {
+        if seen.outcome == Outcome::AtRoundOff {
             assert!(
                 seen.alphas.iter().all(|a| *a == 0.0),
                 "alphas {:?}",

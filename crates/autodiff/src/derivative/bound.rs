@@ -24,21 +24,21 @@ pub(crate) fn differentiate_with_bound(
 ) -> (Vec<u32>, u32) {
     let mut reverse = Reverse::new(recorder);
     let mut rounded: Vec<(u32, Adjoint)> = Vec::new();
-    let slopes = reverse.sweep(root, |node, w| {
+    let derivatives = reverse.sweep(root, |node, w| {
         if !is_exact[node as usize] {
             rounded.push((node, w));
         }
     });
-    rounded.extend(slopes.iter().zip(0..).map(|(&slope, input)| {
+    rounded.extend(derivatives.iter().zip(0..).map(|(&derivative, input)| {
         let w = Adjoint {
-            node: slope,
+            node: derivative,
             minus: false,
             twos: 0,
         };
         (input, w)
     }));
     let bound = reverse.bound(&rounded);
-    (slopes, bound)
+    (derivatives, bound)
 }
 
 impl Reverse<'_> {
@@ -59,9 +59,9 @@ impl Reverse<'_> {
         }
         let mut bound = None;
         for (w, sum) in groups {
-            let slope = self.settled(w).node;
-            let slope = self.size(slope);
-            let part = self.product(slope, sum);
+            let derivative = self.settled(w).node;
+            let derivative = self.size(derivative);
+            let part = self.product(derivative, sum);
             bound = Some(bound.map_or(part, |bound| self.sum(bound, part)));
         }
         bound.unwrap_or_else(|| self.number(0.0))

@@ -13,7 +13,7 @@ use crate::recording::recorder::Recorder;
 /// more than `most` new operations.
 pub(crate) fn hessian(
     recorder: &mut Recorder,
-    slopes: &[u32],
+    derivatives: &[u32],
     pattern: &Pattern,
     most: usize,
 ) -> Option<Vec<u32>> {
@@ -21,8 +21,8 @@ pub(crate) fn hessian(
     let most = reverse.recorder.nodes.len() + most;
     let zero = reverse.number(0.0);
     let mut entries = vec![zero; pattern.len()];
-    for (row, &slope) in slopes.iter().enumerate() {
-        for (column, node) in reverse.sweep_up_to(row as u32, slope, |_, _| {}) {
+    for (row, &derivative) in derivatives.iter().enumerate() {
+        for (column, node) in reverse.sweep_up_to(row as u32, derivative, |_, _| {}) {
             for (i, j) in [(row, column as usize), (column as usize, row)] {
                 // What is not in the pattern is zero.
                 if let Some(place) = pattern.place(i, j) {

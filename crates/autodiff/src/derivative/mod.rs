@@ -2,8 +2,8 @@
 
 pub(crate) mod bound;
 pub(crate) mod exact;
+mod functions;
 pub(crate) mod hessian;
 pub(crate) mod reverse;
 pub(crate) mod rounded;
-mod slopes;
 mod twos;

@@ -73,12 +73,12 @@ impl<'a> Reverse<'a> {
     /// The derivatives of a node by all inputs. Calls `visit` with every operation that reaches it and the
     /// derivative by that.
     pub(super) fn sweep(&mut self, root: u32, visit: impl FnMut(u32, Adjoint)) -> Vec<u32> {
-        let mut slopes = vec![None; self.recorder.inputs];
-        for (input, slope) in self.sweep_up_to(u32::MAX, root, visit) {
-            slopes[input as usize] = Some(slope);
+        let mut derivatives = vec![None; self.recorder.inputs];
+        for (input, derivative) in self.sweep_up_to(u32::MAX, root, visit) {
+            derivatives[input as usize] = Some(derivative);
         }
-        let mut or_zero = |slope: Option<u32>| slope.unwrap_or_else(|| self.number(0.0));
-        slopes.into_iter().map(&mut or_zero).collect()
+        let mut or_zero = |derivative: Option<u32>| derivative.unwrap_or_else(|| self.number(0.0));
+        derivatives.into_iter().map(&mut or_zero).collect()
     }
 
     /// The derivatives by the inputs up to this one that there are, ascending.
@@ -106,8 +106,8 @@ impl<'a> Reverse<'a> {
             }
         }
         inputs.reverse();
-        let slopes = inputs.into_iter();
-        slopes
+        let derivatives = inputs.into_iter();
+        derivatives
             .filter_map(|input| Some((input, self.result(input)?)))
             .collect()
     }
@@ -132,11 +132,11 @@ impl Reverse<'_> {
             Op::Mul => { self.give_times(x, w, y); self.give_times(y, w, x); }
             Op::Div => self.quotient(x, y, w),
             Op::Square => { let twice = self.times_two(w, 1); self.give_times(x, twice, x); }
-            Op::Recip => { let slope = self.apply(Op::Square, f, f); self.give_times(x, opposite(w), slope); }
+            Op::Recip => { let derivative = self.apply(Op::Square, f, f); self.give_times(x, opposite(w), derivative); }
             Op::Sqrt => {
                 // The reciprocal is the one of a following 1/√x.
-                let (half, slope) = (self.times_two(w, -1), self.reciprocal(f));
-                self.give_times(x, half, slope);
+                let (half, derivative) = (self.times_two(w, -1), self.reciprocal(f));
+                self.give_times(x, half, derivative);
             }
             Op::Powi(n) => {
                 let factor = self.number(f64::from(n));
@@ -152,19 +152,19 @@ impl Reverse<'_> {
                     self.give_times(x, w, power);
                 } else {
                     let multiple = self.product(c, f);
-                    let slope = self.apply(Op::Div, multiple, x);
-                    self.give_times(x, w, slope);
+                    let derivative = self.apply(Op::Div, multiple, x);
+                    self.give_times(x, w, derivative);
                 }
             }
             Op::Powf(k) => {
                 if self.recorder.constants[k as usize].to::<f64>() != 0.0 {
-                    let slope = self.apply(Op::PowfSlope(k), x, f);
-                    self.give_times(x, w, slope);
+                    let derivative = self.apply(Op::PowfDerivative(k), x, f);
+                    self.give_times(x, w, derivative);
                 }
             }
-            Op::PowfSlope(k) => {
-                if let Some(slope) = self.second_powf_slope(x, k) {
-                    self.give_times(x, w, slope);
+            Op::PowfDerivative(k) => {
+                if let Some(derivative) = self.second_powf_derivative(x, k) {
+                    self.give_times(x, w, derivative);
                 }
             }
             Op::Pow => {
@@ -178,22 +178,22 @@ impl Reverse<'_> {
                 let by_y = self.apply(Op::WhereNonzero, by_y, f);
                 self.give_times(y, w, by_y);
             }
-            Op::Abs => { let slope = self.apply(Op::Sign, x, x); self.give_times(x, w, slope); }
+            Op::Abs => { let derivative = self.apply(Op::Sign, x, x); self.give_times(x, w, derivative); }
             Op::Cbrt => { let below = self.three_squares(f); self.give_over(x, w, below); }
             Op::Exp => self.give_times(x, w, f),
-            Op::Exp2 => { let slope = self.ln_2_times(f); self.give_times(x, w, slope); }
-            Op::ExpM1 => { let slope = self.apply(Op::Exp, x, x); self.give_times(x, w, slope); }
+            Op::Exp2 => { let derivative = self.ln_2_times(f); self.give_times(x, w, derivative); }
+            Op::ExpM1 => { let derivative = self.apply(Op::Exp, x, x); self.give_times(x, w, derivative); }
             Op::Ln => self.give_over(x, w, x),
             Op::Ln1p => { let below = self.one_plus(x); self.give_over(x, w, below); }
-            Op::Sin => { let slope = self.apply(Op::Cos, x, x); self.give_times(x, w, slope); }
-            Op::Cos => { let slope = self.apply(Op::Sin, x, x); self.give_times(x, opposite(w), slope); }
-            Op::Tan => { let slope = self.one_plus_square(f); self.give_times(x, w, slope); }
+            Op::Sin => { let derivative = self.apply(Op::Cos, x, x); self.give_times(x, w, derivative); }
+            Op::Cos => { let derivative = self.apply(Op::Sin, x, x); self.give_times(x, opposite(w), derivative); }
+            Op::Tan => { let derivative = self.one_plus_square(f); self.give_times(x, w, derivative); }
             Op::Asin => { let below = self.root_of_rest(x); self.give_over(x, w, below); }
             Op::Acos => { let below = self.root_of_rest(x); self.give_over(x, opposite(w), below); }
             Op::Atan => { let below = self.one_plus_square(x); self.give_over(x, w, below); }
-            Op::Sinh => { let slope = self.apply(Op::Cosh, x, x); self.give_times(x, w, slope); }
-            Op::Cosh => { let slope = self.apply(Op::Sinh, x, x); self.give_times(x, w, slope); }
-            Op::Tanh => { let slope = self.square_of_sech(x); self.give_times(x, w, slope); }
+            Op::Sinh => { let derivative = self.apply(Op::Cosh, x, x); self.give_times(x, w, derivative); }
+            Op::Cosh => { let derivative = self.apply(Op::Sinh, x, x); self.give_times(x, w, derivative); }
+            Op::Tanh => { let derivative = self.square_of_sech(x); self.give_times(x, w, derivative); }
             Op::Asinh => {
                 let one = self.number(1.0);
                 let below = self.apply(Op::Hypot, x, one);
@@ -201,8 +201,8 @@ impl Reverse<'_> {
             }
             Op::Acosh => { let below = self.root_of_excess(x); self.give_over(x, w, below); }
             Op::Atanh => { let below = self.rest_of_square(x); self.give_over(x, w, below); }
-            Op::Erf => { let slope = self.bell(x); self.give_times(x, w, slope); }
-            Op::Erfc => { let slope = self.bell(x); self.give_times(x, opposite(w), slope); }
+            Op::Erf => { let derivative = self.bell(x); self.give_times(x, w, derivative); }
+            Op::Erfc => { let derivative = self.bell(x); self.give_times(x, opposite(w), derivative); }
             Op::Outside { function, orders: [i, j] } => {
                 let f = Arc::clone(&self.recorder.functions[function as usize]);
                 let by_x = self.recorder.outside(&f, [i + 1, j], [x, y]);
@@ -223,9 +223,9 @@ impl Reverse<'_> {
             }
             Op::Hypot => {
                 for z in [x, y] {
-                    let slope = self.apply(Op::Div, z, f);
-                    let slope = self.apply(Op::WhereNonzero, slope, f);
-                    self.give_times(z, w, slope);
+                    let derivative = self.apply(Op::Div, z, f);
+                    let derivative = self.apply(Op::WhereNonzero, derivative, f);
+                    self.give_times(z, w, derivative);
                 }
             }
             Op::Min => self.either(x, y, w, [x, y]),
@@ -265,9 +265,9 @@ impl Reverse<'_> {
         self.give(operand, Adjoint { node, ..w });
     }
 
-    fn give_times(&mut self, operand: u32, w: Adjoint, slope: u32) {
+    fn give_times(&mut self, operand: u32, w: Adjoint, derivative: u32) {
         if self.depends(operand) {
-            let part = self.times(w, slope);
+            let part = self.times(w, derivative);
             self.give(operand, part);
         }
     }

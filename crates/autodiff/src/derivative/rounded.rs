@@ -30,10 +30,10 @@ impl<T: Float> Rounded<T> {
 
     /// f(x), given f and f′ at the value.
     #[inline(always)]
-    fn chain(self, f: T, slope: T) -> Self {
+    fn chain(self, f: T, derivative: T) -> Self {
         Rounded {
             value: f,
-            error: (slope * self.error).abs() + T::EPSILON * f.abs(),
+            error: (derivative * self.error).abs() + T::EPSILON * f.abs(),
         }
     }
 
@@ -148,10 +148,10 @@ impl<T: Float> Div for Rounded<T> {
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         let f = self.value / other.value;
-        let slope = T::int(1) / other.value;
+        let derivative = T::int(1) / other.value;
         match other.scales() {
-            true => self.exactly(other, f, slope, -(f * slope)),
-            false => self.chain2(other, f, slope, -(f * slope)),
+            true => self.exactly(other, f, derivative, -(f * derivative)),
+            false => self.chain2(other, f, derivative, -(f * derivative)),
         }
     }
 }
@@ -168,12 +168,12 @@ impl<T: Float> Neg for Rounded<T> {
 }
 
 macro_rules! functions {
-    ($($name:ident: |$x:ident, $f:ident| $slope:expr;)*) => {$(
+    ($($name:ident: |$x:ident, $f:ident| $derivative:expr;)*) => {$(
         #[inline(always)]
         fn $name(x: Self) -> Self {
             let $x = x.value;
             let $f = <T as Scalar>::$name($x);
-            x.chain($f, $slope)
+            x.chain($f, $derivative)
         }
     )*};
 }
@@ -186,23 +186,23 @@ impl<T: Float> Scalar for Rounded<T> {
 
     #[inline(always)]
     fn powi(x: Self, n: i32) -> Self {
-        let slope = match n {
+        let derivative = match n {
             0 => T::int(0),
             1 => T::int(1),
             2 => x.value + x.value,
             _ => T::int(i64::from(n)) * <T as Scalar>::powi(x.value, n.saturating_sub(1)),
         };
-        x.chain(<T as Scalar>::powi(x.value, n), slope)
+        x.chain(<T as Scalar>::powi(x.value, n), derivative)
     }
 
     #[inline(always)]
     fn powf(x: Self, c: Constant) -> Self {
         let exponent: T = c.to();
         let less_one = Constant::from_expansion((exponent - T::int(1)).expansion());
-        let slope = exponent * <T as Scalar>::powf(x.value, less_one);
+        let derivative = exponent * <T as Scalar>::powf(x.value, less_one);
         x.chain(
             <T as Scalar>::powf(x.value, c),
-            Piecewise::where_nonzero(slope, exponent),
+            Piecewise::where_nonzero(derivative, exponent),
         )
     }
 
@@ -329,26 +329,26 @@ impl<T: Float> Piecewise for Rounded<T> {
     }
 
     #[inline(always)]
-    fn times_slope(rate: Self, slope: Self) -> Self {
+    fn times_derivative(rate: Self, derivative: Self) -> Self {
         Rounded {
-            value: Piecewise::times_slope(rate.value, slope.value),
-            ..rate * slope
+            value: Piecewise::times_derivative(rate.value, derivative.value),
+            ..rate * derivative
         }
     }
 
     /// The slope of c·xᶜ⁻¹ is (c − 1) times it over x, or from the next power where that says nothing.
     #[inline(always)]
-    fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
-        let f = Piecewise::powf_slope(x.value, power.value, c);
+    fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
+        let f = Piecewise::powf_derivative(x.value, power.value, c);
         let factor: T = c.to();
         let less = factor - T::int(1);
-        let slope = if f != T::int(0) && Piecewise::is_regular(f) {
+        let derivative = if f != T::int(0) && Piecewise::is_regular(f) {
             Piecewise::where_nonzero(less * f / x.value, less)
         } else {
             let next = <T as Scalar>::pow(x.value, less - T::int(1));
             Piecewise::where_nonzero(factor * less * next, factor * less)
         };
-        x.chain(f, slope)
+        x.chain(f, derivative)
     }
 
     #[inline(always)]

@@ -11,7 +11,7 @@ use std::array::from_fn;
 
 /// ∇H of a system with C components, or ∇U of one with C positions, at groups of N points.
 #[doc(hidden)]
-pub trait Slopes<const C: usize, const N: usize> {
+pub trait StageGradients<const C: usize, const N: usize> {
     /// The derivatives at the states, each of them with every bit of the one at a single state.
     fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G];
 }
@@ -24,15 +24,18 @@ pub trait Fused<const N: usize> {
     /// What it returns.
     type Output;
     /// The computation.
-    fn run<const C: usize>(&mut self, slopes: &impl Slopes<C, N>) -> Self::Output;
+    fn run<const C: usize>(&mut self, derivatives: &impl StageGradients<C, N>) -> Self::Output;
     /// The same for few registers, as [`Kernel::run_narrow`].
-    fn run_narrow<const C: usize>(&mut self, slopes: &impl Slopes<C, N>) -> Self::Output;
+    fn run_narrow<const C: usize>(
+        &mut self,
+        derivatives: &impl StageGradients<C, N>,
+    ) -> Self::Output;
 }
 
 /// Derivatives by machine code that was made for rows of this length.
 pub(crate) struct Called<'a>(pub(crate) &'a Code);
 
-impl<const C: usize, const N: usize> Slopes<C, N> for Called<'_> {
+impl<const C: usize, const N: usize> StageGradients<C, N> for Called<'_> {
     #[inline(always)]
     fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G] {
         let mut rows = [[[0.0; N]; G]; C];
@@ -47,34 +50,34 @@ impl<const C: usize, const N: usize> Slopes<C, N> for Called<'_> {
 
 /// A computation with its derivatives, of C components.
 pub(crate) struct Joined<'a, S, F, const C: usize, const N: usize> {
-    pub(crate) slopes: S,
+    pub(crate) derivatives: S,
     pub(crate) task: &'a mut F,
 }
 
 impl<S, F, const C: usize, const N: usize> Kernel for Joined<'_, S, F, C, N>
 where
-    S: Slopes<C, N>,
+    S: StageGradients<C, N>,
     F: Fused<N>,
 {
     type Output = F::Output;
 
     #[inline(always)]
     fn run(&mut self) -> F::Output {
-        self.task.run(&self.slopes)
+        self.task.run(&self.derivatives)
     }
 
     #[inline(always)]
     fn run_narrow(&mut self) -> F::Output {
-        self.task.run_narrow(&self.slopes)
+        self.task.run_narrow(&self.derivatives)
     }
 }
 
 /// Runs the task with the number of components as a literal, or gives it back.
 macro_rules! fuse {
-    ($set:expr, $count:expr, $slopes:ident, $task:ident, [$($literal:literal)*]) => {
+    ($set:expr, $count:expr, $derivatives:ident, $task:ident, [$($literal:literal)*]) => {
         match $count {
             $($literal => {
-                let mut joined = Joined::<_, _, $literal, N> { slopes: $slopes, task: $task };
+                let mut joined = Joined::<_, _, $literal, N> { derivatives: $derivatives, task: $task };
                 $set.run_wide(&mut joined)
             })*
             _ => None,

@@ -141,7 +141,7 @@ impl Graph {
     /// The constant exponent of an operation.
     pub(crate) fn exponent(&self, op: Op) -> Option<Constant> {
         match op {
-            Op::Powf(k) | Op::PowfSlope(k) => Some(self.constants[k as usize]),
+            Op::Powf(k) | Op::PowfDerivative(k) => Some(self.constants[k as usize]),
             _ => None,
         }
     }

@@ -66,7 +66,7 @@ pub(crate) enum Op {
     WhereNonzero,
     /// Derivative of the power b = aᶜ with a constant exponent, an entry of the table of constants; in
     /// derivatives only.
-    PowfSlope(u32),
+    PowfDerivative(u32),
     /// a² + b, which two operations are replayed as.
     SquareAdd,
     /// 1/√a, which two operations are replayed as.
@@ -103,7 +103,7 @@ impl Op {
             | Op::Outside { .. }
             | Op::AtMost
             | Op::WhereNonzero
-            | Op::PowfSlope(_)
+            | Op::PowfDerivative(_)
             | Op::SquareAdd => 2,
             _ => 1,
         }

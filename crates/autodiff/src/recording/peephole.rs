@@ -101,8 +101,8 @@ mod tests {
         })
         .unwrap_or_else(|e| panic!("{e}"));
         let mut recorder = recording.resume();
-        let slopes = differentiate(&mut recorder, recording.root);
-        let graph = || Graph::new(&recorder, &slopes);
+        let derivatives = differentiate(&mut recorder, recording.root);
+        let graph = || Graph::new(&recorder, &derivatives);
         let results = |tape: Tape| -> Vec<u64> {
             let mut replay = Replay::<f64>::new(&tape);
             let number = |k: usize| ((k * k + 3) as f64 * 0.37).sin();

@@ -63,7 +63,7 @@ pub(crate) fn forward<S: Piecewise>(tape: &Tape, runs: &[Run], exponents: &[Cons
             Op::HalfPower(-3) => each!(step, |x| S::powf(x, half(-3))),
             Op::HalfPower(n) => { let c = half(n); each!(step, |x| S::powf(x, c)) }
             Op::Powf(k) => { let c = exponents[k as usize]; each!(step, |x| S::powf(x, c)) }
-            Op::PowfSlope(k) => { let c = exponents[k as usize]; each!(step, |x, f| S::powf_slope(x, f, c)) }
+            Op::PowfDerivative(k) => { let c = exponents[k as usize]; each!(step, |x, f| S::powf_derivative(x, f, c)) }
             Op::Pow => each!(step, |x, y| S::pow(x, y)),
             Op::Abs => each!(step, |x| S::abs(x)),
             Op::Cbrt => each!(step, |x| S::cbrt(x)),

@@ -286,7 +286,7 @@ impl<'a> Layout<'a> {
                 }
                 let op = match op {
                     Op::Powf(k) => Op::Powf(self.exponent(k)),
-                    Op::PowfSlope(k) => Op::PowfSlope(self.exponent(k)),
+                    Op::PowfDerivative(k) => Op::PowfDerivative(self.exponent(k)),
                     op => op,
                 };
                 (op, self.slot[a as usize], self.slot[b as usize], i)

@@ -6,7 +6,7 @@ use equip_scalar::Float;
 #[derive(Debug, Clone)]
 pub(crate) struct Points<T> {
     state: Vec<T>,
-    slope: Vec<T>,
+    derivative: Vec<T>,
 }
 
 // Not derived: `T` itself need not have a default.
@@ -14,7 +14,7 @@ impl<T> Default for Points<T> {
     fn default() -> Self {
         Points {
             state: Vec::new(),
-            slope: Vec::new(),
+            derivative: Vec::new(),
         }
     }
 }
@@ -23,14 +23,14 @@ impl<T: Float> Points<T> {
     pub(crate) fn new(n: usize) -> Self {
         Points {
             state: vec![T::int(0); n],
-            slope: vec![T::int(0); n],
+            derivative: vec![T::int(0); n],
         }
     }
 
     /// For states and results of these lengths.
     pub(crate) fn make_room(&mut self, state: usize, results: usize) {
         self.state.resize(state, T::int(0));
-        self.slope.resize(results, T::int(0));
+        self.derivative.resize(results, T::int(0));
     }
 
     /// Calls `gradient` for each point of a batch that stands component by component. With fewer components
@@ -49,9 +49,9 @@ impl<T: Float> Points<T> {
             for (place, row) in self.state.iter_mut().zip(states.chunks_exact(stride)) {
                 *place = row[i];
             }
-            gradient(&self.state, &mut self.slope);
-            for (row, &slope) in gradients.chunks_exact_mut(stride).zip(&self.slope) {
-                row[i] = slope;
+            gradient(&self.state, &mut self.derivative);
+            for (row, &derivative) in gradients.chunks_exact_mut(stride).zip(&self.derivative) {
+                row[i] = derivative;
             }
         }
     }

@@ -71,7 +71,7 @@ pub(crate) struct Block {
 #[derive(Debug)]
 pub(crate) struct Tape {
     pub(crate) constants: Vec<Constant>,
-    /// Constants used as exponents, by the index [`Op::Powf`] and [`Op::PowfSlope`] have after layout.
+    /// Constants used as exponents, by the index [`Op::Powf`] and [`Op::PowfDerivative`] have after layout.
     pub(crate) exponents: Vec<Constant>,
     pub(crate) functions: Vec<Arc<dyn Outside>>,
     pub(crate) slots: usize,

@@ -207,8 +207,9 @@ impl<T: Float> Evaluator<T> {
         };
         let n = 2 * traced.shared.structure.degrees_of_freedom;
         let stride = F::GROUPS * N;
-        let slopes = (traced.gradients).called(traced.set, traced.shared.gradient(), stride)?;
-        fuse!(traced.set, n, slopes, task, [2 4])
+        let derivatives =
+            (traced.gradients).called(traced.set, traced.shared.gradient(), stride)?;
+        fuse!(traced.set, n, derivatives, task, [2 4])
     }
 
     /// The same with ∇U, of a separable H only.
@@ -220,9 +221,9 @@ impl<T: Float> Evaluator<T> {
         };
         let m = traced.shared.structure.degrees_of_freedom;
         let stride = F::GROUPS * N;
-        let of = traced.shared.slopes().forces.as_ref()?;
-        let slopes = traced.forces.called(traced.set, of, stride)?;
-        fuse!(traced.set, m, slopes, task, [1 2 3 4])
+        let of = traced.shared.derivatives().forces.as_ref()?;
+        let derivatives = traced.forces.called(traced.set, of, stride)?;
+        fuse!(traced.set, m, derivatives, task, [1 2 3 4])
     }
 
     /// Compares a gradient of the user's own with H at `y` (length n): by automatic differentiation where H

@@ -108,7 +108,7 @@ impl<T: Float> ExternalEvaluator<T> {
         let terms = y
             .iter()
             .zip(&*gradient)
-            .map(|(&y, &slope)| (y * slope).abs());
+            .map(|(&y, &derivative)| (y * derivative).abs());
         let of_state = T::exact(f64::EPSILON) * terms.fold(T::int(0), |sum, term| sum + term);
         let of_value = T::exact(self.of.accuracy) * h.abs();
         (h, (of_value + of_state) / T::EPSILON)

@@ -33,7 +33,7 @@ impl GivenGradient {
 pub(crate) struct Given<T> {
     gradient: GivenGradient,
     state: Vec<f64>,
-    slope: Vec<f64>,
+    derivative: Vec<f64>,
     points: Points<T>,
     checked: Checked<T>,
 }
@@ -43,7 +43,7 @@ impl<T: Float> Given<T> {
         Given {
             gradient: gradient.clone(),
             state: vec![0.0; n],
-            slope: vec![0.0; n],
+            derivative: vec![0.0; n],
             points: Points::new(n),
             checked: Checked::new(n),
         }
@@ -66,9 +66,9 @@ impl<T: Float> Given<T> {
         let fits = y.len() == n && gradient.len() == n;
         assert!(fits, "a state of this system has {n} components");
         self.in_doubles(y);
-        self.gradient.at(&self.state, &mut self.slope);
-        let slopes = gradient.iter_mut().zip(&self.slope);
-        slopes.for_each(|(slope, &x)| *slope = T::exact(x));
+        self.gradient.at(&self.state, &mut self.derivative);
+        let derivatives = gradient.iter_mut().zip(&self.derivative);
+        derivatives.for_each(|(derivative, &x)| *derivative = T::exact(x));
     }
 
     /// At states that stand one after the other.
@@ -94,8 +94,8 @@ impl<T: Float> Given<T> {
     /// At each point of a batch that stands component by component, all n components or the positions alone.
     pub(crate) fn each(&mut self, states: &[T], gradients: &mut [T], stride: usize, count: usize) {
         let mut points = std::mem::take(&mut self.points);
-        points.each(states, gradients, stride, count, |y, slope| {
-            self.at(y, slope);
+        points.each(states, gradients, stride, count, |y, derivative| {
+            self.at(y, derivative);
         });
         self.points = points;
     }

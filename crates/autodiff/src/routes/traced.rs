@@ -58,7 +58,7 @@ pub(crate) struct Derived {
     pub(crate) energy: Results,
     /// H has a sum that is worth compensating.
     pub(crate) has_long_sums: bool,
-    slopes: OnceLock<Slopes>,
+    derivatives: OnceLock<StageGradients>,
     with_bound: OnceLock<Results>,
     hessian: OnceLock<Hessian>,
     pub(crate) structure: Structure,
@@ -66,7 +66,7 @@ pub(crate) struct Derived {
 
 /// The derivatives of H.
 #[derive(Debug)]
-pub(crate) struct Slopes {
+pub(crate) struct StageGradients {
     /// All n components of ∇H.
     pub(crate) gradient: Results,
     /// ∇U, if H = T(p) + U(q).
@@ -104,7 +104,7 @@ impl Derived {
                 hessian: hessian_pattern(Arc::clone(&graph)),
             },
             energy: Results::new(graph),
-            slopes: OnceLock::new(),
+            derivatives: OnceLock::new(),
             with_bound: OnceLock::new(),
             hessian: OnceLock::new(),
         })
@@ -114,25 +114,25 @@ impl Derived {
         bytes::formula_checksum(&self.recording)
     }
 
-    pub(crate) fn slopes(&self) -> &Slopes {
-        self.slopes.get_or_init(|| {
+    pub(crate) fn derivatives(&self) -> &StageGradients {
+        self.derivatives.get_or_init(|| {
             let Structure {
                 separable,
                 degrees_of_freedom: m,
                 ..
             } = self.structure;
             let mut recorder = self.recording.resume();
-            let slopes = differentiate(&mut recorder, self.recording.root);
+            let derivatives = differentiate(&mut recorder, self.recording.root);
             let results = |roots: &[u32]| Results::new(Arc::new(Graph::new(&recorder, roots)));
-            Slopes {
-                gradient: results(&slopes),
-                forces: separable.then(|| results(&slopes[..m])),
+            StageGradients {
+                gradient: results(&derivatives),
+                forces: separable.then(|| results(&derivatives[..m])),
             }
         })
     }
 
     pub(crate) fn gradient(&self) -> &Results {
-        &self.slopes().gradient
+        &self.derivatives().gradient
     }
 
     /// ∇H, the bound of rounding and H.
@@ -144,9 +144,9 @@ impl Derived {
         self.hessian.get_or_init(|| {
             let pattern = &self.structure.hessian;
             let mut recorder = self.recording.resume();
-            let slopes = differentiate(&mut recorder, self.recording.root);
+            let derivatives = differentiate(&mut recorder, self.recording.root);
             let most = MOST_TIMES * (recorder.nodes.len() + pattern.len());
-            match hessian(&mut recorder, &slopes, pattern, most.max(LONG_HESSIAN)) {
+            match hessian(&mut recorder, &derivatives, pattern, most.max(LONG_HESSIAN)) {
                 Some(entries) => {
                     let graph = Arc::new(Graph::new(&recorder, &entries));
                     Hessian::Recorded(Box::new(Results::new(graph)))

@@ -137,7 +137,7 @@ impl<T: Float> TracedEvaluator<T> {
             stride,
             count,
         };
-        if let Some(of) = &self.shared.slopes().forces {
+        if let Some(of) = &self.shared.derivatives().forces {
             self.forces.run(self.set, of, batch);
         }
     }

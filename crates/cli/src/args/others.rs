@@ -1,7 +1,7 @@
 //! Options of the commands other than `equip run`.
 
 use super::shared::{stages, whole};
-use crate::limits::{FLOORS, TRAJECTORY, UNCORRECTED};
+use crate::limits::{LEVELS, TRAJECTORY, UNCORRECTED};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -195,7 +195,7 @@ pub(crate) struct ReportArgs {
 fn check_help() -> String {
     format!(
         "Every row is integrated with EQUIP and with Gauss on the same steps. It passes if every step is accounted \
-        for, the energy error is within {FLOORS} round-off levels of H wherever the energy is said to be conserved, quadratic invariants \
+        for, the energy error is within {LEVELS} round-off levels of H wherever the energy is said to be conserved, quadratic invariants \
         are conserved to round-off, steps whose energy error is left have at most {UNCORRECTED} times the energy error of Gauss, and the \
         trajectory error is at most {TRAJECTORY} times that of Gauss (that of the slow variables where fast oscillations are not resolved).\n\n\
         A row that is known to exceed the last of these, with its figure, is a known deficit, and does not fail.\n\n\

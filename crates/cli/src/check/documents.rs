@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Serialize)]
 struct Quantity<'a> {
     name: &'a str,
-    max_defect: f64,
+    max_error: f64,
     in_round_offs: f64,
 }
 
@@ -25,8 +25,8 @@ struct Document<'a> {
     steps_wanted: u64,
     steps: u64,
     outcomes: BTreeMap<&'a str, u64>,
-    energy_in_floors: Option<f64>,
-    energy_in_floors_by_double_double: Option<f64>,
+    energy_in_round_off_levels: Option<f64>,
+    energy_in_round_off_levels_by_double_double: Option<f64>,
     energy: f64,
     energy_gauss: f64,
     invariants: Vec<Quantity<'a>>,
@@ -56,8 +56,8 @@ impl<'a> From<&'a Row> for Document<'a> {
             steps_wanted: row.wanted,
             steps: m.steps,
             outcomes: m.outcomes.iter().copied().collect(),
-            energy_in_floors: m.floors,
-            energy_in_floors_by_double_double: m.independent_floors,
+            energy_in_round_off_levels: m.levels,
+            energy_in_round_off_levels_by_double_double: m.independent_levels,
             energy: m.energy,
             energy_gauss: m.gauss_energy,
             invariants: m
@@ -65,7 +65,7 @@ impl<'a> From<&'a Row> for Document<'a> {
                 .iter()
                 .map(|i| Quantity {
                     name: &i.name,
-                    max_defect: i.defect,
+                    max_error: i.defect,
                     in_round_offs: i.in_roundoff,
                 })
                 .collect(),
@@ -99,8 +99,8 @@ pub(crate) fn json(rows: &[Row], summary: &Summary) -> serde_json::Result<String
     })
 }
 
-const HEADER: &str = "theme,name,stages,step,h_omega,precision,steps_wanted,steps,outcomes,energy_in_floors,\
-    energy_in_floors_by_double_double,energy,energy_gauss,worst_invariant,invariant_defect,error,error_gauss,error_ratio,\
+const HEADER: &str = "theme,name,stages,step,h_omega,precision,steps_wanted,steps,outcomes,energy_in_round_off_levels,\
+    energy_in_round_off_levels_by_double_double,energy,energy_gauss,worst_invariant,invariant_error,error,error_gauss,error_ratio,\
     round_off_of_trajectory,seconds,seconds_gauss,seconds_all,verdict,notes";
 
 /// One header line and one line a row.
@@ -121,8 +121,8 @@ pub(crate) fn csv(rows: &[Row]) -> String {
             row.wanted.to_string(),
             m.steps.to_string(),
             quoted(&outcomes.collect::<Vec<_>>().join("; ")),
-            number(m.floors),
-            number(m.independent_floors),
+            number(m.levels),
+            number(m.independent_levels),
             cell(m.energy),
             cell(m.gauss_energy),
             quoted(worst.map_or("", |i| &i.name)),

@@ -87,7 +87,7 @@ fn line(row: &Row) -> String {
             .map(|(letter, n)| format!("{letter}&nbsp;{n}"))
             .collect::<Vec<_>>()
             .join(" "),
-        plain(row.floors()),
+        plain(row.levels()),
         number(Some(m.energy)),
         number(Some(m.gauss_energy)),
         number(m.worst_invariant().map(|i| i.defect)),

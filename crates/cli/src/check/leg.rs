@@ -93,9 +93,9 @@ pub(crate) struct Leg<T> {
     /// Largest |H − H_ref|.
     pub(crate) energy: f64,
     /// Largest |H − H_ref| in units of its floor over steps that say the energy is kept.
-    pub(crate) floors: Option<f64>,
+    pub(crate) levels: Option<f64>,
     /// The same with H evaluated in double-double; runs in f64 only.
-    pub(crate) independent_floors: Option<f64>,
+    pub(crate) independent_levels: Option<f64>,
     pub(crate) invariants: Vec<Kept>,
     pub(crate) samples: Samples<T>,
     pub(crate) ended: Option<Ended>,
@@ -207,8 +207,8 @@ impl<T: Float> Watch<T> {
             leg: Leg {
                 counts: Counts::default(),
                 energy: 0.0,
-                floors: None,
-                independent_floors: None,
+                levels: None,
+                independent_levels: None,
                 invariants: Vec::new(),
                 samples,
                 ended: None,
@@ -220,7 +220,7 @@ impl<T: Float> Watch<T> {
     }
 
     fn step(&mut self, view: &StepView<'_, T>, sample: bool) {
-        let defect = view.energy_defect.map_or(0.0, Float::to_f64).abs();
+        let defect = view.energy_error.map_or(0.0, Float::to_f64).abs();
         if !(defect <= self.leg.energy) {
             self.leg.energy = defect;
         }
@@ -231,24 +231,24 @@ impl<T: Float> Watch<T> {
             self.y.extend_from_slice(view.p);
             self.watched.iter_mut().for_each(|w| w.see(&self.y));
         }
-        let Some(floor) = view.energy_floor.filter(|_| view.outcome.energy_kept()) else {
+        let Some(round_off) = view.energy_round_off.filter(|_| view.outcome.energy_kept()) else {
             return;
         };
-        raise(&mut self.leg.floors, in_floors(defect, floor.to_f64()));
+        raise(&mut self.leg.levels, in_levels(defect, round_off.to_f64()));
         if let (Some(independent), true) = (&mut self.independent, sample) {
             let defect = independent.defect(view);
-            let floors = in_floors(defect, floor.to_f64());
-            raise(&mut self.leg.independent_floors, floors);
+            let levels = in_levels(defect, round_off.to_f64());
+            raise(&mut self.leg.independent_levels, levels);
         }
     }
 }
 
 /// |defect| / floor; a defect of zero is zero floors, also where the floor underflows.
-fn in_floors(defect: f64, floor: f64) -> f64 {
+fn in_levels(defect: f64, round_off: f64) -> f64 {
     if defect == 0.0 {
         0.0
     } else {
-        (defect / floor).abs()
+        (defect / round_off).abs()
     }
 }
 

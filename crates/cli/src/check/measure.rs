@@ -104,8 +104,8 @@ fn measure<T: Float>(case: &Case, cache: &Cache) -> Result<Measured, BuildFault>
             .map(|(o, n)| (o.label(), n))
             .collect(),
         energy: equip.energy,
-        floors: equip.floors,
-        independent_floors: equip.independent_floors,
+        levels: equip.levels,
+        independent_levels: equip.independent_levels,
         error: compare(&equip),
         noise,
         gauss_error: compare(&gauss).filter(|_| !scaled),

@@ -4,9 +4,9 @@ use super::measure::Row;
 
 impl Row {
     /// The worse of the solver's and the independent figure.
-    pub(crate) fn floors(&self) -> Option<f64> {
+    pub(crate) fn levels(&self) -> Option<f64> {
         let m = &self.measured;
-        match (m.floors, m.independent_floors) {
+        match (m.levels, m.independent_levels) {
             (Some(a), Some(b)) => Some(a.max(b)),
             (a, b) => a.or(b),
         }

@@ -47,7 +47,7 @@ pub(crate) fn line(out: &mut impl Write, row: &Row) -> io::Result<()> {
     writeln!(
         out,
         "{INDENT}{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9.2}",
-        plain(row.floors()),
+        plain(row.levels()),
         format!("{:.1e}", m.energy),
         format!("{:.1e}", m.gauss_energy),
         number(m.worst_invariant().map(|i| i.defect)),

@@ -18,7 +18,7 @@
 
 use super::case::{End, Expect, Trajectory};
 use super::measured::Measured;
-use crate::limits::{FLOORS, TRAJECTORY, UNCORRECTED};
+use crate::limits::{LEVELS, TRAJECTORY, UNCORRECTED};
 
 /// Trajectory errors within so many times what one rounding of the start does are round-off.
 const NOISE: f64 = 8.0;
@@ -143,14 +143,14 @@ fn accounts(measured: &Measured, faults: &mut Vec<String>) {
 
 fn energy(measured: &Measured, faults: &mut Vec<String>) {
     let figures = [
-        ("", measured.floors),
-        (" by double-double", measured.independent_floors),
+        ("", measured.levels),
+        (" by double-double", measured.independent_levels),
     ];
-    for (how, floors) in figures {
-        if let Some(floors) = floors
-            && !(floors <= FLOORS)
+    for (how, levels) in figures {
+        if let Some(levels) = levels
+            && !(levels <= LEVELS)
         {
-            faults.push(format!("energy off by {floors:.3} floors{how}"));
+            faults.push(format!("energy off by {levels:.3} floors{how}"));
         }
     }
     if !measured.energy.is_finite() {
@@ -242,7 +242,7 @@ mod tests {
     use super::super::case::{End, Expect, Kind, Trajectory};
     use super::super::leg::{Ended, Kept};
     use super::super::measured::Measured;
-    use super::{DEFICIT, FLOORS, TRAJECTORY, UNCORRECTED, Word, judge};
+    use super::{DEFICIT, LEVELS, TRAJECTORY, UNCORRECTED, Word, judge};
 
     const EXPECT: Expect = Expect {
         end: End::Complete,
@@ -254,8 +254,8 @@ mod tests {
         Measured {
             steps: 100,
             outcomes: vec![("energy solved", 100)],
-            floors: Some(1.0),
-            independent_floors: Some(2.0),
+            levels: Some(1.0),
+            independent_levels: Some(2.0),
             energy: 1e-16,
             gauss_energy: 1e-9,
             error: Some(1e-6),
@@ -279,9 +279,9 @@ mod tests {
         let broken: [fn(&mut Measured); 12] = [
             |m| m.steps = 99,
             |m| m.outcomes = vec![("energy solved", 99)],
-            |m| m.floors = Some(1.01 * FLOORS),
-            |m| m.floors = Some(f64::NAN),
-            |m| m.independent_floors = Some(9.0),
+            |m| m.levels = Some(1.01 * LEVELS),
+            |m| m.levels = Some(f64::NAN),
+            |m| m.independent_levels = Some(9.0),
             |m| m.energy = f64::NAN,
             |m| (m.uncorrected, m.energy) = (1, 1.01 * UNCORRECTED * m.gauss_energy),
             |m| m.error = Some(1.01 * TRAJECTORY * 2e-6),
@@ -380,7 +380,7 @@ mod tests {
         measured.error = Some(known * 2e-6);
         let verdict = judge(&expect, 100, &measured);
         assert!(verdict.notes[0].contains("30 is known"), "{verdict:?}");
-        measured.floors = Some(1.01 * FLOORS);
+        measured.levels = Some(1.01 * LEVELS);
         assert_eq!(word(expect, &measured), Word::Fail);
     }
 

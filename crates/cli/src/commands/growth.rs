@@ -184,7 +184,7 @@ pub(crate) fn follow(
     // Largest |ΔH| so far, and at each of the times.
     let (mut most, mut energies) = (0.0_f64, Vec::new());
     let mut see = |view: &StepView<'_, f64>| {
-        most = most.max(view.energy_defect.map_or(0.0, f64::abs));
+        most = most.max(view.energy_error.map_or(0.0, f64::abs));
         while times.get(energies.len()).is_some_and(|&t| t <= view.time) {
             energies.push(most);
         }
@@ -221,7 +221,7 @@ pub(crate) fn follow(
 /// One panel for each eccentricity, error against revolutions.
 fn draw(curves: &[Curve], args: &GrowthArgs) -> String {
     let plot = |eccentricity: &String| Plot {
-        has_slopes: true,
+        has_derivatives: true,
         ..Plot::new(
             &format!("e = {eccentricity}"),
             "revolutions N",
@@ -296,8 +296,8 @@ fn row(curve: &Curve) -> String {
         share(c.counts.gradients),
         c.counts.uncorrected(),
         c.energy.as_ref().map_or(f64::NAN, |energy| energy.max),
-        c.energy_in_floors
-            .map_or_else(String::new, |floors| format!("{floors:.1}")),
+        c.energy_in_round_off_levels
+            .map_or_else(String::new, |levels| format!("{levels:.1}")),
     );
     text
 }

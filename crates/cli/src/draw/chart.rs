@@ -49,9 +49,9 @@ pub(crate) struct Plot {
     pub(crate) x: String,
     pub(crate) y: String,
     /// What is below is round-off.
-    pub(crate) floor: Option<f64>,
+    pub(crate) round_off: Option<f64>,
     /// Whether growth like x and like x² is drawn for comparison.
-    pub(crate) has_slopes: bool,
+    pub(crate) has_derivatives: bool,
 }
 
 impl Plot {
@@ -75,12 +75,12 @@ pub(crate) fn chart(title: &str, facts: &str, plots: &[Plot], lines: &[Line]) ->
         points.filter(|p| real(p.x) && real(p.y)).copied().collect()
     };
     // The range of all panels that `is_like` this one.
-    let range = |is_like: &dyn Fn(&Plot) -> bool, of: fn(&Spot) -> f64, floor: bool| {
+    let range = |is_like: &dyn Fn(&Plot) -> bool, of: fn(&Spot) -> f64, round_off: bool| {
         let like = (0..plots.len()).filter(|&k| is_like(&plots[k]));
         let values = like.flat_map(|k| {
-            let floor = plots[k].floor.filter(|_| floor);
+            let round_off = plots[k].round_off.filter(|_| round_off);
             let spots = lines.iter().flat_map(move |line| shown(line, k));
-            spots.map(|spot| of(&spot)).chain(floor)
+            spots.map(|spot| of(&spot)).chain(round_off)
         });
         values.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), x| {
             (low.min(x), high.max(x))
@@ -92,9 +92,9 @@ pub(crate) fn chart(title: &str, facts: &str, plots: &[Plot], lines: &[Line]) ->
         let x = axis((low, high), MARGIN.0, &plot.x);
         let y = range(&|other| other.y == plot.y, |p| p.y, true);
         let mut panel = Panel::new(x, axis(y, MARGIN.1, &plot.y));
-        panel.floor = plot.floor;
+        panel.round_off = plot.round_off;
         let mut svg = panel.svg(&plot.heading);
-        if plot.has_slopes && high > low {
+        if plot.has_derivatives && high > low {
             slopes(&mut svg, &panel, high);
         }
         for line in lines {
@@ -122,7 +122,7 @@ pub(crate) fn chart(title: &str, facts: &str, plots: &[Plot], lines: &[Line]) ->
     let mut legend: Vec<_> = (lines.iter())
         .map(|line| (line.name.clone(), line.look.clone()))
         .collect();
-    if plots.iter().any(|plot| plot.floor.is_some()) {
+    if plots.iter().any(|plot| plot.round_off.is_some()) {
         legend.push(("round-off level of H".into(), Look::band()));
     }
     Figure {

@@ -133,7 +133,7 @@ pub(crate) struct Panel {
     pub(crate) x: Axis,
     pub(crate) y: Axis,
     /// What is below is round-off, and has a band.
-    pub(crate) floor: Option<f64>,
+    pub(crate) round_off: Option<f64>,
 }
 
 impl Panel {
@@ -151,7 +151,7 @@ impl Panel {
             height: height - ROOM.1 - ROOM.3,
             x,
             y,
-            floor: None,
+            round_off: None,
         }
     }
 
@@ -194,8 +194,8 @@ impl Panel {
     /// Grid, ticks, frame and labels.
     fn draw_axes(&self, svg: &mut Svg) {
         let (right, bottom) = (self.left + self.width, self.top + self.height);
-        if let Some(floor) = self.floor {
-            let (_, y) = self.at((1.0, floor));
+        if let Some(round_off) = self.round_off {
+            let (_, y) = self.at((1.0, round_off));
             svg.rectangle((self.left, y), (self.width, bottom - y), BAND);
         }
         for x in self.x.between_decades() {

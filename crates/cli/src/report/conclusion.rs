@@ -4,7 +4,7 @@ use super::accuracy::Time;
 use super::long::{Long, REVOLUTIONS};
 use super::results::{Results, times};
 use crate::commands::growth::Curve;
-use crate::limits::FLOORS;
+use crate::limits::LEVELS;
 use crate::text::three_digits;
 
 /// The sentences, of the parts that were measured.
@@ -43,8 +43,8 @@ fn close(curves: &[Curve]) -> Option<String> {
     let (low, high) = range(errors)?;
     let ours: Vec<&Curve> = pairs(curves).map(|pair| pair.0).collect();
     let is_conserved = |curve: &&&Curve| {
-        let floors = curve.certificate.energy_in_floors;
-        curve.certificate.counts.uncorrected() == 0 && floors.is_some_and(|x| x <= FLOORS)
+        let levels = curve.certificate.energy_in_round_off_levels;
+        curve.certificate.counts.uncorrected() == 0 && levels.is_some_and(|x| x <= LEVELS)
     };
     let orbits: Vec<_> = ours.iter().map(|c| c.eccentricity.as_str()).collect();
     let sum = |of: fn(&Curve) -> u64| ours.iter().map(|curve| of(curve)).sum::<u64>();

@@ -38,7 +38,7 @@ pub(super) struct Outcome {
     pub(super) energy: f64,
     /// |H₀|, and the largest round-off level of H if EQUIP computed it.
     pub(super) start: f64,
-    pub(super) floor: Option<f64>,
+    pub(super) round_off: Option<f64>,
     /// Steps whose energy error was not removed.
     pub(super) uncorrected: u64,
     /// Largest defect of each invariant.
@@ -188,12 +188,14 @@ fn variable<T: Float>(
 fn outcome<T: Float>(certificate: &Certificate<T>) -> Outcome {
     let invariants = certificate.invariants.iter();
     let energy = certificate.energy.as_ref();
-    let floor = certificate.energy_floor.map(|level| level.floor.to_f64());
+    let round_off = certificate
+        .energy_round_off
+        .map(|level| level.round_off.to_f64());
     Outcome {
         error: f64::NAN,
         energy: energy.map_or(f64::NAN, |e| e.max.to_f64()),
         start: energy.map_or(f64::NAN, |e| e.start.to_f64().abs()),
-        floor: floor.filter(|floor| *floor > 0.0 && floor.is_finite()),
+        round_off: round_off.filter(|round_off| *round_off > 0.0 && round_off.is_finite()),
         uncorrected: certificate.counts.uncorrected(),
         invariants: invariants.map(|i| i.max.to_f64()).collect(),
         steps: certificate.counts.steps,

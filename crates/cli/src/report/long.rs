@@ -79,11 +79,11 @@ pub(super) fn figure(title: &str, curves: &[Curve]) -> Figure {
         let levels = (curves.iter().filter(of)).filter_map(|curve| {
             let certificate = &curve.certificate;
             let start = certificate.energy.as_ref()?.start.abs();
-            Some(certificate.energy_floor.as_ref()?.floor / start)
+            Some(certificate.energy_round_off.as_ref()?.round_off / start)
         });
         let levels = levels.filter(|level| *level > 0.0 && level.is_finite());
         plots.push(Plot {
-            has_slopes: true,
+            has_derivatives: true,
             ..Plot::new(
                 &format!("Error, e = {orbit}"),
                 "revolutions N",
@@ -91,7 +91,7 @@ pub(super) fn figure(title: &str, curves: &[Curve]) -> Figure {
             )
         });
         energies.push(Plot {
-            floor: levels.reduce(f64::max),
+            round_off: levels.reduce(f64::max),
             ..Plot::new(
                 &format!("Energy error, e = {orbit}"),
                 "revolutions N",

@@ -141,14 +141,14 @@ fn climb<T: Float>(
             // A coarse setting may well fail; finer ones are tried.
             Err(failure) => curve.failure = Some(failure),
         }
-        let at_floor = worse >= 2 && best < T::EPSILON.to_f64().sqrt();
+        let at_round_off = worse >= 2 && best < T::EPSILON.to_f64().sqrt();
         // Coarse settings may be slow where steps fail and are halved; finer ones then are faster.
         slow = if run_begun.elapsed() > most {
             slow + 1
         } else {
             0
         };
-        if at_floor || slow >= 3 || begun.elapsed() > share {
+        if at_round_off || slow >= 3 || begun.elapsed() > share {
             break;
         }
     }

@@ -145,7 +145,8 @@ fn growth_table(curves: &[&growth::Curve], numbers: &[u64]) -> String {
         let energy = curve.energies.last().copied().unwrap_or(f64::NAN);
         cells.extend([
             format!("{energy:.1e}"),
-            c.energy_in_floors.map_or("–".into(), |x| format!("{x:.1}")),
+            c.energy_in_round_off_levels
+                .map_or("–".into(), |x| format!("{x:.1}")),
             format!("{:.1}", c.counts.steps as f64 / curve.revolutions),
             uncorrected(curve.is_equip, c.counts.uncorrected()),
             three_digits(curve.milliseconds / curve.revolutions),

@@ -29,7 +29,7 @@ fn look(contender: &Contender) -> Look {
 }
 
 /// The picture of a scene whose round-off level of H is `floor`.
-pub(super) fn scene(title: &str, curves: &[Curve], floor: Option<f64>) -> Figure {
+pub(super) fn scene(title: &str, curves: &[Curve], round_off: Option<f64>) -> Figure {
     let starts = curves.iter().flat_map(|curve| &curve.points);
     let start = starts.map(|p| p.outcome.start).find(|start| *start > 0.0);
     let (unit, energy) = match start {
@@ -42,7 +42,7 @@ pub(super) fn scene(title: &str, curves: &[Curve], floor: Option<f64>) -> Figure
             let points = || {
                 // Where nothing is right there is nothing to compare.
                 let drawn = curve.points.iter().filter(|p| p.outcome.error < WRONG);
-                drawn.map(|p| (p, !is_conserved(&p.outcome, floor)))
+                drawn.map(|p| (p, !is_conserved(&p.outcome, round_off)))
             };
             let timed = |(p, is_hollow): (&Point, bool), y: f64| {
                 let ((least, most), x) = (p.spread(), p.median());
@@ -75,7 +75,7 @@ pub(super) fn scene(title: &str, curves: &[Curve], floor: Option<f64>) -> Figure
     let plots = [
         Plot::new("Error at the end", time, error),
         Plot {
-            floor: floor.map(|floor| floor / unit),
+            round_off: round_off.map(|round_off| round_off / unit),
             ..Plot::new("Energy error", time, energy)
         },
         Plot::new("Work", "number of ∇H", error),

@@ -4,7 +4,7 @@ use super::accuracy::{Time, time_to};
 use super::contender::Outcome;
 use super::measure::Curve;
 use crate::draw::figure::Figure;
-use crate::limits::FLOORS;
+use crate::limits::LEVELS;
 
 /// A scene with all that was measured on it.
 #[derive(Debug)]
@@ -26,15 +26,15 @@ impl Results {
 }
 
 /// The least round-off level of H that a run of EQUIP found: that of Gauss is the same.
-pub(super) fn floor(curves: &[Curve]) -> Option<f64> {
+pub(super) fn round_off(curves: &[Curve]) -> Option<f64> {
     let points = curves.iter().flat_map(|curve| &curve.points);
-    let floors = points.filter_map(|point| point.outcome.floor);
-    floors.min_by(f64::total_cmp)
+    let levels = points.filter_map(|point| point.outcome.round_off);
+    levels.min_by(f64::total_cmp)
 }
 
 /// Whether a run conserved the energy to round-off, where the level is known.
-pub(super) fn is_conserved(outcome: &Outcome, floor: Option<f64>) -> bool {
-    floor.is_none_or(|floor| outcome.energy <= FLOORS * floor)
+pub(super) fn is_conserved(outcome: &Outcome, round_off: Option<f64>) -> bool {
+    round_off.is_none_or(|round_off| outcome.energy <= LEVELS * round_off)
 }
 
 /// The times of a method to each target.

@@ -30,7 +30,7 @@ impl Comparison {
         let mut energy = Envelope::default();
         let mut see = |view: &StepView<'_, T>| {
             progress.see(view.index);
-            if let Some(defect) = view.energy_defect {
+            if let Some(defect) = view.energy_error {
                 energy.see(view.time.to_f64(), defect.to_f64());
             }
             match signals::caught() {

@@ -2,7 +2,7 @@
 
 use crate::run::finished::{EndError, Finished};
 use crate::write::csv::digits;
-use equip_integrate::{Defect, Outcome};
+use equip_integrate::{Conserved, Outcome};
 use equip_scalar::Float;
 use serde::Serialize;
 use serde_json::value::RawValue;
@@ -61,7 +61,7 @@ struct Sizes {
 
 #[derive(Debug, Serialize)]
 struct Floor {
-    floor: Number,
+    round_off: Number,
     time: Number,
     scale: Number,
     last: Number,
@@ -116,8 +116,8 @@ struct Document<'a> {
     end: Number,
     steps: u64,
     energy: Option<Quantity>,
-    energy_in_floors: Option<Number>,
-    energy_floor: Option<Floor>,
+    energy_in_round_off_levels: Option<Number>,
+    energy_round_off: Option<Floor>,
     phase_per_step: Option<Phase>,
     motion_is_resolved: bool,
     energy_kept_on_every_step: bool,
@@ -161,15 +161,15 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         end: Number::new(certificate.end),
         steps: counts.steps,
         energy: certificate.energy.as_ref().map(quantity),
-        energy_in_floors: certificate.energy_in_floors.map(Number::new),
-        energy_floor: certificate.energy_floor.map(|floor| Floor {
-            floor: Number::new(floor.floor),
-            time: Number::new(floor.time),
-            scale: Number::new(floor.scale),
-            last: Number::new(floor.last),
-            recent_kinetic: Number::new(floor.recent_kinetic),
-            underflows: floor.underflows,
-            is_small: floor.is_small(),
+        energy_in_round_off_levels: certificate.energy_in_round_off_levels.map(Number::new),
+        energy_round_off: certificate.energy_round_off.map(|round_off| Floor {
+            round_off: Number::new(round_off.round_off),
+            time: Number::new(round_off.time),
+            scale: Number::new(round_off.scale),
+            last: Number::new(round_off.last),
+            recent_kinetic: Number::new(round_off.recent_kinetic),
+            underflows: round_off.underflows,
+            is_small: round_off.is_small(),
         }),
         phase_per_step: certificate.phase_per_step.map(|phase| Phase {
             angle: phase.angle,
@@ -231,7 +231,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
     serde_json::to_string_pretty(&document)
 }
 
-fn quantity<T: Float>(defect: &Defect<T>) -> Quantity {
+fn quantity<T: Float>(defect: &Conserved<T>) -> Quantity {
     Quantity {
         name: defect.name.clone(),
         start: Number::new(defect.start),

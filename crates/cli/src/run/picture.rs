@@ -186,10 +186,12 @@ fn energies<T: Float>(
     let certificate = finished.run.certificate();
     let start = (certificate.energy.as_ref()).map_or(0.0, |e| e.start.to_f64().abs());
     let epsilon = T::EPSILON.to_f64();
-    let level = certificate.energy_floor.map(|level| level.floor.to_f64());
+    let level = certificate
+        .energy_round_off
+        .map(|level| level.round_off.to_f64());
     let level = level.filter(|level| *level > 0.0 && level.is_finite());
-    let floor = level.unwrap_or(epsilon * if start > 0.0 { start } else { 1.0 });
-    let is_relative = start > 0.0 && floor < epsilon.sqrt() * start;
+    let round_off = level.unwrap_or(epsilon * if start > 0.0 { start } else { 1.0 });
+    let is_relative = start > 0.0 && round_off < epsilon.sqrt() * start;
     let (unit, heading, label) = if is_relative {
         (start, "Relative energy error", "|\u{394}H/H\u{2080}|")
     } else {
@@ -217,14 +219,14 @@ fn energies<T: Float>(
         points.retain(|point| point.1.is_finite() && point.1 > 0.0);
         points.iter_mut().for_each(|point| point.1 /= unit);
     }
-    let floor = floor / unit;
+    let round_off = round_off / unit;
     let all = curves.iter().flat_map(|(points, _)| points);
-    let (low, high) = all.fold((floor, floor), |(low, high), point| {
+    let (low, high) = all.fold((round_off, round_off), |(low, high), point| {
         (low.min(point.1), high.max(point.1))
     });
-    let y = Axis::powers(low.max(1e-3 * floor), high, 0.25, label);
+    let y = Axis::powers(low.max(1e-3 * round_off), high, 0.25, label);
     let mut panel = Panel::new(time, y);
-    panel.floor = Some(floor);
+    panel.round_off = Some(round_off);
     let mut svg = panel.svg(heading);
     for (points, colour) in &curves {
         svg.polyline(points.iter().map(|&point| panel.at(point)), colour, 1.3);

@@ -129,7 +129,7 @@ impl<'a, T: Float> Watch<'a, T> {
         self.progress.see(view.index);
         let picture = &mut self.picture;
         (picture.path).see_state(view.index, view.q, view.p);
-        if let Some(defect) = view.energy_defect {
+        if let Some(defect) = view.energy_error {
             (picture.energy).see(view.time.to_f64(), defect.to_f64());
         }
         if let Some(chaos) = &view.chaos {
@@ -143,7 +143,7 @@ impl<'a, T: Float> Watch<'a, T> {
                 time: view.time,
                 q: view.q,
                 p: view.p,
-                energy_defect: view.energy_defect,
+                energy_error: view.energy_error,
                 outcome: view.outcome.label(),
                 chaos: view.chaos,
             };
@@ -193,7 +193,7 @@ impl<'a, T: Float> Watch<'a, T> {
                 time,
                 q,
                 p,
-                energy_defect: run.energy_defects().last().copied(),
+                energy_error: run.energy_errors().last().copied(),
                 outcome: run.outcomes().last().map_or("", |outcome| outcome.label()),
                 chaos: run.certificate().chaos,
             };

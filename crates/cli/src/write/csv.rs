@@ -1,6 +1,6 @@
 //! [`Rows`]: the steps of a run as a table of comma-separated values.
 //!
-//! One header row `t,q1,…,qm,p1,…,pm,energy_defect,outcome`, then one row per step kept. Numbers have as many
+//! One header row `t,q1,…,qm,p1,…,pm,energy_error,outcome`, then one row per step kept. Numbers have as many
 //! digits as read back to the same number; all are in the units of the scene. The energy defect is H − H_ref.
 //! Where a deviation is followed there are two more columns, `lyapunov,megno`, empty in the first row.
 
@@ -49,7 +49,7 @@ impl Mark {
                 let _ = write!(header, ",{name}{i}");
             }
         }
-        header += ",energy_defect,outcome";
+        header += ",energy_error,outcome";
         if with_chaos {
             header += ",lyapunov,megno";
         }
@@ -156,7 +156,7 @@ pub(crate) struct Row<'a, T> {
     pub(crate) time: T,
     pub(crate) q: &'a [T],
     pub(crate) p: &'a [T],
-    pub(crate) energy_defect: Option<T>,
+    pub(crate) energy_error: Option<T>,
     pub(crate) outcome: &'a str,
     pub(crate) chaos: Option<ChaosIndicators<T>>,
 }
@@ -178,7 +178,7 @@ impl Rows {
             time: zero,
             q,
             p,
-            energy_defect: Some(zero),
+            energy_error: Some(zero),
             outcome: START,
             chaos: None,
         })?;
@@ -229,7 +229,7 @@ impl Rows {
             text += &digits(x);
         }
         text.push(',');
-        if let Some(defect) = row.energy_defect {
+        if let Some(defect) = row.energy_error {
             text += &digits(defect);
         }
         // Labels may hold a comma. Writing to a String does not fail.
@@ -298,7 +298,7 @@ mod tests {
             time: index as f64,
             q: &[0.5],
             p: &[2.0],
-            energy_defect: None,
+            energy_error: None,
             outcome: "a, b",
             chaos: None,
         };
@@ -311,7 +311,7 @@ mod tests {
         let at = rows.sync().unwrap();
         rows.finish(row(3)).unwrap();
         let text = || std::fs::read_to_string(&path).unwrap();
-        let expected = "t,q1,p1,energy_defect,outcome\n0e0,5e-1,2e0,0e0,\"start\"\n2e0,5e-1,2e0,,\"a, b\"\n3e0,5e-1,2e0,,\"a, b\"\n";
+        let expected = "t,q1,p1,energy_error,outcome\n0e0,5e-1,2e0,0e0,\"start\"\n2e0,5e-1,2e0,,\"a, b\"\n3e0,5e-1,2e0,,\"a, b\"\n";
         assert_eq!(text(), expected);
         // From the mark on the last row is written again.
         let file = at.open(&path, &mark).unwrap();

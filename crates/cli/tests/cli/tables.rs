@@ -65,7 +65,7 @@ fn table_of_a_run_reads_back() {
         "--quiet",
     ]);
     let rows = table(&out);
-    assert_eq!(rows[0].join(","), "t,q1,q2,p1,p2,energy_defect,outcome");
+    assert_eq!(rows[0].join(","), "t,q1,q2,p1,p2,energy_error,outcome");
     // 318.3 steps: the initial state, every tenth step, and the last one.
     assert_eq!(rows.len(), 1 + 1 + 31 + 1);
     let kepler = equip_scenes::find("kepler").unwrap();

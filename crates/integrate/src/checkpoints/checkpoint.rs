@@ -60,11 +60,11 @@ pub struct Checkpoint {
     pub(crate) energy_reference: Exact,
     /// Energy if it is measured, then the invariants: start, max, end of each.
     pub(crate) defects: Vec<[Exact; 3]>,
-    pub(crate) in_floors: Option<Exact>,
+    pub(crate) in_levels: Option<Exact>,
     /// What is known of the round-off level of the energy; angle and step of the largest phase per step.
-    pub(crate) energy_floor: Option<[Exact; 6]>,
+    pub(crate) energy_round_off: Option<[Exact; 6]>,
     pub(crate) phase_per_step: Option<[Exact; 2]>,
-    pub(crate) floor: Option<Exact>,
+    pub(crate) round_off: Option<Exact>,
     pub(crate) alpha_range: Vec<[Exact; 2]>,
     pub(crate) last_step: Exact,
     pub(crate) last_outcome: Outcome,

@@ -65,14 +65,14 @@ pub(crate) fn of_function<T: Float>(function: &mut Evaluator<T>, y: &[T]) -> Str
     if let Some(formula) = function.formula_checksum() {
         sum.count(formula);
     }
-    let (mut point, mut slope) = (y.to_vec(), vec![T::int(0); y.len()]);
+    let (mut point, mut gradient) = (y.to_vec(), vec![T::int(0); y.len()]);
     for k in 0..3 {
         for (j, (x, &y)) in point.iter_mut().zip(y).enumerate() {
             // Differences that no symmetry of the usual energies undoes.
             *x = y + T::ratio(k * (2 * j as i64 + 3), 16 * (j as i64 + 4));
         }
-        sum.value(function.gradient(&point, &mut slope));
-        slope.iter().for_each(|&x| sum.value(x));
+        sum.value(function.gradient(&point, &mut gradient));
+        gradient.iter().for_each(|&x| sum.value(x));
     }
     sum.hexadecimal()
 }

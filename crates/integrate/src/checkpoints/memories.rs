@@ -2,7 +2,7 @@
 
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
-use crate::report::energy_floor::EnergyFloor;
+use crate::report::energy_round_off::EnergyRoundOff;
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
 
@@ -76,10 +76,10 @@ impl ControlMemory {
 }
 
 /// What is known of the round-off level of the energy, as numbers.
-pub(crate) fn floor_memory<T: Float>(of: EnergyFloor<T>) -> [Exact; 6] {
+pub(crate) fn round_off_memory<T: Float>(of: EnergyRoundOff<T>) -> [Exact; 6] {
     let underflows = T::int(i64::from(of.underflows));
     [
-        of.floor,
+        of.round_off,
         of.time,
         of.scale,
         of.last,
@@ -90,10 +90,12 @@ pub(crate) fn floor_memory<T: Float>(of: EnergyFloor<T>) -> [Exact; 6] {
 }
 
 /// The same from these numbers.
-pub(crate) fn read_floor<T: Float>(from: &[Exact; 6]) -> Result<EnergyFloor<T>, IntegrateError<T>> {
-    let [floor, time, scale, last, recent_kinetic, underflows] = from;
-    Ok(EnergyFloor {
-        floor: floor.read()?,
+pub(crate) fn read_round_off<T: Float>(
+    from: &[Exact; 6],
+) -> Result<EnergyRoundOff<T>, IntegrateError<T>> {
+    let [round_off, time, scale, last, recent_kinetic, underflows] = from;
+    Ok(EnergyRoundOff {
+        round_off: round_off.read()?,
         time: time.read()?,
         scale: scale.read()?,
         last: last.read()?,

@@ -27,10 +27,10 @@ impl Checkpoint {
             low,
             energy_reference,
             defects,
-            in_floors,
-            energy_floor,
+            in_levels,
+            energy_round_off,
             phase_per_step,
-            floor,
+            round_off,
             alpha_range,
             last_step,
             last_outcome,
@@ -63,10 +63,10 @@ impl Checkpoint {
         sum.count(energy_jumps.as_ref().map_or(0, |jumps| jumps.0));
         sum.numbers(energy_jumps.iter().map(|jumps| &jumps.1));
         sum.numbers(defects.iter().flatten());
-        sum.numbers(in_floors);
-        sum.numbers(energy_floor.iter().flatten());
+        sum.numbers(in_levels);
+        sum.numbers(energy_round_off.iter().flatten());
         sum.numbers(phase_per_step.iter().flatten());
-        sum.numbers(floor);
+        sum.numbers(round_off);
         sum.numbers(alpha_range.iter().flatten());
         sum.text(last_outcome.label());
         for count in [

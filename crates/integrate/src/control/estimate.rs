@@ -75,7 +75,7 @@ pub(crate) struct Estimate {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct End<'a, T> {
     /// ∇H there.
-    pub(crate) slope: &'a [T],
+    pub(crate) gradient: &'a [T],
     /// Whether it is that a little within the step, at [`Decay::inset`].
     pub(crate) is_inset: bool,
 }
@@ -180,7 +180,7 @@ impl<T: Float> Decay<T> {
             // f = J∇H.
             let (sign, from) = if group == 0 { (h, half) } else { (-h, 0) };
             for (c, &y) in y[..self.m].iter().enumerate() {
-                let rates = ends.map(|end| sign * end.slope[from + c]);
+                let rates = ends.map(|end| sign * end.gradient[from + c]);
                 let noise =
                     rounding.map_or(T::int(0), |x| T::int(ROUNDING) * h.abs() * x[from + c]);
                 let c = group * half + c;

@@ -19,7 +19,7 @@ use equip_scalar::Float;
 /// Workspace for it.
 #[derive(Debug)]
 pub(crate) struct FirstSize<T> {
-    slope: Vec<T>,
+    gradient: Vec<T>,
     f: Vec<T>,
     second: Vec<T>,
     third: Vec<T>,
@@ -29,7 +29,7 @@ impl<T: Float> FirstSize<T> {
     pub(crate) fn new(n: usize) -> Self {
         let zeros = || vec![T::int(0); n];
         FirstSize {
-            slope: zeros(),
+            gradient: zeros(),
             f: zeros(),
             second: zeros(),
             third: zeros(),
@@ -40,17 +40,17 @@ impl<T: Float> FirstSize<T> {
     pub(crate) fn sizes(&mut self, energy: &mut Evaluator<T>, y: &[T]) -> [f64; 2] {
         let n = y.len();
         let FirstSize {
-            slope,
+            gradient,
             f,
             second,
             third,
         } = self;
-        energy.gradient(y, slope);
-        turn(slope, f);
-        energy.hessian_vector(y, f, slope);
-        turn(slope, second);
-        energy.hessian_vector(y, second, slope);
-        turn(slope, third);
+        energy.gradient(y, gradient);
+        turn(gradient, f);
+        energy.hessian_vector(y, f, gradient);
+        turn(gradient, second);
+        energy.hessian_vector(y, second, gradient);
+        turn(gradient, third);
         let half = n / 2;
         let groups = [0..half, half..n].map(|group| {
             [&*f, &*second, &*third].map(|x| {

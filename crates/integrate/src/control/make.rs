@@ -87,17 +87,17 @@ fn error_of<T: Float>(core: &mut Core<T>, failure: Failure<T>) -> IntegrateError
             correction,
         },
         Failure::NoAlpha => {
-            let beyond = |c: &&Constraint<T>| c.in_late_floors() > T::int(1);
+            let beyond = |c: &&Constraint<T>| c.in_late_levels() > T::int(1);
             let last = core.constraints().iter().rfind(beyond);
-            let (defect, floor) = match last {
-                Some(constraint) => (constraint.defect(), constraint.floor()),
+            let (defect, round_off) = match last {
+                Some(constraint) => (constraint.defect(), constraint.round_off()),
                 None => (T::int(0), T::int(0)),
             };
             IntegrateError::NoAdmissibleAlpha {
                 time,
                 step,
                 defect,
-                floor,
+                round_off,
             }
         }
     }

@@ -50,7 +50,7 @@ pub(crate) const GROWN: i64 = 1000;
 pub(crate) const ESCAPING: i64 = 4;
 /// A floor beyond one over this of the energies makes "kept" an empty word. // ratio; floors of resolved
 /// motion in doubles are below 1e-12, and where 10⁹ times as much as is left cancels within H, 1e-6.
-pub(crate) const MOST_FLOOR: i64 = 1_000_000;
+pub(crate) const MOST_ROUND_OFF: i64 = 1_000_000;
 /// A trial whose error is the target over no more than this will do. // ratio
 pub(crate) const GOOD_ENOUGH: i64 = 8;
 /// Parts of a step shorter than one over this may have event functions that are noise, and the first try is
@@ -64,4 +64,4 @@ pub(crate) const BESIDE: i64 = 1 << 16;
 pub(crate) const RECENT: i64 = 8;
 /// An error of the energy at the end of a run of so many round-off levels of its last step is of that level.
 /// // levels; errors of steps just conserved are at most 8
-pub(crate) const STALE_FLOORS: i64 = 64;
+pub(crate) const STALE_LEVELS: i64 = 64;

@@ -58,7 +58,7 @@ pub(crate) struct Crossings<T: Float> {
     /// Switches at which the value of H may jump.
     may_jump: Vec<bool>,
     /// Room for ∇H.
-    slope: Vec<T>,
+    gradient: Vec<T>,
     roughness: Roughness<T>,
     /// A place so close to the end of a step is the end.
     close: T,
@@ -97,7 +97,7 @@ impl<T: Float> Crossings<T> {
                     )
                 })
                 .collect(),
-            slope: vec![T::int(0); n],
+            gradient: vec![T::int(0); n],
             close: (tolerance / T::int(1000)).max(T::int(8) * T::EPSILON),
         })
     }
@@ -281,7 +281,7 @@ impl<T: Float> Crossings<T> {
                 let y = self.path.state_at(root + distance);
                 let (energy, counts) = core.energy_and_counts();
                 counts.gradients += 1;
-                let (value, bound) = energy.gradient_with_bound(y, &mut self.slope);
+                let (value, bound) = energy.gradient_with_bound(y, &mut self.gradient);
                 rounding = rounding.max(T::int(ROUNDING) * T::EPSILON * bound);
                 value
             });

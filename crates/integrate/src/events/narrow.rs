@@ -37,9 +37,9 @@ pub(crate) fn meeting<T: Float>(
     if !(falls && rises) {
         return None;
     }
-    let slope = |from: Point<T>, to: Point<T>| (to.1 - from.1) / (to.0 - from.0);
-    let left = before.map(|before| slope(before, a));
-    let right = after.map(|after| slope(b, after));
+    let gradient = |from: Point<T>, to: Point<T>| (to.1 - from.1) / (to.0 - from.0);
+    let left = before.map(|before| gradient(before, a));
+    let right = after.map(|after| gradient(b, after));
     let left = left.or(right.map(|right| -right))?;
     let right = right.unwrap_or(-left);
     let x = a.0 + ((b.1 - a.1) - right * (b.0 - a.0)) / (left - right);

@@ -148,9 +148,9 @@ impl<T: Float> Roots<T> {
         if b - a < T::ratio(1, SHORT) && !rough && T::int(8) * noise >= size {
             return Look::Noise;
         }
-        let slopes = derivative(&coefficients);
+        let gradients = derivative(&coefficients);
         let rest = T::int((DEGREE * DEGREE) as i64) * rest;
-        if slopes[0].abs() > sum(&slopes[1..]) + rest {
+        if gradients[0].abs() > sum(&gradients[1..]) + rest {
             return Look::Monotone;
         }
         Look::Unknown

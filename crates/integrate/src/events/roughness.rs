@@ -27,7 +27,7 @@ const COMPARED: usize = 3;
 pub(crate) struct Roughness<T: Float> {
     /// Of s nodes, and of 2s.
     rules: [Coefficients<T>; 2],
-    slope: Vec<T>,
+    gradient: Vec<T>,
     /// P_k at a place.
     values: Vec<T>,
     /// h γ̃_k of component c at c·COMPARED + k.
@@ -40,7 +40,7 @@ impl<T: Float> Roughness<T> {
         let fine = Coefficients::gauss((2 * method.stages()).min(MAX_STAGES)).ok()?;
         Some(Roughness {
             rules: [method.clone(), fine],
-            slope: vec![T::int(0); n],
+            gradient: vec![T::int(0); n],
             values: vec![T::int(0); method.stages()],
             coefficients: vec![T::int(0); n * COMPARED],
         })
@@ -91,20 +91,20 @@ impl<T: Float> Roughness<T> {
         h: T,
         decay: &Decay<T>,
     ) -> f64 {
-        let half = self.slope.len() / 2;
+        let half = self.gradient.len() / 2;
         let mut most = 0.0_f64;
         for pair in 0..path.pairs.len() {
             let [first, second] = path.pairs[pair];
             core.counts_mut().gradients += 2;
             for place in [1, 4].map(|fifths| first + (second - first) * T::ratio(fifths, 5)) {
                 let y = path.state_at(place);
-                core.energy_mut().gradient(y, &mut self.slope);
+                core.energy_mut().gradient(y, &mut self.gradient);
                 legendre_at(place, &mut self.values);
-                for c in 0..self.slope.len() {
+                for c in 0..self.gradient.len() {
                     let force = if c < half {
-                        self.slope[c + half]
+                        self.gradient[c + half]
                     } else {
-                        -self.slope[c - half]
+                        -self.gradient[c - half]
                     };
                     let terms = self.values.iter().enumerate();
                     let known =
@@ -126,21 +126,21 @@ impl<T: Float> Roughness<T> {
         (rule, start, length): (usize, T, T),
     ) {
         let rule = &self.rules[rule];
-        let half = self.slope.len() / 2;
+        let half = self.gradient.len() / 2;
         core.counts_mut().gradients += rule.stages() as u64;
         for (&node, &weight) in rule.nodes().iter().zip(rule.weights()) {
             let place = start + length * node;
             let mut values = [T::int(0); COMPARED];
             legendre_at(place, &mut values);
             let y = path.state_at(place);
-            core.energy_mut().gradient(y, &mut self.slope);
+            core.energy_mut().gradient(y, &mut self.gradient);
             let weight = weight * length * h;
             for (c, sums) in self.coefficients.chunks_exact_mut(COMPARED).enumerate() {
                 // f = J∇H.
                 let rate = if c < half {
-                    weight * self.slope[c + half]
+                    weight * self.gradient[c + half]
                 } else {
-                    -weight * self.slope[c - half]
+                    -weight * self.gradient[c - half]
                 };
                 for (sum, &value) in sums.iter_mut().zip(&values) {
                     *sum += value * rate;

@@ -2,9 +2,9 @@
 
 use crate::options::method::Method;
 use crate::report::chaos_indicators::ChaosIndicators;
-use crate::report::defect::Defect;
-use crate::report::energy_floor::EnergyFloor;
+use crate::report::conserved::Conserved;
 use crate::report::energy_jumps::EnergyJumps;
+use crate::report::energy_round_off::EnergyRoundOff;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::report::shown::{LARGE, shown};
 use crate::report::variable_steps::VariableSteps;
@@ -38,18 +38,18 @@ pub struct Certificate<T> {
     pub end: T,
     /// H at the start, H − H_ref over the run, less the energy that has gone in where H depends on time.
     /// `None` if it was not measured.
-    pub energy: Option<Defect<T>>,
+    pub energy: Option<Conserved<T>>,
     /// Largest |H − H_ref| in units of its round-off level, over all steps, if they solve for the energy:
     /// corrected or not.
-    pub energy_in_floors: Option<T>,
+    pub energy_in_round_off_levels: Option<T>,
     /// The largest round-off level over the steps that conserved the energy, and the energies. `None` where
     /// no step can conserve the energy or it was not measured.
-    pub energy_floor: Option<EnergyFloor<T>>,
+    pub energy_round_off: Option<EnergyRoundOff<T>>,
     /// hω of the fastest motion, where it was largest of the steps looked at: steps 1, 2, 4, 8, … whose
     /// iteration needed ∇²H or contracted slowly. `None` if there was none: hω then was small in these steps.
     pub phase_per_step: Option<PhasePerStep<T>>,
     /// Defects of the invariants watched.
-    pub invariants: Vec<Defect<T>>,
+    pub invariants: Vec<Conserved<T>>,
     /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no
     /// line in the text.
     pub alpha_range: Vec<(T, T)>,
@@ -142,19 +142,23 @@ impl<T: Float> Certificate<T> {
             );
             line("energy error", range_of(energy));
         }
-        if let Some(floors) = self.energy_in_floors {
-            let text = if floors < T::int(100) {
-                format!("max {floors:.2}")
+        if let Some(levels) = self.energy_in_round_off_levels {
+            let text = if levels < T::int(100) {
+                format!("max {levels:.2}")
             } else {
-                format!("max {floors:.1e}")
+                format!("max {levels:.1e}")
             };
             line("  in round-off levels", text);
         }
-        if let Some(EnergyFloor { floor, scale, .. }) = self.energy_floor.filter(|f| !f.is_small())
+        if let Some(EnergyRoundOff {
+            round_off, scale, ..
+        }) = self.energy_round_off.filter(|f| !f.is_small())
         {
             line(
                 "  round-off level",
-                format!("up to {floor:.2e}; |H| and the kinetic energy are at most {scale:.2e}"),
+                format!(
+                    "up to {round_off:.2e}; |H| and the kinetic energy are at most {scale:.2e}"
+                ),
             );
             let helps = "H without cancellation, smaller angles, an earlier end, double-double";
             line("  what helps", helps.to_owned());
@@ -255,7 +259,7 @@ impl<T: Float> Certificate<T> {
 }
 
 /// Largest and last error of a quantity.
-fn range_of<T: Float>(defect: &Defect<T>) -> String {
+fn range_of<T: Float>(defect: &Conserved<T>) -> String {
     if defect.max.is_finite() {
         format!("max {:.2e}, end {:.2e}", defect.max, defect.end)
     } else {

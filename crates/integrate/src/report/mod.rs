@@ -2,9 +2,9 @@
 
 pub(crate) mod certificate;
 pub(crate) mod chaos_indicators;
-pub(crate) mod defect;
-pub(crate) mod energy_floor;
+pub(crate) mod conserved;
 pub(crate) mod energy_jumps;
+pub(crate) mod energy_round_off;
 pub(crate) mod phase_per_step;
 pub(crate) mod shown;
 pub(crate) mod variable_steps;

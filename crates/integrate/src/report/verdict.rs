@@ -2,8 +2,8 @@
 //! [`Certificate`].
 
 use crate::report::certificate::Certificate;
-use crate::report::energy_floor::EnergyFloor;
 use crate::report::energy_jumps::EnergyJumps;
+use crate::report::energy_round_off::EnergyRoundOff;
 use crate::report::shown::shown;
 use equip_scalar::Float;
 use equip_solver::Outcome;
@@ -11,7 +11,7 @@ use equip_solver::Outcome;
 impl<T: Float> Certificate<T> {
     /// Whether every step conserved the energy to round-off: solved, at the round-off level, quadratic, or
     /// halved and then solved, and neither the round-off level nor the error at the end is large compared
-    /// with the energies ([`EnergyFloor`]), so that the word means something. An energy that was infinite or
+    /// with the energies ([`EnergyRoundOff`]), so that the word means something. An energy that was infinite or
     /// NaN anywhere, has jumped or underflows was not conserved.
     pub fn energy_kept_on_every_step(&self) -> bool {
         self.counts.outcome(Outcome::NotAsked) == 0 && self.reason().is_none()
@@ -57,30 +57,33 @@ impl<T: Float> Certificate<T> {
         if let Some(EnergyJumps { count, largest }) = self.energy_jumps {
             return Some(format!("H jumps {count} times, by up to {largest:.1e}"));
         }
-        self.energy_floor
+        self.energy_round_off
             .as_ref()
             .and_then(|level| self.reason_of(level))
     }
 
     /// Why an energy whose error was below the round-off level at every step was not conserved.
-    fn reason_of(&self, level: &EnergyFloor<T>) -> Option<String> {
+    fn reason_of(&self, level: &EnergyRoundOff<T>) -> Option<String> {
         if level.underflows && level.scale == T::int(0) {
             return Some("H underflows to 0; choose units in which it does not".to_owned());
         }
-        let EnergyFloor {
-            floor, time, scale, ..
+        let EnergyRoundOff {
+            round_off,
+            time,
+            scale,
+            ..
         } = *level;
         let time = shown(time);
         if !level.is_small() {
             return Some(format!(
-                "round-off level {floor:.1e} at t = {time}; energies {scale:.1e}"
+                "round-off level {round_off:.1e} at t = {time}; energies {scale:.1e}"
             ));
         }
         let energy = self.energy.as_ref()?;
         let is_conserved = level.is_small_at_end(energy.end, energy.start);
         (!is_conserved).then(|| {
             let error = energy.end.abs();
-            format!("only to {error:.1e} after t = {time} (round-off level {floor:.1e})")
+            format!("only to {error:.1e} after t = {time} (round-off level {round_off:.1e})")
         })
     }
 }

@@ -16,7 +16,7 @@ pub struct Run<T> {
     m: usize,
     times: Vec<T>,
     states: Vec<T>,
-    energy_defects: Vec<T>,
+    energy_errors: Vec<T>,
     outcomes: Vec<Outcome>,
     output_times: Vec<T>,
     outputs: Vec<T>,
@@ -53,7 +53,7 @@ impl<T: Float> Run<T> {
             m: stepper.inner.m,
             times: Vec::new(),
             states: Vec::new(),
-            energy_defects: Vec::new(),
+            energy_errors: Vec::new(),
             outcomes: Vec::new(),
             output_times: Vec::new(),
             outputs: Vec::new(),
@@ -71,7 +71,7 @@ impl<T: Float> Run<T> {
         self.times.push(view.time);
         self.states.extend_from_slice(view.q);
         self.states.extend_from_slice(view.p);
-        self.energy_defects.extend(view.energy_defect);
+        self.energy_errors.extend(view.energy_error);
         self.outcomes.push(view.outcome);
     }
 
@@ -172,8 +172,8 @@ impl<T: Float> Run<T> {
     }
 
     /// H − H_ref of the states kept; empty if the energy was not measured.
-    pub fn energy_defects(&self) -> &[T] {
-        &self.energy_defects
+    pub fn energy_errors(&self) -> &[T] {
+        &self.energy_errors
     }
 
     /// Outcomes of the steps that led to the states kept; that of the initial state means nothing.

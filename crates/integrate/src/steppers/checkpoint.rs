@@ -3,9 +3,9 @@
 use crate::checkpoints::checkpoint::{Checkpoint, FORMAT};
 use crate::checkpoints::checksum::of_function;
 use crate::checkpoints::exact::Exact;
-use crate::checkpoints::memories::{floor_memory, read_floor};
+use crate::checkpoints::memories::{read_round_off, round_off_memory};
 use crate::error::IntegrateError;
-use crate::report::defect::Watched;
+use crate::report::conserved::Watched;
 use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
 use crate::steppers::integration::Integration;
@@ -85,11 +85,11 @@ impl<T: Float> Integration<T> {
             defects: defects
                 .map(|d| [d.start, d.max, d.end].map(Exact::of))
                 .collect(),
-            in_floors: self.in_floors.map(Exact::of),
-            energy_floor: self.energy_floor.map(floor_memory),
+            in_levels: self.in_levels.map(Exact::of),
+            energy_round_off: self.energy_round_off.map(round_off_memory),
             phase_per_step: (self.phase_per_step)
                 .map(|phase| [T::exact(phase.angle), phase.step].map(Exact::of)),
-            floor: self.floor.map(Exact::of),
+            round_off: self.round_off.map(Exact::of),
             alpha_range: self
                 .alpha_range
                 .iter()
@@ -137,18 +137,18 @@ impl<T: Float> Integration<T> {
             *range = (low.read()?, high.read()?);
         }
         let read = |x: &Option<Exact>| x.as_ref().map(Exact::read).transpose();
-        self.in_floors = read(&from.in_floors)?;
+        self.in_levels = read(&from.in_levels)?;
         let pair = |x: &Option<[Exact; 2]>| match x {
             Some([first, second]) => Ok(Some((first.read()?, second.read()?))),
             None => Ok(None),
         };
-        let floor = from.energy_floor.as_ref();
-        self.energy_floor = floor.map(read_floor).transpose()?;
+        let round_off = from.energy_round_off.as_ref();
+        self.energy_round_off = round_off.map(read_round_off).transpose()?;
         self.phase_per_step = pair(&from.phase_per_step)?.map(|(angle, step): (T, T)| {
             let angle = angle.to_f64();
             PhasePerStep { angle, step }
         });
-        self.floor = read(&from.floor)?;
+        self.round_off = read(&from.round_off)?;
         self.last = (
             from.last_step.read_finite("the last step")?,
             from.last_outcome,

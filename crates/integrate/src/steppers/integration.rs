@@ -8,9 +8,9 @@ use crate::error::IntegrateError;
 use crate::options::common::Words;
 use crate::options::method::Method;
 use crate::report::certificate::Certificate;
-use crate::report::defect::{Defect, Watched};
-use crate::report::energy_floor::{EnergyFloor, kinetic_energy};
+use crate::report::conserved::{Conserved, Watched};
 use crate::report::energy_jumps::EnergyJumps;
+use crate::report::energy_round_off::{EnergyRoundOff, kinetic_energy};
 use crate::report::phase_per_step::PhasePerStep;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::domains::WithinDomains;
@@ -50,16 +50,16 @@ pub(crate) struct Integration<T: Float> {
     pub(crate) switches_crossed: u64,
     pub(crate) energy_jumps: Option<EnergyJumps<T>>,
     /// Room for ∇H.
-    pub(super) slope: Vec<T>,
+    pub(super) gradient: Vec<T>,
     pub(crate) h_ref: T,
     pub(crate) index: u64,
     pub(crate) time: T,
     pub(crate) y: State<T>,
     pub(super) next: State<T>,
     pub(super) measure_energy: bool,
-    pub(crate) energy: Option<Defect<T>>,
-    pub(crate) in_floors: Option<T>,
-    pub(crate) energy_floor: Option<EnergyFloor<T>>,
+    pub(crate) energy: Option<Conserved<T>>,
+    pub(crate) in_levels: Option<T>,
+    pub(crate) energy_round_off: Option<EnergyRoundOff<T>>,
     pub(crate) phase_per_step: Option<PhasePerStep<T>>,
     pub(super) frequency: Frequency<T>,
     /// Whether gradients written by hand are checked.
@@ -67,7 +67,7 @@ pub(crate) struct Integration<T: Float> {
     pub(crate) watched: Vec<Watched<T>>,
     pub(crate) alpha_range: Vec<(T, T)>,
     pub(crate) last: (T, Outcome),
-    pub(crate) floor: Option<T>,
+    pub(crate) round_off: Option<T>,
     /// What a run with variable steps has to say about them.
     pub(crate) variable: Option<VariableSteps<T>>,
     pub(crate) begun: Instant,
@@ -207,7 +207,7 @@ impl<T: Float> Integration<T> {
 
     /// Energy, invariants and α_k of the step just made.
     fn measure(&mut self, outcome: Outcome) {
-        self.floor = None;
+        self.round_off = None;
         // Zero is in all of them from the beginning.
         if !self.core.alphas_are_zero() {
             for (range, &alpha) in self.alpha_range.iter_mut().zip(self.core.alphas()) {
@@ -216,22 +216,22 @@ impl<T: Float> Integration<T> {
         }
         let elapsed = (self.time - self.t0).abs();
         let now = (self.time, self.last.0.abs() / elapsed);
-        let seen = (self.energy_floor.as_mut()).filter(|_| outcome.energy_kept());
+        let seen = (self.energy_round_off.as_mut()).filter(|_| outcome.energy_kept());
         if self.has_target {
             let residual = &self.core.constraints()[0];
-            self.floor = Some(residual.floor());
+            self.round_off = Some(residual.round_off());
             if let Some(energy) = &mut self.energy {
                 energy.see(residual.defect());
             }
-            if let Some(most) = &mut self.in_floors {
-                *most = most.max(residual.in_late_floors());
+            if let Some(most) = &mut self.in_levels {
+                *most = most.max(residual.in_late_levels());
             }
             if let Some(seen) = seen {
                 let gradient = residual.gradient();
-                seen.see(now, (residual.floor(), self.h_ref), || {
+                seen.see(now, (residual.round_off(), self.h_ref), || {
                     kinetic_energy(&self.y.hi, gradient, self.m)
                 });
-                seen.last = residual.momentary_floor();
+                seen.last = residual.momentary_round_off();
             }
         } else if self.measure_energy {
             self.core.counts_mut().energies += 1;
@@ -241,12 +241,12 @@ impl<T: Float> Integration<T> {
                 energy.see(error);
             }
             if let Some(seen) = seen {
-                let slope = &mut self.slope;
+                let gradient = &mut self.gradient;
                 seen.see(now, (error.abs(), self.h_ref), || {
                     let (energy, counts) = self.core.energy_and_counts();
                     counts.gradients += 1;
-                    energy.gradient(&self.y.hi, slope);
-                    kinetic_energy(&self.y.hi, slope, self.m)
+                    energy.gradient(&self.y.hi, gradient);
+                    kinetic_energy(&self.y.hi, gradient, self.m)
                 });
             }
         }
@@ -264,8 +264,8 @@ impl<T: Float> Integration<T> {
             step: self.last.0,
             q,
             p,
-            energy_defect: self.energy.as_ref().map(|e| e.end),
-            energy_floor: self.floor,
+            energy_error: self.energy.as_ref().map(|e| e.end),
+            energy_round_off: self.round_off,
             alphas: self.core.alphas(),
             outcome: self.last.1,
             chaos: None,
@@ -302,8 +302,8 @@ impl<T: Float> Integration<T> {
             start: self.t0,
             end: self.time,
             energy: self.energy.clone(),
-            energy_in_floors: self.in_floors,
-            energy_floor: self.energy_floor,
+            energy_in_round_off_levels: self.in_levels,
+            energy_round_off: self.energy_round_off,
             phase_per_step: self.phase_per_step,
             invariants: self.watched.iter().map(|w| w.defect.clone()).collect(),
             alpha_range: self.alpha_range.clone(),

@@ -6,8 +6,8 @@ use crate::error::IntegrateError;
 use crate::options::common::{Options, coefficients};
 use crate::options::event::Event;
 use crate::options::integrator::{Integrator, StepSizes};
-use crate::report::defect::{Defect, Watched};
-use crate::report::energy_floor::EnergyFloor;
+use crate::report::conserved::{Conserved, Watched};
+use crate::report::energy_round_off::EnergyRoundOff;
 use crate::steppers::domains::WithinDomains;
 use crate::steppers::in_parts::Substeps;
 use crate::steppers::integration::Integration;
@@ -61,8 +61,8 @@ impl<T: Float> Integration<T> {
         let domains = WithinDomains::new(&switches, stages, 2 * all);
         let mut evaluator = system.evaluator::<T>();
         evaluator.make_ready(2 * all);
-        let slope = vec![zero; 2 * all];
-        let y = State::new(&slope[..all], &slope[all..]);
+        let gradient = vec![zero; 2 * all];
+        let y = State::new(&gradient[..all], &gradient[all..]);
         Ok(Integration {
             core: Core::new(system, evaluator, settings, coefficients, constraints),
             m,
@@ -78,11 +78,11 @@ impl<T: Float> Integration<T> {
             index: 0,
             time: zero,
             next: y.clone(),
-            slope,
+            gradient,
             measure_energy: options.measure_energy,
-            energy: measured.then(|| Defect::new("energy")),
-            in_floors: has_target.then_some(zero),
-            energy_floor: None,
+            energy: measured.then(|| Conserved::new("energy")),
+            in_levels: has_target.then_some(zero),
+            energy_round_off: None,
             frequency: Frequency::new(system),
             phase_per_step: None,
             check_gradient: options.check_gradient,
@@ -94,7 +94,7 @@ impl<T: Float> Integration<T> {
                 .collect(),
             alpha_range: vec![(zero, zero); alphas],
             last: (zero, Outcome::NotAsked),
-            floor: None,
+            round_off: None,
             variable: None,
             begun: Instant::now(),
             fingerprint: integrator.words(),
@@ -131,10 +131,10 @@ impl<T: Float> Integration<T> {
         self.start[self.m..].copy_from_slice(p0);
         self.last = (T::int(0), Outcome::NotAsked);
         self.alpha_range.fill((T::int(0), T::int(0)));
-        self.in_floors = self.has_target.then_some(T::int(0));
+        self.in_levels = self.has_target.then_some(T::int(0));
         let is_measured = self.has_target || self.measure_energy;
-        let at = (&self.y.hi[..], &self.slope[..]);
-        self.energy_floor = is_measured.then(|| EnergyFloor::new(t0, self.h_ref, at));
+        let at = (&self.y.hi[..], &self.gradient[..]);
+        self.energy_round_off = is_measured.then(|| EnergyRoundOff::new(t0, self.h_ref, at));
         self.phase_per_step = None;
         let watched = self.watched.iter_mut().map(|w| &mut w.defect);
         for defect in self.energy.iter_mut().chain(watched) {
@@ -168,8 +168,8 @@ impl<T: Float> Integration<T> {
         self.next.lo.fill(T::int(0));
         std::mem::swap(&mut self.y, &mut self.next);
         self.h_ref = h_ref;
-        self.floor = None;
-        if let Some(seen) = &mut self.energy_floor {
+        self.round_off = None;
+        if let Some(seen) = &mut self.energy_round_off {
             seen.scale = seen.scale.max(h_ref.abs());
         }
         self.core.begin(h_ref, &self.y.hi);
@@ -198,8 +198,8 @@ impl<T: Float> Integration<T> {
         positions[m..].fill(t);
         momenta[m..].fill(T::int(0));
         let energy = self.core.energy_mut();
-        let h_ref = energy.gradient_with_compensated_value(y, &mut self.slope);
-        if !h_ref.is_finite() || self.slope.iter().any(|g| !g.is_finite()) {
+        let h_ref = energy.gradient_with_compensated_value(y, &mut self.gradient);
+        if !h_ref.is_finite() || self.gradient.iter().any(|g| !g.is_finite()) {
             return Err(IntegrateError::EnergyNotFinite { energy: h_ref });
         }
         if let Some(domains) = &mut self.domains {

@@ -18,9 +18,9 @@ pub struct StepView<'a, T> {
     /// Momenta at its end.
     pub p: &'a [T],
     /// H − H_ref at its end; `None` if it was not measured.
-    pub energy_defect: Option<T>,
+    pub energy_error: Option<T>,
     /// Round-off floor of the energy defect, for steps that have an energy to reach.
-    pub energy_floor: Option<T>,
+    pub energy_round_off: Option<T>,
     /// α_1 … α_{s−1} of the step (of its last part, if it was halved).
     pub alphas: &'a [T],
     /// How it ended.
@@ -41,7 +41,7 @@ pub struct Step<T> {
     /// Momenta at its end.
     pub p: Vec<T>,
     /// H − H_ref at its end; `None` if it was not measured.
-    pub energy_defect: Option<T>,
+    pub energy_error: Option<T>,
     /// α_1 … α_{s−1} of the step.
     pub alphas: Vec<T>,
     /// How it ended.
@@ -56,7 +56,7 @@ impl<T: Float> StepView<'_, T> {
             time: self.time,
             q: self.q.to_vec(),
             p: self.p.to_vec(),
-            energy_defect: self.energy_defect,
+            energy_error: self.energy_error,
             alphas: self.alphas.to_vec(),
             outcome: self.outcome,
         }

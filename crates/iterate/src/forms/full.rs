@@ -6,7 +6,7 @@ use crate::forms::fused::{Small, rows_of, settle};
 use crate::layout::conjugate::conjugate;
 use crate::layout::row::{Row, literal, rows, rows_mut, times};
 use crate::matrix::product::Mixes;
-use equip_autodiff::Slopes;
+use equip_autodiff::StageGradients;
 use equip_scalar::{Float, Kernel, Lanes};
 use std::array::from_fn;
 use std::ops::Range;
@@ -24,7 +24,7 @@ impl<T: Float> Kernel for Full<'_, T> {
 
 /// h b J∇H of one component for a group of stages, from the gradient.
 #[inline(always)]
-fn slope<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N], negative: bool) -> [T; N] {
+fn increment<T: Float, const N: usize>(hb: &[T; N], gradient: &[T; N], negative: bool) -> [T; N] {
     let l = times(hb, gradient);
     if negative { l.map(|x| -x) } else { l }
 }
@@ -60,7 +60,7 @@ impl<'a, T: Float> Mix<'a, T> for Full<'a, T> {
         let l = rows_mut::<T, G, N>(step.l);
         for c in block.clone() {
             let (from, negative) = conjugate(c, step.hi.len());
-            l[c] = from_fn(|g| slope(&hb[g], &gradients[from][g], negative));
+            l[c] = from_fn(|g| increment(&hb[g], &gradients[from][g], negative));
         }
         step.advance(k, block, change);
     }
@@ -72,7 +72,7 @@ impl<'a, T: Float> Mix<'a, T> for Full<'a, T> {
         let (from, negative) = conjugate(c, step.hi.len());
         for g in 0..groups {
             step.l[c * groups + g] =
-                slope(&step.hb[g], &step.gradients[from * groups + g], negative);
+                increment(&step.hb[g], &step.gradients[from * groups + g], negative);
         }
         step.advance(c, change);
     }
@@ -82,20 +82,20 @@ impl<'a> Small<'a> for Full<'a, f64> {
     #[inline(always)]
     fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
-        gradients: &impl Slopes<C, N>,
+        gradients: &impl StageGradients<C, N>,
         k: &impl Mixes<f64, G, N>,
         _again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.0;
-        let slopes: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));
+        let computed: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));
         let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
         let l = rows_of::<C, G, N>(step.l);
         let kept = rows_of::<C, G, N>(step.gradients);
 
         for c in 0..C {
             let (from, negative) = conjugate(c, C);
-            l[c] = from_fn(|g| slope(&hb[g], &slopes[g][from].0, negative));
-            kept[c] = from_fn(|g| slopes[g][c].0);
+            l[c] = from_fn(|g| increment(&hb[g], &computed[g][from].0, negative));
+            kept[c] = from_fn(|g| computed[g][c].0);
         }
         settle::<C, G, N>(k, step)
     }

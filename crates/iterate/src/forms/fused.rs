@@ -9,7 +9,7 @@ use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Step};
 use crate::layout::row::{HALF, OnLines, Row, difference, in_memory, literal, placed};
 use crate::matrix::product::{Anew, Mixes, Sixteen, Square};
-use equip_autodiff::{Fused, Slopes};
+use equip_autodiff::{Fused, StageGradients};
 use std::array::from_fn;
 
 /// A form of the iteration that there is a kernel for.
@@ -18,7 +18,7 @@ pub(crate) trait Small<'a>: Mix<'a, f64> {
     /// does of the last.
     fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
-        gradients: &impl Slopes<C, N>,
+        gradients: &impl StageGradients<C, N>,
         k: &impl Mixes<f64, G, N>,
         again: &mut impl Again,
     ) -> f64;
@@ -35,13 +35,13 @@ impl<'a, S: Small<'a>, A: Again, const N: usize> Fused<N> for OneGroup<S, A> {
     const GROUPS: usize = 1;
 
     #[inline(always)]
-    fn run<const C: usize>(&mut self, gradients: &impl Slopes<C, N>) -> f64 {
+    fn run<const C: usize>(&mut self, gradients: &impl StageGradients<C, N>) -> f64 {
         let k = Square::of(self.0.step().k);
         self.0.kernel(gradients, &k, &mut self.1)
     }
 
     #[inline(always)]
-    fn run_narrow<const C: usize>(&mut self, gradients: &impl Slopes<C, N>) -> f64 {
+    fn run_narrow<const C: usize>(&mut self, gradients: &impl StageGradients<C, N>) -> f64 {
         let k = Anew(Square::of(self.0.step().k));
         self.0.kernel(gradients, &k, &mut self.1)
     }
@@ -52,13 +52,13 @@ impl<'a, S: Small<'a>, A: Again> Fused<HALF> for TwoGroups<S, A> {
     const GROUPS: usize = 2;
 
     #[inline(always)]
-    fn run<const C: usize>(&mut self, gradients: &impl Slopes<C, HALF>) -> f64 {
+    fn run<const C: usize>(&mut self, gradients: &impl StageGradients<C, HALF>) -> f64 {
         let k = Sixteen::of(self.0.step().k);
         self.0.kernel(gradients, &k, &mut self.1)
     }
 
     #[inline(always)]
-    fn run_narrow<const C: usize>(&mut self, gradients: &impl Slopes<C, HALF>) -> f64 {
+    fn run_narrow<const C: usize>(&mut self, gradients: &impl StageGradients<C, HALF>) -> f64 {
         let k = Anew(Sixteen::of(self.0.step().k));
         self.0.kernel(gradients, &k, &mut self.1)
     }

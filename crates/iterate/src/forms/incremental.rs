@@ -21,7 +21,7 @@ use crate::layout::row::{
     OnLines, Row, add, difference, in_memory, literal, placed, rows, rows_mut, scaled,
 };
 use crate::matrix::product::{Mixes, product_any};
-use equip_autodiff::Slopes;
+use equip_autodiff::StageGradients;
 use equip_scalar::{Float, Kernel, Pack};
 use std::array::from_fn;
 use std::ops::Range;
@@ -168,7 +168,7 @@ impl<'a> Small<'a> for Incremental<'a, f64> {
     #[inline(always)]
     fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
-        gradients: &impl Slopes<C, N>,
+        gradients: &impl StageGradients<C, N>,
         k: &impl Mixes<f64, G, N>,
         again: &mut impl Again,
     ) -> f64 {
@@ -183,10 +183,10 @@ impl<'a> Small<'a> for Incremental<'a, f64> {
         let (mut l, mut z, mut q) = (*to_l, *to_z, *to_q);
         let delta = rows_of::<C, G, N>(step.delta);
         loop {
-            let slopes = gradients.at(&q);
+            let computed = gradients.at(&q);
             for c in 0..C {
                 for g in 0..G {
-                    delta[c][g] = moved(&hb[g], &slopes[g][c].0, &mut l[c][g]);
+                    delta[c][g] = moved(&hb[g], &computed[g][c].0, &mut l[c][g]);
                 }
             }
             let mut by = [[[0.0; N]; G]; C];

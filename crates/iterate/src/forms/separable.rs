@@ -8,7 +8,7 @@ use crate::forms::form::{Mix, Moved, Step};
 use crate::forms::fused::{Small, numbers, rows_of, settle};
 use crate::layout::row::{Row, in_memory, linear, literal, placed, rows, rows_mut, times};
 use crate::matrix::product::Mixes;
-use equip_autodiff::Slopes;
+use equip_autodiff::StageGradients;
 use equip_scalar::{Float, Kernel, Lanes, Pack};
 use std::array::from_fn;
 use std::ops::Range;
@@ -166,12 +166,12 @@ impl<'a> Small<'a> for Separable<'a, f64> {
     #[inline(always)]
     fn kernel<const C: usize, const G: usize, const N: usize>(
         &mut self,
-        gradients: &impl Slopes<C, N>,
+        gradients: &impl StageGradients<C, N>,
         k: &impl Mixes<f64, G, N>,
         _again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.step;
-        let slopes: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));
+        let computed: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));
         let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
         let (hi_p, lo_p) = (numbers::<C>(&step.hi[C..]), numbers::<C>(&step.lo[C..]));
         let (w, b) = (numbers::<C>(self.inverse_masses), numbers::<C>(self.offset));
@@ -181,8 +181,8 @@ impl<'a> Small<'a> for Separable<'a, f64> {
         let kept = rows_of::<C, G, N>(step.gradients);
 
         for c in 0..C {
-            l_p[c] = from_fn(|g| force(&hb[g], &slopes[g][c].0));
-            kept[c] = from_fn(|g| slopes[g][c].0);
+            l_p[c] = from_fn(|g| force(&hb[g], &computed[g][c].0));
+            kept[c] = from_fn(|g| computed[g][c].0);
         }
         for c in 0..C {
             let moved = k.product(&l_p[c]);

@@ -5,7 +5,7 @@ use crate::double_double::lanes::{DoubleDoubles, one_by_one};
 use crate::double_double::number::{DoubleDouble, dd};
 use crate::double_double::transforms::Word;
 use crate::kernels::Lanes;
-use crate::traits::half_power::half_power_slope;
+use crate::traits::half_power::half_power_derivative;
 use crate::traits::{Pack, Piecewise};
 
 impl<const N: usize> Piecewise for DoubleDoubles<N> {
@@ -44,18 +44,18 @@ impl<const N: usize> Piecewise for DoubleDoubles<N> {
     }
 
     #[inline(always)]
-    fn times_slope(rate: Self, slope: Self) -> Self {
-        one_by_one(&rate, &slope, Piecewise::times_slope)
+    fn times_derivative(rate: Self, derivative: Self) -> Self {
+        one_by_one(&rate, &derivative, Piecewise::times_derivative)
     }
 
     #[inline(always)]
-    fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
+    fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
         if let Some(n) = c.halves::<DoubleDouble>() {
-            return half_power_slope(x, power, n);
+            return half_power_derivative(x, power, n);
         }
         let (x, mut power) = (x.numbers(), power.numbers());
         for k in 0..N {
-            power[k] = Piecewise::powf_slope(x[k], power[k], c);
+            power[k] = Piecewise::powf_derivative(x[k], power[k], c);
         }
         Self::of(&power)
     }

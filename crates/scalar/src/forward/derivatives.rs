@@ -82,19 +82,19 @@ macro_rules! piecewise {
                 }
             }
             #[inline(always)]
-            fn times_slope(rate: Self, slope: Self) -> Self {
-                let mut product = rate.0 * slope.0;
-                product.re = Piecewise::times_slope(rate.0.re, slope.0.re);
+            fn times_derivative(rate: Self, derivative: Self) -> Self {
+                let mut product = rate.0 * derivative.0;
+                product.re = Piecewise::times_derivative(rate.0.re, derivative.0.re);
                 $name(product)
             }
             /// The derivative of c·xᶜ⁻¹ is (c − 1) times it over x, or from the next power where that says
             /// nothing.
             #[inline(always)]
-            fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
-                let f = Piecewise::powf_slope(x.0.re, power.0.re, c);
+            fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
+                let f = Piecewise::powf_derivative(x.0.re, power.0.re, c);
                 let factor: T = c.to();
                 let [less, two_less] = [1, 2].map(|k| factor - T::int(k));
-                let slope = if f != T::int(0) && Piecewise::is_regular(f) {
+                let derivative = if f != T::int(0) && Piecewise::is_regular(f) {
                     Piecewise::where_nonzero(less * f / x.0.re, less)
                 } else {
                     let next = <T as Scalar>::pow(x.0.re, two_less);
@@ -102,8 +102,8 @@ macro_rules! piecewise {
                 };
                 $name(x.0.chain_any(
                     f,
-                    slope,
-                    Piecewise::where_nonzero(two_less * slope / x.0.re, slope),
+                    derivative,
+                    Piecewise::where_nonzero(two_less * derivative / x.0.re, derivative),
                 ))
             }
             #[inline(always)]

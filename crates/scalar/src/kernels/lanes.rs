@@ -6,7 +6,7 @@
 //! over 8 lanes: 68 ns).
 
 use crate::constant::Constant;
-use crate::traits::half_power::{half_power, half_power_slope};
+use crate::traits::half_power::{half_power, half_power_derivative};
 use crate::traits::{Outside, Pack, Piecewise, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::Arc;
@@ -176,14 +176,14 @@ impl<const N: usize> Piecewise for Lanes<N> {
         sign(x),
         at_most(x, y),
         where_nonzero(x, test),
-        times_slope(rate, slope)
+        times_derivative(rate, derivative)
     );
 
     #[inline(always)]
-    fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
+    fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
         match c.halves::<f64>() {
-            Some(n) => half_power_slope(x, power, n),
-            None => each_lane!(|x, power| f64::powf_slope(x, power, c)),
+            Some(n) => half_power_derivative(x, power, n),
+            None => each_lane!(|x, power| f64::powf_derivative(x, power, c)),
         }
     }
 

@@ -57,10 +57,10 @@ impl<T: Float, const N: usize> Scalar for Each<T, N> {
 }
 
 impl<T: Float, const N: usize> Piecewise for Each<T, N> {
-    each!(Piecewise: sign(x), at_most(x, y), where_nonzero(x, y), times_slope(x, y));
+    each!(Piecewise: sign(x), at_most(x, y), where_nonzero(x, y), times_derivative(x, y));
     #[inline(always)]
-    fn powf_slope(x: Self, power: Self, c: Constant) -> Self {
-        Each(from_fn(|k| T::powf_slope(x.0[k], power.0[k], c)))
+    fn powf_derivative(x: Self, power: Self, c: Constant) -> Self {
+        Each(from_fn(|k| T::powf_derivative(x.0[k], power.0[k], c)))
     }
     #[inline(always)]
     fn is_regular(x: Self) -> bool {

@@ -6,7 +6,7 @@ use super::piecewise::Piecewise;
 use super::scalar::Scalar;
 use crate::constant::{Constant, Words, Written};
 use crate::error::ParseFloatError;
-use crate::traits::half_power::half_power_slope;
+use crate::traits::half_power::half_power_derivative;
 use nalgebra::RealField;
 use std::fmt::{Display, LowerExp};
 
@@ -167,18 +167,18 @@ impl<T: Float> Piecewise for T {
     }
 
     #[inline(always)]
-    fn times_slope(rate: T, slope: T) -> T {
-        if rate == T::int(0) && !Self::is_regular(slope) {
+    fn times_derivative(rate: T, derivative: T) -> T {
+        if rate == T::int(0) && !Self::is_regular(derivative) {
             rate
         } else {
-            rate * slope
+            rate * derivative
         }
     }
 
     #[inline(always)]
-    fn powf_slope(x: T, power: T, c: Constant) -> T {
+    fn powf_derivative(x: T, power: T, c: Constant) -> T {
         if let Some(n) = c.halves::<T>() {
-            return half_power_slope(x, power, n);
+            return half_power_derivative(x, power, n);
         }
         let c: T = c.to();
         if power != T::int(0) && Self::is_regular(power) {

@@ -28,7 +28,7 @@ pub(crate) fn half_power<S: Scalar>(x: S, n: i32) -> S {
 
 /// The derivative of `power` = x^(n/2).
 #[inline(always)]
-pub(crate) fn half_power_slope<S: Scalar>(x: S, power: S, n: i32) -> S {
+pub(crate) fn half_power_derivative<S: Scalar>(x: S, power: S, n: i32) -> S {
     let c = S::constant(Constant::double(0.5 * f64::from(n)));
     if n > 0 {
         c * half_power(x, n - 2)

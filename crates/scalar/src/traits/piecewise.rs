@@ -31,11 +31,11 @@ pub trait Piecewise: Scalar {
     }
     /// rate·slope, but a rate of 0 remains 0 where the slope is infinite or NaN: √(x² + y²) at a fixed
     /// origin.
-    fn times_slope(rate: Self, slope: Self) -> Self;
+    fn times_derivative(rate: Self, derivative: Self) -> Self;
     /// The derivative c·xᶜ⁻¹ of `power` = xᶜ for a constant exponent: from the power where that is neither 0
     /// nor infinite. Half-integer exponents up to 15/2 are those of a root. A factor 0 is 0 also before an
     /// infinite power.
-    fn powf_slope(x: Self, power: Self, c: Constant) -> Self;
+    fn powf_derivative(x: Self, power: Self, c: Constant) -> Self;
     /// Whether every number in it is finite. It may decide how something is computed, never what.
     fn is_regular(x: Self) -> bool;
 }

@@ -58,9 +58,9 @@ pub(crate) struct Direction<T: Float> {
     /// ∂Z/∂t_a, one after the other.
     response: Vec<T>,
     /// ∂I_a/∂t_b, and its factorisation.
-    slopes: DMatrix<T>,
+    derivatives: DMatrix<T>,
     factorised: DenseLu<T>,
-    has_slopes: bool,
+    has_derivatives: bool,
     /// Square of the displacement by t_b = 1, over both ends.
     displacements: Vec<T>,
     /// The change of t by the last update.
@@ -108,9 +108,9 @@ impl<T: Float> Direction<T> {
             d: DMatrix::identity(free, constraints),
             least: LeastDisplacement::new(free),
             response: zeros(n * constraints * stride),
-            slopes: DMatrix::zeros(constraints, constraints),
+            derivatives: DMatrix::zeros(constraints, constraints),
             factorised: DenseLu::new(constraints),
-            has_slopes: false,
+            has_derivatives: false,
             displacements: zeros(constraints),
             delta: DVector::zeros(constraints),
         }
@@ -197,7 +197,7 @@ impl<T: Float> Direction<T> {
         }
         self.respond();
         self.factorise();
-        self.has_slopes
+        self.has_derivatives
     }
 
     /// ∂Z/∂t = Σ_k X_k D_k, and ∂I/∂t at y1.
@@ -215,7 +215,7 @@ impl<T: Float> Direction<T> {
                 out.iter_mut().zip(x).for_each(|(out, &x)| *out += d * x);
             }
         }
-        self.v_end.tr_mul_to(&self.d, &mut self.slopes);
+        self.v_end.tr_mul_to(&self.d, &mut self.derivatives);
         for (square, d) in self.displacements.iter_mut().zip(self.d.column_iter()) {
             // Of one constraint only the ratio to itself counts.
             *square = T::int(1);
@@ -248,7 +248,7 @@ impl<T: Float> Direction<T> {
             let terms = self.delta.iter().enumerate();
             *alpha += terms.fold(T::int(0), |sum, (a, &t)| sum + self.d[(k, a)] * t);
         }
-        self.has_slopes && self.delta.iter().all(|t| t.is_finite())
+        self.has_derivatives && self.delta.iter().all(|t| t.is_finite())
     }
 
     /// Corrects ∂I/∂t by what the last update has changed (Broyden 1965; the secant method for one
@@ -261,10 +261,10 @@ impl<T: Float> Direction<T> {
         });
         for (a, constraint) in constraints.iter().enumerate() {
             // With the update t was to make the constraint zero: what is there now was not predicted.
-            if constraint.defect.abs() > T::int(4) * constraint.floor {
+            if constraint.defect.abs() > T::int(4) * constraint.round_off {
                 for (b, &delta) in self.delta.iter().enumerate() {
                     let by = constraint.defect * weighted(b, delta) / square;
-                    self.slopes[(a, b)] += if by.is_finite() { by } else { T::int(0) };
+                    self.derivatives[(a, b)] += if by.is_finite() { by } else { T::int(0) };
                 }
             }
         }
@@ -272,8 +272,8 @@ impl<T: Float> Direction<T> {
     }
 
     fn factorise(&mut self) {
-        self.factorised.matrix_mut().copy_from(&self.slopes);
-        self.has_slopes = self.factorised.factor().is_ok();
+        self.factorised.matrix_mut().copy_from(&self.derivatives);
+        self.has_derivatives = self.factorised.factor().is_ok();
     }
 
     /// Moves Z by ∂Z/∂t δt.

@@ -27,9 +27,9 @@ pub struct Constraint<T: Float> {
     pub(crate) reference: T,
     /// g at the end of the step, and at its start.
     pub(crate) defect: T,
-    pub(crate) start_defect: T,
+    pub(crate) start_error: T,
     /// The floor at the end of the step, and the largest of late.
-    pub(crate) floor: T,
+    pub(crate) round_off: T,
     pub(crate) late: T,
     /// The largest of late before the step.
     late_before: T,
@@ -46,8 +46,8 @@ impl<T: Float> Constraint<T> {
             evaluator: None,
             reference: zero,
             defect: zero,
-            start_defect: zero,
-            floor: zero,
+            start_error: zero,
+            round_off: zero,
             late: zero,
             late_before: zero,
             gradient: vec![zero; n],
@@ -77,7 +77,7 @@ impl<T: Float> Constraint<T> {
         };
         self.gradient.fill(zero);
         self.start_gradient.fill(zero);
-        (self.defect, self.start_defect, self.floor, self.late) = (zero, zero, zero, zero);
+        (self.defect, self.start_error, self.round_off, self.late) = (zero, zero, zero, zero);
     }
 
     /// Evaluates I, ∇I and the floor at `y1`; ν is the rounding of the stages relative to `sizes`. Returns
@@ -94,8 +94,8 @@ impl<T: Float> Constraint<T> {
         };
         self.defect = value - self.reference;
         // Below the smallest normal number rounding is absolute.
-        self.floor = T::EPSILON * (bound + T::MIN_POSITIVE) + nu * worth(&self.gradient, sizes);
-        value.is_finite() && self.floor.is_finite()
+        self.round_off = T::EPSILON * (bound + T::MIN_POSITIVE) + nu * worth(&self.gradient, sizes);
+        value.is_finite() && self.round_off.is_finite()
     }
 
     /// Evaluates ∇I and g at the start of a step.
@@ -106,7 +106,7 @@ impl<T: Float> Constraint<T> {
                 evaluator.gradient_with_compensated_value(&y0.hi, &mut self.start_gradient)
             }
         };
-        self.start_defect = value - self.reference;
+        self.start_error = value - self.reference;
     }
 
     /// A step begins.
@@ -122,14 +122,14 @@ impl<T: Float> Constraint<T> {
     /// The step was accepted: its end is the start of the next.
     pub(crate) fn accept(&mut self) {
         // What was round-off where it arose is round-off until it is gone.
-        let fades = self.defect.abs() <= self.floor;
+        let fades = self.defect.abs() <= self.round_off;
         let late = if fades {
             self.late * T::ratio(FADING - 1, FADING)
         } else {
             self.late
         };
-        self.late = late.max(self.floor);
-        self.start_defect = self.defect;
+        self.late = late.max(self.round_off);
+        self.start_error = self.defect;
         self.start_gradient.copy_from_slice(&self.gradient);
     }
 
@@ -139,8 +139,8 @@ impl<T: Float> Constraint<T> {
     }
 
     /// Whether g is round-off.
-    pub(crate) fn is_at_floor(&self) -> bool {
-        self.defect.abs() <= self.floor.max(self.late)
+    pub(crate) fn is_at_round_off(&self) -> bool {
+        self.defect.abs() <= self.round_off.max(self.late)
     }
 
     /// The noise of y1, relative to these sizes of the components, that would change I by as much as g.

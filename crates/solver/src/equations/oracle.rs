@@ -62,19 +62,19 @@ impl<T: Float> Oracle<T> {
         }
     }
 
-    /// The step of size `h` from `y` whose defect at the start is `start_defect`. `None` if Newton does not
+    /// The step of size `h` from `y` whose defect at the start is `start_error`. `None` if Newton does not
     /// converge.
     pub(crate) fn step(
         &mut self,
         gauss: &Coefficients<T>,
         y: &[T],
         h: T,
-        start_defect: T,
+        start_error: T,
     ) -> Option<Solution<T>> {
         let s = gauss.stages();
         let mut alphas = vec![T::int(0); s - 1];
         let unperturbed = self.stages(gauss, (y, h), &alphas, None)?;
-        let (mut g, gradient, floor) = self.defect(&unperturbed.end);
+        let (mut g, gradient, round_off) = self.defect(&unperturbed.end);
         let uncorrected = |outcome| {
             Some(Solution {
                 end: unperturbed.end.clone(),
@@ -82,8 +82,8 @@ impl<T: Float> Oracle<T> {
                 outcome,
             })
         };
-        if g.abs() <= floor {
-            return uncorrected(Outcome::AtFloor);
+        if g.abs() <= round_off {
+            return uncorrected(Outcome::AtRoundOff);
         }
         if self.fastest(gauss, (y, h), &unperturbed) > T::int(s as i64) {
             return uncorrected(Outcome::Unresolved);
@@ -94,7 +94,7 @@ impl<T: Float> Oracle<T> {
         let worth = |units: &[T]| dot_abs(&gradient, units) + dot_abs(&start_gradient, units);
         let error = self.local_error(gauss, (y, h), &unperturbed)?;
         let most = units.each_ref().map(|units| {
-            let own = T::int(2) * (g - start_defect).abs() / worth(units);
+            let own = T::int(2) * (g - start_error).abs() / worth(units);
             let error = error
                 .iter()
                 .zip(units)
@@ -103,15 +103,15 @@ impl<T: Float> Oracle<T> {
             most.min(T::ratio(1, SMALL))
         });
         let gradients = [&start_gradient, &gradient];
-        let Some((d, mut slope)) =
+        let Some((d, mut derivative)) =
             self.direction(gauss, (y, h), &unperturbed, gradients, &units[0])
         else {
-            return uncorrected(Outcome::NoSlope);
+            return uncorrected(Outcome::NoEffect);
         };
         let mut at = self.stages(gauss, (y, h), &alphas, None)?;
         let mut t = T::int(0);
         for _ in 0..30 {
-            let (change, before) = (-g / slope, g);
+            let (change, before) = (-g / derivative, g);
             t += change;
             let along = alphas.iter_mut().zip(&d);
             along.for_each(|(alpha, &d)| *alpha = d * t);
@@ -120,10 +120,10 @@ impl<T: Float> Oracle<T> {
             }
             at = self.stages(gauss, (y, h), &alphas, Some(at.z))?;
             g = self.defect(&at.end).0;
-            if g.abs() <= floor / T::int(4) {
+            if g.abs() <= round_off / T::int(4) {
                 break;
             }
-            slope = (g - before) / change;
+            derivative = (g - before) / change;
         }
         let moved = |c: usize| (at.end[c] - unperturbed.end[c]).abs();
         let is_within = units
@@ -268,7 +268,7 @@ impl<T: Float> Oracle<T> {
             }
         }
         psi.factor().ok()?;
-        let (mut rows, mut v, mut slope) = (Vec::new(), Vec::new(), vec![T::int(0); s - 1]);
+        let (mut rows, mut v, mut derivative) = (Vec::new(), Vec::new(), vec![T::int(0); s - 1]);
         for k in 1..=free {
             let t = gauss.skew_basis(k);
             let end = solve(DVector::from_fn(s * n, |row, _| {
@@ -284,8 +284,8 @@ impl<T: Float> Oracle<T> {
                     .collect::<Vec<_>>()
             };
             rows.push([weighted(&end), weighted(&start)].concat());
-            slope[k - 1] = dot(gradient, end.as_slice());
-            v.push(slope[k - 1] - dot(start_gradient, start.as_slice()));
+            derivative[k - 1] = dot(gradient, end.as_slice());
+            v.push(derivative[k - 1] - dot(start_gradient, start.as_slice()));
         }
         let ridge = T::int(1) + T::ratio(1, RIDGE);
         let mut gram = DenseLu::new(free);
@@ -304,7 +304,7 @@ impl<T: Float> Oracle<T> {
             .iter_mut()
             .zip(d.iter())
             .for_each(|(to, &d)| *to = d / largest);
-        let along = dot(&slope, &direction);
+        let along = dot(&derivative, &direction);
         (largest > T::int(0)).then_some((direction, along))
     }
 

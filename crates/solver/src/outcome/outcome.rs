@@ -12,12 +12,12 @@ pub enum Outcome {
     /// H is at most quadratic: every member of the family keeps it, nothing to solve.
     Quadratic,
     /// With α = 0 the energy defect was at the round-off level already: no α was needed.
-    AtFloor,
+    AtRoundOff,
     /// An α was found that brings H back to its reference within the round-off level.
     Solved,
     /// Uncorrected: no α changes the energy. The step was made with α = 0, and a later step may remove its
     /// energy error, as in the next three cases.
-    NoSlope,
+    NoEffect,
     /// Uncorrected: the energy would take an α beyond its bound, or one whose stages are not found.
     BeyondBound,
     /// Uncorrected: α would change the end point more than the step's own error allows.
@@ -32,9 +32,9 @@ impl Outcome {
     pub const ALL: [Outcome; 8] = [
         Outcome::NotAsked,
         Outcome::Quadratic,
-        Outcome::AtFloor,
+        Outcome::AtRoundOff,
         Outcome::Solved,
-        Outcome::NoSlope,
+        Outcome::NoEffect,
         Outcome::BeyondBound,
         Outcome::TooFar,
         Outcome::Unresolved,
@@ -45,9 +45,9 @@ impl Outcome {
         match self {
             Outcome::NotAsked => "energy not requested",
             Outcome::Quadratic => "quadratic H, nothing to do",
-            Outcome::AtFloor => "at the round-off level",
+            Outcome::AtRoundOff => "at the round-off level",
             Outcome::Solved => "energy solved",
-            Outcome::NoSlope => "uncorrected: no effect of α",
+            Outcome::NoEffect => "uncorrected: no effect of α",
             Outcome::BeyondBound => "uncorrected: α beyond its bound",
             Outcome::TooFar => "uncorrected: end point changed too much",
             Outcome::Unresolved => "uncorrected: fast motion not resolved",
@@ -58,7 +58,7 @@ impl Outcome {
     pub fn energy_kept(self) -> bool {
         matches!(
             self,
-            Outcome::Solved | Outcome::AtFloor | Outcome::Quadratic
+            Outcome::Solved | Outcome::AtRoundOff | Outcome::Quadratic
         )
     }
 
@@ -66,7 +66,7 @@ impl Outcome {
     pub fn is_uncorrected(self) -> bool {
         matches!(
             self,
-            Outcome::NoSlope | Outcome::BeyondBound | Outcome::TooFar | Outcome::Unresolved
+            Outcome::NoEffect | Outcome::BeyondBound | Outcome::TooFar | Outcome::Unresolved
         )
     }
 }
@@ -175,12 +175,12 @@ mod tests {
     #[test]
     fn counts_print_outcomes_by_name() {
         let mut counts = Counts::default();
-        for outcome in [Outcome::Solved, Outcome::AtFloor, Outcome::Solved] {
+        for outcome in [Outcome::Solved, Outcome::AtRoundOff, Outcome::Solved] {
             counts.record(outcome);
         }
         let text = format!("{counts:?}");
         assert!(
-            text.ends_with("outcomes: {AtFloor: 1, Solved: 2} }"),
+            text.ends_with("outcomes: {AtRoundOff: 1, Solved: 2} }"),
             "{text}"
         );
     }

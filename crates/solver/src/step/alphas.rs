@@ -61,8 +61,8 @@ impl<T: Float> Core<T> {
         }
         self.evaluate_constraints(next, noise)?;
         // A remainder of a few round-off levels that α does not reduce is rounding.
-        if self.in_late_floors() <= T::int(STALLED) {
-            return Ok(Outcome::AtFloor);
+        if self.in_late_levels() <= T::int(STALLED) {
+            return Ok(Outcome::AtRoundOff);
         }
         // An energy error larger than the energy itself is that of a wrong root of the stage equations.
         if let Some(energy) = self.energy_constraint() {
@@ -93,7 +93,7 @@ impl<T: Float> Core<T> {
             // What the constraints are is told from the noise of Z before t is updated by it.
             let noise = self.stages.contraction.noise();
             let is_noisy = !is_converged && noise > 10.0 * self.noise_allowed(SHARE);
-            let level = self.in_late_floors();
+            let level = self.in_late_levels();
             let is_done = is_noisy || level <= T::int(1) || stalls > 1 && level <= T::int(STALLED);
             if is_done && is_converged {
                 return Ok(());
@@ -120,13 +120,13 @@ impl<T: Float> Core<T> {
                 .map_err(|_| Outcome::BeyondBound)?;
             if !is_done {
                 solver.direction.learn(&self.constraints);
-                let level = self.in_late_floors();
+                let level = self.in_late_levels();
                 stalls += u32::from(last.is_finite() && T::int(2) * level > last);
                 last = level;
                 self.check_displacement(solver, (y, h), next, bounds)?;
             }
         }
-        Err(Outcome::NoSlope)
+        Err(Outcome::NoEffect)
     }
 
     /// Iterates Z with the α as they are until it has converged, or until its noise at y1 is at most `noise`.
@@ -163,7 +163,7 @@ impl<T: Float> Core<T> {
         };
         let units = direction.motion.each_ref();
         let needed = units.map(|units| least(units, |c| c.defect));
-        let own = units.map(|units| least(units, |c| c.defect - c.start_defect));
+        let own = units.map(|units| least(units, |c| c.defect - c.start_error));
         let is_free = self.options.reach == Reach::Always;
         Bounds::new(needed, own, solver.handed_on, is_free)
     }
@@ -184,7 +184,7 @@ impl<T: Float> Core<T> {
         }
         self.counts.hessians += self.stages.iterate.stages() as u64;
         if !(solver.direction).linearise(&self.stages.iterate, &mut self.energy) {
-            return Err(Outcome::NoSlope);
+            return Err(Outcome::NoEffect);
         }
         if !is_free && !solver.direction.is_resolved() {
             return Err(Outcome::Unresolved);
@@ -236,13 +236,13 @@ impl<T: Float> Core<T> {
         let at = (&self.stages.iterate, self.constraints.as_slice());
         let operator = self.stages.choice.operator();
         let is_computed = solver.direction.compute(at, tolerance, operator);
-        is_computed.then_some(()).ok_or(Outcome::NoSlope)
+        is_computed.then_some(()).ok_or(Outcome::NoEffect)
     }
 
     /// Updates t, and lets Z follow.
     fn update_once(&mut self, solver: &mut AlphaSolver<T>, y: &State<T>) -> Result<(), Outcome> {
         if !solver.direction.update(&self.constraints, &mut self.alphas) {
-            return Err(Outcome::NoSlope);
+            return Err(Outcome::NoEffect);
         }
         let bound = self.options.alpha_bound;
         if !self.alphas.iter().all(|alpha| alpha.abs() <= bound) {
@@ -257,8 +257,8 @@ impl<T: Float> Core<T> {
     }
 
     /// The largest constraint in multiples of its round-off level.
-    fn in_late_floors(&self) -> T {
-        let defects = self.constraints.iter().map(Constraint::in_late_floors);
+    fn in_late_levels(&self) -> T {
+        let defects = self.constraints.iter().map(Constraint::in_late_levels);
         defects.fold(T::int(0), |most, level| most.max(level))
     }
 

@@ -121,14 +121,15 @@ impl<T: Float> Core<T> {
     ) -> Result<Outcome, Failure<T>> {
         let noise = self.stages.contraction.noise();
         self.evaluate_constraints(next, noise)?;
-        let is_at_floor = |core: &Self| core.constraints.iter().all(Constraint::is_at_floor);
-        if !is_converged && (is_at_floor(self) || noise > 10.0 * self.noise_allowed(SHARE)) {
+        let is_at_round_off =
+            |core: &Self| core.constraints.iter().all(Constraint::is_at_round_off);
+        if !is_converged && (is_at_round_off(self) || noise > 10.0 * self.noise_allowed(SHARE)) {
             is_converged = self.converge((y, h), next, 0.0)?;
             self.evaluate_constraints(next, self.stages.contraction.noise())?;
         }
-        if is_at_floor(self) {
+        if is_at_round_off(self) {
             self.noise_expected = 0.0;
-            return Ok(Outcome::AtFloor);
+            return Ok(Outcome::AtRoundOff);
         }
         self.noise_expected = self.noise_allowed(SHARE);
         self.solve_alphas((y, h), next, is_converged)

@@ -58,7 +58,7 @@ fn rounding_is_not_refused() {
     }
     let conserved = |x: &Result<Outcome, _>| x.is_ok_and(Outcome::energy_kept);
     assert!(outcomes[0].iter().all(conserved));
-    assert!(outcomes[0].contains(&Ok(Outcome::AtFloor)));
+    assert!(outcomes[0].contains(&Ok(Outcome::AtRoundOff)));
     assert_eq!(outcomes[0], outcomes[1]);
 }
 
@@ -109,7 +109,7 @@ fn the_gradient_of_an_invariant_is_none_of_the_energy() {
         let mut y = State::new(&start, &[]);
         let mut next = y.clone();
         for _ in 0..50 {
-            assert_eq!(core.step(&y, 0.0, 0.1, &mut next), Ok(Outcome::AtFloor));
+            assert_eq!(core.step(&y, 0.0, 0.1, &mut next), Ok(Outcome::AtRoundOff));
             std::mem::swap(&mut y, &mut next);
         }
         *iterations = core.counts.fixed_point_iterations;

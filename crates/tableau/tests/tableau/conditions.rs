@@ -3,7 +3,8 @@
 use crate::common::{Random, within};
 use equip_scalar::Float;
 use equip_tableau::conditions::{
-    b_defect, bilinear_defect, c_defect, d_defect, symmetry_defect, symplecticity_defect,
+    b_residual, bilinear_residual, c_residual, d_residual, symmetry_residual,
+    symplecticity_residual,
 };
 use equip_tableau::{Coefficients, Tableau};
 
@@ -13,7 +14,7 @@ crate::common::in_every_float!(
     powers_give_the_same_conditions,
     every_member_is_symplectic_and_symmetric,
     a_perturbed_entry_is_found,
-    known_methods_have_their_defects,
+    known_methods_have_their_residuals,
 );
 
 fn plain<T: Float>(s: usize) -> Tableau<T> {
@@ -26,9 +27,9 @@ fn gauss_has_b_of_2s_and_c_and_d_of_s<T: Float>() {
     for s in 1..=20 {
         let method = plain::<T>(s);
         // Worst of all s: 9.7, 5.6, 0.5 in f64 and 3.1, 1.0, 0.1 in double-double; × 2.
-        within("B(2s)", b_defect(&method, 2 * s), 20.0);
-        within("C(s)", c_defect(&method, s), 12.0);
-        within("D(s)", d_defect(&method, s), 1.0);
+        within("B(2s)", b_residual(&method, 2 * s), 20.0);
+        within("C(s)", c_residual(&method, s), 12.0);
+        within("D(s)", d_residual(&method, s), 1.0);
     }
 }
 
@@ -36,10 +37,13 @@ fn gauss_has_b_of_2s_and_c_and_d_of_s<T: Float>() {
 fn gauss_has_no_more<T: Float>() {
     for s in 1..=20 {
         let method = plain::<T>(s);
-        assert!(b_defect(&method, 2 * s + 1) > T::ratio(1, 2), "{s}");
-        assert!(c_defect(&method, s + 1) > T::ratio(1, 20 * s as i64), "{s}");
+        assert!(b_residual(&method, 2 * s + 1) > T::ratio(1, 2), "{s}");
         assert!(
-            d_defect(&method, s + 1) > T::ratio(1, 100 * s as i64),
+            c_residual(&method, s + 1) > T::ratio(1, 20 * s as i64),
+            "{s}"
+        );
+        assert!(
+            d_residual(&method, s + 1) > T::ratio(1, 100 * s as i64),
             "{s}"
         );
     }
@@ -76,8 +80,8 @@ fn every_member_is_symplectic_and_symmetric<T: Float>() {
         for size in ["0", "1e-8", "0.2", "1"] {
             let method = gauss.tableau(&random.alphas(s - 1, T::decimal(size).unwrap()));
             let scale = method.a.iter().fold(T::int(1), |max, a| max.max(a.abs()));
-            worst[0] = worst[0].max(symplecticity_defect(&method) / scale);
-            worst[1] = worst[1].max(symmetry_defect(&method) / scale);
+            worst[0] = worst[0].max(symplecticity_residual(&method) / scale);
+            worst[1] = worst[1].max(symmetry_residual(&method) / scale);
         }
         // 0.16 and 0.57 in f64, 0.06 and 0.41 in double-double; × 3 and × 2.
         within("symplecticity", worst[0], 0.5);
@@ -92,36 +96,36 @@ fn a_perturbed_entry_is_found<T: Float>() {
         alphas[k - 1] = alpha;
         let method = Coefficients::gauss(s).unwrap().tableau(&alphas);
         // 3.4 in f64, 0.8 in double-double, × 2.
-        within("bilinear", bilinear_defect(&method, 2 * k), 7.0);
+        within("bilinear", bilinear_residual(&method, 2 * k), 7.0);
         // 0.25 in f64, 0.17 in double-double, × 2.
         within(
             "alpha",
-            (bilinear_defect(&method, 2 * k + 1) - alpha).abs(),
+            (bilinear_residual(&method, 2 * k + 1) - alpha).abs(),
             0.5,
         );
     }
 }
 
-fn known_methods_have_their_defects<T: Float>() {
+fn known_methods_have_their_residuals<T: Float>() {
     let euler = Tableau::<T>::explicit_euler();
-    assert_eq!(symplecticity_defect(&euler), T::int(1));
-    assert_eq!(symmetry_defect(&euler), T::int(1));
+    assert_eq!(symplecticity_residual(&euler), T::int(1));
+    assert_eq!(symmetry_residual(&euler), T::int(1));
     let trapezoidal = Tableau::<T>::trapezoidal();
-    assert_eq!(symplecticity_defect(&trapezoidal), T::ratio(1, 4));
-    assert_eq!(symmetry_defect(&trapezoidal), T::int(0));
+    assert_eq!(symplecticity_residual(&trapezoidal), T::ratio(1, 4));
+    assert_eq!(symmetry_residual(&trapezoidal), T::int(0));
     let midpoint = plain::<T>(1);
-    assert_eq!(symplecticity_defect(&midpoint), T::int(0));
+    assert_eq!(symplecticity_residual(&midpoint), T::int(0));
     assert_eq!((midpoint.a[0], midpoint.b[0]), (T::ratio(1, 2), T::int(1)));
 }
 
 #[test]
-fn a_nan_shows_in_every_defect() {
+fn a_nan_shows_in_every_residual() {
     let mut method = plain::<f64>(3);
     method.a[4] = f64::NAN;
-    for defect in [c_defect, d_defect] {
+    for defect in [c_residual, d_residual] {
         assert!(defect(&method, 1).is_nan());
     }
-    assert!(symplecticity_defect(&method).is_nan() && symmetry_defect(&method).is_nan());
+    assert!(symplecticity_residual(&method).is_nan() && symmetry_residual(&method).is_nan());
     method.b[1] = f64::NAN;
-    assert!(b_defect(&method, 1).is_nan());
+    assert!(b_residual(&method, 1).is_nan());
 }

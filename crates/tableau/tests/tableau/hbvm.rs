@@ -2,7 +2,9 @@
 
 use crate::common::within;
 use equip_scalar::Float;
-use equip_tableau::conditions::{b_defect, c_defect, symmetry_defect, symplecticity_defect};
+use equip_tableau::conditions::{
+    b_residual, c_residual, symmetry_residual, symplecticity_residual,
+};
 use equip_tableau::{Coefficients, Tableau, TableauError};
 
 crate::common::in_every_float!(
@@ -32,14 +34,14 @@ fn it_is_symmetric_and_collocates_but_is_not_symplectic<T: Float>() {
     for (k, s) in [(3, 1), (4, 2), (9, 3), (20, 10)] {
         let method = hbvm::<T>(k, s);
         // 8.2 in f64, 1.6 in double-double, × 2.
-        within("B(2k)", b_defect(&method, 2 * k), 16.4);
+        within("B(2k)", b_residual(&method, 2 * k), 16.4);
         // 2.4 in f64, 0.4 in double-double, × 2.
-        within("C(s)", c_defect(&method, s), 4.8);
-        assert!(c_defect(&method, s + 1) > T::ratio(1, 100));
+        within("C(s)", c_residual(&method, s), 4.8);
+        assert!(c_residual(&method, s + 1) > T::ratio(1, 100));
         // 0.13 in f64, 0.13 in double-double, × 2.
-        within("symmetry of HBVM", symmetry_defect(&method), 0.26);
+        within("symmetry of HBVM", symmetry_residual(&method), 0.26);
         assert!(
-            symplecticity_defect(&method) > T::ratio(1, 10_000),
+            symplecticity_residual(&method) > T::ratio(1, 10_000),
             "HBVM({k}, {s})"
         );
     }
@@ -121,7 +123,7 @@ fn trapezoidal_methods_have_newton_cotes_weights() {
         let sum: f64 = method.weights().iter().sum();
         assert!((sum - 1.0).abs() < 1e-15 && method.weights().iter().all(|&b| b > 0.0));
         let tableau = method.tableau(&[]);
-        assert!(symmetry_defect(&tableau) < 1e-15);
+        assert!(symmetry_residual(&tableau) < 1e-15);
         assert_eq!(equip_tableau::order(&tableau, 1e-12), 2);
     }
     for k in [0, 1, 9] {

@@ -17,7 +17,7 @@ from .._solution import Solution
 #: Of files.
 FORMAT = "equip ensemble 1"
 #: Names of arrays with a row for each run.
-ARRAYS = ("t", "q", "p", "energy_defect", "energy_kept", "steps", "lyapunov", "megno")
+ARRAYS = ("t", "q", "p", "energy_error", "energy_kept", "steps", "lyapunov", "megno")
 #: Of a run that a file has not.
 NOT_FINISHED = (
     "this run is not finished; call ensemble again with the same checkpoint, or with resume= to make it"
@@ -34,7 +34,7 @@ class Ensemble:
     q: Floats
     p: Floats
     #: Largest |H - H(start)| of each run, (N,).
-    energy_defect: Floats
+    energy_error: Floats
     #: Whether every step of the run kept the energy to round-off, (N,).
     energy_kept: NDArray[np.bool_]
     #: Steps of each run, (N,).
@@ -68,7 +68,7 @@ class Ensemble:
         """What printing shows."""
         names, counts = np.unique(self.outcome, return_counts=True)
         ends = ", ".join(f"{count} {name}" for name, count in zip(names, counts))
-        made = self.energy_defect[np.isfinite(self.energy_defect)]
+        made = self.energy_error[np.isfinite(self.energy_error)]
         first = next(iter(self.errors.items()), None)
         return [
             ("runs", f"{len(self.t)}: {ends or 'none'}"),
@@ -157,7 +157,7 @@ def row_of(sol: Solution) -> Ensemble:
         t=sol.t[-1:],
         q=sol.q[-1:],
         p=sol.p[-1:],
-        energy_defect=np.array([np.nan if energy is None else energy.max]),
+        energy_error=np.array([np.nan if energy is None else energy.max]),
         energy_kept=np.array([certificate.energy_kept_on_every_step]),
         steps=np.array([certificate.counts.steps]),
         lyapunov=lyapunov,
@@ -174,7 +174,7 @@ def rows_of(found: dict[str, Any], shape: Shape) -> Ensemble:
         t=found["t"],
         q=ends[:, 0],
         p=ends[:, 1],
-        energy_defect=found["energy_defect"],
+        energy_error=found["energy_error"],
         energy_kept=found["kept"],
         steps=found["steps"],
         lyapunov=found["lyapunov"],
@@ -192,7 +192,7 @@ def missing(n: int, shape: Shape, message: str) -> Ensemble:
         t=none,
         q=states[0],
         p=states[1],
-        energy_defect=none,
+        energy_error=none,
         energy_kept=np.zeros(n, dtype=bool),
         steps=np.zeros(n, dtype=np.int64),
         lyapunov=none,

@@ -88,7 +88,7 @@ def ensemble(
     keep
         Further quantities f(q, p) by name that are kept like the energy; of (t, q, p) where H is.
     measure_energy
-        Whether methods that do not solve for the energy evaluate it, for `Ensemble.energy_defect`.
+        Whether methods that do not solve for the energy evaluate it, for `Ensemble.energy_error`.
     chaos
         Whether `Ensemble` has the largest Lyapunov exponents and MEGNO.
     first_step, min_step, max_step, max_steps

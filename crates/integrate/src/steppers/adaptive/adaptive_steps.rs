@@ -27,9 +27,9 @@ pub(crate) struct AdaptiveSteps<T: Float> {
     pub(super) decay: Decay<T>,
     pub(super) flow: Flow<T>,
     /// ∇H where the step begins, and where it ends.
-    pub(super) slopes: [Vec<T>; 2],
+    pub(super) gradients: [Vec<T>; 2],
     /// What rounding makes of ∇H at the end of a step, where that was asked for.
-    pub(super) slope_rounding: Vec<T>,
+    pub(super) gradient_rounding: Vec<T>,
     /// None if H is smooth as far as is known.
     pub(super) crossings: Option<Crossings<T>>,
     pub(super) first: FirstSize<T>,
@@ -156,9 +156,9 @@ impl<T: Float> AdaptiveSteps<T> {
     }
 
     /// ∇H where the next step begins.
-    pub(super) fn take_slope(&mut self, run: &mut Integration<T>) {
+    pub(super) fn take_gradient(&mut self, run: &mut Integration<T>) {
         let Integration { core, y, .. } = run;
-        core.energy_mut().gradient(&y.hi, &mut self.slopes[0]);
+        core.energy_mut().gradient(&y.hi, &mut self.gradients[0]);
     }
 
     /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a
@@ -208,7 +208,7 @@ impl<T: Float> AdaptiveSteps<T> {
         }
         let h = run.direction.signed(place.size);
         run.accept(place.time, h, outcome);
-        self.slopes.swap(0, 1);
+        self.gradients.swap(0, 1);
     }
 }
 

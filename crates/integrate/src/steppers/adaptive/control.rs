@@ -38,8 +38,8 @@ impl<T: Float> AdaptiveSteps<T> {
             control: Control::new(tolerance.to_f64(), method.degree(), most),
             decay: Decay::new(run.core.method(), (n, run.m), tolerance, allowed),
             flow: Flow::new(method.degree(), n),
-            slope_rounding: vec![T::int(0); n],
-            slopes: [(); 2].map(|()| vec![T::int(0); n]),
+            gradient_rounding: vec![T::int(0); n],
+            gradients: [(); 2].map(|()| vec![T::int(0); n]),
             first: FirstSize::new(n),
             first_step: sizes.first_step,
             longest_first: f64::INFINITY,
@@ -81,7 +81,7 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
         run: &mut Integration<T>,
         checkpoint: &Checkpoint,
     ) -> Result<(), IntegrateError<T>> {
-        self.take_slope(run);
+        self.take_gradient(run);
         let memory = checkpoint.control()?;
         self.time_low = checkpoint.time_low.read_finite("the time")?;
         let what = "the memory of step control";
@@ -119,7 +119,7 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
     }
 
     fn at_another_state(&mut self, run: &mut Integration<T>) {
-        self.take_slope(run);
+        self.take_gradient(run);
         self.crossings.iter_mut().for_each(Crossings::begin);
     }
 

@@ -144,32 +144,34 @@ impl<T: Float> AdaptiveSteps<T> {
         let on_switch = [begins_on_switch, ends_on_switch];
         core.counts_mut().gradients += 1 + u64::from(begins_on_switch);
         if !ends_on_switch {
-            core.energy_mut().gradient(&next.hi, &mut self.slopes[1]);
+            core.energy_mut().gradient(&next.hi, &mut self.gradients[1]);
         }
         if let Some(crossings) = crossings.filter(|_| on_switch.contains(&true)) {
             crossings.path.take_polynomial(core, y);
             let inset = self.decay.inset();
             let places = [inset, T::int(1) - inset];
-            for ((place, is_on), slope) in places.into_iter().zip(on_switch).zip(&mut self.slopes) {
+            for ((place, is_on), gradient) in
+                places.into_iter().zip(on_switch).zip(&mut self.gradients)
+            {
                 if is_on {
                     let y = crossings.path.state_at(place);
-                    core.energy_mut().gradient(y, slope);
+                    core.energy_mut().gradient(y, gradient);
                 }
             }
         }
-        let [start, end] = &self.slopes;
+        let [start, end] = &self.gradients;
         let ends = [(start, begins_on_switch), (end, ends_on_switch)];
-        let ends = ends.map(|(slope, is_inset)| End { slope, is_inset });
+        let ends = ends.map(|(gradient, is_inset)| End { gradient, is_inset });
         let l = core.derivatives_by_component();
         let mut estimate = self.decay.estimate((y, h), l, ends, None);
         if !ends_on_switch && self.control.is_too_long(&estimate) {
             let (energy, counts) = core.energy_and_counts();
             counts.gradients += 1;
-            energy.gradient_rounding(&next.hi, &mut self.slope_rounding);
+            energy.gradient_rounding(&next.hi, &mut self.gradient_rounding);
             let l = core.derivatives_by_component();
             estimate = self
                 .decay
-                .estimate((y, h), l, ends, Some(&self.slope_rounding));
+                .estimate((y, h), l, ends, Some(&self.gradient_rounding));
         }
         let rho = estimate.decay;
         // Of rounding nothing follows, and where the contraction bounds it well enough it is not needed.

@@ -1,4 +1,4 @@
-//! [`EnergyFloor`]: the round-off level of H compared with the energies, during the run and at its end.
+//! [`EnergyRoundOff`]: the round-off level of H compared with the energies, during the run and at its end.
 //!
 //! A step conserves the energy to the round-off level of the moment: the running error bound of H there. Two
 //! things can make that an empty word. The level may be large compared with the energies themselves. Or it
@@ -6,15 +6,15 @@
 //! there when the energies are small again. The second shows at the end of the run only: the error at the
 //! end is compared with the energies of the time before the end, and with the round-off level at the end.
 
-use crate::control::policy::{MOST_FLOOR, RECENT, STALE_FLOORS};
+use crate::control::policy::{MOST_ROUND_OFF, RECENT, STALE_LEVELS};
 use equip_scalar::Float;
 
 /// The largest round-off level of the energy over the steps that conserved it, and what it is compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct EnergyFloor<T> {
+pub struct EnergyRoundOff<T> {
     /// The round-off level, in the unit of H. Of a quadratic H, for which nothing is solved, |H − H_ref|.
-    pub floor: T,
+    pub round_off: T,
     /// Time of the step at whose end it was largest.
     pub time: T,
     /// |H_ref|; where the level is beyond √ε of that, the largest kinetic energy ½ |Σ p_i ∂H/∂p_i| seen
@@ -30,7 +30,7 @@ pub struct EnergyFloor<T> {
     pub underflows: bool,
 }
 
-impl<T: Float> EnergyFloor<T> {
+impl<T: Float> EnergyRoundOff<T> {
     /// Of a run that begins at time `t` and the state `y`, where H is `h_ref` and ∇H the `gradient`.
     pub(crate) fn new(t: T, h_ref: T, (y, gradient): (&[T], &[T])) -> Self {
         let zero = T::int(0);
@@ -40,8 +40,8 @@ impl<T: Float> EnergyFloor<T> {
         let underflows = h_ref.abs() < T::MIN_POSITIVE
             && !factors.clone().all(is_zero)
             && !factors.any(is_normal);
-        EnergyFloor {
-            floor: T::int(0),
+        EnergyRoundOff {
+            round_off: T::int(0),
             time: t,
             scale: h_ref.abs(),
             last: T::int(0),
@@ -53,8 +53,8 @@ impl<T: Float> EnergyFloor<T> {
     /// Whether an error below the level says that the energy was conserved: the level is at most 1e-6 of the
     /// scale. At rest where H = 0 there is nothing to lose.
     pub fn is_small(&self) -> bool {
-        let is_rest = self.scale == T::int(0) && self.floor.is_finite() && !self.underflows;
-        is_rest || self.floor <= self.scale * T::ratio(1, MOST_FLOOR)
+        let is_rest = self.scale == T::int(0) && self.round_off.is_finite() && !self.underflows;
+        is_rest || self.round_off <= self.scale * T::ratio(1, MOST_ROUND_OFF)
     }
 
     /// Whether an `error` of the energy at the end of the run, where H was `h_ref` at its start, is small
@@ -63,8 +63,8 @@ impl<T: Float> EnergyFloor<T> {
     pub fn is_small_at_end(&self, error: T, h_ref: T) -> bool {
         let (error, energies) = (error.abs(), h_ref.abs().max(self.recent_kinetic));
         let is_recent =
-            error <= self.last * T::int(STALE_FLOORS) || error <= energies * T::EPSILON.sqrt();
-        let is_small = error <= energies * T::ratio(1, MOST_FLOOR);
+            error <= self.last * T::int(STALE_LEVELS) || error <= energies * T::EPSILON.sqrt();
+        let is_small = error <= energies * T::ratio(1, MOST_ROUND_OFF);
         error == T::int(0) || (is_small && is_recent)
     }
 
@@ -73,15 +73,15 @@ impl<T: Float> EnergyFloor<T> {
     pub(crate) fn see(
         &mut self,
         (t, share): (T, T),
-        (floor, h_ref): (T, T),
+        (round_off, h_ref): (T, T),
         kinetic: impl FnOnce() -> T,
     ) {
-        self.last = floor;
+        self.last = round_off;
         // Once NaN, always.
-        if !(floor <= self.floor) && self.floor.is_finite() {
-            (self.floor, self.time) = (floor, t);
+        if !(round_off <= self.round_off) && self.round_off.is_finite() {
+            (self.round_off, self.time) = (round_off, t);
         }
-        if !(self.floor <= h_ref.abs() * T::EPSILON.sqrt()) {
+        if !(self.round_off <= h_ref.abs() * T::EPSILON.sqrt()) {
             let kinetic = kinetic();
             self.scale = self.scale.max(kinetic);
             let weight = (T::int(RECENT) * share).min(T::int(1));

@@ -1,4 +1,4 @@
-//! [`Defect`]: how far a quantity has strayed along a run.
+//! [`Conserved`]: how far a quantity has strayed along a run.
 
 use crate::time::visible::visible;
 use equip_autodiff::{Evaluator, StateFunction};
@@ -8,7 +8,7 @@ use equip_solver::Invariant;
 /// How far a quantity has strayed from its value at the start.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Defect<T> {
+pub struct Conserved<T> {
     /// Name of the quantity.
     pub name: String,
     /// Its value at the start, in its own unit.
@@ -19,9 +19,9 @@ pub struct Defect<T> {
     pub end: T,
 }
 
-impl<T: Float> Defect<T> {
+impl<T: Float> Conserved<T> {
     pub(crate) fn new(name: &str) -> Self {
-        Defect {
+        Conserved {
             name: name.to_owned(),
             start: T::int(0),
             max: T::int(0),
@@ -46,14 +46,14 @@ impl<T: Float> Defect<T> {
 /// An invariant being watched in one float type.
 #[derive(Debug)]
 pub(crate) struct Watched<T: Float> {
-    pub(crate) defect: Defect<T>,
+    pub(crate) defect: Conserved<T>,
     function: StateFunction<T>,
 }
 
 impl<T: Float> Watched<T> {
     pub(crate) fn new(invariant: &Invariant) -> Self {
         Watched {
-            defect: Defect::new(invariant.name()),
+            defect: Conserved::new(invariant.name()),
             function: invariant.function().function(),
         }
     }

@@ -80,7 +80,7 @@ impl Reverse<'_> {
     }
 
     /// c(c − 1)·xᶜ⁻², c being this entry of the table of constants; `None` where that is 0.
-    pub(super) fn second_powf_slope(&mut self, x: u32, c: u32) -> Option<u32> {
+    pub(super) fn second_powf_derivative(&mut self, x: u32, c: u32) -> Option<u32> {
         let [one, two] = [1.0, 2.0].map(DoubleDouble::from);
         let c: DoubleDouble = self.recorder.constants[c as usize].to();
         let factor = c * (c - one);
