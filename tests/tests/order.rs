@@ -96,7 +96,7 @@ fn the_single_alpha_of_the_paper_has_the_errors_of_the_table() {
         agrees("last alpha: max |alpha|", s, n, found.alpha, alpha);
         assert!(
             found.energy < 1e-29,
-            "s = {s}, n = {n}: energy defect {:e}",
+            "s = {s}, n = {n}: energy error {:e}",
             found.energy
         );
     }

@@ -184,10 +184,10 @@ fn in_flags<T: Float>(error: &IntegrateError<T>) -> String {
         E::NoAdmissibleAlpha {
             time,
             step,
-            defect,
+            energy_error,
             round_off,
         } => format!(
-            "no admissible α keeps the energy in the step at t = {time}, h = {step} (defect {defect:e}, round-off level {round_off:e}); take a smaller --step, more --stages, --method equip, or leave out --reach refuse to leave the energy error to a later step"
+            "no admissible α keeps the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); take a smaller --step, more --stages, --method equip, or leave out --reach refuse to leave the energy error to a later step"
         ),
         other => other.to_string(),
     }

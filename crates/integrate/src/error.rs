@@ -333,7 +333,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// The step has a solution, which has nothing to do with the motion.
     #[error(
-        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy has an error of {defect:e}, more than all terms of the energy ({scale:e}): the step is too large for them to have the solution that follows the motion; take a smaller step",
+        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy has an error of {energy_error:e}, more than all terms of the energy ({scale:e}): the step is too large for them to have the solution that follows the motion; take a smaller step",
         time = plain(*time), step = plain(*step))]
     Astray {
         /// Start of the step.
@@ -341,7 +341,7 @@ pub enum IntegrateError<T: Float> {
         /// Its size.
         step: T,
         /// H − H_ref at its end.
-        defect: T,
+        energy_error: T,
         /// |H_ref| + Σ|∂_iH| σ_i at its start, σ the sizes of the components in the step.
         scale: T,
     },
@@ -371,7 +371,7 @@ pub enum IntegrateError<T: Float> {
     },
     /// No admissible α keeps the energy, and the user asked to refuse such steps.
     #[error(
-        "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {defect:e}, round-off level {round_off:e}); take a smaller step, more stages, all α, or leave the energy error to a later step",
+        "no admissible α conserves the energy in the step at t = {time}, h = {step} (energy error {energy_error:e}, round-off level {round_off:e}); take a smaller step, more stages, all α, or leave the energy error to a later step",
         time = plain(*time), step = plain(*step))]
     NoAdmissibleAlpha {
         /// Start of the step.
@@ -379,7 +379,7 @@ pub enum IntegrateError<T: Float> {
         /// Its size.
         step: T,
         /// H − H_ref of the step with α = 0.
-        defect: T,
+        energy_error: T,
         /// What of it would be round-off.
         round_off: T,
     },

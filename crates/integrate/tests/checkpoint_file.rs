@@ -148,7 +148,7 @@ const MEASURED: [&str; 10] = [
     "/control/smallest",
     "/control/largest",
     "/seconds",
-    "/defects",
+    "/errors",
     "/in_levels",
     "/energy_round_off",
     "/phase_per_step",

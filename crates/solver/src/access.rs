@@ -207,8 +207,8 @@ impl<T: Float> Constraint<T> {
     }
 
     /// g = I(y1) − I_ref at the end of the step.
-    pub fn defect(&self) -> T {
-        self.defect
+    pub fn residual(&self) -> T {
+        self.residual
     }
 
     /// ∇I at the end of the step, length n.
@@ -228,7 +228,7 @@ impl<T: Float> Constraint<T> {
 
     /// |g| in the largest floors of late.
     pub fn in_late_levels(&self) -> T {
-        self.defect.abs() / self.round_off()
+        self.residual.abs() / self.round_off()
     }
 }
 

@@ -20,7 +20,7 @@ pub(crate) fn certificate<'py, T: Float>(
     set("step", certificate.step)?;
     set("start", certificate.start)?;
     set("end", certificate.end)?;
-    dict.set_item("energy", certificate.energy.as_ref().map(defect))?;
+    dict.set_item("energy", certificate.energy.as_ref().map(conserved))?;
     dict.set_item(
         "energy_in_round_off_levels",
         certificate.energy_in_round_off_levels.map(T::to_f64),
@@ -35,7 +35,7 @@ pub(crate) fn certificate<'py, T: Float>(
     let phase = phase.map(|of| (of.angle, of.step.to_f64()));
     dict.set_item("phase_per_step", phase)?;
     dict.set_item("motion_is_resolved", certificate.motion_is_resolved())?;
-    let invariants: Vec<_> = certificate.invariants.iter().map(defect).collect();
+    let invariants: Vec<_> = certificate.invariants.iter().map(conserved).collect();
     dict.set_item("invariants", invariants)?;
     let ranges = certificate.alpha_range.iter();
     let ranges: Vec<_> = ranges
@@ -86,10 +86,10 @@ pub(crate) fn certificate<'py, T: Float>(
 }
 
 /// Name, start, largest and last difference.
-fn defect<T: Float>(defect: &Conserved<T>) -> (String, f64, f64, f64) {
-    let (start, max, end) = (defect.start, defect.max, defect.end);
+fn conserved<T: Float>(conserved: &Conserved<T>) -> (String, f64, f64, f64) {
+    let (start, max, end) = (conserved.start, conserved.max, conserved.end);
     (
-        defect.name.clone(),
+        conserved.name.clone(),
         start.to_f64(),
         max.to_f64(),
         end.to_f64(),

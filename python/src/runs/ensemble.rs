@@ -125,7 +125,8 @@ fn end(run: &Run<f64>) -> End {
 
 /// Rows of arrays; NaN where a run has failed.
 fn table(py: Python<'_>, n: usize, rows: Vec<Option<Row>>) -> PyResult<Bound<'_, PyDict>> {
-    let (mut t, mut y, mut defects, mut steps, mut kept) = (vec![], vec![], vec![], vec![], vec![]);
+    let (mut t, mut y, mut energy_errors, mut steps, mut kept) =
+        (vec![], vec![], vec![], vec![], vec![]);
     let (mut lyapunov, mut megno) = (vec![], vec![]);
     let errors = PyDict::new(py);
     for (i, row) in rows.into_iter().enumerate() {
@@ -146,7 +147,7 @@ fn table(py: Python<'_>, n: usize, rows: Vec<Option<Row>>) -> PyResult<Bound<'_,
         };
         t.push(end.t);
         y.extend(end.y);
-        defects.push(end.energy_error);
+        energy_errors.push(end.energy_error);
         steps.push(end.steps as i64);
         kept.push(end.is_kept);
         lyapunov.push(end.chaos[0]);
@@ -155,7 +156,7 @@ fn table(py: Python<'_>, n: usize, rows: Vec<Option<Row>>) -> PyResult<Bound<'_,
     let dict = PyDict::new(py);
     dict.set_item("t", t.into_pyarray(py))?;
     dict.set_item("y", y.into_pyarray(py))?;
-    dict.set_item("energy_error", defects.into_pyarray(py))?;
+    dict.set_item("energy_error", energy_errors.into_pyarray(py))?;
     dict.set_item("steps", steps.into_pyarray(py))?;
     dict.set_item("kept", kept.into_pyarray(py))?;
     dict.set_item("lyapunov", lyapunov.into_pyarray(py))?;

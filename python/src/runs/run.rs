@@ -164,8 +164,8 @@ impl<T: Number + Kept> Results<T> {
         dict.set_item("outcome", (labels.to_vec(), self.outcomes.into_pyarray(py)))?;
         dict.set_item("output_t", pairs(self.output_t))?;
         dict.set_item("output_y", pairs(self.output_y))?;
-        if let Some(defects) = self.output_errors {
-            dict.set_item("output_energy_error", defects.into_pyarray(py))?;
+        if let Some(energy_errors) = self.output_errors {
+            dict.set_item("output_energy_error", energy_errors.into_pyarray(py))?;
         }
         dict.set_item("event", self.events.into_pyarray(py))?;
         dict.set_item("event_t", self.event_t.into_pyarray(py))?;
@@ -192,9 +192,9 @@ fn output_errors<T: Number>(hamiltonian: &Hamiltonian, run: &Run<T>) -> Option<V
         return None;
     }
     let mut evaluator = hamiltonian.evaluator::<T>();
-    let defects = run.outputs().map(|(_, q, p)| {
+    let energy_errors = run.outputs().map(|(_, q, p)| {
         let y: Vec<T> = q.iter().chain(p).copied().collect();
         evaluator.compensated_value(&y) - energy.start
     });
-    Some(words(defects).0)
+    Some(words(energy_errors).0)
 }

@@ -164,14 +164,14 @@ impl Steps {
         let y = [view.q, view.p].concat().into_pyarray(py);
         let alphas = view.alphas.to_vec().into_pyarray(py);
         let outcome = view.outcome.label();
-        let defect = view.energy_error;
+        let energy_error = view.energy_error;
         let event = |e: &Occurrence<f64>| {
             let y = [e.q.as_slice(), &e.p].concat().into_pyarray(py);
             (e.event, e.time, y)
         };
         let events = run.found.iter().map(event).collect();
         let (index, time, step) = (view.index, view.time, view.step);
-        Ok((index, time, step, y, defect, alphas, outcome, events))
+        Ok((index, time, step, y, energy_error, alphas, outcome, events))
     }
 
     fn restart(&self, py: Python<'_>, q: Vec<f64>, p: Vec<f64>, t: f64) -> PyResult<()> {

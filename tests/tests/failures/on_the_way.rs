@@ -159,14 +159,14 @@ fn refuses<T: Float>() {
     let failure = options.integrate(&h, &q, &p, interval).unwrap_err();
     let IntegrateError::NoAdmissibleAlpha {
         time,
-        defect,
+        energy_error,
         round_off,
         ..
     } = failure.error
     else {
         panic!("{:?}", failure.error);
     };
-    assert!(defect.abs() > round_off && round_off > T::int(0));
+    assert!(energy_error.abs() > round_off && round_off > T::int(0));
     says(
         &failure.to_string(),
         &["smaller step", "more stages", "all α", "later step"],

@@ -154,7 +154,7 @@ fn energy(measured: &Measured, faults: &mut Vec<String>) {
         }
     }
     if !measured.energy.is_finite() {
-        faults.push("the energy defect is not a number".to_owned());
+        faults.push("the energy error is not a number".to_owned());
     }
 }
 

@@ -52,10 +52,10 @@ pub(crate) fn section(args: &SectionArgs) -> Result<(), Fault> {
     let starts = starts(energy, args.orbits as usize);
     let bar = steps_of("orbits", starts.len());
     for (q2, p2) in starts {
-        let (made, defect, count) = orbit(scene, args, (q2, p2), (tolerance, end))?;
+        let (made, energy_error, count) = orbit(scene, args, (q2, p2), (tolerance, end))?;
         drawing.create()?;
         orbits.push(made);
-        worst = worst.max(defect);
+        worst = worst.max(energy_error);
         steps += count;
         bar.inc(1);
     }
@@ -97,10 +97,10 @@ fn orbit(
     let start = std::iter::once((q[1], p[1]));
     let crossings = run.events().iter().map(|event| (event.q[1], event.p[1]));
     let certificate = run.certificate();
-    let defect = certificate.energy.as_ref().map_or(0.0, |energy| energy.max);
+    let energy_error = certificate.energy.as_ref().map_or(0.0, |energy| energy.max);
     Ok((
         start.chain(crossings).collect(),
-        defect,
+        energy_error,
         certificate.counts.steps,
     ))
 }

@@ -158,16 +158,16 @@ impl<T: Float> Observer<T> for Watch<T> {
         self.state.extend_from_slice(view.q);
         self.state.extend_from_slice(view.p);
         let (energy, start) = (self.evaluator.value(&self.state), self.start);
-        let defect = (energy - start.0).abs().to_f64();
+        let energy_error = (energy - start.0).abs().to_f64();
         let figures = &mut self.figures;
-        figures.energy = figures.energy.max(defect);
+        figures.energy = figures.energy.max(energy_error);
         let off = (momentum(view.q, view.p) - start.1).abs().to_f64();
         figures.momentum = figures.momentum.max(off);
         let alpha = view.alphas.last().map_or(0.0, |alpha| alpha.abs().to_f64());
         figures.alpha = figures.alpha.max(alpha);
         let period = ((view.index - 1) / self.steps) as usize;
         figures.energies.resize(period + 1, 0.0);
-        figures.energies[period] = figures.energies[period].max(defect);
+        figures.energies[period] = figures.energies[period].max(energy_error);
         ControlFlow::Continue(())
     }
 }

@@ -30,8 +30,8 @@ impl Comparison {
         let mut energy = Envelope::default();
         let mut see = |view: &StepView<'_, T>| {
             progress.see(view.index);
-            if let Some(defect) = view.energy_error {
-                energy.see(view.time.to_f64(), defect.to_f64());
+            if let Some(energy_error) = view.energy_error {
+                energy.see(view.time.to_f64(), energy_error.to_f64());
             }
             match signals::caught() {
                 None => ControlFlow::Continue(()),

@@ -231,11 +231,11 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
     serde_json::to_string_pretty(&document)
 }
 
-fn quantity<T: Float>(defect: &Conserved<T>) -> Quantity {
+fn quantity<T: Float>(conserved: &Conserved<T>) -> Quantity {
     Quantity {
-        name: defect.name.clone(),
-        start: Number::new(defect.start),
-        max: Number::new(defect.max),
-        end: Number::new(defect.end),
+        name: conserved.name.clone(),
+        start: Number::new(conserved.start),
+        max: Number::new(conserved.max),
+        end: Number::new(conserved.end),
     }
 }

@@ -129,8 +129,8 @@ impl<'a, T: Float> Watch<'a, T> {
         self.progress.see(view.index);
         let picture = &mut self.picture;
         (picture.path).see_state(view.index, view.q, view.p);
-        if let Some(defect) = view.energy_error {
-            (picture.energy).see(view.time.to_f64(), defect.to_f64());
+        if let Some(energy_error) = view.energy_error {
+            (picture.energy).see(view.time.to_f64(), energy_error.to_f64());
         }
         if let Some(chaos) = &view.chaos {
             let time = view.time.abs();

@@ -229,8 +229,8 @@ impl Rows {
             text += &digits(x);
         }
         text.push(',');
-        if let Some(defect) = row.energy_error {
-            text += &digits(defect);
+        if let Some(energy_error) = row.energy_error {
+            text += &digits(energy_error);
         }
         // Labels may hold a comma. Writing to a String does not fail.
         let _ = write!(text, ",\"{}\"", row.outcome);

@@ -15,7 +15,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 11;
+pub(crate) const FORMAT: u32 = 12;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint), read by `resume` and `integrate_from` of the same
@@ -59,7 +59,7 @@ pub struct Checkpoint {
     pub(crate) low: Vec<Exact>,
     pub(crate) energy_reference: Exact,
     /// Energy if it is measured, then the invariants: start, max, end of each.
-    pub(crate) defects: Vec<[Exact; 3]>,
+    pub(crate) errors: Vec<[Exact; 3]>,
     pub(crate) in_levels: Option<Exact>,
     /// What is known of the round-off level of the energy; angle and step of the largest phase per step.
     pub(crate) energy_round_off: Option<[Exact; 6]>,

@@ -26,7 +26,7 @@ impl Checkpoint {
             high,
             low,
             energy_reference,
-            defects,
+            errors,
             in_levels,
             energy_round_off,
             phase_per_step,
@@ -62,7 +62,7 @@ impl Checkpoint {
         sum.count(*switches_crossed);
         sum.count(energy_jumps.as_ref().map_or(0, |jumps| jumps.0));
         sum.numbers(energy_jumps.iter().map(|jumps| &jumps.1));
-        sum.numbers(defects.iter().flatten());
+        sum.numbers(errors.iter().flatten());
         sum.numbers(in_levels);
         sum.numbers(energy_round_off.iter().flatten());
         sum.numbers(phase_per_step.iter().flatten());

@@ -70,10 +70,10 @@ fn error_of<T: Float>(core: &mut Core<T>, failure: Failure<T>) -> IntegrateError
             step,
             halvings,
         },
-        Failure::Astray { defect, scale } => IntegrateError::Astray {
+        Failure::Astray { residual, scale } => IntegrateError::Astray {
             time,
             step,
-            defect,
+            energy_error: residual,
             scale,
         },
         Failure::NoConvergence {
@@ -89,14 +89,14 @@ fn error_of<T: Float>(core: &mut Core<T>, failure: Failure<T>) -> IntegrateError
         Failure::NoAlpha => {
             let beyond = |c: &&Constraint<T>| c.in_late_levels() > T::int(1);
             let last = core.constraints().iter().rfind(beyond);
-            let (defect, round_off) = match last {
-                Some(constraint) => (constraint.defect(), constraint.round_off()),
+            let (energy_error, round_off) = match last {
+                Some(constraint) => (constraint.residual(), constraint.round_off()),
                 None => (T::int(0), T::int(0)),
             };
             IntegrateError::NoAdmissibleAlpha {
                 time,
                 step,
-                defect,
+                energy_error,
                 round_off,
             }
         }

@@ -178,8 +178,8 @@ impl<T: Float> Certificate<T> {
                 format!("steps of {step:.1e}, more stages, or an H that averages that motion"),
             );
         }
-        for defect in &self.invariants {
-            line(&format!("{} error", defect.name), range_of(defect));
+        for conserved in &self.invariants {
+            line(&format!("{} error", conserved.name), range_of(conserved));
         }
         if let Some(ChaosIndicators { lyapunov, megno }) = self.chaos {
             line(
@@ -259,9 +259,9 @@ impl<T: Float> Certificate<T> {
 }
 
 /// Largest and last error of a quantity.
-fn range_of<T: Float>(defect: &Conserved<T>) -> String {
-    if defect.max.is_finite() {
-        format!("max {:.2e}, end {:.2e}", defect.max, defect.end)
+fn range_of<T: Float>(conserved: &Conserved<T>) -> String {
+    if conserved.max.is_finite() {
+        format!("max {:.2e}, end {:.2e}", conserved.max, conserved.end)
     } else {
         "infinite or NaN after a step".to_owned()
     }

@@ -46,14 +46,14 @@ impl<T: Float> Conserved<T> {
 /// An invariant being watched in one float type.
 #[derive(Debug)]
 pub(crate) struct Watched<T: Float> {
-    pub(crate) defect: Conserved<T>,
+    pub(crate) conserved: Conserved<T>,
     function: StateFunction<T>,
 }
 
 impl<T: Float> Watched<T> {
     pub(crate) fn new(invariant: &Invariant) -> Self {
         Watched {
-            defect: Conserved::new(invariant.name()),
+            conserved: Conserved::new(invariant.name()),
             function: invariant.function().function(),
         }
     }
@@ -61,7 +61,7 @@ impl<T: Float> Watched<T> {
     /// The quantity is compared with its value at `y` and time `t` from now on.
     pub(crate) fn begin(&mut self, t: T, y: &[T]) {
         let value = self.value(t, y);
-        self.defect.begin(value);
+        self.conserved.begin(value);
     }
 
     /// What evaluates the function, and the state as that takes it.
@@ -72,7 +72,7 @@ impl<T: Float> Watched<T> {
 
     pub(crate) fn see(&mut self, t: T, y: &[T]) {
         let value = self.value(t, y);
-        self.defect.see(value - self.defect.start);
+        self.conserved.see(value - self.conserved.start);
     }
 
     fn value(&mut self, t: T, y: &[T]) -> T {

@@ -21,7 +21,7 @@ impl<T: Float> Integration<T> {
         let named = |watched: &mut Watched<T>| {
             let (function, point) = watched.evaluator_at(t, y);
             let sum = of_function(function, point);
-            (watched.defect.name.clone(), sum)
+            (watched.conserved.name.clone(), sum)
         };
         all.map(named).collect()
     }
@@ -60,10 +60,10 @@ impl<T: Float> Integration<T> {
         let invariants = self.invariants(self.time, &self.y.hi.clone());
         let words = self.fingerprint.iter();
         let options = words.map(|(name, value)| ((*name).to_owned(), value.clone()));
-        let defects = self
+        let errors = self
             .energy
             .iter()
-            .chain(self.watched.iter().map(|w| &w.defect));
+            .chain(self.watched.iter().map(|w| &w.conserved));
         let seconds = self.begun.elapsed().as_secs_f64();
         Checkpoint {
             format: FORMAT,
@@ -82,7 +82,7 @@ impl<T: Float> Integration<T> {
             high: Exact::all(&self.y.hi),
             low: Exact::all(&self.y.lo),
             energy_reference: Exact::of(self.h_ref),
-            defects: defects
+            errors: errors
                 .map(|d| [d.start, d.max, d.end].map(Exact::of))
                 .collect(),
             in_levels: self.in_levels.map(Exact::of),
@@ -125,13 +125,14 @@ impl<T: Float> Integration<T> {
             false => TimeDirection::Forward,
         };
         self.h_ref = from.energy_reference.read_finite("the energy")?;
-        let watched = self.watched.iter_mut().map(|w| &mut w.defect);
-        let defects: Vec<_> = self.energy.iter_mut().chain(watched).collect();
-        if defects.len() != from.defects.len() || self.alpha_range.len() != from.alpha_range.len() {
+        let watched = self.watched.iter_mut().map(|w| &mut w.conserved);
+        let errors: Vec<_> = self.energy.iter_mut().chain(watched).collect();
+        if errors.len() != from.errors.len() || self.alpha_range.len() != from.alpha_range.len() {
             return Err(damaged("the defects"));
         }
-        for (defect, [start, max, end]) in defects.into_iter().zip(&from.defects) {
-            (defect.start, defect.max, defect.end) = (start.read()?, max.read()?, end.read()?);
+        for (conserved, [start, max, end]) in errors.into_iter().zip(&from.errors) {
+            (conserved.start, conserved.max, conserved.end) =
+                (start.read()?, max.read()?, end.read()?);
         }
         for (range, [low, high]) in self.alpha_range.iter_mut().zip(&from.alpha_range) {
             *range = (low.read()?, high.read()?);

@@ -218,20 +218,20 @@ impl<T: Float> Integration<T> {
         let now = (self.time, self.last.0.abs() / elapsed);
         let seen = (self.energy_round_off.as_mut()).filter(|_| outcome.energy_kept());
         if self.has_target {
-            let residual = &self.core.constraints()[0];
-            self.round_off = Some(residual.round_off());
+            let constraint = &self.core.constraints()[0];
+            self.round_off = Some(constraint.round_off());
             if let Some(energy) = &mut self.energy {
-                energy.see(residual.defect());
+                energy.see(constraint.residual());
             }
             if let Some(most) = &mut self.in_levels {
-                *most = most.max(residual.in_late_levels());
+                *most = most.max(constraint.in_late_levels());
             }
             if let Some(seen) = seen {
-                let gradient = residual.gradient();
-                seen.see(now, (residual.round_off(), self.h_ref), || {
+                let gradient = constraint.gradient();
+                seen.see(now, (constraint.round_off(), self.h_ref), || {
                     kinetic_energy(&self.y.hi, gradient, self.m)
                 });
-                seen.last = residual.momentary_round_off();
+                seen.last = constraint.momentary_round_off();
             }
         } else if self.measure_energy {
             self.core.counts_mut().energies += 1;
@@ -305,7 +305,7 @@ impl<T: Float> Integration<T> {
             energy_in_round_off_levels: self.in_levels,
             energy_round_off: self.energy_round_off,
             phase_per_step: self.phase_per_step,
-            invariants: self.watched.iter().map(|w| w.defect.clone()).collect(),
+            invariants: self.watched.iter().map(|w| w.conserved.clone()).collect(),
             alpha_range: self.alpha_range.clone(),
             chaos: None,
             counts: *self.core.counts(),

@@ -136,9 +136,9 @@ impl<T: Float> Integration<T> {
         let at = (&self.y.hi[..], &self.gradient[..]);
         self.energy_round_off = is_measured.then(|| EnergyRoundOff::new(t0, self.h_ref, at));
         self.phase_per_step = None;
-        let watched = self.watched.iter_mut().map(|w| &mut w.defect);
-        for defect in self.energy.iter_mut().chain(watched) {
-            defect.max = T::int(0);
+        let watched = self.watched.iter_mut().map(|w| &mut w.conserved);
+        for conserved in self.energy.iter_mut().chain(watched) {
+            conserved.max = T::int(0);
         }
         self.begun = Instant::now();
         Ok(())

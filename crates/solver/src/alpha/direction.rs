@@ -241,7 +241,7 @@ impl<T: Float> Direction<T> {
     /// whether it is finite.
     pub(crate) fn update(&mut self, constraints: &[Constraint<T>], alphas: &mut [T]) -> bool {
         for (a, constraint) in constraints.iter().enumerate() {
-            self.delta[a] = -constraint.defect;
+            self.delta[a] = -constraint.residual;
         }
         self.factorised.solve(&mut self.delta);
         for (k, alpha) in alphas[self.first..][..self.free].iter_mut().enumerate() {
@@ -261,9 +261,9 @@ impl<T: Float> Direction<T> {
         });
         for (a, constraint) in constraints.iter().enumerate() {
             // With the update t was to make the constraint zero: what is there now was not predicted.
-            if constraint.defect.abs() > T::int(4) * constraint.round_off {
+            if constraint.residual.abs() > T::int(4) * constraint.round_off {
                 for (b, &delta) in self.delta.iter().enumerate() {
-                    let by = constraint.defect * weighted(b, delta) / square;
+                    let by = constraint.residual * weighted(b, delta) / square;
                     self.derivatives[(a, b)] += if by.is_finite() { by } else { T::int(0) };
                 }
             }

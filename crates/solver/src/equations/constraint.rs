@@ -26,7 +26,7 @@ pub struct Constraint<T: Float> {
     evaluator: Option<Evaluator<T>>,
     pub(crate) reference: T,
     /// g at the end of the step, and at its start.
-    pub(crate) defect: T,
+    pub(crate) residual: T,
     pub(crate) start_error: T,
     /// The floor at the end of the step, and the largest of late.
     pub(crate) round_off: T,
@@ -45,7 +45,7 @@ impl<T: Float> Constraint<T> {
         Constraint {
             evaluator: None,
             reference: zero,
-            defect: zero,
+            residual: zero,
             start_error: zero,
             round_off: zero,
             late: zero,
@@ -77,7 +77,7 @@ impl<T: Float> Constraint<T> {
         };
         self.gradient.fill(zero);
         self.start_gradient.fill(zero);
-        (self.defect, self.start_error, self.round_off, self.late) = (zero, zero, zero, zero);
+        (self.residual, self.start_error, self.round_off, self.late) = (zero, zero, zero, zero);
     }
 
     /// Evaluates I, ∇I and the floor at `y1`; ν is the rounding of the stages relative to `sizes`. Returns
@@ -92,7 +92,7 @@ impl<T: Float> Constraint<T> {
             None => energy.gradient_with_bound(&y1.hi, &mut self.gradient),
             Some(evaluator) => evaluator.gradient_with_bound(&y1.hi, &mut self.gradient),
         };
-        self.defect = value - self.reference;
+        self.residual = value - self.reference;
         // Below the smallest normal number rounding is absolute.
         self.round_off = T::EPSILON * (bound + T::MIN_POSITIVE) + nu * worth(&self.gradient, sizes);
         value.is_finite() && self.round_off.is_finite()
@@ -122,14 +122,14 @@ impl<T: Float> Constraint<T> {
     /// The step was accepted: its end is the start of the next.
     pub(crate) fn accept(&mut self) {
         // What was round-off where it arose is round-off until it is gone.
-        let fades = self.defect.abs() <= self.round_off;
+        let fades = self.residual.abs() <= self.round_off;
         let late = if fades {
             self.late * T::ratio(FADING - 1, FADING)
         } else {
             self.late
         };
         self.late = late.max(self.round_off);
-        self.start_error = self.defect;
+        self.start_error = self.residual;
         self.start_gradient.copy_from_slice(&self.gradient);
     }
 
@@ -140,12 +140,12 @@ impl<T: Float> Constraint<T> {
 
     /// Whether g is round-off.
     pub(crate) fn is_at_round_off(&self) -> bool {
-        self.defect.abs() <= self.round_off.max(self.late)
+        self.residual.abs() <= self.round_off.max(self.late)
     }
 
     /// The noise of y1, relative to these sizes of the components, that would change I by as much as g.
     pub(crate) fn noise_equivalent(&self, sizes: &[T]) -> T {
-        self.defect.abs() / worth(&self.gradient, sizes)
+        self.residual.abs() / worth(&self.gradient, sizes)
     }
 
     /// A change `of` I over Σ_i |∂_iI| σ_i, the mean of both ends: no displacement that is smaller, in units

@@ -74,7 +74,7 @@ impl<T: Float> Oracle<T> {
         let s = gauss.stages();
         let mut alphas = vec![T::int(0); s - 1];
         let unperturbed = self.stages(gauss, (y, h), &alphas, None)?;
-        let (mut g, gradient, round_off) = self.defect(&unperturbed.end);
+        let (mut g, gradient, round_off) = self.residual(&unperturbed.end);
         let uncorrected = |outcome| {
             Some(Solution {
                 end: unperturbed.end.clone(),
@@ -119,7 +119,7 @@ impl<T: Float> Oracle<T> {
                 return uncorrected(Outcome::BeyondBound);
             }
             at = self.stages(gauss, (y, h), &alphas, Some(at.z))?;
-            g = self.defect(&at.end).0;
+            g = self.residual(&at.end).0;
             if g.abs() <= round_off / T::int(4) {
                 break;
             }
@@ -328,7 +328,7 @@ impl<T: Float> Oracle<T> {
     }
 
     /// g = H(y1) − H_ref, ∇H(y1) and the floor below which g is round-off.
-    fn defect(&mut self, end: &[T]) -> (T, Vec<T>, T) {
+    fn residual(&mut self, end: &[T]) -> (T, Vec<T>, T) {
         let mut gradient = vec![T::int(0); end.len()];
         let (value, bound) = self.energy.gradient_with_bound(end, &mut gradient);
         (

@@ -25,7 +25,7 @@ pub enum Failure<T> {
     #[error("the solution found does not follow the motion; take a smaller step")]
     Astray {
         /// H − H_ref at the end of the step.
-        defect: T,
+        residual: T,
         /// |H_ref| + Σ|∂_iH| σ_i at its start, σ the sizes of the components in the step.
         scale: T,
     },

@@ -67,9 +67,9 @@ impl<T: Float> Core<T> {
         // An energy error larger than the energy itself is that of a wrong root of the stage equations.
         if let Some(energy) = self.energy_constraint() {
             let sizes = self.stages.iterate.scale();
-            let (defect, scale) = (energy.defect, energy.start_scale(sizes));
-            if defect.abs() > scale {
-                return Err(Failure::Astray { defect, scale });
+            let (residual, scale) = (energy.residual, energy.start_scale(sizes));
+            if residual.abs() > scale {
+                return Err(Failure::Astray { residual, scale });
             }
         }
         if self.options.reach == Reach::Refuse {
@@ -162,8 +162,8 @@ impl<T: Float> Core<T> {
                 .fold(T::int(0), |most, c| most.max(worth(c)))
         };
         let units = direction.motion.each_ref();
-        let needed = units.map(|units| least(units, |c| c.defect));
-        let own = units.map(|units| least(units, |c| c.defect - c.start_error));
+        let needed = units.map(|units| least(units, |c| c.residual));
+        let own = units.map(|units| least(units, |c| c.residual - c.start_error));
         let is_free = self.options.reach == Reach::Always;
         Bounds::new(needed, own, solver.handed_on, is_free)
     }
@@ -258,8 +258,8 @@ impl<T: Float> Core<T> {
 
     /// The largest constraint in multiples of its round-off level.
     fn in_late_levels(&self) -> T {
-        let defects = self.constraints.iter().map(Constraint::in_late_levels);
-        defects.fold(T::int(0), |most, level| most.max(level))
+        let residuals = self.constraints.iter().map(Constraint::in_late_levels);
+        residuals.fold(T::int(0), |most, level| most.max(level))
     }
 
     /// Evaluates the constraints at y1, which the iteration for the stages has left with this `noise`.
