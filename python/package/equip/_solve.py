@@ -201,7 +201,7 @@ def solve(
         kick does, and the run continues: H is conserved from there at the value it has after the change.
         `then` is called with numbers, in another thread. `Solution.y_events` has the states before.
     invariants
-        Further quantities f(q, p) by name, whose defects the certificate shows; of (t, q, p) where H is.
+        Further quantities f(q, p) by name, whose errors the certificate shows; of (t, q, p) where H is.
     keep
         Further quantities f(q, p) by name that are kept like the energy; for those that are not quadratic.
         `Solution.message` names those that were not kept.

@@ -119,6 +119,7 @@ impl<T: Float> Integration<T> {
         }
         self.time = from.time.read_finite("the time")?;
         from.time_low.read_finite::<T>("the time")?;
+        from.grid_start.read_finite::<T>("the time")?;
         self.index = from.index;
         self.direction = match from.goes_back {
             true => TimeDirection::Backward,
