@@ -22,9 +22,7 @@ def ball():
     return equip.Hamiltonian(lambda q, p: p @ p / 2 + 9.8 * q[0], 1)
 
 
-@pytest.mark.parametrize(
-    "how", [{"tolerance": 1e-12}, {"step": 0.37}]
-)
+@pytest.mark.parametrize("how", [{"tolerance": 1e-12}, {"step": 0.37}])
 def test_a_ball_that_bounces(ball, how):
     """From a height of 50 bounce n is at √(100/9.8) (2n - 1)."""
     sol = equip.solve(ball, [50.0], [0.0], (0, 640), events=floor, dense_output=True, **how)

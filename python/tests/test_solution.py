@@ -30,7 +30,10 @@ def sol():
 def test_certificate(sol):
     certificate = sol.certificate
     assert certificate.energy_kept_on_every_step and certificate.energy_in_round_off_levels <= 8
-    assert certificate.energy_round_off.round_off < 1e-14 and certificate.energy_round_off.scale == pytest.approx(0.5)
+    assert (
+        certificate.energy_round_off.round_off < 1e-14
+        and certificate.energy_round_off.scale == pytest.approx(0.5)
+    )
     assert certificate.phase_per_step is None and certificate.motion_is_resolved
     assert certificate.energy.start == pytest.approx(-0.5, abs=1e-15)
     assert certificate.counts.steps == sum(certificate.outcomes.values()) == len(sol.t) - 1

@@ -11,10 +11,10 @@ if _find_spec(f"{__name__}._native") is None:
 from . import scenes
 from ._certificate import (
     Certificate,
-    Counts,
     Conserved,
-    EnergyRoundOff,
+    Counts,
     EnergyJumps,
+    EnergyRoundOff,
     PhasePerStep,
     VariableSteps,
 )

@@ -167,10 +167,11 @@ class Certificate:
     def _of(cls, found: dict[str, Any]) -> Certificate:
         """Of what the native part hands over."""
         names = Counts.__dataclass_fields__
+        round_off = found["energy_round_off"]
         return cls(
             counts=Counts(**{name: found[name] for name in names}),
             energy=Conserved(*found["energy"]) if found["energy"] else None,
-            energy_round_off=EnergyRoundOff(*found["energy_round_off"]) if found["energy_round_off"] else None,
+            energy_round_off=round_off and EnergyRoundOff(*round_off),
             energy_jumps=EnergyJumps(*found["energy_jumps"]) if found["energy_jumps"] else None,
             phase_per_step=PhasePerStep(*found["phase_per_step"]) if found["phase_per_step"] else None,
             invariants=tuple(Conserved(*defect) for defect in found["invariants"]),

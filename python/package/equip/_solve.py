@@ -13,7 +13,7 @@ from . import _native
 from ._certificate import Certificate
 from ._events import Event, changes_of, events_of, raise_of
 from ._hamiltonian import Function, Hamiltonian, of_recording, recorded_quantity
-from ._methods import Equip, Method, chosen, method_options
+from ._methods import Equip, Method, method_options
 from ._numbers import Floats, Shape, number, pair, pairs, refuse_units, state, truth, whole
 from ._solution import Solution
 from ._terminate import terminating
