@@ -1,8 +1,6 @@
 //! Everything that can go wrong, each with what to change.
 
-use crate::control::policy::GROWN;
-use crate::report::shown::plain;
-use equip_scalar::Float;
+use equip_scalar::{Float, plain};
 
 /// What stopped the steps and what helps: a singularity is named where something has grown, and `min_step`
 /// where it was given.
@@ -18,7 +16,7 @@ fn below_minimum<T: Float>(step: T, min: T, growth: T) -> String {
     } else {
         "loosen the tolerance"
     };
-    if growth >= T::int(GROWN) {
+    if growth > T::int(0) {
         format!(
             "{bound}; the motion nears a singularity, force or speed are {growth:.1e} times what they were at the start: end the run before that time, or {remedy}"
         )
@@ -290,7 +288,7 @@ pub enum IntegrateError<T: Float> {
         /// The tolerance given.
         tolerance: T,
         /// How many times as large the force or the speed is there as where the run began, the largest
-        /// component of ∂H/∂q or of ∂H/∂p.
+        /// component of ∂H/∂q or of ∂H/∂p; zero if it has not grown a thousandfold.
         growth: T,
     },
     /// The run has made all the steps it may.

@@ -27,6 +27,7 @@
 mod glue;
 
 mod constant;
+mod digits;
 mod double;
 mod double_double;
 mod error;
@@ -39,6 +40,8 @@ mod ready;
 mod traits;
 
 pub use constant::{Constant, Words, Written, decimal, ratio};
+#[doc(hidden)]
+pub use digits::plain;
 pub use double_double::{DoubleDouble, DoubleDoubles};
 pub use error::ParseFloatError;
 pub use forward::{Forward, Forward2};

@@ -2,6 +2,7 @@
 
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
+use crate::events::switch_memory::SwitchMemory;
 use crate::report::energy_round_off::EnergyRoundOff;
 use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
@@ -18,17 +19,6 @@ pub(crate) struct ControlMemory {
     pub(crate) rejected: u64,
     pub(crate) failed: u64,
     pub(crate) switches: SwitchMemory,
-}
-
-/// What is known of the switches of H where the next step begins; empty of an H that has none.
-#[derive(Debug, Clone, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub(crate) struct SwitchMemory {
-    /// Of every one of them whether the step begins on it, and with which sign it goes on.
-    pub(crate) sides: Vec<Option<i8>>,
-    /// Whether the step before met knots of a table.
-    pub(crate) is_among_knots: bool,
 }
 
 /// A deviation and what has been summed of it.

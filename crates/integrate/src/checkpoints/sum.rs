@@ -2,7 +2,8 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::checksum::Checksum;
-use crate::checkpoints::memories::{ChaosMemory, ControlMemory, SwitchMemory};
+use crate::checkpoints::memories::{ChaosMemory, ControlMemory};
+use crate::events::switch_memory::SwitchMemory;
 use equip_solver::Outcome;
 
 impl Checkpoint {

@@ -35,9 +35,8 @@ impl<T: Float> TooSmall<T> {
     ) -> IntegrateError<T> {
         let (time, step) = (self.time, self.h);
         let growth = growth(energy, start, y);
-        if growth >= T::int(GROWN)
-            && let Some(size) = escapes(energy, y, self.h * T::int(GROWN))
-        {
+        let has_grown = growth >= T::int(GROWN);
+        if has_grown && let Some(size) = escapes(energy, y, self.h * T::int(GROWN)) {
             return IntegrateError::Escape { time, step, size };
         }
         cause.unwrap_or(IntegrateError::StepBelowMinimum {
@@ -45,7 +44,7 @@ impl<T: Float> TooSmall<T> {
             step: step.abs(),
             min: self.min,
             tolerance: self.tolerance,
-            growth,
+            growth: if has_grown { growth } else { T::int(0) },
         })
     }
 }

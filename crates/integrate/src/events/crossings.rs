@@ -10,11 +10,11 @@
 //! g{g, K} = 0 where g = 0. So whatever meets a switch with ġ ≠ 0 crosses it, and nothing slides along it.
 //! Where ġ is rounding too, it is the side of the first stage.
 
-use crate::checkpoints::memories::SwitchMemory;
 use crate::control::estimate::Decay;
 use crate::control::policy::{BESIDE, MOST_TRIES, ROUNDING, SOON};
 use crate::events::path::{Path, Place};
 use crate::events::roughness::Roughness;
+use crate::events::switch_memory::SwitchMemory;
 use equip_autodiff::{SwitchKind, Switches};
 use equip_scalar::Float;
 use equip_solver::{Core, State};

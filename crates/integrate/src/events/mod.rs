@@ -6,4 +6,5 @@ pub(crate) mod narrow;
 pub(crate) mod path;
 pub(crate) mod roots;
 pub(crate) mod roughness;
+pub(crate) mod switch_memory;
 pub(crate) mod watch;

@@ -9,9 +9,9 @@ use crate::options::tolerance::Tolerance;
 use equip_scalar::Float;
 use equip_solver::{Invariant, Preconditioner, Reach};
 
-/// A method with the sizes of its steps and with options: fixed steps by [`Method::step`], steps by a tolerance
-/// by [`Method::tolerance`]. Options are checked when a run starts; one that does not belong to these steps is
-/// an [`IntegrateError::MisplacedOption`](crate::IntegrateError::MisplacedOption).
+/// A method with the sizes of its steps and with options: fixed steps by [`Method::step`], steps by a
+/// tolerance by [`Method::tolerance`]. Options are checked when a run starts; one that does not belong to
+/// these steps is an [`IntegrateError::MisplacedOption`](crate::IntegrateError::MisplacedOption).
 #[derive(Debug, Clone)]
 pub struct Integrator<T: Float> {
     pub(crate) method: Method,

@@ -13,12 +13,3 @@ pub(crate) fn shown<T: Float>(x: T) -> String {
         format!("{x:.6e}")
     }
 }
-
-/// A number in digits that read back to it, with an exponent where it would have many zeros.
-pub(crate) fn plain<T: Float>(x: T) -> String {
-    if x == T::int(0) || (T::ratio(1, 100_000)..T::int(LARGE)).contains(&x.abs()) {
-        x.to_string()
-    } else {
-        format!("{x:e}")
-    }
-}

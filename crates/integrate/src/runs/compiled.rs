@@ -87,8 +87,8 @@ impl<T: Float> Integrator<T> {
 }
 
 impl<T: Float> Stepper<T> {
-    /// Makes the next step, the way the run goes: forward in time, or back if its fixed step is negative or it
-    /// was [turned back](Self::turn_back).
+    /// Makes the next step, the way the run goes: forward in time, or back if its fixed step is negative or
+    /// it was [turned back](Self::turn_back).
     ///
     /// # Errors
     /// When the step cannot be made; the state then is that before the step, and may be read or stepped

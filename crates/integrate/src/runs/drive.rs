@@ -32,17 +32,17 @@ pub(crate) fn drive<T: Float>(
     mut watchers: Watchers<'_, T>,
     observer: &mut dyn Observer<T>,
 ) -> Result<Run<T>, RunFailure<T>> {
-    let mut run = Run::new(steps);
+    let mut run = Run::new(&steps.inner);
     let made = watch(steps, &mut watchers, observer, &mut run);
     if let Some(dense) = watchers.dense {
         dense.finish(&mut run);
     }
     match made {
         Ok(()) => {
-            run.finish(steps);
+            run.finish(&steps.inner);
             Ok(run)
         }
-        Err(error) => Err(run.fail(error, steps)),
+        Err(error) => Err(run.fail(error, &steps.inner)),
     }
 }
 
@@ -72,15 +72,15 @@ fn watch<T: Float>(
         {
             let (mut state, m) = (y.to_vec(), y.len() / 2);
             let Some(action) = dense.action() else {
-                run.end_at(time, &state, steps);
+                run.end_at(time, &state, stepper);
                 return Ok(());
             };
             let (q, p) = state.split_at_mut(m);
             if action(time, q, p) == ControlFlow::Break(()) {
-                run.end_at(time, &state, steps);
+                run.end_at(time, &state, stepper);
                 return Ok(());
             }
-            run.drop_outputs_beyond(time, steps);
+            run.drop_outputs_beyond(time, stepper);
             kick(steps, watchers, (&state, time), run)?;
             // Events that accumulate, as of a ball that comes to rest, would be passed over unseen.
             let since = changed.replace(time).map(|before| (time - before).abs());

@@ -4,7 +4,7 @@ use crate::dense::trajectory::Trajectory;
 use crate::error::IntegrateError;
 use crate::options::event::Occurrence;
 use crate::report::certificate::Certificate;
-use crate::steppers::stepper::Stepper;
+use crate::steppers::integration::Integration;
 use crate::steppers::view::StepView;
 use crate::time::visible::visible;
 use equip_scalar::Float;
@@ -48,9 +48,9 @@ impl<T: Float> From<IntegrateError<T>> for RunFailure<T> {
 }
 
 impl<T: Float> Run<T> {
-    pub(crate) fn new(stepper: &Stepper<T>) -> Self {
+    pub(crate) fn new(stepper: &Integration<T>) -> Self {
         let mut run = Run {
-            m: stepper.inner.m,
+            m: stepper.m,
             times: Vec::new(),
             states: Vec::new(),
             energy_errors: Vec::new(),
@@ -94,7 +94,7 @@ impl<T: Float> Run<T> {
     }
 
     /// A terminal event ends the run within the step made last.
-    pub(crate) fn end_at(&mut self, time: T, y: &[T], stepper: &Stepper<T>) {
+    pub(crate) fn end_at(&mut self, time: T, y: &[T], stepper: &Integration<T>) {
         self.drop_outputs_beyond(time, stepper);
         let (q, p) = y.split_at(self.m);
         self.keep(&StepView {
@@ -107,7 +107,7 @@ impl<T: Float> Run<T> {
         self.stopped = true;
     }
 
-    pub(crate) fn finish(&mut self, stepper: &Stepper<T>) {
+    pub(crate) fn finish(&mut self, stepper: &Integration<T>) {
         let (output_steps, chaos) = (self.certificate.output_steps, self.certificate.chaos);
         let coarse_outputs = self.certificate.coarse_outputs;
         self.certificate = Certificate {
@@ -121,14 +121,18 @@ impl<T: Float> Run<T> {
 
     /// Drops outputs beyond `end`: those within a step are there before the step is made, or fails. A run
     /// that has come to its end has them all, also where its last step ends short of them by rounding.
-    pub(crate) fn drop_outputs_beyond(&mut self, end: T, stepper: &Stepper<T>) {
-        let is_within = |&t: &T| !stepper.inner.direction.is_before(end, t);
+    pub(crate) fn drop_outputs_beyond(&mut self, end: T, stepper: &Integration<T>) {
+        let is_within = |&t: &T| !stepper.direction.is_before(end, t);
         let within = self.output_times.partition_point(is_within);
         self.output_times.truncate(within);
         self.outputs.truncate(2 * self.m * within);
     }
 
-    pub(crate) fn fail(mut self, error: IntegrateError<T>, stepper: &Stepper<T>) -> RunFailure<T> {
+    pub(crate) fn fail(
+        mut self,
+        error: IntegrateError<T>,
+        stepper: &Integration<T>,
+    ) -> RunFailure<T> {
         if self.times.last() != Some(&stepper.time()) {
             self.keep(&stepper.view());
         }

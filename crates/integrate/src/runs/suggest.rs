@@ -294,8 +294,8 @@ impl<T: Float, O: Observer<T>> Trials<'_, T, O> {
 }
 
 impl<T: Float> Integrator<T> {
-    /// A fixed step that would have met the tolerance everywhere in `interval`: the smallest of the steps that
-    /// the tolerance chooses there.
+    /// A fixed step that would have met the tolerance everywhere in `interval`: the smallest of the steps
+    /// that the tolerance chooses there.
     ///
     /// # Errors
     /// Those of [`integrate`](Self::integrate), an interval without length, and fixed steps.

@@ -27,7 +27,7 @@ impl<T: Float> Integration<T> {
     }
 
     /// Whether H and the invariants are those of the run that `checkpoint` was made of.
-    pub(super) fn check_functions(
+    pub(crate) fn check_functions(
         &mut self,
         checkpoint: &Checkpoint,
     ) -> Result<(), IntegrateError<T>> {
@@ -50,7 +50,7 @@ impl<T: Float> Integration<T> {
     }
 
     /// The present state of the run, without the memory of its step control, to be sealed.
-    pub(super) fn checkpoint(&mut self) -> Checkpoint {
+    pub(crate) fn checkpoint(&mut self) -> Checkpoint {
         let memory = self.core.memory();
         let parts = memory.parts().iter();
         let solver = parts
@@ -108,7 +108,7 @@ impl<T: Float> Integration<T> {
         }
     }
 
-    pub(super) fn restore_from(&mut self, from: &Checkpoint) -> Result<(), IntegrateError<T>> {
+    pub(crate) fn restore_from(&mut self, from: &Checkpoint) -> Result<(), IntegrateError<T>> {
         let damaged = |what| IntegrateError::CheckpointDamaged { what };
         Exact::read_all(&from.high, &mut self.y.hi, "the state")?;
         Exact::read_all(&from.low, &mut self.y.lo, "the state")?;

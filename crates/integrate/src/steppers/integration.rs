@@ -1,5 +1,5 @@
-//! [`Integration`]: the state of a run and what is measured along it. It attempts steps of a given size and takes
-//! them; [`crate::steppers::step_control`] chooses the sizes.
+//! [`Integration`]: the state of a run and what is measured along it. It attempts steps of a given size and
+//! takes them; [`crate::steppers::step_control`] chooses the sizes.
 
 use crate::control::frequency::Frequency;
 use crate::control::make::{check_gradient, complete_step, make_step};
@@ -23,7 +23,7 @@ use std::fmt;
 use std::time::Instant;
 
 /// Makes steps of the grid in parts where they are over switches of H.
-pub(super) trait InParts<T: Float>: fmt::Debug + Send + Sync {
+pub(crate) trait InParts<T: Float>: fmt::Debug + Send + Sync {
     /// Makes a step of size `h` that may still be refused.
     fn attempt(&mut self, run: &mut Integration<T>, h: T) -> Result<Outcome, IntegrateError<T>>;
 
@@ -37,33 +37,35 @@ pub(crate) struct Integration<T: Float> {
     pub(crate) core: Core<T>,
     /// Degrees of freedom, time not counted.
     pub(crate) m: usize,
-    pub(super) method: Method,
-    pub(super) has_target: bool,
+    pub(crate) method: Method,
+    pub(crate) has_target: bool,
     pub(crate) t0: T,
     /// Which way the run goes.
     pub(crate) direction: TimeDirection,
+    /// Size of the steps, without a sign; none if it varies.
+    pub(crate) size: Option<T>,
     /// None if H has data everywhere as far as is known.
-    pub(super) domains: Option<WithinDomains<T>>,
+    pub(crate) domains: Option<WithinDomains<T>>,
     /// None if H is smooth as far as is known, or the steps vary.
-    pub(super) in_parts: Option<Box<dyn InParts<T>>>,
+    pub(crate) in_parts: Option<Box<dyn InParts<T>>>,
     /// Crossings of switches at which a step, or a part of one, ended.
     pub(crate) switches_crossed: u64,
     pub(crate) energy_jumps: Option<EnergyJumps<T>>,
     /// Room for ∇H.
-    pub(super) gradient: Vec<T>,
+    pub(crate) gradient: Vec<T>,
     pub(crate) h_ref: T,
     pub(crate) index: u64,
     pub(crate) time: T,
     pub(crate) y: State<T>,
-    pub(super) next: State<T>,
-    pub(super) measure_energy: bool,
+    pub(crate) next: State<T>,
+    pub(crate) measure_energy: bool,
     pub(crate) energy: Option<Conserved<T>>,
     pub(crate) in_levels: Option<T>,
     pub(crate) energy_round_off: Option<EnergyRoundOff<T>>,
     pub(crate) phase_per_step: Option<PhasePerStep<T>>,
-    pub(super) frequency: Frequency<T>,
+    pub(crate) frequency: Frequency<T>,
     /// Whether gradients written by hand are checked.
-    pub(super) check_gradient: bool,
+    pub(crate) check_gradient: bool,
     pub(crate) watched: Vec<Watched<T>>,
     pub(crate) alpha_range: Vec<(T, T)>,
     pub(crate) last: (T, Outcome),
@@ -72,9 +74,9 @@ pub(crate) struct Integration<T: Float> {
     pub(crate) variable: Option<VariableSteps<T>>,
     pub(crate) begun: Instant,
     /// Method and options, for checkpoints.
-    pub(super) fingerprint: Words,
+    pub(crate) fingerprint: Words,
     /// (q, p) at the start of the run.
-    pub(super) start: Vec<T>,
+    pub(crate) start: Vec<T>,
 }
 
 impl<T: Float> Integration<T> {
@@ -82,7 +84,7 @@ impl<T: Float> Integration<T> {
     ///
     /// # Errors
     /// A time that is not finite.
-    pub(super) fn has_passed(&self, t: T) -> Result<bool, IntegrateError<T>> {
+    pub(crate) fn has_passed(&self, t: T) -> Result<bool, IntegrateError<T>> {
         if !t.is_finite() {
             let (start, end) = (self.time, t);
             return Err(IntegrateError::Interval { start, end });
@@ -91,7 +93,7 @@ impl<T: Float> Integration<T> {
     }
 
     /// Makes a step of size `h`, signed, that is taken to end at `time`.
-    pub(super) fn make(&mut self, time: T, h: T) -> Result<(), IntegrateError<T>> {
+    pub(crate) fn make(&mut self, time: T, h: T) -> Result<(), IntegrateError<T>> {
         if !self.direction.is_before(self.time, time) {
             return Err(IntegrateError::StepBelowTimeResolution {
                 step: h,
@@ -104,7 +106,7 @@ impl<T: Float> Integration<T> {
     }
 
     /// Makes a step of the grid, of size `h`, in parts if it is over switches of H.
-    pub(super) fn attempt_in_parts(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
+    pub(crate) fn attempt_in_parts(&mut self, h: T) -> Result<Outcome, IntegrateError<T>> {
         let Some(mut in_parts) = self.in_parts.take() else {
             let outcome = self.attempt(h)?;
             self.check_domains(h)?;
@@ -287,12 +289,12 @@ impl<T: Float> Integration<T> {
         (self.time - self.t0) / T::int(steps.max(1))
     }
 
-    /// The certificate of the run so far, with steps of this size unless they vary.
-    pub(crate) fn certificate(&self, size: Option<T>) -> Certificate<T> {
+    /// The certificate of the run so far.
+    pub(crate) fn certificate(&self) -> Certificate<T> {
         let certificate = Certificate {
             energy_conserved_to_round_off: String::new(),
             method: self.method,
-            step: match size {
+            step: match self.size {
                 Some(h) => self.direction.signed(h),
                 None => self.mean_step(),
             },

@@ -1,10 +1,7 @@
 //! Runs made step by step.
 
-pub(crate) mod adaptive;
 pub(crate) mod checkpoint;
 pub(crate) mod domains;
-pub(crate) mod fixed_steps;
-pub(crate) mod grid;
 pub(crate) mod in_parts;
 pub(crate) mod integration;
 pub(crate) mod start;

@@ -54,10 +54,11 @@ impl<T: Float> Integration<T> {
         };
         let measured = has_target || options.measure_energy;
         let switches = system.switches();
-        let in_parts = match integrator.sizes {
-            StepSizes::Fixed(_) => Substeps::boxed(&switches, &coefficients, 2 * all),
+        let size = match &integrator.sizes {
+            StepSizes::Fixed(sizes) => Some(sizes.h.abs()),
             StepSizes::Tolerance(_) => None,
         };
+        let in_parts = size.and_then(|_| Substeps::boxed(&switches, &coefficients, 2 * all));
         let domains = WithinDomains::new(&switches, stages, 2 * all);
         let mut evaluator = system.evaluator::<T>();
         evaluator.make_ready(2 * all);
@@ -70,6 +71,7 @@ impl<T: Float> Integration<T> {
             has_target,
             t0: zero,
             direction: TimeDirection::Forward,
+            size,
             h_ref: zero,
             domains,
             in_parts,
@@ -116,7 +118,7 @@ impl<T: Float> Integration<T> {
 
     /// Begins anew at (`q0`, `p0`) and `t0`, as a run that has just been prepared. Nothing is allocated.
     /// After an error the run is as it was.
-    pub(super) fn start_at(
+    pub(crate) fn start_at(
         &mut self,
         (q0, p0): (&[T], &[T]),
         t0: T,
@@ -152,7 +154,7 @@ impl<T: Float> Integration<T> {
     }
 
     /// The state at which the run began, as H takes it.
-    pub(super) fn start_state(&self) -> Vec<T> {
+    pub(crate) fn start_state(&self) -> Vec<T> {
         let (mut y, half) = (vec![T::int(0); self.y.hi.len()], self.y.hi.len() / 2);
         let (q, p) = self.start.split_at(self.m);
         y[..self.m].copy_from_slice(q);
@@ -163,7 +165,7 @@ impl<T: Float> Integration<T> {
 
     /// Puts the run at another state, at the time `t` it has reached: the references of energy and invariants
     /// are those of this state from now on, and nothing of the steps before is prolonged into the next one.
-    pub(super) fn move_to(&mut self, q: &[T], p: &[T], t: T) -> Result<(), IntegrateError<T>> {
+    pub(crate) fn move_to(&mut self, q: &[T], p: &[T], t: T) -> Result<(), IntegrateError<T>> {
         let h_ref = self.look_at(q, p, t)?;
         self.next.lo.fill(T::int(0));
         std::mem::swap(&mut self.y, &mut self.next);
@@ -186,7 +188,7 @@ impl<T: Float> Integration<T> {
     ///
     /// # Errors
     /// Faults of the values, and an H that is not finite there.
-    pub(super) fn look_at(&mut self, q: &[T], p: &[T], t: T) -> Result<T, IntegrateError<T>> {
+    pub(crate) fn look_at(&mut self, q: &[T], p: &[T], t: T) -> Result<T, IntegrateError<T>> {
         let m = self.m;
         check_initial(m, q, p)?;
         let y = &mut self.next.hi;

@@ -71,9 +71,6 @@ pub(crate) trait StepControl<T: Float>: fmt::Debug + Send + Sync {
     /// What rounding lost of the time.
     fn time_low(&self) -> T;
 
-    /// Size of the steps, without a sign; none if it varies.
-    fn size(&self) -> Option<T>;
-
     /// Size of the next step, without a sign.
     fn next_step(&self) -> T;
 
@@ -85,7 +82,7 @@ pub(crate) trait StepControl<T: Float>: fmt::Debug + Send + Sync {
 ///
 /// # Errors
 /// A time that is not finite.
-pub(super) fn way<T: Float>(
+pub(crate) fn way<T: Float>(
     t0: T,
     towards: Option<T>,
 ) -> Result<Option<TimeDirection>, IntegrateError<T>> {

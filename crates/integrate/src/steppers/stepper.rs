@@ -2,14 +2,10 @@
 
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
-use crate::options::integrator::{Integrator, StepSizes};
 use crate::report::certificate::Certificate;
-use crate::steppers::adaptive::adaptive_steps::AdaptiveSteps;
-use crate::steppers::fixed_steps::FixedSteps;
 use crate::steppers::integration::Integration;
 use crate::steppers::step_control::StepControl;
 use crate::steppers::view::StepView;
-use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::Counts;
 
@@ -21,32 +17,6 @@ pub struct Stepper<T: Float> {
 }
 
 impl<T: Float> Stepper<T> {
-    /// Everything but an initial state: options checked, tables and workspace made.
-    pub(crate) fn prepare(
-        integrator: &Integrator<T>,
-        system: &Hamiltonian,
-    ) -> Result<Self, IntegrateError<T>> {
-        let mut inner;
-        let control: Box<dyn StepControl<T>> = match &integrator.sizes {
-            StepSizes::Fixed(sizes) => {
-                sizes.validate()?;
-                inner = Integration::prepare(integrator, system)?;
-                Box::new(FixedSteps::new(sizes.h))
-            }
-            StepSizes::Tolerance(sizes) => {
-                sizes.validate(integrator.method)?;
-                inner = Integration::prepare(integrator, system)?;
-                Box::new(AdaptiveSteps::new(
-                    sizes,
-                    integrator.method,
-                    system,
-                    &mut inner,
-                )?)
-            }
-        };
-        Ok(Stepper { inner, control })
-    }
-
     pub(crate) fn begin(
         &mut self,
         start: (&[T], &[T]),
@@ -54,25 +24,6 @@ impl<T: Float> Stepper<T> {
         towards: Option<T>,
     ) -> Result<(), IntegrateError<T>> {
         self.control.begin(&mut self.inner, start, t0, towards)
-    }
-
-    /// The run that `checkpoint` was made of, at the step where it was made.
-    pub(crate) fn resume(
-        integrator: &Integrator<T>,
-        system: &Hamiltonian,
-        checkpoint: &Checkpoint,
-    ) -> Result<Self, IntegrateError<T>> {
-        checkpoint.check::<T>(&integrator.words())?;
-        let mut stepper = Self::prepare(integrator, system)?;
-        // H(t, q, p) may be none at another pair of time and state.
-        let (q, p) = checkpoint.start_state()?;
-        let t0 = checkpoint.start.read_finite("the start")?;
-        stepper.begin((&q, &p), t0, None)?;
-        let Stepper { inner, control } = &mut stepper;
-        inner.check_functions(checkpoint)?;
-        inner.restore_from(checkpoint)?;
-        control.restore(inner, checkpoint)?;
-        Ok(stepper)
     }
 
     /// Begins a new run at (`q0`, `p0`), each of length m, at time `t0`, with what this one has made ready:
@@ -125,8 +76,8 @@ impl<T: Float> Stepper<T> {
     }
 
     /// Makes the next step towards the time `t`, forward or back, but not beyond it: repeated while it
-    /// returns `true`, it makes the steps of [`advance_to`](Self::advance_to), and the caller may stop between
-    /// two of them.
+    /// returns `true`, it makes the steps of [`advance_to`](Self::advance_to), and the caller may stop
+    /// between two of them.
     ///
     /// # Errors
     /// A time that is not finite, and a step that cannot be made.
@@ -141,7 +92,7 @@ impl<T: Float> Stepper<T> {
     pub(crate) fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>> {
         let run = &self.inner;
         if run.direction.is_before(end, run.stretch_start()) {
-            let step = self.control.size().unwrap_or(run.last.0.abs());
+            let step = self.inner.size.unwrap_or(run.last.0.abs());
             return Err(IntegrateError::StepsLeadAway {
                 step: run.direction.signed(step),
                 start: run.t0,
@@ -185,6 +136,6 @@ impl<T: Float> Stepper<T> {
 
     /// The certificate of the run so far.
     pub fn certificate(&self) -> Certificate<T> {
-        self.inner.certificate(self.control.size())
+        self.inner.certificate()
     }
 }

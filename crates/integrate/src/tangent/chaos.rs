@@ -17,7 +17,6 @@ use crate::checkpoints::memories::ChaosMemory;
 use crate::error::IntegrateError;
 use crate::report::chaos_indicators::ChaosIndicators;
 use crate::steppers::integration::Integration;
-use crate::steppers::stepper::Stepper;
 use crate::tangent::tangent_map::TangentMap;
 use crate::time::visible;
 use equip_autodiff::Hamiltonian;
@@ -51,12 +50,7 @@ pub struct Chaos<T: Float> {
 }
 
 impl<T: Float> Chaos<T> {
-    /// Follows `run`, made of the same `system`, from now on, with a deviation of any length but zero (2m
-    /// components, time not counted).
-    pub fn new(system: &Hamiltonian, run: &mut Stepper<T>, deviation: &[T]) -> Self {
-        Self::of(system, &mut run.inner, deviation)
-    }
-
+    /// Follows `run` from now on.
     pub(crate) fn of(system: &Hamiltonian, run: &mut Integration<T>, deviation: &[T]) -> Self {
         let zero = T::int(0);
         let time = run.time;
@@ -79,13 +73,6 @@ impl<T: Float> Chaos<T> {
     }
 
     /// Sees the step that `run` made last.
-    ///
-    /// # Errors
-    /// Those of [`TangentMap::propagate`].
-    pub fn see(&mut self, run: &Stepper<T>) -> Result<(), IntegrateError<T>> {
-        self.see_step(&run.inner)
-    }
-
     pub(crate) fn see_step(&mut self, run: &Integration<T>) -> Result<(), IntegrateError<T>> {
         self.tangent.propagate_over(run, &mut self.deviation)?;
         let growth = self.normalise().ln();
@@ -96,17 +83,6 @@ impl<T: Float> Chaos<T> {
         // Y at the end of the step stands for the step.
         self.sum += T::int(2) * self.weighted / now * step;
         (self.time, self.elapsed) = (run.time, now);
-        Ok(())
-    }
-
-    /// Makes the steps of `run` to the time `t`, and sees every one of them.
-    ///
-    /// # Errors
-    /// Those of the run's own `advance_to`, and those of [`see`](Self::see).
-    pub fn advance_to(&mut self, run: &mut Stepper<T>, t: T) -> Result<(), IntegrateError<T>> {
-        while run.advance_towards(t)? {
-            self.see(run)?;
-        }
         Ok(())
     }
 

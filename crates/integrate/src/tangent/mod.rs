@@ -1,4 +1,5 @@
 //! Small deviations along a run.
 
 pub(crate) mod chaos;
+mod follow;
 pub(crate) mod tangent_map;

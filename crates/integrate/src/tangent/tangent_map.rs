@@ -6,7 +6,6 @@
 
 use crate::error::IntegrateError;
 use crate::steppers::integration::Integration;
-use crate::steppers::stepper::Stepper;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Failure, StepTangent};
@@ -41,11 +40,7 @@ pub struct TangentMap<T: Float> {
 }
 
 impl<T: Float> TangentMap<T> {
-    /// Follows `run`, made of the same `system`, from its next step on.
-    pub fn new(system: &Hamiltonian, run: &mut Stepper<T>) -> Self {
-        Self::of(system, &mut run.inner)
-    }
-
+    /// Follows `run` from its next step on.
     pub(crate) fn of(system: &Hamiltonian, run: &mut Integration<T>) -> Self {
         run.core.keep_parts();
         TangentMap {
@@ -54,44 +49,7 @@ impl<T: Float> TangentMap<T> {
         }
     }
 
-    /// Makes the steps of `run` to the time `t`, forward or back, and propagates `deviations`, one after the
-    /// other, over every one of them.
-    ///
-    /// # Errors
-    /// Those of the run's own `advance_to`, and those of [`propagate`](Self::propagate).
-    ///
-    /// # Panics
-    /// When the length of `deviations` is no multiple of that of one.
-    pub fn advance_to(
-        &mut self,
-        run: &mut Stepper<T>,
-        t: T,
-        deviations: &mut [T],
-    ) -> Result<(), IntegrateError<T>> {
-        self.check_followed(&run.inner, 0)?;
-        while run.advance_towards(t)? {
-            self.propagate(run, deviations)?;
-        }
-        Ok(())
-    }
-
     /// Propagates `deviations`, one after the other, over the step that `run` made last.
-    ///
-    /// # Errors
-    /// [`IntegrateError::Singular`] if the linearised stages cannot be solved for; the step could then not
-    /// have been made by Newton's method either. [`IntegrateError::StepsNotFollowed`] if the run has made
-    /// several steps since deviations were last propagated.
-    ///
-    /// # Panics
-    /// When the length of `deviations` is no multiple of that of one.
-    pub fn propagate(
-        &mut self,
-        run: &Stepper<T>,
-        deviations: &mut [T],
-    ) -> Result<(), IntegrateError<T>> {
-        self.propagate_over(&run.inner, deviations)
-    }
-
     pub(crate) fn propagate_over(
         &mut self,
         run: &Integration<T>,
@@ -125,7 +83,11 @@ impl<T: Float> TangentMap<T> {
 
     /// Whether the run has made no more than so many steps since deviations were last propagated, or since it
     /// was begun anew.
-    fn check_followed(&self, run: &Integration<T>, most: u64) -> Result<(), IntegrateError<T>> {
+    pub(crate) fn check_followed(
+        &self,
+        run: &Integration<T>,
+        most: u64,
+    ) -> Result<(), IntegrateError<T>> {
         let made = run.index;
         let steps = made.checked_sub(self.propagated).unwrap_or(made);
         if steps > most {

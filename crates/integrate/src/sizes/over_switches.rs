@@ -9,8 +9,8 @@ use crate::control::policy::SOON;
 use crate::control::stuck::shortest_at;
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
-use crate::steppers::adaptive::adaptive_steps::AdaptiveSteps;
-use crate::steppers::adaptive::made::{EndIs, Made, Place};
+use crate::sizes::adaptive_steps::AdaptiveSteps;
+use crate::sizes::made::{EndIs, Made, Place};
 use crate::steppers::integration::Integration;
 use equip_scalar::Float;
 

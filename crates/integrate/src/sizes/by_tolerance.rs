@@ -13,14 +13,14 @@ use crate::events::crossings::Crossings;
 use crate::options::method::Method;
 use crate::options::tolerance::Tolerance;
 use crate::report::variable_steps::VariableSteps;
-use crate::steppers::adaptive::adaptive_steps::AdaptiveSteps;
+use crate::sizes::adaptive_steps::AdaptiveSteps;
 use crate::steppers::integration::Integration;
 use crate::steppers::step_control::{StepControl, way};
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 
 impl<T: Float> AdaptiveSteps<T> {
-    pub(in crate::steppers) fn new(
+    pub(super) fn new(
         sizes: &Tolerance<T>,
         method: Method,
         system: &Hamiltonian,
@@ -162,10 +162,6 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
 
     fn time_low(&self) -> T {
         self.time_low
-    }
-
-    fn size(&self) -> Option<T> {
-        None
     }
 
     fn next_step(&self) -> T {

@@ -3,7 +3,7 @@
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
-use crate::steppers::grid::{Grid, is_same_time};
+use crate::sizes::grid::{Grid, is_same_time};
 use crate::steppers::integration::Integration;
 use crate::steppers::step_control::{StepControl, way};
 use crate::time::direction::TimeDirection;
@@ -168,10 +168,6 @@ impl<T: Float> StepControl<T> for FixedSteps<T> {
 
     fn time_low(&self) -> T {
         T::int(0)
-    }
-
-    fn size(&self) -> Option<T> {
-        Some(self.size)
     }
 
     fn next_step(&self) -> T {

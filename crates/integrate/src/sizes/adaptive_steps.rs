@@ -15,7 +15,7 @@ use crate::control::stuck::TooSmall;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
 use crate::report::variable_steps::VariableSteps;
-use crate::steppers::adaptive::made::{EndIs, Made, Place};
+use crate::sizes::made::{EndIs, Made, Place};
 use crate::steppers::integration::Integration;
 use equip_scalar::Float;
 use equip_solver::Outcome;

@@ -1,0 +1,59 @@
+//! A stepper with the step control that an integrator names.
+
+use crate::checkpoints::checkpoint::Checkpoint;
+use crate::error::IntegrateError;
+use crate::options::integrator::{Integrator, StepSizes};
+use crate::sizes::adaptive_steps::AdaptiveSteps;
+use crate::sizes::fixed_steps::FixedSteps;
+use crate::steppers::integration::Integration;
+use crate::steppers::step_control::StepControl;
+use crate::steppers::stepper::Stepper;
+use equip_autodiff::Hamiltonian;
+use equip_scalar::Float;
+
+impl<T: Float> Stepper<T> {
+    /// Everything but an initial state: options checked, tables and workspace made.
+    pub(crate) fn prepare(
+        integrator: &Integrator<T>,
+        system: &Hamiltonian,
+    ) -> Result<Self, IntegrateError<T>> {
+        let mut inner;
+        let control: Box<dyn StepControl<T>> = match &integrator.sizes {
+            StepSizes::Fixed(sizes) => {
+                sizes.validate()?;
+                inner = Integration::prepare(integrator, system)?;
+                Box::new(FixedSteps::new(sizes.h))
+            }
+            StepSizes::Tolerance(sizes) => {
+                sizes.validate(integrator.method)?;
+                inner = Integration::prepare(integrator, system)?;
+                Box::new(AdaptiveSteps::new(
+                    sizes,
+                    integrator.method,
+                    system,
+                    &mut inner,
+                )?)
+            }
+        };
+        Ok(Stepper { inner, control })
+    }
+
+    /// The run that `checkpoint` was made of, at the step where it was made.
+    pub(crate) fn resume(
+        integrator: &Integrator<T>,
+        system: &Hamiltonian,
+        checkpoint: &Checkpoint,
+    ) -> Result<Self, IntegrateError<T>> {
+        checkpoint.check::<T>(&integrator.words())?;
+        let mut stepper = Self::prepare(integrator, system)?;
+        // H(t, q, p) may be none at another pair of time and state.
+        let (q, p) = checkpoint.start_state()?;
+        let t0 = checkpoint.start.read_finite("the start")?;
+        stepper.begin((&q, &p), t0, None)?;
+        let Stepper { inner, control } = &mut stepper;
+        inner.check_functions(checkpoint)?;
+        inner.restore_from(checkpoint)?;
+        control.restore(inner, checkpoint)?;
+        Ok(stepper)
+    }
+}
