@@ -8,6 +8,7 @@ use crate::options::event::Event;
 use crate::options::integrator::Integrator;
 use crate::report::defect::{Defect, Watched};
 use crate::report::energy_floor::EnergyFloor;
+use crate::report::stopwatch::Stopwatch;
 use crate::steppers::domains::WithinDomains;
 use crate::steppers::in_parts::Substeps;
 use crate::steppers::stepper::Stepper;
@@ -16,7 +17,6 @@ use crate::time::visible::visible;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Counts, Invariant, Outcome, State};
-use std::time::Instant;
 
 impl<T: Float> Stepper<T> {
     /// Everything but a start, for steps of `h`, whose sign is the way a run begins to go, or of any size.
@@ -102,7 +102,7 @@ impl<T: Float> Stepper<T> {
             last: (zero, Outcome::NotAsked),
             floor: None,
             variable: None,
-            begun: Instant::now(),
+            begun: Stopwatch::start(),
             fingerprint: words,
             start: vec![zero; 2 * m],
             y,
@@ -163,7 +163,7 @@ impl<T: Float> Stepper<T> {
         for defect in self.energy.iter_mut().chain(watched) {
             defect.max = T::int(0);
         }
-        self.begun = Instant::now();
+        self.begun = Stopwatch::start();
         Ok(())
     }
 

@@ -11,6 +11,7 @@ use crate::report::defect::{Defect, Watched};
 use crate::report::energy_floor::{EnergyFloor, kinetic_energy};
 use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
+use crate::report::stopwatch::Stopwatch;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::domains::WithinDomains;
 use crate::steppers::grid::{Grid, is_same_time};
@@ -20,7 +21,6 @@ use crate::time::visible::visible;
 use equip_scalar::Float;
 use equip_solver::{Core, Counts, Outcome, Part, State};
 use std::fmt;
-use std::time::Instant;
 
 /// Makes steps of the grid in parts where they are over switches of H.
 pub(super) trait InParts<T: Float>: fmt::Debug + Send + Sync {
@@ -79,7 +79,7 @@ pub struct Stepper<T: Float> {
     pub(crate) floor: Option<T>,
     /// What a run with variable steps has to say about them.
     pub(crate) variable: Option<VariableSteps<T>>,
-    pub(crate) begun: Instant,
+    pub(crate) begun: Stopwatch,
     /// Method and options, for checkpoints.
     pub(super) fingerprint: Words,
     /// (q, p) at the start of the run.
@@ -368,7 +368,7 @@ impl<T: Float> Stepper<T> {
             counts: *self.core.counts(),
             output_steps: 0,
             coarse_outputs: 0,
-            seconds: self.begun.elapsed().as_secs_f64(),
+            seconds: self.begun.seconds(),
         };
         certificate.judged()
     }
