@@ -1,7 +1,7 @@
 // What is kept of a run for the pictures. Memory is bounded however long the run is.
 
 const MOST_BUCKETS = 1500;
-const MOST_STATES = 3000;
+const MOST_STATES = 600;
 
 // Energy errors over time: the largest of `width` steps each. The width doubles when there are too many buckets.
 // Exact zeros are no points of a logarithmic axis.

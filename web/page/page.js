@@ -24,7 +24,7 @@ function freshWorker() {
   worker?.terminate();
   worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
   worker.onmessage = ({ data }) => receive(data);
-  worker.onerror = (event) => refuse(`the computation could not be loaded: ${event.message ?? "no answer"}`, true);
+  worker.onerror = (event) => refuse(`the library could not be loaded (${event.message || "no answer"}): build it by web/build`, true);
   isBusy = false;
 }
 
@@ -127,7 +127,7 @@ function show() {
   const hasEquip = hasSteps && Boolean(run.equip);
   at("equip-error").textContent = hasEquip ? exponential(run.equipErrors.max) : "–";
   at("equip-digits").textContent = hasEquip ? run.equipDigits.toFixed(1) : "–";
-  at("equip-uncorrected").textContent = hasEquip ? `${run.uncorrected} of ${run.steps}` : "–";
+  at("equip-uncorrected").textContent = hasEquip ? `${run.uncorrected.toLocaleString("en")} of ${run.steps.toLocaleString("en")}` : "–";
   at("gauss-error").textContent = hasSteps ? exponential(run.gaussErrors.max) : "–";
   at("gauss-digits").textContent = hasSteps ? run.gaussDigits.toFixed(1) : "–";
   const none = run && !run.equip ? "EQUIP needs 2 stages or more" : "–";
@@ -136,10 +136,12 @@ function show() {
   const every = width > 1 ? `Each point of the energy error is the largest of ${width} steps. ` : "";
   const tail = run?.gauss.dropped ? `The trajectory has the last ${counted(run.gauss.mostShown, "state")}.` : "";
   at("detail").textContent = every + tail;
-  const rate = run?.seconds > 0.2 ? `, ${counted(Math.round(run.steps / run.seconds), "step")} of both methods per second of computing` : "";
-  at("progress").textContent = hasSteps
-    ? `${counted(run.steps, "step")} to t = ${run.time.toFixed(2)}; H₀ = ${run.initialEnergy.toPrecision(6).replace("-", "−")}${rate}.`
-    : "";
+  const isFast = at("speed").value === "Infinity" && run?.seconds > 0.5;
+  const perSecond = isFast ? counted(Math.round(run.steps / run.seconds), "step") : "";
+  const rate = isFast ? `, ${perSecond} of both methods per second of computing` : "";
+  const initial = run?.initialEnergy.toPrecision(6).replace("-", "−");
+  const reached = hasSteps ? `${counted(run.steps, "step")} to t = ${run.time.toFixed(2)}` : "";
+  at("progress").textContent = hasSteps ? `H₀ = ${initial}, ${reached}${rate}.` : "";
 }
 
 function draw() {

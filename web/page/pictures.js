@@ -1,7 +1,8 @@
 // The two pictures of a run: trajectories, and energy errors over time.
 
-const EQUIP = { name: "EQUIP", colour: "equip" };
-const GAUSS = { name: "Gauss", colour: "gauss", dash: [7, 5] };
+// Gauss is a wide line below the thin one of EQUIP: both show where they agree.
+const EQUIP = { name: "EQUIP", colour: "equip", width: 1.5 };
+const GAUSS = { name: "Gauss", colour: "gauss", width: 4 };
 
 // What the axes of the trajectory may show: [title, pairs of components of (q, p)].
 export function axesOf(m) {
@@ -43,8 +44,8 @@ function range(values) {
 export function drawTrajectory(plot, run, pairs) {
   const { m } = run;
   const tracks = [
-    { states: run.gauss.last(), style: { ...GAUSS, width: 1.6 }, isHollow: true },
-    ...(run.equip ? [{ states: run.equip.last(), style: { ...EQUIP, width: 1.4 }, isHollow: false }] : []),
+    { states: run.gauss.last(), style: GAUSS, isHollow: true },
+    ...(run.equip ? [{ states: run.equip.last(), style: EQUIP, isHollow: false }] : []),
   ];
   const of = (side) =>
     tracks.flatMap(({ states }) => pairs.flatMap((pair) => states.map((state) => state[pair[side]])));
@@ -57,7 +58,7 @@ export function drawTrajectory(plot, run, pairs) {
   });
   for (const { states, style, isHollow } of tracks) {
     for (const [a, b] of pairs) {
-      plot.line(states.length, (i) => [states[i][a], states[i][b]], { ...style, alpha: 0.8 });
+      plot.line(states.length, (i) => [states[i][a], states[i][b]], style);
       const end = states.at(-1);
       plot.dot([end[a], end[b]], { ...style, radius: isHollow ? 7 : 4, isHollow });
     }
@@ -71,15 +72,15 @@ function withRoomForLegend({ low, high }) {
 
 export function drawErrors(plot, run) {
   const curves = [
-    { errors: run.gaussErrors, style: { ...GAUSS, width: 1.8 } },
-    ...(run.equip ? [{ errors: run.equipErrors, style: { ...EQUIP, width: 1.5 } }] : []),
+    { errors: run.gaussErrors, style: { ...GAUSS, width: 2.5 } },
+    ...(run.equip ? [{ errors: run.equipErrors, style: EQUIP }] : []),
   ];
   const largest = Math.max(...curves.map(({ errors }) => (errors.max < 1e300 ? errors.max : 1e300)), 1e-14);
-  const ends = curves[0].errors.times;
+  const reached = curves[0].errors.times.at(-1) || 1; // negative where h is
   const relative = run.initialEnergy === 0 ? "energy error |H − H₀|" : "energy error |H − H₀| / |H₀|";
   plot.frame({
-    x: { low: 0, high: ends.at(-1) || 1, title: "time t" },
-    y: { low: -18, high: Math.max(-12, Math.ceil(Math.log10(largest)) + 2), title: relative, isLog: true },
+    x: { low: Math.min(0, reached), high: Math.max(0, reached), title: "time t" },
+    y: { low: -17, high: Math.max(-12, Math.ceil(Math.log10(largest)) + 2), title: relative, isLog: true },
   });
   plot.bandBelow(Math.log10(run.roundOffLevel), "round-off level of H");
   for (const { errors, style } of curves) {

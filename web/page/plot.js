@@ -123,13 +123,11 @@ export class Plot {
   }
 
   // A line through `count` points, each [x, y]; none where a point is undefined.
-  line(count, point, { colour, width = 1.5, dash = [], alpha = 1 }) {
+  line(count, point, { colour, width }) {
     this.within((context) => {
       context.strokeStyle = this.colour(colour);
       context.lineWidth = width;
       context.lineJoin = "round";
-      context.globalAlpha = alpha;
-      context.setLineDash(dash);
       context.beginPath();
       let isFirst = true;
       for (let i = 0; i < count; i++) {
@@ -170,18 +168,16 @@ export class Plot {
   legend(entries) {
     const { context, box } = this;
     let left = box.left + 10;
-    for (const { name, colour, dash = [] } of entries) {
+    for (const { name, colour, width: lineWidth } of entries) {
       const width = 34 + context.measureText(name).width;
       context.fillStyle = this.colour("back");
       context.fillRect(left - 4, box.top + 5, width + 8, 22);
       context.strokeStyle = context.fillStyle = this.colour(colour);
-      context.lineWidth = 2.5;
-      context.setLineDash(dash);
+      context.lineWidth = lineWidth;
       context.beginPath();
       context.moveTo(left, box.top + 16);
       context.lineTo(left + 26, box.top + 16);
       context.stroke();
-      context.setLineDash([]);
       context.textAlign = "left";
       context.textBaseline = "middle";
       context.fillText(name, left + 32, box.top + 16);
