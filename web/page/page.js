@@ -106,6 +106,7 @@ function advanced({ parts, made, seconds, failure, ...report }) {
 function refuse(message, isTrap) {
   isRunning = false;
   isBusy = isBusy || isTrap;
+  if (run) run.hasEnded = true;
   say(message);
   show();
 }
@@ -169,7 +170,8 @@ function frame(now) {
   const elapsed = Math.min(0.1, (now - lastFrame) / 1000);
   lastFrame = now;
   if (isRunning && run && !isBusy) {
-    due = Math.min(due + elapsed * Number(at("speed").value), 1e6);
+    // 0 × ∞ is no number.
+    due = Math.min(due + (elapsed * Number(at("speed").value) || 0), 1e6);
     const steps = Math.floor(due);
     if (steps > 0) {
       due -= steps;
