@@ -132,6 +132,7 @@ fn texts_for_users_are_written_in_the_words_of_the_field() {
     for file in files("crates", ".rs")
         .into_iter()
         .chain(files("python/src", ".rs"))
+        .chain(files("web/src", ".rs"))
     {
         if file.contains("/src/") {
             texts.push((
@@ -146,6 +147,7 @@ fn texts_for_users_are_written_in_the_words_of_the_field() {
     {
         texts.push((file.clone(), of_python(&read(&file))));
     }
+    texts.push(("web/page".into(), of_page(&read("web/page/index.html"))));
     for file in files("python/notebooks", ".ipynb") {
         // Pictures are long lines.
         let text = read(&file);

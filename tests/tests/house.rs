@@ -60,7 +60,9 @@ fn crates() -> BTreeMap<String, Crate> {
 /// The crates, and the programs beside them.
 fn rooms() -> BTreeMap<String, Crate> {
     let mut rooms = crates();
-    let mut beside = vec![root().join("benches/peers/src"), root().join("tests/src")];
+    let mut beside = ["benches/peers/src", "tests/src", "web/src"]
+        .map(|folder| root().join(folder))
+        .to_vec();
     for entry in std::fs::read_dir(root().join("benches/src")).unwrap() {
         let folder = entry.unwrap().path();
         if folder.join("main.rs").exists() {
@@ -156,10 +158,10 @@ fn at_most_a_dozen_files_a_folder() {
     none(&wrong);
 }
 
-/// All Rust files, those of tests and benches too.
+/// All Rust files, those of tests, benches and the page too.
 fn texts() -> Vec<(String, String)> {
     let mut texts = Vec::new();
-    for folder in ["crates", "tests", "benches"] {
+    for folder in ["crates", "tests", "benches", "web"] {
         for file in rust_files(&root().join(folder)) {
             let name = file.strip_prefix(root()).unwrap().display().to_string();
             texts.push((name, std::fs::read_to_string(&file).unwrap()));

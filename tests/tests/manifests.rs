@@ -14,7 +14,9 @@ fn text(path: &str) -> String {
 
 /// The manifests of all members of the workspace, by their folders.
 fn manifests() -> Vec<(String, String)> {
-    let mut folders = vec!["tests".to_owned(), "benches".into(), "python".into()];
+    let mut folders = ["tests", "benches", "python", "web"]
+        .map(str::to_owned)
+        .to_vec();
     for entry in std::fs::read_dir(root().join("crates")).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         folders.push(format!("crates/{name}"));

@@ -62,7 +62,7 @@ pub struct Certificate<T> {
     /// Steps whose outputs, dense output and events are those of the polynomial of their own stages, of order
     /// s: the stages of a finer polynomial, of the order 2s of the step, were not found.
     pub coarse_outputs: u64,
-    /// Wall-clock time in seconds.
+    /// Wall-clock time in seconds; 0 on a platform without a clock, WebAssembly in a browser.
     pub seconds: f64,
 }
 

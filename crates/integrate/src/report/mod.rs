@@ -7,5 +7,6 @@ pub(crate) mod energy_jumps;
 pub(crate) mod energy_round_off;
 pub(crate) mod phase_per_step;
 pub(crate) mod shown;
+pub(crate) mod stopwatch;
 pub(crate) mod variable_steps;
 pub(crate) mod verdict;

@@ -8,11 +8,12 @@ use crate::error::IntegrateError;
 use crate::report::conserved::Watched;
 use crate::report::energy_jumps::EnergyJumps;
 use crate::report::phase_per_step::PhasePerStep;
+use crate::report::stopwatch::Stopwatch;
 use crate::steppers::integration::Integration;
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;
 use equip_solver::{Damaged, SolverMemory};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 impl<T: Float> Integration<T> {
     /// The names of the invariants, kept and watched, and their checksums at `y` and time `t`.
@@ -64,7 +65,7 @@ impl<T: Float> Integration<T> {
             .energy
             .iter()
             .chain(self.watched.iter().map(|w| &w.conserved));
-        let seconds = self.begun.elapsed().as_secs_f64();
+        let seconds = self.begun.seconds();
         Checkpoint {
             format: FORMAT,
             precision: T::NAME.to_owned(),
@@ -180,9 +181,7 @@ impl<T: Float> Integration<T> {
             .map_err(|Damaged { what }| damaged(what))?;
         let before =
             Duration::try_from_secs_f64(from.seconds.read::<T>()?.to_f64()).unwrap_or_default();
-        self.begun = Instant::now()
-            .checked_sub(before)
-            .unwrap_or_else(Instant::now);
+        self.begun = Stopwatch::after(before);
         Ok(())
     }
 }

@@ -12,6 +12,7 @@ use crate::report::conserved::{Conserved, Watched};
 use crate::report::energy_jumps::EnergyJumps;
 use crate::report::energy_round_off::{EnergyRoundOff, kinetic_energy};
 use crate::report::phase_per_step::PhasePerStep;
+use crate::report::stopwatch::Stopwatch;
 use crate::report::variable_steps::VariableSteps;
 use crate::steppers::domains::WithinDomains;
 use crate::steppers::view::StepView;
@@ -20,7 +21,6 @@ use crate::time::visible::visible;
 use equip_scalar::Float;
 use equip_solver::{Core, Counts, Outcome, Part, State};
 use std::fmt;
-use std::time::Instant;
 
 /// Makes steps of the grid in parts where they are over switches of H.
 pub(crate) trait InParts<T: Float>: fmt::Debug + Send + Sync {
@@ -72,7 +72,7 @@ pub(crate) struct Integration<T: Float> {
     pub(crate) round_off: Option<T>,
     /// What a run with variable steps has to say about them.
     pub(crate) variable: Option<VariableSteps<T>>,
-    pub(crate) begun: Instant,
+    pub(crate) begun: Stopwatch,
     /// Method and options, for checkpoints.
     pub(crate) fingerprint: Words,
     /// (q, p) at the start of the run.
@@ -313,7 +313,7 @@ impl<T: Float> Integration<T> {
             counts: *self.core.counts(),
             output_steps: 0,
             coarse_outputs: 0,
-            seconds: self.begun.elapsed().as_secs_f64(),
+            seconds: self.begun.seconds(),
         };
         certificate.judged()
     }

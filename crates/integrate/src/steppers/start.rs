@@ -8,6 +8,7 @@ use crate::options::event::Event;
 use crate::options::integrator::{Integrator, StepSizes};
 use crate::report::conserved::{Conserved, Watched};
 use crate::report::energy_round_off::EnergyRoundOff;
+use crate::report::stopwatch::Stopwatch;
 use crate::steppers::domains::WithinDomains;
 use crate::steppers::in_parts::Substeps;
 use crate::steppers::integration::Integration;
@@ -16,7 +17,6 @@ use crate::time::visible::visible;
 use equip_autodiff::Hamiltonian;
 use equip_scalar::Float;
 use equip_solver::{Constraint, Core, Counts, Invariant, Outcome, State};
-use std::time::Instant;
 
 impl<T: Float> Integration<T> {
     /// Everything but an initial state.
@@ -98,7 +98,7 @@ impl<T: Float> Integration<T> {
             last: (zero, Outcome::NotAsked),
             round_off: None,
             variable: None,
-            begun: Instant::now(),
+            begun: Stopwatch::start(),
             fingerprint: integrator.words(),
             start: vec![zero; 2 * m],
             y,
@@ -142,7 +142,7 @@ impl<T: Float> Integration<T> {
         for conserved in self.energy.iter_mut().chain(watched) {
             conserved.max = T::int(0);
         }
-        self.begun = Instant::now();
+        self.begun = Stopwatch::start();
         Ok(())
     }
 

@@ -110,6 +110,7 @@ impl InstructionSet {
     /// Runs the kernel with these instructions, if they are more than those of the plain build: for kernels
     /// that are compiled anew for every type they are used with, and are not worth it without wide vectors.
     #[inline(always)]
+    #[cfg_attr(not(target_arch = "x86_64"), allow(unused_variables))]
     pub fn run_wide<K: Kernel>(self, kernel: &mut K) -> Option<K::Output> {
         match self.0 {
             Level::Portable => None,
