@@ -200,7 +200,7 @@ impl<T: Float> AdaptiveSteps<T> {
     fn accept(&mut self, run: &mut Integration<T>, place: Place<T>, outcome: Outcome) {
         self.tries = None;
         self.time_low = place.time_low;
-        if let Some(steps) = &mut run.variable {
+        if let Some(steps) = &mut run.measured.variable {
             steps.largest = steps.largest.max(place.size);
             if !place.cut || steps.smallest > steps.largest {
                 steps.smallest = steps.smallest.min(place.size);
@@ -213,7 +213,7 @@ impl<T: Float> AdaptiveSteps<T> {
 }
 
 fn count<T: Float>(run: &mut Integration<T>, which: impl Fn(&mut VariableSteps<T>) -> &mut u64) {
-    if let Some(steps) = &mut run.variable {
+    if let Some(steps) = &mut run.measured.variable {
         *which(steps) += 1;
     }
 }

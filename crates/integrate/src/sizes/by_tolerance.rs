@@ -72,7 +72,7 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
         self.longest_first = longest;
         self.control.begin(first.max(shortest_at(t0).to_f64()));
         self.tries = self.first_step.is_none().then_some(0);
-        run.variable = Some(VariableSteps::new(self.tolerance));
+        run.measured.variable = Some(VariableSteps::new(self.tolerance));
         Ok(())
     }
 
@@ -87,7 +87,7 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
         let what = "the memory of step control";
         self.control.next = memory.next.read_finite::<T>(what)?.to_f64();
         self.tries = memory.tries;
-        run.variable = Some(memory.variable_steps(self.tolerance)?);
+        run.measured.variable = Some(memory.variable_steps(self.tolerance)?);
         let fits = match &mut self.crossings {
             Some(crossings) => crossings.restore(&memory.switches),
             None => memory.switches.sides.is_empty(),
@@ -104,7 +104,7 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
         let switches = switches.unwrap_or_default();
         let size = (Exact::of(self.control.next), self.tries);
         checkpoint.time_low = Exact::of(self.time_low);
-        let steps = run.variable.as_ref();
+        let steps = run.measured.variable.as_ref();
         checkpoint.control = steps.map(|steps| ControlMemory::of(steps, size, switches));
     }
 
@@ -149,8 +149,11 @@ impl<T: Float> StepControl<T> for AdaptiveSteps<T> {
             self.time_low = T::int(0);
             return Ok(false);
         }
-        let refused =
-            |run: &Integration<T>| run.variable.map(|steps| steps.rejected + steps.failed);
+        let refused = |run: &Integration<T>| {
+            run.measured
+                .variable
+                .map(|steps| steps.rejected + steps.failed)
+        };
         let (proposed, before) = (self.control.next, refused(run));
         self.advance_within(run, Some(t))?;
         // A step that was cut says nothing against the size that was proposed.

@@ -132,7 +132,7 @@ impl<T: Float> AdaptiveSteps<T> {
         }
         if is_on_switch {
             let jump = crossings.jump(&mut run.core);
-            run.cross(crossings.met(), jump);
+            run.measured.cross(crossings.met(), jump);
         }
     }
 

@@ -18,7 +18,7 @@ use std::time::Duration;
 impl<T: Float> Integration<T> {
     /// The names of the invariants, kept and watched, and their checksums at `y` and time `t`.
     fn invariants(&mut self, t: T, y: &[T]) -> Vec<(String, String)> {
-        let all = self.watched.iter_mut();
+        let all = self.measured.watched.iter_mut();
         let named = |watched: &mut Watched<T>| {
             let (function, point) = watched.evaluator_at(t, y);
             let sum = of_function(function, point);
@@ -62,9 +62,10 @@ impl<T: Float> Integration<T> {
         let words = self.fingerprint.iter();
         let options = words.map(|(name, value)| ((*name).to_owned(), value.clone()));
         let errors = self
+            .measured
             .energy
             .iter()
-            .chain(self.watched.iter().map(|w| &w.conserved));
+            .chain(self.measured.watched.iter().map(|w| &w.conserved));
         let seconds = self.begun.seconds();
         Checkpoint {
             format: FORMAT,
@@ -86,12 +87,13 @@ impl<T: Float> Integration<T> {
             errors: errors
                 .map(|d| [d.start, d.max, d.end].map(Exact::of))
                 .collect(),
-            in_levels: self.in_levels.map(Exact::of),
-            energy_round_off: self.energy_round_off.map(round_off_memory),
-            phase_per_step: (self.phase_per_step)
+            in_levels: self.measured.in_levels.map(Exact::of),
+            energy_round_off: self.measured.energy_round_off.map(round_off_memory),
+            phase_per_step: (self.measured.phase_per_step)
                 .map(|phase| [T::exact(phase.angle), phase.step].map(Exact::of)),
-            round_off: self.round_off.map(Exact::of),
+            round_off: self.measured.round_off.map(Exact::of),
             alpha_range: self
+                .measured
                 .alpha_range
                 .iter()
                 .map(|&(a, b)| [a, b].map(Exact::of))
@@ -99,8 +101,9 @@ impl<T: Float> Integration<T> {
             last_step: Exact::of(self.last.0),
             last_outcome: self.last.1,
             counts: *self.core.counts(),
-            switches_crossed: self.switches_crossed,
-            energy_jumps: (self.energy_jumps).map(|jumps| (jumps.count, Exact::of(jumps.largest))),
+            switches_crossed: self.measured.switches_crossed,
+            energy_jumps: (self.measured.energy_jumps)
+                .map(|jumps| (jumps.count, Exact::of(jumps.largest))),
             seconds: Exact::of(seconds),
             solver,
             control: None,
@@ -127,38 +130,40 @@ impl<T: Float> Integration<T> {
             false => TimeDirection::Forward,
         };
         self.h_ref = from.energy_reference.read_finite("the energy")?;
-        let watched = self.watched.iter_mut().map(|w| &mut w.conserved);
-        let errors: Vec<_> = self.energy.iter_mut().chain(watched).collect();
-        if errors.len() != from.errors.len() || self.alpha_range.len() != from.alpha_range.len() {
+        let measured = &mut self.measured;
+        let watched = measured.watched.iter_mut().map(|w| &mut w.conserved);
+        let errors: Vec<_> = measured.energy.iter_mut().chain(watched).collect();
+        if errors.len() != from.errors.len() || measured.alpha_range.len() != from.alpha_range.len()
+        {
             return Err(damaged("the defects"));
         }
         for (conserved, [start, max, end]) in errors.into_iter().zip(&from.errors) {
             (conserved.start, conserved.max, conserved.end) =
                 (start.read()?, max.read()?, end.read()?);
         }
-        for (range, [low, high]) in self.alpha_range.iter_mut().zip(&from.alpha_range) {
+        for (range, [low, high]) in self.measured.alpha_range.iter_mut().zip(&from.alpha_range) {
             *range = (low.read()?, high.read()?);
         }
         let read = |x: &Option<Exact>| x.as_ref().map(Exact::read).transpose();
-        self.in_levels = read(&from.in_levels)?;
+        self.measured.in_levels = read(&from.in_levels)?;
         let pair = |x: &Option<[Exact; 2]>| match x {
             Some([first, second]) => Ok(Some((first.read()?, second.read()?))),
             None => Ok(None),
         };
         let round_off = from.energy_round_off.as_ref();
-        self.energy_round_off = round_off.map(read_round_off).transpose()?;
-        self.phase_per_step = pair(&from.phase_per_step)?.map(|(angle, step): (T, T)| {
+        self.measured.energy_round_off = round_off.map(read_round_off).transpose()?;
+        self.measured.phase_per_step = pair(&from.phase_per_step)?.map(|(angle, step): (T, T)| {
             let angle = angle.to_f64();
             PhasePerStep { angle, step }
         });
-        self.round_off = read(&from.round_off)?;
+        self.measured.round_off = read(&from.round_off)?;
         self.last = (
             from.last_step.read_finite("the last step")?,
             from.last_outcome,
         );
         *self.core.counts_mut() = from.counts;
-        self.switches_crossed = from.switches_crossed;
-        self.energy_jumps = match &from.energy_jumps {
+        self.measured.switches_crossed = from.switches_crossed;
+        self.measured.energy_jumps = match &from.energy_jumps {
             Some((count, largest)) => Some(EnergyJumps {
                 count: *count,
                 largest: largest.read()?,

@@ -57,14 +57,16 @@ impl<T: Float> InParts<T> for Substeps<T> {
         self.start.copy_from(&run.y);
         self.parts.clear();
         (self.crossed, self.is_split) = (0, false);
-        let before = (run.switches_crossed, run.energy_jumps);
+        let measured = &run.measured;
+        let before = (measured.switches_crossed, measured.energy_jumps);
         let made = run.over_switches(self, h).and_then(|outcome| {
             run.check_domains((time + h) - run.time)?;
             Ok(outcome)
         });
         if made.is_err() && self.is_split {
             run.y.copy_from(&self.start);
-            (run.switches_crossed, run.energy_jumps) = before;
+            let measured = &mut run.measured;
+            (measured.switches_crossed, measured.energy_jumps) = before;
             run.core.refuse();
         }
         run.time = time;
@@ -151,7 +153,7 @@ impl<T: Float> Integration<T> {
             substeps.crossings.met(),
             substeps.crossings.jump(&mut self.core),
         );
-        self.cross(met, jump);
+        self.measured.cross(met, jump);
         substeps.crossed += met;
     }
 

@@ -1,19 +1,13 @@
 //! [`Integration`]: the state of a run and what is measured along it. It attempts steps of a given size and
 //! takes them; [`crate::steppers::step_control`] chooses the sizes.
 
-use crate::control::frequency::Frequency;
 use crate::control::make::{check_gradient, complete_step, make_step};
-use crate::control::policy::SLOW;
 use crate::error::IntegrateError;
 use crate::options::common::Words;
 use crate::options::method::Method;
 use crate::report::certificate::Certificate;
-use crate::report::conserved::{Conserved, Watched};
-use crate::report::energy_jumps::EnergyJumps;
-use crate::report::energy_round_off::{EnergyRoundOff, kinetic_energy};
-use crate::report::phase_per_step::PhasePerStep;
+use crate::report::measured::{LastStep, Measured};
 use crate::report::stopwatch::Stopwatch;
-use crate::report::variable_steps::VariableSteps;
 use crate::steppers::domains::WithinDomains;
 use crate::steppers::view::StepView;
 use crate::time::direction::TimeDirection;
@@ -38,7 +32,6 @@ pub(crate) struct Integration<T: Float> {
     /// Degrees of freedom, time not counted.
     pub(crate) m: usize,
     pub(crate) method: Method,
-    pub(crate) has_target: bool,
     pub(crate) t0: T,
     /// Which way the run goes.
     pub(crate) direction: TimeDirection,
@@ -48,9 +41,6 @@ pub(crate) struct Integration<T: Float> {
     pub(crate) domains: Option<WithinDomains<T>>,
     /// None if H is smooth as far as is known, or the steps vary.
     pub(crate) in_parts: Option<Box<dyn InParts<T>>>,
-    /// Crossings of switches at which a step, or a part of one, ended.
-    pub(crate) switches_crossed: u64,
-    pub(crate) energy_jumps: Option<EnergyJumps<T>>,
     /// Room for ∇H.
     pub(crate) gradient: Vec<T>,
     pub(crate) h_ref: T,
@@ -58,20 +48,10 @@ pub(crate) struct Integration<T: Float> {
     pub(crate) time: T,
     pub(crate) y: State<T>,
     pub(crate) next: State<T>,
-    pub(crate) measure_energy: bool,
-    pub(crate) energy: Option<Conserved<T>>,
-    pub(crate) in_levels: Option<T>,
-    pub(crate) energy_round_off: Option<EnergyRoundOff<T>>,
-    pub(crate) phase_per_step: Option<PhasePerStep<T>>,
-    pub(crate) frequency: Frequency<T>,
+    pub(crate) measured: Measured<T>,
     /// Whether gradients written by hand are checked.
     pub(crate) check_gradient: bool,
-    pub(crate) watched: Vec<Watched<T>>,
-    pub(crate) alpha_range: Vec<(T, T)>,
     pub(crate) last: (T, Outcome),
-    pub(crate) round_off: Option<T>,
-    /// What a run with variable steps has to say about them.
-    pub(crate) variable: Option<VariableSteps<T>>,
     pub(crate) begun: Stopwatch,
     /// Method and options, for checkpoints.
     pub(crate) fingerprint: Words,
@@ -129,14 +109,6 @@ impl<T: Float> Integration<T> {
         Ok(&self.next.hi)
     }
 
-    /// A step, or a part of one, has ended on `count` switches, where H jumps by so much.
-    pub(crate) fn cross(&mut self, count: u64, jump: Option<T>) {
-        self.switches_crossed += count;
-        if let Some(jump) = jump {
-            self.energy_jumps = Some(EnergyJumps::after(self.energy_jumps, jump));
-        }
-    }
-
     /// What dense output needs of the step made last; empty unless something asks for it.
     pub(crate) fn parts(&self) -> &[Part<T>] {
         let in_parts = self.in_parts.as_ref().and_then(|in_parts| in_parts.parts());
@@ -188,72 +160,19 @@ impl<T: Float> Integration<T> {
         self.time = time;
         self.last = (h, outcome);
         self.core.counts_mut().record(outcome);
-        self.measure(outcome);
+        let Integration { core, measured, .. } = self;
+        let last = LastStep {
+            y: &self.y.hi,
+            m: self.m,
+            time,
+            h,
+            elapsed: (time - self.t0).abs(),
+            outcome,
+            h_ref: self.h_ref,
+        };
+        measured.see(core, &last, &mut self.gradient);
         if self.index.is_power_of_two() {
-            self.measure_phase(h);
-        }
-    }
-
-    /// hω of the step just made, unless its iteration contracted without ∇²H as it does where hω is small.
-    fn measure_phase(&mut self, h: T) {
-        let is_slow = self.core.contraction().is_some_and(|rate| rate > SLOW);
-        if !is_slow && !self.core.is_preconditioned() {
-            return;
-        }
-        let step = h.abs();
-        let omega = self.frequency.at(self.core.energy_mut(), &self.y.hi);
-        let angle = omega * step.to_f64();
-        let phase = PhasePerStep { angle, step };
-        self.phase_per_step = Some(phase.max(self.phase_per_step));
-    }
-
-    /// Energy, invariants and α_k of the step just made.
-    fn measure(&mut self, outcome: Outcome) {
-        self.round_off = None;
-        // Zero is in all of them from the beginning.
-        if !self.core.alphas_are_zero() {
-            for (range, &alpha) in self.alpha_range.iter_mut().zip(self.core.alphas()) {
-                *range = (range.0.min(alpha), range.1.max(alpha));
-            }
-        }
-        let elapsed = (self.time - self.t0).abs();
-        let now = (self.time, self.last.0.abs() / elapsed);
-        let seen = (self.energy_round_off.as_mut()).filter(|_| outcome.energy_kept());
-        if self.has_target {
-            let constraint = &self.core.constraints()[0];
-            self.round_off = Some(constraint.round_off());
-            if let Some(energy) = &mut self.energy {
-                energy.see(constraint.residual());
-            }
-            if let Some(most) = &mut self.in_levels {
-                *most = most.max(constraint.in_late_levels());
-            }
-            if let Some(seen) = seen {
-                let gradient = constraint.gradient();
-                seen.see(now, (constraint.round_off(), self.h_ref), || {
-                    kinetic_energy(&self.y.hi, gradient, self.m)
-                });
-                seen.last = constraint.momentary_round_off();
-            }
-        } else if self.measure_energy {
-            self.core.counts_mut().energies += 1;
-            let value = self.core.energy_mut().compensated_value(&self.y.hi);
-            let error = value - self.h_ref;
-            if let Some(energy) = &mut self.energy {
-                energy.see(error);
-            }
-            if let Some(seen) = seen {
-                let gradient = &mut self.gradient;
-                seen.see(now, (error.abs(), self.h_ref), || {
-                    let (energy, counts) = self.core.energy_and_counts();
-                    counts.gradients += 1;
-                    energy.gradient(&self.y.hi, gradient);
-                    kinetic_energy(&self.y.hi, gradient, self.m)
-                });
-            }
-        }
-        for watched in &mut self.watched {
-            watched.see(self.time, &self.y.hi);
+            measured.see_phase(core, &self.y.hi, h);
         }
     }
 
@@ -266,8 +185,8 @@ impl<T: Float> Integration<T> {
             step: self.last.0,
             q,
             p,
-            energy_error: self.energy.as_ref().map(|e| e.end),
-            energy_round_off: self.round_off,
+            energy_error: self.measured.energy.as_ref().map(|e| e.end),
+            energy_round_off: self.measured.round_off,
             alphas: self.core.alphas(),
             outcome: self.last.1,
             chaos: None,
@@ -291,6 +210,7 @@ impl<T: Float> Integration<T> {
 
     /// The certificate of the run so far.
     pub(crate) fn certificate(&self) -> Certificate<T> {
+        let measured = &self.measured;
         let certificate = Certificate {
             energy_conserved_to_round_off: String::new(),
             method: self.method,
@@ -298,17 +218,21 @@ impl<T: Float> Integration<T> {
                 Some(h) => self.direction.signed(h),
                 None => self.mean_step(),
             },
-            variable_steps: self.variable,
-            switches_crossed: self.switches_crossed,
-            energy_jumps: self.energy_jumps,
+            variable_steps: measured.variable,
+            switches_crossed: measured.switches_crossed,
+            energy_jumps: measured.energy_jumps,
             start: self.t0,
             end: self.time,
-            energy: self.energy.clone(),
-            energy_in_round_off_levels: self.in_levels,
-            energy_round_off: self.energy_round_off,
-            phase_per_step: self.phase_per_step,
-            invariants: self.watched.iter().map(|w| w.conserved.clone()).collect(),
-            alpha_range: self.alpha_range.clone(),
+            energy: measured.energy.clone(),
+            energy_in_round_off_levels: measured.in_levels,
+            energy_round_off: measured.energy_round_off,
+            phase_per_step: measured.phase_per_step,
+            invariants: measured
+                .watched
+                .iter()
+                .map(|w| w.conserved.clone())
+                .collect(),
+            alpha_range: measured.alpha_range.clone(),
             chaos: None,
             counts: *self.core.counts(),
             output_steps: 0,

@@ -1,13 +1,11 @@
 //! An [`Integration`] is prepared once and begun as often as wanted.
 
-use crate::control::frequency::Frequency;
 use crate::control::make::check_gradient;
 use crate::error::IntegrateError;
 use crate::options::common::{Options, coefficients};
 use crate::options::event::Event;
 use crate::options::integrator::{Integrator, StepSizes};
-use crate::report::conserved::{Conserved, Watched};
-use crate::report::energy_round_off::EnergyRoundOff;
+use crate::report::measured::Measured;
 use crate::report::stopwatch::Stopwatch;
 use crate::steppers::domains::WithinDomains;
 use crate::steppers::in_parts::Substeps;
@@ -52,7 +50,7 @@ impl<T: Float> Integration<T> {
         } else {
             coefficients.alphas()
         };
-        let measured = has_target || options.measure_energy;
+        let measured = Measured::new(system, options, (has_target, alphas));
         let switches = system.switches();
         let size = match &integrator.sizes {
             StepSizes::Fixed(sizes) => Some(sizes.h.abs()),
@@ -68,36 +66,19 @@ impl<T: Float> Integration<T> {
             core: Core::new(system, evaluator, settings, coefficients, constraints),
             m,
             method,
-            has_target,
             t0: zero,
             direction: TimeDirection::Forward,
             size,
             h_ref: zero,
             domains,
             in_parts,
-            switches_crossed: 0,
-            energy_jumps: None,
             index: 0,
             time: zero,
             next: y.clone(),
             gradient,
-            measure_energy: options.measure_energy,
-            energy: measured.then(|| Conserved::new("energy")),
-            in_levels: has_target.then_some(zero),
-            energy_round_off: None,
-            frequency: Frequency::new(system),
-            phase_per_step: None,
+            measured,
             check_gradient: options.check_gradient,
-            watched: options
-                .kept
-                .iter()
-                .chain(&options.invariants)
-                .map(Watched::new)
-                .collect(),
-            alpha_range: vec![(zero, zero); alphas],
             last: (zero, Outcome::NotAsked),
-            round_off: None,
-            variable: None,
             begun: Stopwatch::start(),
             fingerprint: integrator.words(),
             start: vec![zero; 2 * m],
@@ -127,21 +108,12 @@ impl<T: Float> Integration<T> {
         self.move_to(q0, p0, t0)?;
         *self.core.counts_mut() = Counts::default();
         (self.t0, self.time, self.index) = (t0, t0, 0);
-        (self.switches_crossed, self.energy_jumps) = (0, None);
         self.direction = direction;
         self.start[..self.m].copy_from_slice(q0);
         self.start[self.m..].copy_from_slice(p0);
         self.last = (T::int(0), Outcome::NotAsked);
-        self.alpha_range.fill((T::int(0), T::int(0)));
-        self.in_levels = self.has_target.then_some(T::int(0));
-        let is_measured = self.has_target || self.measure_energy;
         let at = (&self.y.hi[..], &self.gradient[..]);
-        self.energy_round_off = is_measured.then(|| EnergyRoundOff::new(t0, self.h_ref, at));
-        self.phase_per_step = None;
-        let watched = self.watched.iter_mut().map(|w| &mut w.conserved);
-        for conserved in self.energy.iter_mut().chain(watched) {
-            conserved.max = T::int(0);
-        }
+        self.measured.restart(t0, self.h_ref, at);
         self.begun = Stopwatch::start();
         Ok(())
     }
@@ -170,17 +142,8 @@ impl<T: Float> Integration<T> {
         self.next.lo.fill(T::int(0));
         std::mem::swap(&mut self.y, &mut self.next);
         self.h_ref = h_ref;
-        self.round_off = None;
-        if let Some(seen) = &mut self.energy_round_off {
-            seen.scale = seen.scale.max(h_ref.abs());
-        }
         self.core.begin(h_ref, &self.y.hi);
-        if let Some(energy) = &mut self.energy {
-            energy.begin(h_ref);
-        }
-        for watched in &mut self.watched {
-            watched.begin(t, &self.y.hi);
-        }
+        self.measured.refer_to(t, h_ref, &self.y.hi);
         Ok(())
     }
 

@@ -1,0 +1,178 @@
+//! [`Measured`]: what is measured along a run, for its certificate.
+
+use crate::control::frequency::Frequency;
+use crate::control::policy::SLOW;
+use crate::options::common::Options;
+use crate::report::conserved::{Conserved, Watched};
+use crate::report::energy_jumps::EnergyJumps;
+use crate::report::energy_round_off::{EnergyRoundOff, kinetic_energy};
+use crate::report::phase_per_step::PhasePerStep;
+use crate::report::variable_steps::VariableSteps;
+use equip_autodiff::Hamiltonian;
+use equip_scalar::Float;
+use equip_solver::{Core, Outcome};
+
+/// Energy, invariants, α_k and sizes over the steps of a run.
+#[derive(Debug)]
+pub(crate) struct Measured<T: Float> {
+    /// Whether the steps solve for the energy.
+    is_solved: bool,
+    /// Whether it is evaluated after steps that do not.
+    is_evaluated: bool,
+    pub(crate) energy: Option<Conserved<T>>,
+    /// The largest energy error in round-off levels, of steps that solve for the energy.
+    pub(crate) in_levels: Option<T>,
+    pub(crate) energy_round_off: Option<EnergyRoundOff<T>>,
+    /// The round-off level of H at the last step.
+    pub(crate) round_off: Option<T>,
+    /// The invariants, conserved ones first.
+    pub(crate) watched: Vec<Watched<T>>,
+    pub(crate) alpha_range: Vec<(T, T)>,
+    pub(crate) phase_per_step: Option<PhasePerStep<T>>,
+    frequency: Frequency<T>,
+    /// Crossings of discontinuities at which a step, or a part of one, ended.
+    pub(crate) switches_crossed: u64,
+    pub(crate) energy_jumps: Option<EnergyJumps<T>>,
+    /// The sizes of variable steps.
+    pub(crate) variable: Option<VariableSteps<T>>,
+}
+
+/// The step made last.
+pub(crate) struct LastStep<'a, T> {
+    /// The state at its end, of which the first `m` positions and momenta are the user's.
+    pub(crate) y: &'a [T],
+    pub(crate) m: usize,
+    /// Time at its end, its size, and the time from the start of the run.
+    pub(crate) time: T,
+    pub(crate) h: T,
+    pub(crate) elapsed: T,
+    pub(crate) outcome: Outcome,
+    /// The energy that it is compared with.
+    pub(crate) h_ref: T,
+}
+
+impl<T: Float> Measured<T> {
+    /// Of a run of `system` with so many α_k, whose steps solve for the energy or do not.
+    pub(crate) fn new(
+        system: &Hamiltonian,
+        options: &Options<T>,
+        (is_solved, alphas): (bool, usize),
+    ) -> Self {
+        let zero = T::int(0);
+        let is_evaluated = options.measure_energy;
+        let invariants = options.kept.iter().chain(&options.invariants);
+        Measured {
+            is_solved,
+            is_evaluated,
+            energy: (is_solved || is_evaluated).then(|| Conserved::new("energy")),
+            in_levels: is_solved.then_some(zero),
+            energy_round_off: None,
+            round_off: None,
+            watched: invariants.map(Watched::new).collect(),
+            alpha_range: vec![(zero, zero); alphas],
+            phase_per_step: None,
+            frequency: Frequency::new(system),
+            switches_crossed: 0,
+            energy_jumps: None,
+            variable: None,
+        }
+    }
+
+    /// Begins anew with a run from `y` at `t0`, where H is `h_ref` and its gradient is `gradient`.
+    pub(crate) fn restart(&mut self, t0: T, h_ref: T, (y, gradient): (&[T], &[T])) {
+        let zero = T::int(0);
+        (self.switches_crossed, self.energy_jumps) = (0, None);
+        self.alpha_range.fill((zero, zero));
+        self.in_levels = self.is_solved.then_some(zero);
+        let is_measured = self.is_solved || self.is_evaluated;
+        self.energy_round_off = is_measured.then(|| EnergyRoundOff::new(t0, h_ref, (y, gradient)));
+        self.phase_per_step = None;
+        let watched = self.watched.iter_mut().map(|w| &mut w.conserved);
+        for conserved in self.energy.iter_mut().chain(watched) {
+            conserved.max = zero;
+        }
+    }
+
+    /// Energy and invariants are compared with their values at `y` and `t` from now on; H is `h_ref` there.
+    pub(crate) fn refer_to(&mut self, t: T, h_ref: T, y: &[T]) {
+        self.round_off = None;
+        if let Some(seen) = &mut self.energy_round_off {
+            seen.scale = seen.scale.max(h_ref.abs());
+        }
+        if let Some(energy) = &mut self.energy {
+            energy.begin(h_ref);
+        }
+        for watched in &mut self.watched {
+            watched.begin(t, y);
+        }
+    }
+
+    /// Energy, invariants and α_k of the step just made; `gradient` is room for ∇H.
+    pub(crate) fn see(&mut self, core: &mut Core<T>, last: &LastStep<'_, T>, gradient: &mut [T]) {
+        self.round_off = None;
+        // Zero is in all of them from the beginning.
+        if !core.alphas_are_zero() {
+            for (range, &alpha) in self.alpha_range.iter_mut().zip(core.alphas()) {
+                *range = (range.0.min(alpha), range.1.max(alpha));
+            }
+        }
+        let LastStep { y, m, h_ref, .. } = *last;
+        let now = (last.time, last.h.abs() / last.elapsed);
+        let seen = (self.energy_round_off.as_mut()).filter(|_| last.outcome.energy_kept());
+        if self.is_solved {
+            let constraint = &core.constraints()[0];
+            self.round_off = Some(constraint.round_off());
+            if let Some(energy) = &mut self.energy {
+                energy.see(constraint.residual());
+            }
+            if let Some(most) = &mut self.in_levels {
+                *most = most.max(constraint.in_late_levels());
+            }
+            if let Some(seen) = seen {
+                let gradient = constraint.gradient();
+                seen.see(now, (constraint.round_off(), h_ref), || {
+                    kinetic_energy(y, gradient, m)
+                });
+                seen.last = constraint.momentary_round_off();
+            }
+        } else if self.is_evaluated {
+            core.counts_mut().energies += 1;
+            let error = core.energy_mut().compensated_value(y) - h_ref;
+            if let Some(energy) = &mut self.energy {
+                energy.see(error);
+            }
+            if let Some(seen) = seen {
+                seen.see(now, (error.abs(), h_ref), || {
+                    let (energy, counts) = core.energy_and_counts();
+                    counts.gradients += 1;
+                    energy.gradient(y, gradient);
+                    kinetic_energy(y, gradient, m)
+                });
+            }
+        }
+        for watched in &mut self.watched {
+            watched.see(last.time, y);
+        }
+    }
+
+    /// hω of the step of size `h` just made to `y`, unless its iteration contracted without ∇²H as it does
+    /// where hω is small.
+    pub(crate) fn see_phase(&mut self, core: &mut Core<T>, y: &[T], h: T) {
+        let is_slow = core.contraction().is_some_and(|rate| rate > SLOW);
+        if !is_slow && !core.is_preconditioned() {
+            return;
+        }
+        let step = h.abs();
+        let angle = self.frequency.at(core.energy_mut(), y) * step.to_f64();
+        let phase = PhasePerStep { angle, step };
+        self.phase_per_step = Some(phase.max(self.phase_per_step));
+    }
+
+    /// A step, or a part of one, has ended on `count` discontinuities, where H jumps by so much.
+    pub(crate) fn cross(&mut self, count: u64, jump: Option<T>) {
+        self.switches_crossed += count;
+        if let Some(jump) = jump {
+            self.energy_jumps = Some(EnergyJumps::after(self.energy_jumps, jump));
+        }
+    }
+}
