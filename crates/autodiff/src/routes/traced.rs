@@ -58,7 +58,7 @@ pub(crate) struct Derived {
     pub(crate) energy: Results,
     /// H has a sum that is worth compensating.
     pub(crate) has_long_sums: bool,
-    derivatives: OnceLock<StageGradients>,
+    derivatives: OnceLock<Gradients>,
     with_bound: OnceLock<Results>,
     hessian: OnceLock<Hessian>,
     pub(crate) structure: Structure,
@@ -66,7 +66,7 @@ pub(crate) struct Derived {
 
 /// The derivatives of H.
 #[derive(Debug)]
-pub(crate) struct StageGradients {
+pub(crate) struct Gradients {
     /// All n components of ∇H.
     pub(crate) gradient: Results,
     /// ∇U, if H = T(p) + U(q).
@@ -114,7 +114,7 @@ impl Derived {
         bytes::formula_checksum(&self.recording)
     }
 
-    pub(crate) fn derivatives(&self) -> &StageGradients {
+    pub(crate) fn derivatives(&self) -> &Gradients {
         self.derivatives.get_or_init(|| {
             let Structure {
                 separable,
@@ -124,7 +124,7 @@ impl Derived {
             let mut recorder = self.recording.resume();
             let derivatives = differentiate(&mut recorder, self.recording.root);
             let results = |roots: &[u32]| Results::new(Arc::new(Graph::new(&recorder, roots)));
-            StageGradients {
+            Gradients {
                 gradient: results(&derivatives),
                 forces: separable.then(|| results(&derivatives[..m])),
             }
