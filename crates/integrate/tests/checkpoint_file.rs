@@ -152,7 +152,7 @@ const MEASURED: [&str; 10] = [
     "/in_levels",
     "/energy_round_off",
     "/phase_per_step",
-    "/floor",
+    "/round_off",
     "/alpha_range",
     "/checksum",
 ];
