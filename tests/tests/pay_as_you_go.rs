@@ -37,7 +37,7 @@ fn work(c: &Counts) -> [u64; 8] {
         c.energies,
         c.hessians,
         c.directions,
-        c.alpha_moves,
+        c.alpha_updates,
         c.halvings,
     ]
 }
@@ -52,7 +52,7 @@ fn quadratic_costs_what_gauss_costs<T: Float>(digits: f64) {
             let method = Equip::stages(s).alphas(alphas);
             let (equip, counts) = states(method, h, steps, &energy, &start);
             assert_eq!(counts.outcome(Outcome::Quadratic), steps as u64);
-            assert_eq!(counts.alpha_moves, 0);
+            assert_eq!(counts.alpha_updates, 0);
             assert_eq!(work(&counts), work(&gauss_counts));
             assert_eq!(equip, gauss);
             let certificate = {

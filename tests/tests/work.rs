@@ -33,7 +33,7 @@ fn work<T: Float>(
         c.gradients,
         c.hessians,
         c.directions,
-        c.alpha_moves,
+        c.alpha_updates,
         c.local_errors,
     ];
     let [floor, solved] = [Outcome::AtRoundOff, Outcome::Solved].map(|o| c.outcome(o));

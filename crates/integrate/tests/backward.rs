@@ -89,7 +89,7 @@ fn everything<T: Float>(run: &Run<T>, sign: i64) -> Vec<Vec<T>> {
     }
     let counts = certificate.counts;
     all.push(
-        [counts.steps, counts.gradients, counts.alpha_moves]
+        [counts.steps, counts.gradients, counts.alpha_updates]
             .map(|n| T::int(n as i64))
             .into(),
     );

@@ -258,7 +258,7 @@ fn step_control_goes_back_bit_for_bit() {
     assert_eq!(back.len(), mirror.len());
     assert_eq!(back.last().1, mirror.last().1);
     assert_eq!(back.last().2, mirror.last().2);
-    assert!(back.certificate().counts.alpha_moves > 5);
+    assert!(back.certificate().counts.alpha_updates > 5);
 }
 
 /// Pushed with a part of its frequency, an oscillator that does not swing itself has a motion that is slower

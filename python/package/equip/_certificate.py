@@ -83,7 +83,7 @@ class Counts:
     energies: int
     #: Search directions of α, and updates of α.
     directions: int
-    alpha_moves: int
+    alpha_updates: int
     #: Local errors estimated to judge a displacement.
     local_errors: int
     #: Times a step was split into two.

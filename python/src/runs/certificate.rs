@@ -67,7 +67,7 @@ pub(crate) fn certificate<'py, T: Float>(
         ("hessians", counts.hessians),
         ("energies", counts.energies),
         ("directions", counts.directions),
-        ("alpha_moves", counts.alpha_moves),
+        ("alpha_updates", counts.alpha_updates),
         ("local_errors", counts.local_errors),
         ("halvings", counts.halvings),
         ("output_steps", certificate.output_steps),

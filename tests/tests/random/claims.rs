@@ -16,7 +16,9 @@ pub(super) fn work_is_bounded(case: &Case, ran: &Ran) {
     // One for the correction, one for the columns of the α's.
     assert!(c.newton_iterations <= iterations && c.factorisations <= 2 * c.newton_iterations);
     assert!(c.gradients <= iterations * (8 * s + 2));
-    assert!(c.alpha_moves <= steps * parts * 30 && c.directions <= c.alpha_moves + steps * parts);
+    assert!(
+        c.alpha_updates <= steps * parts * 30 && c.directions <= c.alpha_updates + steps * parts
+    );
     assert!(c.local_errors <= steps * parts);
     assert!(c.halvings <= steps * (parts / 2));
     assert_eq!(c.steps, ran.seen.len() as u64);

@@ -247,7 +247,7 @@ fn chaos(figure: &mut Figure, seen: &Curve, end: f64, time: &str) {
     };
     let exponent = Panel::new(
         axis(|point| point.0, 0.0, time),
-        axis(|point| point.1, 0.25, "\u{3bb}(t)"),
+        axis(|point| point.1, 0.25, "\u{3bb}(t) per unit of time"),
     );
     let mut svg = exponent.svg("Lyapunov exponent");
     for stretch in positive_stretches(seen.pairs(0)) {

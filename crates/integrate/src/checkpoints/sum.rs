@@ -81,7 +81,7 @@ impl Checkpoint {
             counts.energies,
             counts.hessians,
             counts.directions,
-            counts.alpha_moves,
+            counts.alpha_updates,
             counts.local_errors,
             counts.halvings,
         ] {

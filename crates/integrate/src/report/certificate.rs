@@ -229,8 +229,11 @@ impl<T: Float> Certificate<T> {
         }
         if counts.directions > 0 {
             line(
-                "directions of α",
-                format!("{}, {} moves", counts.directions, counts.alpha_moves),
+                "search directions",
+                format!(
+                    "{}, {} updates of α",
+                    counts.directions, counts.alpha_updates
+                ),
             );
         }
         line(

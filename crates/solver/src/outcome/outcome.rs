@@ -97,7 +97,7 @@ pub struct Counts {
     /// Search directions of α, one for each step that solves for α.
     pub directions: u64,
     /// Updates of α.
-    pub alpha_moves: u64,
+    pub alpha_updates: u64,
     /// Local errors estimated to judge a change of y1: the gradients at the nodes of two stages more each,
     /// which are counted above.
     pub local_errors: u64,

@@ -248,7 +248,7 @@ impl<T: Float> Core<T> {
         if !self.alphas.iter().all(|alpha| alpha.abs() <= bound) {
             return Err(Outcome::BeyondBound);
         }
-        self.counts.alpha_moves += 1;
+        self.counts.alpha_updates += 1;
         let stages = &mut self.stages;
         stages.iterate.set_alphas(&self.alphas);
         solver.direction.follow(&mut stages.iterate, y);

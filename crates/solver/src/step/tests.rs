@@ -54,7 +54,7 @@ fn rounding_is_not_refused() {
             outcomes.push(core.step(&y, 0.0, 0.003, &mut next));
             std::mem::swap(&mut y, &mut next);
         }
-        assert!(core.counts.alpha_moves > 20, "{:?}", core.counts);
+        assert!(core.counts.alpha_updates > 20, "{:?}", core.counts);
     }
     let conserved = |x: &Result<Outcome, _>| x.is_ok_and(Outcome::energy_kept);
     assert!(outcomes[0].iter().all(conserved));
