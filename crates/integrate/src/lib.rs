@@ -2,8 +2,8 @@
 //! checkpoints, the tangent map and the certificate.
 //!
 //! Folders, each importing from those before it only, but for the constants in `control`: `error`, `time` ←
-//! `options`, `control` ← `report` ← `checkpoints`, `dense` ← `events` ← `steppers` (one step at a time) ←
-//! `tangent`, `sizes` (step control) ← `runs` (whole intervals).
+//! `options`, `control` ← `report` ← `checkpoints`, `dense` ← `events` ← `steppers` (one step at a time, and
+//! step control) ← `tangent` ← `runs` (whole intervals).
 //! The step itself is `equip-solver`'s, whose public names are given here as well.
 #![forbid(unsafe_code)]
 
@@ -15,7 +15,6 @@ mod events;
 mod options;
 mod report;
 mod runs;
-mod sizes;
 mod steppers;
 mod tangent;
 mod time;

@@ -27,7 +27,6 @@
 mod glue;
 
 mod constant;
-mod digits;
 mod double;
 mod double_double;
 mod error;
@@ -40,10 +39,10 @@ mod ready;
 mod traits;
 
 pub use constant::{Constant, Words, Written, decimal, ratio};
-#[doc(hidden)]
-pub use digits::plain;
 pub use double_double::{DoubleDouble, DoubleDoubles};
 pub use error::ParseFloatError;
+#[doc(hidden)]
+pub use error::plain;
 pub use forward::{Forward, Forward2};
 pub use kernels::power;
 pub use kernels::stages::mix_stages;

@@ -12,8 +12,8 @@ type Function<T> = Box<dyn Fn(T) -> T + Send + Sync>;
 ///
 /// The closures are called anew at every state, from several threads at once if there are, and must return
 /// the same for the same argument. f is for H, f′ for ∇H, f″ for ∇²H; where a third derivative is needed,
-/// as by a [`Custom::derivative_at`] inside of H with its Hessian, it is a difference of f″, to some ten digits.
-/// Fourth derivatives are NaN.
+/// as by a [`Custom::derivative_at`] inside of H with its Hessian, it is a difference of f″, to some ten
+/// digits. Fourth derivatives are NaN.
 ///
 /// In double-double f(x) is f + f′·(lower word of x), as exact as doubles are and smooth to that; give
 /// closures for it with [`in_double_double`](Self::in_double_double) to have 31 digits.

@@ -11,8 +11,8 @@ use equip_solver::Outcome;
 impl<T: Float> Certificate<T> {
     /// Whether every step conserved the energy to round-off: solved, at the round-off level, quadratic, or
     /// halved and then solved, and neither the round-off level nor the error at the end is large compared
-    /// with the energies ([`EnergyRoundOff`]), so that the word means something. An energy that was infinite or
-    /// NaN anywhere, has jumped or underflows was not conserved.
+    /// with the energies ([`EnergyRoundOff`]), so that the word means something. An energy that was infinite
+    /// or NaN anywhere, has jumped or underflows was not conserved.
     pub fn energy_kept_on_every_step(&self) -> bool {
         self.counts.outcome(Outcome::NotAsked) == 0 && self.reason().is_none()
     }

@@ -15,8 +15,8 @@ use crate::control::stuck::TooSmall;
 use crate::error::IntegrateError;
 use crate::events::crossings::Crossings;
 use crate::report::variable_steps::VariableSteps;
-use crate::sizes::made::{EndIs, Made, Place};
 use crate::steppers::integration::Integration;
+use crate::steppers::sizes::made::{EndIs, Made, Place};
 use equip_scalar::Float;
 use equip_solver::Outcome;
 

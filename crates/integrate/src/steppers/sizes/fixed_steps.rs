@@ -3,8 +3,8 @@
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::checkpoints::exact::Exact;
 use crate::error::IntegrateError;
-use crate::sizes::grid::{Grid, is_same_time};
 use crate::steppers::integration::Integration;
+use crate::steppers::sizes::grid::{Grid, is_same_time};
 use crate::steppers::step_control::{StepControl, way};
 use crate::time::direction::TimeDirection;
 use equip_scalar::Float;

@@ -3,9 +3,9 @@
 use crate::checkpoints::checkpoint::Checkpoint;
 use crate::error::IntegrateError;
 use crate::options::integrator::{Integrator, StepSizes};
-use crate::sizes::adaptive_steps::AdaptiveSteps;
-use crate::sizes::fixed_steps::FixedSteps;
 use crate::steppers::integration::Integration;
+use crate::steppers::sizes::adaptive_steps::AdaptiveSteps;
+use crate::steppers::sizes::fixed_steps::FixedSteps;
 use crate::steppers::step_control::StepControl;
 use crate::steppers::stepper::Stepper;
 use equip_autodiff::Hamiltonian;

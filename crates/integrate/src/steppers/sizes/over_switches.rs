@@ -9,9 +9,9 @@ use crate::control::policy::SOON;
 use crate::control::stuck::shortest_at;
 use crate::error::IntegrateError;
 use crate::events::crossings::{Crossings, Meeting};
-use crate::sizes::adaptive_steps::AdaptiveSteps;
-use crate::sizes::made::{EndIs, Made, Place};
 use crate::steppers::integration::Integration;
+use crate::steppers::sizes::adaptive_steps::AdaptiveSteps;
+use crate::steppers::sizes::made::{EndIs, Made, Place};
 use equip_scalar::Float;
 
 impl<T: Float> AdaptiveSteps<T> {
