@@ -41,8 +41,6 @@ mod traits;
 pub use constant::{Constant, Words, Written, decimal, ratio};
 pub use double_double::{DoubleDouble, DoubleDoubles};
 pub use error::ParseFloatError;
-#[doc(hidden)]
-pub use error::plain;
 pub use forward::{Forward, Forward2};
 pub use kernels::power;
 pub use kernels::stages::mix_stages;
@@ -51,6 +49,8 @@ pub use num::Num;
 pub use own::{Arithmetic, Own};
 #[doc(hidden)]
 pub use ready::same;
+#[doc(hidden)]
+pub use traits::plain;
 pub use traits::{
     Attempt, FirstOrder, Float, Outside, Pack, Piecewise, Recording, Scalar, SecondOrder,
 };

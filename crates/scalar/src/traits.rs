@@ -1,6 +1,7 @@
 //! What numbers can do.
 
 mod derivatives;
+mod digits;
 mod float;
 pub(crate) mod half_power;
 mod outside;
@@ -10,6 +11,7 @@ mod recording;
 mod scalar;
 
 pub use derivatives::{FirstOrder, SecondOrder};
+pub use digits::plain;
 pub use float::Float;
 pub(crate) use float::scalar_glue;
 pub use outside::Outside;

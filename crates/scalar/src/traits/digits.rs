@@ -1,0 +1,12 @@
+//! Numbers as messages print them.
+
+use super::float::Float;
+
+/// A number in digits that read back to it, with an exponent where it would have many zeros.
+pub fn plain<T: Float>(x: T) -> String {
+    if x == T::int(0) || (T::ratio(1, 100_000)..T::int(1_000_000_000_000)).contains(&x.abs()) {
+        x.to_string()
+    } else {
+        format!("{x:e}")
+    }
+}
