@@ -77,8 +77,9 @@ impl<T: Float> Integrator<T> {
         self.by_tolerance("first_step", |sizes| sizes.first_step = Some(h))
     }
 
-    /// Smallest step; a run that needs a smaller one ends with [`IntegrateError::StepBelowMinimum`]. Zero by
-    /// default: the resolution of time is the limit. A step cut to reach the end of the run may be smaller.
+    /// Smallest step; a run that needs a smaller one ends with
+    /// [`StepBelowMinimum`](crate::IntegrateError::StepBelowMinimum). Zero by default: the resolution of time
+    /// is the limit. A step cut to reach the end of the run may be smaller.
     #[must_use]
     pub fn min_step(self, h: T) -> Self {
         self.by_tolerance("min_step", |sizes| sizes.min_step = h)
@@ -90,8 +91,8 @@ impl<T: Float> Integrator<T> {
         self.by_tolerance("max_step", |sizes| sizes.max_step = h)
     }
 
-    /// Most steps of a run; a run that needs more ends with [`IntegrateError::StepLimit`]. No limit by
-    /// default.
+    /// Most steps of a run; a run that needs more ends with
+    /// [`StepLimit`](crate::IntegrateError::StepLimit). No limit by default.
     #[must_use]
     pub fn max_steps(self, steps: u64) -> Self {
         self.by_tolerance("max_steps", |sizes| sizes.max_steps = steps)
