@@ -209,7 +209,7 @@ fn orders_in_f64_down_to_its_rounding() {
     }
 }
 
-/// α's by responses in double-double: the order, an error below that of Gauss, the energy at round-off, and
+/// α_k by responses in double-double: the order, an error below that of Gauss, the energy at round-off, and
 /// no Newton.
 #[test]
 fn responses_have_order_2s_in_double_double() {

@@ -108,7 +108,7 @@ fn iterations_do_not_grow_with_the_frequency() {
     }
 }
 
-/// Energy is at its round-off level, and grows neither without α's nor with them.
+/// Energy is at its round-off level, and grows neither without α_k nor with them.
 #[test]
 #[ignore = "known deficit: 1.2e-14 with one Hessian in M, h = 0.1, 1e-14 allowed"]
 fn energy_is_kept() {

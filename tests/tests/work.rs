@@ -7,8 +7,8 @@ use equip_integrate::{Alphas, Equip, Gauss, Method, Outcome, Preconditioner};
 use equip_scalar::{DoubleDouble, Float};
 use equip_tests::{Start, double_pendulum, henon_heiles, kepler};
 
-/// [fixed-point iterations, those with a preconditioner, factorisations, ∇H, ∇²H, directions, moves of the
-/// α's, local errors], and the steps [at round-off, solved, uncorrected, halved].
+/// [fixed-point iterations, those with a preconditioner, factorisations, ∇H, ∇²H, search directions,
+/// updates of α, local errors], and the steps [at round-off, solved, uncorrected, halved].
 fn work<T: Float>(
     method: Method,
     h: T,

@@ -212,6 +212,13 @@ fn goes_on_the_same(options: &Integrator<f64>) {
         error.unwrap_err().error,
         IntegrateError::StepsLeadAway { end: 2.0, .. }
     ));
+    for end in [f64::NAN, f64::INFINITY] {
+        let error = options.integrate_from(&h, &checkpoint, end, &mut NoObserver);
+        assert!(matches!(
+            error.unwrap_err().error,
+            IntegrateError::Interval { .. }
+        ));
+    }
 }
 
 #[test]

@@ -19,7 +19,7 @@ use equip_scalar::Float;
 /// Workspace for it.
 #[derive(Debug)]
 pub(crate) struct FirstSize<T> {
-    gradient: Vec<T>,
+    covector: Vec<T>,
     f: Vec<T>,
     second: Vec<T>,
     third: Vec<T>,
@@ -29,7 +29,7 @@ impl<T: Float> FirstSize<T> {
     pub(crate) fn new(n: usize) -> Self {
         let zeros = || vec![T::int(0); n];
         FirstSize {
-            gradient: zeros(),
+            covector: zeros(),
             f: zeros(),
             second: zeros(),
             third: zeros(),
@@ -40,17 +40,17 @@ impl<T: Float> FirstSize<T> {
     pub(crate) fn sizes(&mut self, energy: &mut Evaluator<T>, y: &[T]) -> [f64; 2] {
         let n = y.len();
         let FirstSize {
-            gradient,
+            covector,
             f,
             second,
             third,
         } = self;
-        energy.gradient(y, gradient);
-        turn(gradient, f);
-        energy.hessian_vector(y, f, gradient);
-        turn(gradient, second);
-        energy.hessian_vector(y, second, gradient);
-        turn(gradient, third);
+        energy.gradient(y, covector);
+        turn(covector, f);
+        energy.hessian_vector(y, f, covector);
+        turn(covector, second);
+        energy.hessian_vector(y, second, covector);
+        turn(covector, third);
         let half = n / 2;
         let groups = [0..half, half..n].map(|group| {
             [&*f, &*second, &*third].map(|x| {

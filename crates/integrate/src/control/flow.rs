@@ -31,7 +31,7 @@ use equip_scalar::power::power;
 pub(crate) struct Flow<T> {
     s: usize,
     d: Vec<T>,
-    gradient: Vec<T>,
+    product: Vec<T>,
 }
 
 impl<T: Float> Flow<T> {
@@ -41,7 +41,7 @@ impl<T: Float> Flow<T> {
         Flow {
             s,
             d: zeros(),
-            gradient: zeros(),
+            product: zeros(),
         }
     }
 
@@ -55,8 +55,8 @@ impl<T: Float> Flow<T> {
         estimated.defect(&mut self.d);
         let before = estimated.in_units(&self.d);
         for _ in 0..2 {
-            energy.hessian_vector(y, &self.d, &mut self.gradient);
-            turn(&self.gradient, &mut self.d);
+            energy.hessian_vector(y, &self.d, &mut self.product);
+            turn(&self.product, &mut self.d);
             self.d.iter_mut().for_each(|x| *x *= h);
         }
         let z = (estimated.in_units(&self.d) / before).sqrt();

@@ -5,7 +5,7 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub(crate) struct SwitchMemory {
-    /// Of every one of them whether the step begins on it, and with which sign it goes on.
+    /// Of every one of them whether the step begins on it, and with which sign it continues.
     pub(crate) sides: Vec<Option<i8>>,
     /// Whether the step before met knots of a table.
     pub(crate) is_among_knots: bool,

@@ -1,5 +1,5 @@
 //! [`Integration`]: the state of a run and what is measured along it. It attempts steps of a given size and
-//! takes them; [`crate::steppers::step_control`] chooses the sizes.
+//! takes them; step control chooses the sizes.
 
 use crate::control::make::{check_gradient, complete_step, make_step};
 use crate::error::IntegrateError;

@@ -88,9 +88,13 @@ impl<T: Float> Stepper<T> {
     /// Steps are to meet this time from now on.
     ///
     /// # Errors
-    /// A time behind the stretch that the run is on, and one that steps cannot meet.
+    /// A time that is not finite, one behind the stretch that the run is on, and one that steps cannot meet.
     pub(crate) fn set_end(&mut self, end: T) -> Result<(), IntegrateError<T>> {
         let run = &self.inner;
+        if !end.is_finite() {
+            let start = run.stretch_start();
+            return Err(IntegrateError::Interval { start, end });
+        }
         if run.direction.is_before(end, run.stretch_start()) {
             let step = self.inner.size.unwrap_or(run.last.0.abs());
             return Err(IntegrateError::StepsLeadAway {
