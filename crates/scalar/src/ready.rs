@@ -10,14 +10,30 @@
 use std::any::Any;
 
 /// Makes the two of a table with a constant `HERE`, and `ready::<T>()`, which gives the one for a float type.
+///
+/// ```
+/// use equip_scalar::{Float, ready};
+/// pub(crate) struct Table<T> {
+///     epsilon: fn() -> T,
+/// }
+/// impl<T: Float> Table<T> {
+///     const HERE: Self = Table { epsilon: || T::EPSILON };
+/// }
+/// ready!(Table);
+/// assert!(std::ptr::eq(ready::<f64>(), &IN_DOUBLES)); // not another one, compiled anew
+/// assert_eq!((ready::<f64>().epsilon)(), f64::EPSILON);
+/// ```
 #[doc(hidden)]
 #[macro_export]
 macro_rules! ready {
     ($table:ident) => {
+        #[cfg(not(test))]
         static IN_DOUBLES: $table<f64> = $table::HERE;
+        #[cfg(not(test))]
         static IN_DOUBLE_DOUBLES: $table<$crate::DoubleDouble> = $table::HERE;
 
         /// The functions for this float type.
+        #[cfg(not(test))]
         pub(crate) fn ready<T: $crate::Float>() -> &'static $table<T> {
             if const { T::IS_DOUBLE } {
                 $crate::same(&IN_DOUBLES)
@@ -26,6 +42,12 @@ macro_rules! ready {
             } else {
                 const { &$table::HERE }
             }
+        }
+
+        /// The same: unit tests compile what they use, and no table.
+        #[cfg(test)]
+        pub(crate) fn ready<T: $crate::Float>() -> &'static $table<T> {
+            const { &$table::HERE }
         }
     };
 }
@@ -40,33 +62,5 @@ pub fn same<A: Any, B: Any>(x: &A) -> &B {
     match (x as &dyn Any).downcast_ref() {
         Some(x) => x,
         None => panic!("the constants of a float type say which it is"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::{DoubleDouble, Float};
-
-    pub(crate) struct Table<T> {
-        epsilon: fn() -> T,
-    }
-
-    fn epsilon<T: Float>() -> T {
-        T::EPSILON
-    }
-
-    impl<T: Float> Table<T> {
-        const HERE: Self = Table { epsilon };
-    }
-
-    ready!(Table);
-
-    /// Not another one of the same functions, compiled anew.
-    #[test]
-    fn each_float_has_the_table_that_was_made_for_it() {
-        assert!(std::ptr::eq(ready::<f64>(), &IN_DOUBLES));
-        assert!(std::ptr::eq(ready::<DoubleDouble>(), &IN_DOUBLE_DOUBLES));
-        assert_eq!((ready::<f64>().epsilon)(), f64::EPSILON);
-        assert_eq!((ready::<DoubleDouble>().epsilon)(), DoubleDouble::EPSILON);
     }
 }
