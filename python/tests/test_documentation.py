@@ -26,7 +26,9 @@ def test_examples_of_docstrings(name):
 ROOT = README.parent.parent
 
 
-@pytest.mark.parametrize("page", [README, ROOT / "README.md", ROOT / "docs" / "python.md"], ids=str)
+@pytest.mark.parametrize(
+    "page", [README, ROOT / "README.md", ROOT / "docs" / "python.md", ROOT / "docs" / "brackets.md"], ids=str
+)
 def test_programs_of_the_pages(page):
     blocks = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     assert len(blocks) >= (3 if page == README else 1)

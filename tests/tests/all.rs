@@ -2,6 +2,7 @@
 
 mod agreement;
 mod allocations;
+mod brackets;
 mod cases_step;
 mod cases_step_long;
 mod cases_step_starts;

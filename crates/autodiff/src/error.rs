@@ -68,6 +68,28 @@ pub enum BuildError {
     )]
     ConstantInfinite,
 
+    /// An entry of a bracket that cannot be one.
+    #[error(
+        "entry ({row}, {column}) of the bracket is on the diagonal, outside of the {components} components, or \
+         named twice; name each pair of two components once, counted from 0: the other entry follows with the \
+         opposite sign"
+    )]
+    BracketEntry {
+        /// Its row.
+        row: usize,
+        /// Its column.
+        column: usize,
+        /// Components of the state.
+        components: usize,
+    },
+
+    /// A bracket of an energy that depends on time.
+    #[error(
+        "the energy depends on time and has a bracket of its own, which is not integrated; make time a \
+         component of the state with an energy that moves it, or leave out the bracket"
+    )]
+    BracketWithTime,
+
     /// The accuracy of an external energy is no relative rounding error.
     #[error(
         "the accuracy {accuracy:e} of an external energy is no relative error of its values; give 2.2e-16 for \

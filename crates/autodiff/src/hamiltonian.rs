@@ -1,12 +1,12 @@
 //! [`Hamiltonian`]: an energy with everything derived from it.
 
-use crate::recording::bytes;
-use crate::recording::recorder::Recording;
-use crate::recording::trace::record;
-use crate::routes::external::External;
-use crate::routes::given::GivenGradient;
+use crate::external::energy::External;
+use crate::external::given::GivenGradient;
+use crate::recording::bytes::{self, Content};
+use crate::recording::read;
 use crate::routes::traced::Traced;
-use crate::{BuildError, BytesError, Structure, Var};
+use crate::structure::bracket::Bracket;
+use crate::{BuildError, BytesError, Structure};
 use equip_scalar::Outside;
 use std::sync::Arc;
 
@@ -35,7 +35,11 @@ pub struct Hamiltonian {
     /// A gradient of the user's own, for doubles.
     pub(crate) gradient: Option<GivenGradient>,
     /// H(t, q, p) alone, where the trace has H + p_t.
-    alone: Option<Traced>,
+    pub(crate) alone: Option<Traced>,
+    /// Of y' = B(y)∇H(y), if B is not J.
+    pub(crate) bracket: Option<(Traced, Bracket)>,
+    /// Components of the state: an odd number if the last place is left free.
+    pub(crate) components: usize,
 }
 
 /// Where H comes from.
@@ -45,132 +49,21 @@ pub(crate) enum Energy {
     External(External),
 }
 
-/// The formula of an energy, recorded from a closure in this thread: another thread may make the
-/// [`Hamiltonian`] of it.
-#[derive(Debug)]
-pub struct Formula {
-    route: Recording,
-    alone: Option<Recording>,
-}
-
-impl Formula {
-    /// Records H(q, p) as [`Hamiltonian::new`] does.
-    ///
-    /// # Errors
-    /// Those of [`Hamiltonian::new`], but for constants that are not finite.
-    pub fn new(m: usize, energy: impl FnOnce(&[Var], &[Var]) -> Var) -> Result<Self, BuildError> {
-        Ok(Formula {
-            route: record(m, energy)?,
-            alone: None,
-        })
-    }
-
-    /// Records H(t, q, p) as [`Hamiltonian::with_time`] does.
-    ///
-    /// # Errors
-    /// Those of [`Hamiltonian::with_time`], but for constants that are not finite.
-    pub fn with_time(
-        m: usize,
-        energy: impl Fn(Var, &[Var], &[Var]) -> Var,
-    ) -> Result<Self, BuildError> {
-        if m == 0 {
-            return Err(BuildError::NoDegreesOfFreedom);
-        }
-        Ok(Formula {
-            alone: Some(record(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]))?),
-            route: record(m + 1, |q, p| energy(q[m], &q[..m], &p[..m]) + p[m])?,
-        })
-    }
-
-    /// Operations as they were recorded, components of the state included.
-    pub fn len(&self) -> usize {
-        self.route.operations.nodes.len()
-    }
-
-    /// Whether nothing was recorded, which no energy is.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The energy.
-    ///
-    /// # Errors
-    /// [`BuildError`] if a constant is NaN or infinite.
-    ///
-    /// ```
-    /// use equip_autodiff::Formula;
-    /// let formula = Formula::new(1, |q, p| 0.5 * p[0] * p[0] - q[0].cos())?;
-    /// let pendulum = std::thread::spawn(move || formula.hamiltonian()).join().unwrap()?;
-    /// assert_eq!(pendulum.operations(), 4);
-    /// # Ok::<(), equip_autodiff::BuildError>(())
-    /// ```
-    pub fn hamiltonian(self) -> Result<Hamiltonian, BuildError> {
-        let alone = self.alone.map(Traced::of).transpose()?;
-        Ok(Hamiltonian::traced(Traced::of(self.route)?, alone))
-    }
-}
-
 impl Hamiltonian {
-    fn traced(energy: Traced, alone: Option<Traced>) -> Self {
+    pub(crate) fn traced(energy: Traced, alone: Option<Traced>) -> Self {
         Hamiltonian {
+            components: 2 * energy.shared.structure.degrees_of_freedom,
             energy: Energy::Traced(energy),
             gradient: None,
             alone,
+            bracket: None,
         }
     }
 
-    /// Records the energy of a system with m degrees of freedom. The closure is called once, here; what it
-    /// captures is recorded as constants, which each float type reads in its own precision.
-    ///
-    /// # Errors
-    /// [`BuildError`] if m = 0, if the closure compares the state or reads a number out of it, if it uses
-    /// variables of another recording, if a constant is NaN or infinite, or if there are more degrees of
-    /// freedom or operations than a recording has places for.
-    ///
-    /// # Panics
-    /// If the closure panics, and if it waits in an endless loop for a comparison of the state to come true.
-    ///
-    /// ```
-    /// use equip_autodiff::{BuildError, Hamiltonian};
-    /// let branching = Hamiltonian::new(1, |q, p| if q[0] < 0.0 { -q[0] } else { p[0] });
-    /// assert!(matches!(branching, Err(BuildError::Branch { location }) if location.line() > 0));
-    /// ```
-    pub fn new(m: usize, energy: impl FnOnce(&[Var], &[Var]) -> Var) -> Result<Self, BuildError> {
-        Formula::new(m, energy)?.hamiltonian()
-    }
-
-    /// Records an energy H(t, q, p) that depends on time, of a system with m degrees of freedom. Runs of it
-    /// start, and are read, like all others; as a function to be watched or to find events of it is H itself.
-    ///
-    /// What is integrated is an energy that can be conserved: time as a further position, and its
-    /// momentum p_t as a further one,
-    ///
-    /// $$ K = H(t, q, p) + p_t, \qquad \frac{dt}{dt} = 1, \qquad \frac{dp_t}{dt} = -\frac{\partial
-    /// H}{\partial t} , $$
-    ///
-    /// of states (q, t, p, p_t). With p_t = 0 at the start −p_t is the energy that has gone in since, and K
-    /// is H less that: it stays what it was.
-    ///
-    /// # Errors
-    /// See [`new`](Self::new). The closure is called twice.
-    ///
-    /// ```
-    /// use equip_autodiff::Hamiltonian;
-    ///
-    /// // An oscillator that is pushed: q'' = −q + cos t/2.
-    /// let pushed = Hamiltonian::with_time(1, |t, q, p| {
-    ///     0.5 * (p[0] * p[0] + q[0] * q[0]) - q[0] * (0.5 * t).cos()
-    /// })?;
-    /// assert!(pushed.has_time());
-    /// let mut energy = pushed.function::<f64>();
-    /// assert_eq!(energy.value(0.0, &[2.0], &[1.0]), 0.5);
-    /// # Ok::<(), equip_autodiff::BuildError>(())
-    /// ```
-    pub fn with_time(
-        m: usize,
-        energy: impl Fn(Var, &[Var], &[Var]) -> Var,
-    ) -> Result<Self, BuildError> {
-        Formula::with_time(m, energy)?.hamiltonian()
+    /// With the bracket of this bilinear form.
+    pub(crate) fn set_bracket(&mut self, form: Traced) {
+        let bracket = Bracket::new(self.energy_structure(), &form.shared.structure);
+        self.bracket = Some((form, bracket));
     }
 
     /// What is recorded, as a function of the state alone: H, also where H depends on time, which is the last
@@ -179,7 +72,10 @@ impl Hamiltonian {
     pub fn alone(&self) -> Hamiltonian {
         match &self.alone {
             Some(alone) => Hamiltonian::traced(alone.clone(), None),
-            None => self.clone(),
+            None => Hamiltonian {
+                bracket: None,
+                ..self.clone()
+            },
         }
     }
 
@@ -203,9 +99,12 @@ impl Hamiltonian {
         let Energy::Traced(energy) = &self.energy else {
             return Err(BytesError::External);
         };
-        let all = [Some(energy), self.alone.as_ref()];
-        let all: Vec<_> = all.iter().flatten().map(|r| r.recording()).collect();
-        bytes::write(&all)
+        bytes::write(&Content {
+            energy: energy.recording(),
+            alone: self.alone.as_ref().map(Traced::recording),
+            form: self.bracket.as_ref().map(|(form, _)| form.recording()),
+            is_odd: self.components % 2 == 1,
+        })
     }
 
     /// The energy of which [`to_bytes`](Self::to_bytes) made these bytes: all bits of its values, derivatives
@@ -228,9 +127,14 @@ impl Hamiltonian {
         bytes: &[u8],
         functions: impl Fn(&[u8]) -> Option<Arc<dyn Outside>>,
     ) -> Result<Self, BytesError> {
-        let (energy, alone) = bytes::read(bytes, &functions)?;
-        let alone = alone.map(Traced::of).transpose()?;
-        Ok(Hamiltonian::traced(Traced::of(energy)?, alone))
+        let read = read::read(bytes, &functions)?;
+        let alone = read.alone.map(Traced::of).transpose()?;
+        let mut system = Hamiltonian::traced(Traced::of(read.energy)?, alone);
+        if let Some(form) = read.form {
+            system.set_bracket(Traced::of(form)?);
+        }
+        system.components -= usize::from(read.is_odd);
+        Ok(system)
     }
 
     /// Arithmetic operations and function calls of one evaluation of H as it is replayed: repeated
@@ -294,8 +198,16 @@ impl Hamiltonian {
         self.alone.is_some()
     }
 
-    /// Separability, degree and sparsity of H.
+    /// Separability, degree and sparsity of H. Of a system with a bracket the pattern is that of w'
+    /// ([`Evaluator`](crate::Evaluator)), and H does not separate.
     pub fn structure(&self) -> &Structure {
+        match &self.bracket {
+            Some((_, bracket)) => &bracket.structure,
+            None => self.energy_structure(),
+        }
+    }
+
+    pub(crate) fn energy_structure(&self) -> &Structure {
         match &self.energy {
             Energy::Traced(traced) => &traced.shared.structure,
             Energy::External(external) => &external.structure,
@@ -340,6 +252,8 @@ impl Hamiltonian {
             energy: Energy::External(External::new(m, accuracy, Arc::new(value), gradient)?),
             gradient: None,
             alone: None,
+            bracket: None,
+            components: 2 * m,
         })
     }
 

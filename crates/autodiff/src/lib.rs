@@ -7,6 +7,7 @@
 //! | [`Hamiltonian::new`] | `\|q, p\| ...` over [`Var`] | by reverse mode from the trace of H, in `f64` as machine code |
 //! | [`Hamiltonian::with_time`] | `\|t, q, p\| ...` over [`Var`] | of H + p_t, time and its momentum p_t as one more degree of freedom |
 //! | either [`with_gradient`](Hamiltonian::with_gradient) | and `\|q, p, dq, dp\| ...` over `f64` | the given gradient in `f64`; Hessian from the trace |
+//! | [`Hamiltonian::of_state`] [`with_bracket`](Hamiltonian::with_bracket) | `\|y\| ...` over [`Var`], H and B(y) | of y' = B(y)∇H(y) |
 //! | [`Hamiltonian::external`] | value and gradient over `f64` | the given gradient; Hessian by differences |
 //!
 //! Machine code is made of arithmetic, √ and |x|, for x86-64 with AVX2 or AVX-512, at the first call; all
@@ -26,17 +27,21 @@
 
 mod derivative;
 mod error;
+mod external;
+mod formula;
 mod hamiltonian;
 mod native;
+mod poisson;
 mod recording;
 mod replay;
 mod routes;
 mod structure;
 
 pub use error::{BuildError, BytesError};
-pub use hamiltonian::{Formula, Hamiltonian};
+pub use external::check::WrongGradient;
+pub use formula::Formula;
+pub use hamiltonian::Hamiltonian;
 pub use recording::trace::{Trace, Var};
-pub use routes::check::WrongGradient;
 pub use routes::evaluator::Evaluator;
 pub use routes::state_function::StateFunction;
 pub use routes::switches::{

@@ -124,7 +124,7 @@ fn every_flipped_bit_and_every_missing_byte_is_refused() {
             match at {
                 0..8 => assert_eq!(error, BytesError::NotAnEnergy),
                 8..12 => {
-                    assert!(matches!(error, BytesError::Format { known: 1, found } if found != 1))
+                    assert!(matches!(error, BytesError::Format { known: 2, found } if found != 2))
                 }
                 _ => assert!(matches!(error, BytesError::Damaged { .. }), "{at} {error}"),
             }
@@ -133,10 +133,10 @@ fn every_flipped_bit_and_every_missing_byte_is_refused() {
     }
     let longer = [&bytes[..], &[0]].concat();
     assert!(Hamiltonian::from_bytes(&longer).is_err());
-    let newer = [&bytes[..8], &[2, 0, 0, 0], &bytes[12..]].concat();
+    let newer = [&bytes[..8], &[3, 0, 0, 0], &bytes[12..]].concat();
     let message = Hamiltonian::from_bytes(&newer).unwrap_err().to_string();
     assert!(
-        message.contains("format 2, and this version of the library reads format 1"),
+        message.contains("format 3, and this version of the library reads format 2"),
         "{message}"
     );
 }

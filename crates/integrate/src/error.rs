@@ -113,6 +113,12 @@ pub enum IntegrateError<T: Float> {
         /// Steps made since.
         steps: u64,
     },
+    /// An odd number of components.
+    #[error("a state of {components} components needs a bracket; give it by `with_bracket`")]
+    NoBracket {
+        /// Components of the state.
+        components: usize,
+    },
     /// A vector has the wrong length.
     #[error("{what} has length {found}, but this Hamiltonian needs {expected}")]
     WrongLength {

@@ -159,6 +159,44 @@ class Hamiltonian:
         h._external = (value, gradient, axes, float(accuracy))
         return h
 
+    def with_bracket(self, bracket: Callable[[Any, Any], dict[tuple[int, int], Any]]) -> Hamiltonian:
+        """The system y' = B(y) ∇H(y) of this energy, y being q.ravel() and then p.ravel(): a rigid body,
+        spins, a charge in (x, v). The two arrays are the halves of y, whatever they mean; an odd number of
+        components gets one more that nothing depends on.
+
+        Parameters
+        ----------
+        bracket
+            The entries of the skew-symmetric matrix B as a function of q and p: a dict {(i, j): B_ij} of one
+            triangle, counted from 0. B_ji = -B_ij follows, and what is not named is 0.
+
+        Raises
+        ------
+        ValueError
+            If an entry is outside of B, on its diagonal or named twice, or H depends on time.
+        TypeError
+            If the energy is external, or as in the constructor.
+
+        Examples
+        --------
+        >>> body = Hamiltonian(lambda q, p: (q[0]**2 + q[1]**2 / 2 + p[0]**2 / 3) / 2, shape=2)
+        >>> body = body.with_bracket(lambda q, p: {(0, 1): -p[0], (0, 2): q[1], (1, 2): -q[0]})
+        """
+        if self.is_external:
+            raise TypeError("an external energy cannot have a bracket; record it from a function of q and p")
+        n = 2 * self.degrees_of_freedom
+
+        def call(q: list[_native.Variable], p: list[_native.Variable]) -> Any:
+            given = (_arrays.variables(part, self._shape) for part in (q, p))
+            return _recording.entries(bracket, n, *given)
+
+        return of_recording(self._recorded.with_bracket(call), self._shape)
+
+    @property
+    def is_canonical(self) -> bool:
+        """Whether q' = ∂H/∂p and p' = -∂H/∂q: there is no bracket of its own."""
+        return self._recorded.is_canonical
+
     @property
     def is_external(self) -> bool:
         """Whether it was made by `external`."""

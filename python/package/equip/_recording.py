@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import operator
 import re
 from collections.abc import Callable
 from typing import Any
@@ -64,6 +65,27 @@ def one_number(found: Any, name: str, arguments: str) -> Any:
     except ValueError:
         pass  # A text that is no number; the recording says so.
     return found
+
+
+def entries(function: Callable[..., Any], n: int, *given: Any) -> list[tuple[int, int, Any]]:
+    """The entries (i, j, B_ij) that the function of a bracket makes of variables, n components in all."""
+    check_arguments(function, "the bracket", "q, p")
+    found = function(*given)
+    if not isinstance(found, dict):
+        raise TypeError(
+            "the bracket must return a dict of its entries, {(i, j): B_ij}; it returned "
+            f"{type(found).__name__}"
+        )
+    made = []
+    for place, entry in found.items():
+        try:
+            i, j = (operator.index(k) for k in place)
+        except (TypeError, ValueError):
+            raise TypeError(f"{place!r} is no place (i, j) of an entry of the bracket") from None
+        if not (0 <= i < n and 0 <= j < n):
+            raise ValueError(f"entry {place!r} of the bracket is outside of the {n} components, from 0 on")
+        made.append((i, j, one_number(entry, f"entry {place!r} of the bracket", "q, p")))
+    return made
 
 
 def call(function: Callable[..., Any], name: str, arguments: str, *given: Any) -> Any:

@@ -145,6 +145,22 @@ impl Recorded {
         finish(function.py(), fault, made)
     }
 
+    /// The system y' = B(y)∇H(y): `entries(q, p)` is called once with lists of m variables, and returns a list
+    /// of (i, j, B_ij).
+    fn with_bracket(&self, entries: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let (fault, m) = (RefCell::new(None), self.hamiltonian.degrees_of_freedom());
+        let made = self.hamiltonian.clone().with_bracket(|y| {
+            called_entries(entries, &y[..m], &y[m..]).unwrap_or_else(|error| {
+                fault.replace(Some(error));
+                Vec::new()
+            })
+        });
+        match fault.into_inner() {
+            Some(error) => Err(error),
+            None => Ok(Recorded::new(made.map_err(value_error)?, self.length)),
+        }
+    }
+
     /// An energy of m positions that is not recorded: `value(q, p)` and `gradient(q, p)` are called for
     /// numbers.
     #[staticmethod]
@@ -190,6 +206,11 @@ impl Recorded {
     #[getter]
     fn has_time(&self) -> bool {
         self.hamiltonian.has_time()
+    }
+
+    #[getter]
+    fn is_canonical(&self) -> bool {
+        self.hamiltonian.is_canonical()
     }
 
     #[getter]
@@ -259,13 +280,9 @@ fn finish(
 
 /// What `function` makes of variables: f(q, p), or f(t, q, p).
 fn call(function: &Bound<'_, PyAny>, time: Option<Var>, q: &[Var], p: &[Var]) -> PyResult<Var> {
-    static LAST: AtomicU64 = AtomicU64::new(0);
-    let recording = LAST.fetch_add(1, Ordering::Relaxed) + 1;
+    let recording = next_recording();
     let _begun = Begun::new(recording);
-    let variables = |all: &[Var]| -> Vec<Variable> {
-        all.iter().map(|&var| Variable { var, recording }).collect()
-    };
-    let (q, p) = (variables(q), variables(p));
+    let (q, p) = (variables(q, recording), variables(p, recording));
     let (found, name) = match time {
         None => (function.call1((q, p))?, "H(q, p)"),
         Some(var) => {
@@ -273,10 +290,40 @@ fn call(function: &Bound<'_, PyAny>, time: Option<Var>, q: &[Var], p: &[Var]) ->
             (function.call1((t, q, p))?, "H(t, q, p)")
         }
     };
+    number(&found, name)
+}
+
+/// The entries (i, j, B_ij) that `function` makes of variables.
+fn called_entries(
+    function: &Bound<'_, PyAny>,
+    q: &[Var],
+    p: &[Var],
+) -> PyResult<Vec<(usize, usize, Var)>> {
+    let recording = next_recording();
+    let _begun = Begun::new(recording);
+    let found = function.call1((variables(q, recording), variables(p, recording)))?;
+    let entries: Vec<(usize, usize, Bound<'_, PyAny>)> = found.extract()?;
+    let numbers = entries
+        .iter()
+        .map(|(i, j, entry)| Ok((*i, *j, number(entry, "an entry of the bracket")?)));
+    numbers.collect()
+}
+
+fn next_recording() -> u64 {
+    static LAST: AtomicU64 = AtomicU64::new(0);
+    LAST.fetch_add(1, Ordering::Relaxed) + 1
+}
+
+fn variables(all: &[Var], recording: u64) -> Vec<Variable> {
+    all.iter().map(|&var| Variable { var, recording }).collect()
+}
+
+/// What a function called `name` has returned.
+fn number(found: &Bound<'_, PyAny>, name: &str) -> PyResult<Var> {
     if let Ok(found) = found.cast::<Variable>() {
         return found.get().here();
     }
-    match constant(&found)? {
+    match constant(found)? {
         Some(c) => Ok(Var::from(c)),
         None => Err(PyTypeError::new_err(format!(
             "{name} must return one number made of q and p; it returned {}",

@@ -5,5 +5,6 @@ pub(crate) mod graph;
 pub(crate) mod keyed;
 pub(crate) mod op;
 pub(crate) mod peephole;
+pub(crate) mod read;
 pub(crate) mod recorder;
 pub(crate) mod trace;

@@ -1,24 +1,53 @@
 //! [`Evaluator`]: what an integrator needs of an energy.
 
-use super::external::ExternalEvaluator;
-use super::given::Given;
 use super::traced_evaluator::{TracedEvaluator, ready};
+use crate::external::energy::ExternalEvaluator;
+use crate::external::given::Given;
 use crate::hamiltonian::{Energy, Hamiltonian};
 use crate::native::fused::{Fused, Joined, fuse};
 use crate::replay::point::{check_batch, require_separable};
-use crate::{Kinetic, WrongGradient};
+use crate::structure::bracket::Bracket;
+use crate::{Kinetic, Pattern, WrongGradient};
 use equip_scalar::{Float, InstructionSet};
 
 /// H, ∇H and ∇²H at states y = (q, p) of length n = 2m, in the float type `T`. Workspace is allocated at the
 /// first call of a kind, and at no other.
 ///
 /// Slices of another length are a programming error and panic.
+///
+/// A step needs w of y' = Jw. That is ∇H, but for a system with a bracket of its own, of which it is
+/// w = JᵀB∇H ([`Hamiltonian::with_bracket`]):
+///
+/// | of H, whatever the bracket | of w |
+/// |---|---|
+/// | [`value`](Self::value), [`compensated_value`](Self::compensated_value), [`gradient`](Self::gradient), [`gradients`](Self::gradients), [`gradient_with_bound`](Self::gradient_with_bound), [`check_gradient`](Self::check_gradient) | [`flow_gradient`](Self::flow_gradient), [`gradients_by_component`](Self::gradients_by_component), [`gradient_rounding`](Self::gradient_rounding), [`hessian`](Self::hessian), [`hessian_vector`](Self::hessian_vector), [`hessians_by_component`](Self::hessians_by_component) |
 #[derive(Debug, Clone)]
-pub struct Evaluator<T: Float>(Source<T>);
+pub struct Evaluator<T: Float> {
+    pub(super) source: Source<T>,
+    pub(super) bracket: Option<Box<Turned<T>>>,
+}
+
+/// A bracket with its workspace, made at the first call of a kind.
+#[derive(Debug, Clone)]
+pub(super) struct Turned<T: Float> {
+    pub(super) of: Bracket,
+    pub(super) form: TracedEvaluator<T>,
+    /// That of ∇²H.
+    pub(super) pattern: Pattern,
+    /// ∇H and the entries of ∇²H.
+    pub(super) gradients: Vec<T>,
+    pub(super) hessians: Vec<T>,
+    /// (y, g, λ) with λ = 0, the gradient of the form there, and its Hessian.
+    pub(super) points: Vec<T>,
+    pub(super) of_form: Vec<T>,
+    pub(super) entries: Vec<T>,
+    /// (v, ∇²H·v, 0).
+    pub(super) along: Vec<T>,
+}
 
 /// Where H comes from, with the workspace of one float type.
 #[derive(Debug, Clone)]
-enum Source<T: Float> {
+pub(super) enum Source<T: Float> {
     Traced(Box<TracedEvaluator<T>>),
     /// With a gradient of the user's own.
     WithGradient(Box<TracedEvaluator<T>>, Box<Given<T>>),
@@ -36,24 +65,48 @@ impl Hamiltonian {
 
 impl<T: Float> Evaluator<T> {
     fn new(of: &Hamiltonian) -> Self {
-        let traced = match &of.energy {
-            Energy::Traced(traced) => Box::new((ready::<T>().evaluator)(&traced.shared)),
-            Energy::External(external) => {
-                return Evaluator(External(Box::new(ExternalEvaluator::new(external))));
+        let source = match &of.energy {
+            Energy::Traced(traced) => {
+                let n = 2 * traced.shared.structure.degrees_of_freedom;
+                let evaluator = Box::new((ready::<T>().evaluator)(&traced.shared));
+                match of.gradient.as_ref().filter(|_| T::IS_DOUBLE) {
+                    Some(gradient) => WithGradient(evaluator, Box::new(Given::new(gradient, n))),
+                    None => Traced(evaluator),
+                }
             }
+            Energy::External(external) => External(Box::new(ExternalEvaluator::new(external))),
         };
-        let n = 2 * traced.shared.structure.degrees_of_freedom;
-        Evaluator(match of.gradient.as_ref().filter(|_| T::IS_DOUBLE) {
-            Some(gradient) => WithGradient(traced, Box::new(Given::new(gradient, n))),
-            None => Traced(traced),
-        })
+        let bracket = of.bracket.as_ref().map(|(form, bracket)| {
+            Box::new(Turned {
+                of: bracket.clone(),
+                form: (ready::<T>().evaluator)(&form.shared),
+                pattern: of.energy_structure().hessian.to_pattern(),
+                gradients: Vec::new(),
+                hessians: Vec::new(),
+                points: Vec::new(),
+                of_form: Vec::new(),
+                entries: Vec::new(),
+                along: Vec::new(),
+            })
+        });
+        Evaluator { source, bracket }
     }
 
-    /// The checksum of the formula of H with its constants and tables; `None` where H is external. Closures
-    /// within H count as one. Linear in the operations of H.
+    /// Whether y' = J∇H.
+    pub fn is_canonical(&self) -> bool {
+        self.bracket.is_none()
+    }
+
+    /// The checksum of the formula of H, and of the bracket, with their constants and tables; `None` where H
+    /// is external. Closures within H count as one. Linear in the operations of H.
     pub fn formula_checksum(&self) -> Option<u64> {
-        match &self.0 {
-            Traced(traced) | WithGradient(traced, _) => Some(traced.shared.formula_checksum()),
+        let form = self.bracket.as_ref().map(|of| &of.form.shared);
+        let of_bracket = form.map(|form| form.formula_checksum());
+        match &self.source {
+            Traced(traced) | WithGradient(traced, _) => {
+                let own = traced.shared.formula_checksum();
+                Some(of_bracket.map_or(own, |form| form.rotate_left(1) ^ own))
+            }
             External(_) => None,
         }
     }
@@ -63,7 +116,7 @@ impl<T: Float> Evaluator<T> {
     #[doc(hidden)]
     pub fn make_ready(&mut self, n: usize) {
         let (zeros, mut gradient) = (vec![T::int(0); n], vec![T::int(0); n]);
-        match &mut self.0 {
+        match &mut self.source {
             Traced(_) => drop(self.gradient_with_compensated_value(&zeros, &mut gradient)),
             WithGradient(..) => drop(self.compensated_value(&zeros)),
             External(_) => {}
@@ -72,7 +125,7 @@ impl<T: Float> Evaluator<T> {
 
     /// H(y).
     pub fn value(&mut self, y: &[T]) -> T {
-        match &mut self.0 {
+        match &mut self.source {
             Traced(traced) | WithGradient(traced, _) => (ready::<T>().value)(traced, y),
             External(external) => external.value(y),
         }
@@ -82,7 +135,7 @@ impl<T: Float> Evaluator<T> {
     /// hidden by rounding the partial sums of n terms, which is worth some √n ε of H. Without long sums it
     /// has every bit of [`value`](Self::value).
     pub fn compensated_value(&mut self, y: &[T]) -> T {
-        match &mut self.0 {
+        match &mut self.source {
             Traced(traced) | WithGradient(traced, _) => (ready::<T>().compensated_value)(traced, y),
             External(external) => external.value(y),
         }
@@ -113,7 +166,7 @@ impl<T: Float> Evaluator<T> {
     ///
     /// Costs at most about two gradients more.
     pub fn gradient_with_bound(&mut self, y: &[T], gradient: &mut [T]) -> (T, T) {
-        match &mut self.0 {
+        match &mut self.source {
             Traced(traced) => (ready::<T>().gradient_with_bound)(traced, y, gradient),
             WithGradient(traced, given) => {
                 given.at(y, gradient);
@@ -124,46 +177,12 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// How far each component of ∇H(y) may be off by rounding of `y` to its last place and of all operations,
-    /// to first order, into `off` (length n): the running error bound of the trace of ∇H. Zero of an
-    /// external energy, of which it is not known.
-    pub fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
-        match &mut self.0 {
-            Traced(traced) | WithGradient(traced, _) => {
-                (ready::<T>().gradient_rounding)(traced, y, off)
-            }
-            External(external) => external.gradient_rounding(y, off),
-        }
-    }
-
     /// ∇H at several states, which stand one after the other in `states` (length s·n), as do the results.
     pub fn gradients(&mut self, states: &[T], gradients: &mut [T], n: usize) {
-        match &mut self.0 {
+        match &mut self.source {
             Traced(traced) => (ready::<T>().gradients)(traced, states, gradients, n),
             WithGradient(_, given) => given.one_by_one(states, gradients, n),
             External(external) => external.given.one_by_one(states, gradients, n),
-        }
-    }
-
-    /// ∇H at `count` points at once, component by component: component c of point i stands at `c·stride + i`
-    /// in `states` (length n·stride), as in `gradients`. Places between `count` and `stride` must hold finite
-    /// numbers; what is in the result there is unspecified. Each gradient has every bit of the one
-    /// [`gradient`](Self::gradient) gives.
-    pub fn gradients_by_component(
-        &mut self,
-        states: &[T],
-        gradients: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
-        match &mut self.0 {
-            Traced(traced) => {
-                (ready::<T>().gradients_by_component)(traced, states, gradients, stride, count);
-            }
-            WithGradient(_, given) => given.by_component(states, gradients, stride, count),
-            External(external) => {
-                (external.given).by_component(states, gradients, stride, count);
-            }
         }
     }
 
@@ -179,7 +198,7 @@ impl<T: Float> Evaluator<T> {
         stride: usize,
         count: usize,
     ) {
-        match &mut self.0 {
+        match &mut self.source {
             Traced(traced) => {
                 (ready::<T>().forces_by_component)(traced, positions, gradients, stride, count);
             }
@@ -195,14 +214,14 @@ impl<T: Float> Evaluator<T> {
     }
 
     /// Runs `task` with ∇H in it as one kernel. `None` if that is not done: of an energy without machine
-    /// code, or too long, or with a gradient of the user's own.
+    /// code, or too long, or with a gradient or a bracket of the user's own.
     #[doc(hidden)]
     #[inline]
     pub fn fuse_gradients<const N: usize, F: Fused<N>>(
         &mut self,
         task: &mut F,
     ) -> Option<F::Output> {
-        let Traced(traced) = &mut self.0 else {
+        let (Traced(traced), None) = (&mut self.source, &self.bracket) else {
             return None;
         };
         let n = 2 * traced.shared.structure.degrees_of_freedom;
@@ -216,7 +235,7 @@ impl<T: Float> Evaluator<T> {
     #[doc(hidden)]
     #[inline]
     pub fn fuse_forces<const N: usize, F: Fused<N>>(&mut self, task: &mut F) -> Option<F::Output> {
-        let Traced(traced) = &mut self.0 else {
+        let (Traced(traced), None) = (&mut self.source, &self.bracket) else {
             return None;
         };
         let m = traced.shared.structure.degrees_of_freedom;
@@ -232,7 +251,7 @@ impl<T: Float> Evaluator<T> {
     /// # Errors
     /// The first component that differs.
     pub fn check_gradient(&mut self, y: &[T]) -> Result<(), WrongGradient<T>> {
-        match &mut self.0 {
+        match &mut self.source {
             Traced(_) => Ok(()),
             WithGradient(traced, given) => given.check(y, |y, expected| {
                 (ready::<T>().gradients)(traced, y, expected, y.len());
@@ -241,9 +260,13 @@ impl<T: Float> Evaluator<T> {
         }
     }
 
-    /// T(p) of H = T(p) + U(q), if H is separable and T quadratic. Evaluates ∇²T once; allocates.
+    /// T(p) of H = T(p) + U(q), if H is separable, T quadratic and the bracket canonical. Evaluates ∇²T once;
+    /// allocates.
     pub fn kinetic(&mut self) -> Option<Kinetic<T>> {
-        match &mut self.0 {
+        if self.bracket.is_some() {
+            return None;
+        }
+        match &mut self.source {
             Traced(traced) | WithGradient(traced, _) => (ready::<T>().kinetic)(traced),
             External(_) => None,
         }
@@ -252,45 +275,8 @@ impl<T: Float> Evaluator<T> {
     /// Chooses the instructions, [`InstructionSet::best`] to begin with. The results are the same.
     #[doc(hidden)]
     pub fn set_instruction_set(&mut self, set: InstructionSet) {
-        if let Traced(traced) | WithGradient(traced, _) = &mut self.0 {
+        if let Traced(traced) | WithGradient(traced, _) = &mut self.source {
             traced.set = set;
-        }
-    }
-
-    /// ∇²H(y)·v into `product` (length n); of an external energy by differences of its gradient.
-    pub fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
-        match &mut self.0 {
-            Traced(traced) | WithGradient(traced, _) => {
-                (ready::<T>().hessian_vector)(traced, y, v, product)
-            }
-            External(external) => external.hessian_times(y, v, product),
-        }
-    }
-
-    /// The entries of ∇²H(y) in the order of the pattern `structure().hessian`; of an external energy by
-    /// differences of its gradient.
-    pub fn hessian(&mut self, y: &[T], entries: &mut [T]) {
-        match &mut self.0 {
-            Traced(traced) | WithGradient(traced, _) => (ready::<T>().hessian)(traced, y, entries),
-            External(external) => external.hessian(y, entries),
-        }
-    }
-
-    /// ∇²H at `count` points at once, component by component as in
-    /// [`gradients_by_component`](Self::gradients_by_component): entry e of the pattern at point i into place
-    /// `e·stride + i` of `entries`.
-    pub fn hessians_by_component(
-        &mut self,
-        states: &[T],
-        entries: &mut [T],
-        stride: usize,
-        count: usize,
-    ) {
-        match &mut self.0 {
-            Traced(traced) | WithGradient(traced, _) => {
-                (ready::<T>().hessians_by_component)(traced, states, entries, stride, count);
-            }
-            External(external) => external.hessians(states, entries, stride, count),
         }
     }
 }

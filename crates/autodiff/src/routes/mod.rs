@@ -1,9 +1,7 @@
-//! What is evaluated of an energy: of a trace, or of functions of the user's own.
+//! What is evaluated of an energy.
 
-pub(crate) mod check;
 pub(crate) mod evaluator;
-pub(crate) mod external;
-pub(crate) mod given;
+pub(crate) mod flow;
 pub(crate) mod many;
 pub(crate) mod one;
 pub(crate) mod results;

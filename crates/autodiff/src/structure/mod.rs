@@ -1,5 +1,6 @@
 //! What is known of H before any number is put in.
 
+pub(crate) mod bracket;
 pub(crate) mod colouring;
 pub(crate) mod degree;
 pub(crate) mod facts;

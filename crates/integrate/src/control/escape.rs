@@ -15,7 +15,7 @@ use equip_scalar::Float;
 pub(crate) fn escapes<T: Float>(energy: &mut Evaluator<T>, y: &[T], h: T) -> Option<T> {
     let m = y.len() / 2;
     let mut gradient = vec![T::int(0); y.len()];
-    energy.gradient(y, &mut gradient);
+    energy.flow_gradient(y, &mut gradient);
     // In units of the largest position: squares of what runs away leave the range of the float type.
     let largest = y[..m].iter().fold(T::int(0), |a, q| a.max(q.abs()));
     let (mut square, mut outward, mut pushed) = (T::int(0), T::int(0), T::int(0));

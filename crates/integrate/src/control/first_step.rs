@@ -1,7 +1,7 @@
 //! A size to begin with, before there is a step to judge by.
 //!
 //! Between 1/64 of it and the whole of the time in which the motion turns into another, the shorter one of
-//! positions and momenta. With f = J∇H, f' = A f and f'' = A² f at the start, A = J∇²H, that is the root t of
+//! positions and momenta. With f = y', f' = A f and f'' = A² f at the start, A = ∂f/∂y, that is the root t of
 //!
 //! $$ \lVert f'' \rVert t^2 = \lVert f \rVert + \lVert f' \rVert t . $$
 //!
@@ -45,7 +45,7 @@ impl<T: Float> FirstSize<T> {
             second,
             third,
         } = self;
-        energy.gradient(y, covector);
+        energy.flow_gradient(y, covector);
         turn(covector, f);
         energy.hessian_vector(y, f, covector);
         turn(covector, second);

@@ -54,7 +54,7 @@ fn growth<T: Float>(energy: &mut Evaluator<T>, start: &[T], y: &[T]) -> T {
     let m = y.len() / 2;
     let mut sizes = |y: &[T]| {
         let mut gradient = vec![T::int(0); y.len()];
-        energy.gradient(y, &mut gradient);
+        energy.flow_gradient(y, &mut gradient);
         let largest = |half: &[T]| half.iter().fold(T::int(0), |most, x| most.max(x.abs()));
         [largest(&gradient[..m]), largest(&gradient[m..])]
     };

@@ -98,7 +98,7 @@ impl<T: Float> Roughness<T> {
             core.counts_mut().gradients += 2;
             for place in [1, 4].map(|fifths| first + (second - first) * T::ratio(fifths, 5)) {
                 let y = path.state_at(place);
-                core.energy_mut().gradient(y, &mut self.gradient);
+                core.energy_mut().flow_gradient(y, &mut self.gradient);
                 legendre_at(place, &mut self.values);
                 for c in 0..self.gradient.len() {
                     let force = if c < half {
@@ -133,7 +133,7 @@ impl<T: Float> Roughness<T> {
             let mut values = [T::int(0); COMPARED];
             legendre_at(place, &mut values);
             let y = path.state_at(place);
-            core.energy_mut().gradient(y, &mut self.gradient);
+            core.energy_mut().flow_gradient(y, &mut self.gradient);
             let weight = weight * length * h;
             for (c, sums) in self.coefficients.chunks_exact_mut(COMPARED).enumerate() {
                 // f = J∇H.

@@ -23,6 +23,10 @@ impl<T: Float> Integration<T> {
         system: &Hamiltonian,
     ) -> Result<Self, IntegrateError<T>> {
         let options = &integrator.options;
+        if system.is_canonical() && system.components() % 2 == 1 {
+            let components = system.components();
+            return Err(IntegrateError::NoBracket { components });
+        }
         let method = integrator.method.for_degree(system.structure().degree);
         let coefficients = coefficients(method)?;
         let settings = options.validate(method)?;

@@ -193,7 +193,7 @@ impl<T: Float> Oracle<T> {
         let each = z.iter().zip(gauss.weights()).map(|(z, &b)| {
             let point: Vec<T> = y.iter().zip(z).map(|(&y, &z)| y + z).collect();
             let (mut gradient, mut l) = (vec![T::int(0); n], vec![T::int(0); n]);
-            self.energy.gradient(&point, &mut gradient);
+            self.energy.flow_gradient(&point, &mut gradient);
             for (c, &g) in gradient.iter().enumerate() {
                 let (row, sign) = turned::<T>(c, n);
                 l[row] = sign * (h * b) * g;

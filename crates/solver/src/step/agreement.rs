@@ -120,7 +120,33 @@ fn systems() -> Vec<Case> {
         let at = |i: usize| 0.5 * p[i] * p[i] - (q[(i + 1) % 4] - q[i]).cos();
         (0..4).map(at).sum::<Var>()
     });
+    // On se(3)*: y = (m, γ), m' = m × ω + γ × ∂H/∂γ, γ' = γ × ω.
+    let top = Hamiltonian::of_state(6, |y| {
+        let kinetic = 0.5 * (y[0].powi(2) + y[1].powi(2) / 1.5 + y[2].powi(2) / 2.0);
+        kinetic + y[5] + 0.2 * y[3] + 0.25 * y[3].powi(4)
+    });
+    let top = top.and_then(|top| {
+        top.with_bracket(|y| {
+            vec![
+                (0, 1, -y[2]),
+                (0, 2, y[1]),
+                (1, 2, -y[0]),
+                (0, 4, -y[5]),
+                (0, 5, y[4]),
+                (1, 5, -y[3]),
+                (1, 3, y[5]),
+                (2, 3, -y[4]),
+                (2, 4, y[3]),
+            ]
+        })
+    });
     vec![
+        (
+            "heavy top",
+            top.unwrap(),
+            vec![0.4, -0.3, 1.2, 0.6, 0.0, 0.8],
+            vec![(4, 0.25), (6, 0.5)],
+        ),
         (
             "Kepler",
             kepler.unwrap(),

@@ -158,7 +158,8 @@ impl<T: Float> AdaptiveSteps<T> {
     /// ∇H where the next step begins.
     pub(super) fn take_gradient(&mut self, run: &mut Integration<T>) {
         let Integration { core, y, .. } = run;
-        core.energy_mut().gradient(&y.hi, &mut self.gradients[0]);
+        core.energy_mut()
+            .flow_gradient(&y.hi, &mut self.gradients[0]);
     }
 
     /// Where a step of the given size leads; near `end`, one that meets it, or half of what is left: never a

@@ -144,7 +144,8 @@ impl<T: Float> AdaptiveSteps<T> {
         let on_switch = [begins_on_switch, ends_on_switch];
         core.counts_mut().gradients += 1 + u64::from(begins_on_switch);
         if !ends_on_switch {
-            core.energy_mut().gradient(&next.hi, &mut self.gradients[1]);
+            core.energy_mut()
+                .flow_gradient(&next.hi, &mut self.gradients[1]);
         }
         if let Some(crossings) = crossings.filter(|_| on_switch.contains(&true)) {
             crossings.path.take_polynomial(core, y);
@@ -155,7 +156,7 @@ impl<T: Float> AdaptiveSteps<T> {
             {
                 if is_on {
                     let y = crossings.path.state_at(place);
-                    core.energy_mut().gradient(y, gradient);
+                    core.energy_mut().flow_gradient(y, gradient);
                 }
             }
         }

@@ -1,0 +1,235 @@
+//! w and w' of y' = Jw, which a step asks for: ∇H and ∇²H, turned by the bracket if the system has one
+//! ([`crate::structure::bracket`]).
+//!
+//! Cost of a bracket: a gradient of its bilinear form for each of H; for w' the Hessian of the form, and the
+//! products of B with ∇²H that can differ from zero.
+
+use super::evaluator::{Evaluator, Source, Turned};
+use super::traced_evaluator::ready;
+use crate::structure::bracket::moved;
+use equip_scalar::Float;
+
+use Source::{External, Traced, WithGradient};
+
+impl<T: Float> Evaluator<T> {
+    /// How far each component of ∇H(y) may be off by rounding of `y` to its last place and of all operations,
+    /// to first order, into `off` (length n): the running error bound of the trace of ∇H. Zero of an
+    /// external energy, and of a system with a bracket, of which it is not known.
+    pub fn gradient_rounding(&mut self, y: &[T], off: &mut [T]) {
+        if self.bracket.is_some() {
+            assert_eq!(y.len(), off.len(), "one for each component");
+            return off.fill(T::int(0));
+        }
+        match &mut self.source {
+            Traced(traced) | WithGradient(traced, _) => {
+                (ready::<T>().gradient_rounding)(traced, y, off)
+            }
+            External(external) => external.gradient_rounding(y, off),
+        }
+    }
+
+    /// w of y' = Jw at `y`, into `w` (length n): ∇H, or JᵀB∇H.
+    pub fn flow_gradient(&mut self, y: &[T], w: &mut [T]) {
+        self.gradients(y, w, y.len());
+        if let Some(turned) = &mut self.bracket {
+            turned.turn_one(y, w);
+        }
+    }
+
+    /// w at `count` points at once, component by component: component c of point i stands at `c·stride + i`
+    /// in `states` (length n·stride), as in `gradients`. Places between `count` and `stride` must hold finite
+    /// numbers; what is in the result there is unspecified. Each w has every bit of the one
+    /// [`flow_gradient`](Self::flow_gradient) gives.
+    pub fn gradients_by_component(
+        &mut self,
+        states: &[T],
+        gradients: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        match &mut self.source {
+            Traced(traced) => {
+                (ready::<T>().gradients_by_component)(traced, states, gradients, stride, count);
+            }
+            WithGradient(_, given) => given.by_component(states, gradients, stride, count),
+            External(external) => {
+                (external.given).by_component(states, gradients, stride, count);
+            }
+        }
+        if let Some(turned) = &mut self.bracket {
+            turned.turn(states, gradients, stride, count);
+        }
+    }
+
+    /// ∇²H(y)·v into `product` (length n), or w'(y)·v; of an external energy ∇²H by differences of its
+    /// gradient.
+    pub fn hessian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
+        match &mut self.source {
+            Traced(traced) | WithGradient(traced, _) => {
+                (ready::<T>().hessian_vector)(traced, y, v, product)
+            }
+            External(external) => external.hessian_times(y, v, product),
+        }
+        if let Some(mut turned) = self.bracket.take() {
+            turned.gradients.resize(y.len(), T::int(0));
+            self.gradients(y, &mut turned.gradients, y.len());
+            turned.turn_product(y, v, product);
+            self.bracket = Some(turned);
+        }
+    }
+
+    /// The entries of ∇²H(y), or w'(y), in the order of the pattern `structure().hessian`; of an external
+    /// energy by differences of its gradient.
+    pub fn hessian(&mut self, y: &[T], entries: &mut [T]) {
+        let Some(mut turned) = self.bracket.take() else {
+            return self.energy_hessian(y, entries);
+        };
+        turned.gradients.resize(y.len(), T::int(0));
+        turned.hessians.resize(turned.pattern.len(), T::int(0));
+        self.gradients(y, &mut turned.gradients, y.len());
+        self.energy_hessian(y, &mut turned.hessians);
+        turned.jacobians(y, entries, (1, 1));
+        self.bracket = Some(turned);
+    }
+
+    fn energy_hessian(&mut self, y: &[T], entries: &mut [T]) {
+        match &mut self.source {
+            Traced(traced) | WithGradient(traced, _) => (ready::<T>().hessian)(traced, y, entries),
+            External(external) => external.hessian(y, entries),
+        }
+    }
+
+    /// ∇²H, or w', at `count` points at once, component by component as in
+    /// [`gradients_by_component`](Self::gradients_by_component): entry e of the pattern at point i into place
+    /// `e·stride + i` of `entries`.
+    pub fn hessians_by_component(
+        &mut self,
+        states: &[T],
+        entries: &mut [T],
+        stride: usize,
+        count: usize,
+    ) {
+        let Some(mut turned) = self.bracket.take() else {
+            return self.energy_hessians(states, entries, (stride, count));
+        };
+        turned.gradients.resize(states.len(), T::int(0));
+        turned
+            .hessians
+            .resize(turned.pattern.len() * stride, T::int(0));
+        // Without the bracket they are those of H.
+        self.gradients_by_component(states, &mut turned.gradients, stride, count);
+        self.energy_hessians(states, &mut turned.hessians, (stride, count));
+        turned.jacobians(states, entries, (stride, count));
+        self.bracket = Some(turned);
+    }
+
+    fn energy_hessians(
+        &mut self,
+        states: &[T],
+        entries: &mut [T],
+        (stride, count): (usize, usize),
+    ) {
+        match &mut self.source {
+            Traced(traced) | WithGradient(traced, _) => {
+                (ready::<T>().hessians_by_component)(traced, states, entries, stride, count);
+            }
+            External(external) => external.hessians(states, entries, stride, count),
+        }
+    }
+}
+
+impl<T: Float> Turned<T> {
+    /// Sets the points to (y, g, 0) of `count` states. What stands between is finite.
+    fn set(&mut self, (states, gradients): (&[T], &[T]), stride: usize, count: usize) {
+        let len = states.len();
+        self.points.resize(3 * len, T::int(0));
+        let (y, rest) = self.points.split_at_mut(len);
+        y.copy_from_slice(states);
+        let rows = rest
+            .chunks_exact_mut(stride)
+            .zip(gradients.chunks_exact(stride));
+        for (to, from) in rows {
+            to[..count].copy_from_slice(&from[..count]);
+        }
+    }
+
+    /// w from ∇H at `y`, in place.
+    fn turn_one(&mut self, y: &[T], gradient: &mut [T]) {
+        self.set((y, gradient), 1, 1);
+        self.of_form.resize(self.points.len(), T::int(0));
+        let n = self.points.len();
+        (ready::<T>().gradients)(&mut self.form, &self.points, &mut self.of_form, n);
+        self.take(gradient, 1);
+    }
+
+    /// w from ∇H at `count` states, component by component, in place.
+    fn turn(&mut self, states: &[T], gradients: &mut [T], stride: usize, count: usize) {
+        self.set((states, gradients), stride, count);
+        self.of_form.resize(self.points.len(), T::int(0));
+        let (form, points, results) = (&mut self.form, &self.points, &mut self.of_form);
+        (ready::<T>().gradients_by_component)(form, points, results, stride, count);
+        self.take(gradients, stride);
+    }
+
+    /// w from the gradient of the form by λ.
+    fn take(&self, w: &mut [T], stride: usize) {
+        let n = w.len() / stride;
+        for (c, w) in w.chunks_exact_mut(stride).enumerate() {
+            let (from, negative) = moved(c, n);
+            let results = &self.of_form[(2 * n + from) * stride..][..stride];
+            for (w, &x) in w.iter_mut().zip(results) {
+                *w = if negative { -x } else { x };
+            }
+        }
+    }
+
+    /// The entries of w' from ∇H and the entries of ∇²H at `count` states, component by component.
+    fn jacobians(&mut self, states: &[T], entries: &mut [T], (stride, count): (usize, usize)) {
+        let gradients = std::mem::take(&mut self.gradients);
+        self.set((states, &gradients), stride, count);
+        self.gradients = gradients;
+        let len = self.form.shared.structure.hessian.len() * stride;
+        self.entries.resize(len, T::int(0));
+        let (form, points, own) = (&mut self.form, &self.points, &mut self.entries);
+        (ready::<T>().hessians_by_component)(form, points, own, stride, count);
+        let of_form = &self.form.shared.structure.hessian;
+        let (jacobian, n) = (
+            self.of.jacobian(&self.pattern, of_form),
+            self.pattern.dimension(),
+        );
+        for row in 0..n {
+            let negative = moved(row, n).1;
+            for (e, _) in self.of.structure.hessian.row(row) {
+                let entry = &mut entries[e * stride..][..count];
+                match jacobian.direct[e] {
+                    Some(place) => entry.copy_from_slice(&own[place * stride..][..count]),
+                    None => entry.fill(T::int(0)),
+                }
+                for &[b, h] in &jacobian.products[jacobian.starts[e]..jacobian.starts[e + 1]] {
+                    let factors = own[b * stride..].iter().zip(&self.hessians[h * stride..]);
+                    for (x, (&b, &h)) in entry.iter_mut().zip(factors) {
+                        *x += b * h;
+                    }
+                }
+                if negative {
+                    entry.iter_mut().for_each(|x| *x = -*x);
+                }
+            }
+        }
+    }
+
+    /// w'·v into `product`, which has ∇²H·v, at `y`, from ∇H there.
+    fn turn_product(&mut self, y: &[T], v: &[T], product: &mut [T]) {
+        let gradients = std::mem::take(&mut self.gradients);
+        self.set((y, &gradients), 1, 1);
+        self.gradients = gradients;
+        let n = y.len();
+        self.along.resize(3 * n, T::int(0));
+        self.along[..n].copy_from_slice(v);
+        self.along[n..2 * n].copy_from_slice(product);
+        self.of_form.resize(3 * n, T::int(0));
+        let (form, points, results) = (&mut self.form, &self.points, &mut self.of_form);
+        (ready::<T>().hessian_vector)(form, points, &self.along, results);
+        self.take(product, 1);
+    }
+}
