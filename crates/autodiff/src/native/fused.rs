@@ -7,20 +7,17 @@
 
 use equip_jit::Code;
 use equip_scalar::{Kernel, Lanes};
-use std::array::from_fn;
 
-/// ∇H of a system with C components, or ∇U of one with C positions, at groups of N points.
+/// ∇H of a system with C components, or ∇U of one with C positions, at N points.
 #[doc(hidden)]
 pub trait StageGradients<const C: usize, const N: usize> {
     /// The derivatives at the states, each of them with every bit of the one at a single state.
-    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G];
+    fn at(&self, states: &[[[f64; N]; 1]; C]) -> [Lanes<N>; C];
 }
 
 /// What is to be done with the derivatives. Mark `run`, and all it calls, `#[inline(always)]`.
 #[doc(hidden)]
 pub trait Fused<const N: usize> {
-    /// Groups of points.
-    const GROUPS: usize;
     /// What it returns.
     type Output;
     /// The computation.
@@ -37,14 +34,12 @@ pub(crate) struct Called<'a>(pub(crate) &'a Code);
 
 impl<const C: usize, const N: usize> StageGradients<C, N> for Called<'_> {
     #[inline(always)]
-    fn at<const G: usize>(&self, states: &[[[f64; N]; G]; C]) -> [[Lanes<N>; C]; G] {
-        let mut rows = [[[0.0; N]; G]; C];
-        let (from, to) = (states.as_flattened(), rows.as_flattened_mut());
-        let count = G * N;
-        debug_assert_eq!(self.0.stride(), count);
-        self.0
-            .run(from.as_flattened(), to.as_flattened_mut(), &mut [], count);
-        from_fn(|g| from_fn(|c| Lanes(rows[c][g])))
+    fn at(&self, states: &[[[f64; N]; 1]; C]) -> [Lanes<N>; C] {
+        let mut rows = [[0.0; N]; C];
+        let from = states.as_flattened().as_flattened();
+        debug_assert_eq!(self.0.stride(), N);
+        self.0.run(from, rows.as_flattened_mut(), &mut [], N);
+        rows.map(Lanes)
     }
 }
 

@@ -225,9 +225,7 @@ impl<T: Float> Evaluator<T> {
             return None;
         };
         let n = 2 * traced.shared.structure.degrees_of_freedom;
-        let stride = F::GROUPS * N;
-        let derivatives =
-            (traced.gradients).called(traced.set, traced.shared.gradient(), stride)?;
+        let derivatives = (traced.gradients).called(traced.set, traced.shared.gradient(), N)?;
         fuse!(traced.set, n, derivatives, task, [2 4])
     }
 
@@ -239,9 +237,8 @@ impl<T: Float> Evaluator<T> {
             return None;
         };
         let m = traced.shared.structure.degrees_of_freedom;
-        let stride = F::GROUPS * N;
         let of = traced.shared.derivatives().forces.as_ref()?;
-        let derivatives = traced.forces.called(traced.set, of, stride)?;
+        let derivatives = traced.forces.called(traced.set, of, N)?;
         fuse!(traced.set, m, derivatives, task, [1 2 3 4])
     }
 

@@ -80,23 +80,23 @@ impl<'a, T: Float> Mix<'a, T> for Full<'a, T> {
 
 impl<'a> Small<'a> for Full<'a, f64> {
     #[inline(always)]
-    fn kernel<const C: usize, const G: usize, const N: usize>(
+    fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
-        k: &impl Mixes<f64, G, N>,
+        k: &impl Mixes<f64, 1, N>,
         _again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.0;
-        let computed: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));
-        let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
-        let l = rows_of::<C, G, N>(step.l);
-        let kept = rows_of::<C, G, N>(step.gradients);
+        let computed: [Lanes<N>; C] = gradients.at(rows_of::<C, N>(step.points));
+        let hb: &Row<f64, 1, N> = literal(rows(step.hb).first());
+        let l = rows_of::<C, N>(step.l);
+        let kept = rows_of::<C, N>(step.gradients);
 
         for c in 0..C {
             let (from, negative) = conjugate(c, C);
-            l[c] = from_fn(|g| increment(&hb[g], &computed[g][from].0, negative));
-            kept[c] = from_fn(|g| computed[g][c].0);
+            l[c] = [increment(&hb[0], &computed[from].0, negative)];
+            kept[c] = [computed[c].0];
         }
-        settle::<C, G, N>(k, step)
+        settle::<C, N>(k, step)
     }
 }

@@ -1,5 +1,5 @@
-//! The iteration of a small system as one kernel: ∇H, L and Z ← K L with all lengths literal and everything
-//! in registers.
+//! The iteration of a small system with up to eight stages as one kernel: ∇H, L and Z ← K L with all lengths
+//! literal and everything in registers.
 //!
 //! The same operations in the same order as in [`crate::forms::form`], bit for bit. What bounds an iteration
 //! is the chain of dependent operations, which is walked through for all components side by side: ∇U, then P
@@ -7,32 +7,27 @@
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Step};
-use crate::layout::row::{HALF, OnLines, Row, difference, in_memory, literal, placed};
-use crate::matrix::product::{Anew, Mixes, Sixteen, Square};
+use crate::layout::row::{OnLines, Row, difference, in_memory, literal, placed};
+use crate::matrix::product::{Anew, Mixes, Square};
 use equip_autodiff::{Fused, StageGradients};
-use std::array::from_fn;
 
 /// A form of the iteration that there is a kernel for.
 pub(crate) trait Small<'a>: Mix<'a, f64> {
     /// Iterations of C unknown components: one, and as many more as `again` says. Gives what [`Mix::mix`]
     /// does of the last.
-    fn kernel<const C: usize, const G: usize, const N: usize>(
+    fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
-        k: &impl Mixes<f64, G, N>,
+        k: &impl Mixes<f64, 1, N>,
         again: &mut impl Again,
     ) -> f64;
 }
 
-/// Up to eight stages: one group.
+/// A task with what says whether there is one more iteration.
 pub(crate) struct OneGroup<S, A>(pub(crate) S, pub(crate) A);
-
-/// Sixteen stages: two groups.
-pub(crate) struct TwoGroups<S, A>(pub(crate) S, pub(crate) A);
 
 impl<'a, S: Small<'a>, A: Again, const N: usize> Fused<N> for OneGroup<S, A> {
     type Output = f64;
-    const GROUPS: usize = 1;
 
     #[inline(always)]
     fn run<const C: usize>(&mut self, gradients: &impl StageGradients<C, N>) -> f64 {
@@ -47,38 +42,19 @@ impl<'a, S: Small<'a>, A: Again, const N: usize> Fused<N> for OneGroup<S, A> {
     }
 }
 
-impl<'a, S: Small<'a>, A: Again> Fused<HALF> for TwoGroups<S, A> {
-    type Output = f64;
-    const GROUPS: usize = 2;
-
-    #[inline(always)]
-    fn run<const C: usize>(&mut self, gradients: &impl StageGradients<C, HALF>) -> f64 {
-        let k = Sixteen::of(self.0.step().k);
-        self.0.kernel(gradients, &k, &mut self.1)
-    }
-
-    #[inline(always)]
-    fn run_narrow<const C: usize>(&mut self, gradients: &impl StageGradients<C, HALF>) -> f64 {
-        let k = Anew(Sixteen::of(self.0.step().k));
-        self.0.kernel(gradients, &k, &mut self.1)
-    }
-}
-
 /// The largest change of Z, `by`, relative to the sizes of the components, as an integer: of numbers that are
 /// not negative the larger has the larger bits, and what is not a number the largest. Lane by lane, and the
 /// lanes in memory: by itself the compiler takes all numbers out of their vectors.
 #[inline(always)]
-pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
-    by: &[Row<f64, G, N>; C],
+pub(crate) fn change<const C: usize, const N: usize>(
+    by: &[Row<f64, 1, N>; C],
     inverse_scale: &[f64; C],
 ) -> f64 {
     // Signed, as AVX2 compares.
     let mut most = OnLines([0_i64; N]);
     for (by, &inverse_scale) in by.iter().zip(inverse_scale) {
-        for by in by {
-            for (most, &by) in most.0.iter_mut().zip(by) {
-                *most = (*most).max((by * inverse_scale).abs().to_bits().cast_signed());
-            }
+        for (most, &by) in most.0.iter_mut().zip(&by[0]) {
+            *most = (*most).max((by * inverse_scale).abs().to_bits().cast_signed());
         }
     }
     let mut most = in_memory(&mut most).0;
@@ -94,20 +70,18 @@ pub(crate) fn change<const C: usize, const G: usize, const N: usize>(
 
 /// Z ← K L and the stages; the largest change of Z.
 #[inline(always)]
-pub(crate) fn settle<const C: usize, const G: usize, const N: usize>(
-    k: &impl Mixes<f64, G, N>,
+pub(crate) fn settle<const C: usize, const N: usize>(
+    k: &impl Mixes<f64, 1, N>,
     step: &mut Step<'_, f64>,
 ) -> f64 {
     let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
-    let (l, z) = (rows_of::<C, G, N>(step.l), rows_of::<C, G, N>(step.z));
-    let points = rows_of::<C, G, N>(step.points);
-    let mut by = [[[0.0; N]; G]; C];
+    let (l, z) = (rows_of::<C, N>(step.l), rows_of::<C, N>(step.z));
+    let points = rows_of::<C, N>(step.points);
+    let mut by = [[[0.0; N]; 1]; C];
     for c in 0..C {
         let moved = k.product(&l[c]);
-        points[c] = from_fn(|g| placed(hi[c], lo[c], &moved[g]));
-        for g in 0..G {
-            by[c][g] = difference(&moved[g], &z[c][g]);
-        }
+        points[c] = [placed(hi[c], lo[c], &moved[0])];
+        by[c] = [difference(&moved[0], &z[c][0])];
         z[c] = moved;
     }
     change(&by, numbers(step.inverse_scale))
@@ -121,8 +95,6 @@ pub(crate) fn numbers<const C: usize>(x: &[f64]) -> &[f64; C] {
 
 /// The rows of C components.
 #[inline(always)]
-pub(crate) fn rows_of<const C: usize, const G: usize, const N: usize>(
-    x: &mut [f64],
-) -> &mut [Row<f64, G, N>; C] {
+pub(crate) fn rows_of<const C: usize, const N: usize>(x: &mut [f64]) -> &mut [Row<f64, 1, N>; C] {
     literal(crate::layout::row::rows_mut(x).first_chunk_mut())
 }

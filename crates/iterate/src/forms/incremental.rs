@@ -166,37 +166,33 @@ impl<T: Float> Incremental<'_, T> {
 /// As many as go on, with what one leaves to the next in registers.
 impl<'a> Small<'a> for Incremental<'a, f64> {
     #[inline(always)]
-    fn kernel<const C: usize, const G: usize, const N: usize>(
+    fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
-        k: &impl Mixes<f64, G, N>,
+        k: &impl Mixes<f64, 1, N>,
         again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.half.step;
-        let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
+        let hb: &Row<f64, 1, N> = literal(rows(step.hb).first());
         let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
         let w = numbers::<C>(self.half.inverse_masses);
         let hw: [f64; C] = from_fn(|c| self.h * w[c]);
-        let to_l = rows_of::<C, G, N>(&mut step.l[C * G * N..]);
-        let to_z = rows_of::<C, G, N>(step.z);
-        let to_q = rows_of::<C, G, N>(step.points);
+        let to_l = rows_of::<C, N>(&mut step.l[C * N..]);
+        let to_z = rows_of::<C, N>(step.z);
+        let to_q = rows_of::<C, N>(step.points);
         let (mut l, mut z, mut q) = (*to_l, *to_z, *to_q);
-        let delta = rows_of::<C, G, N>(step.delta);
+        let delta = rows_of::<C, N>(step.delta);
         loop {
             let computed = gradients.at(&q);
             for c in 0..C {
-                for g in 0..G {
-                    delta[c][g] = moved(&hb[g], &computed[g][c].0, &mut l[c][g]);
-                }
+                delta[c] = [moved(&hb[0], &computed[c].0, &mut l[c][0])];
             }
-            let mut by = [[[0.0; N]; G]; C];
+            let mut by = [[[0.0; N]; 1]; C];
             for c in 0..C {
                 let mixed = k.product(&delta[c]);
-                for g in 0..G {
-                    by[c][g] = scaled(&mixed[g], hw[c]);
-                    add(&mut z[c][g], &by[c][g]);
-                    q[c][g] = placed(hi[c], lo[c], &z[c][g]);
-                }
+                by[c] = [scaled(&mixed[0], hw[c])];
+                add(&mut z[c][0], &by[c][0]);
+                q[c] = [placed(hi[c], lo[c], &z[c][0])];
             }
             let change = change(&by, numbers(step.inverse_scale));
             if !again.again(change) {

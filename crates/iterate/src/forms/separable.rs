@@ -10,7 +10,6 @@ use crate::layout::row::{Row, in_memory, linear, literal, placed, rows, rows_mut
 use crate::matrix::product::Mixes;
 use equip_autodiff::StageGradients;
 use equip_scalar::{Float, Kernel, Lanes, Pack};
-use std::array::from_fn;
 use std::ops::Range;
 
 pub(crate) struct Separable<'a, T> {
@@ -164,34 +163,34 @@ impl<T: Float> Separable<'_, T> {
 
 impl<'a> Small<'a> for Separable<'a, f64> {
     #[inline(always)]
-    fn kernel<const C: usize, const G: usize, const N: usize>(
+    fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
-        k: &impl Mixes<f64, G, N>,
+        k: &impl Mixes<f64, 1, N>,
         _again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.step;
-        let computed: [[Lanes<N>; C]; G] = gradients.at(rows_of::<C, G, N>(step.points));
-        let hb: &Row<f64, G, N> = literal(rows(step.hb).first());
+        let computed: [Lanes<N>; C] = gradients.at(rows_of::<C, N>(step.points));
+        let hb: &Row<f64, 1, N> = literal(rows(step.hb).first());
         let (hi_p, lo_p) = (numbers::<C>(&step.hi[C..]), numbers::<C>(&step.lo[C..]));
         let (w, b) = (numbers::<C>(self.inverse_masses), numbers::<C>(self.offset));
-        let (l_q, l_p) = step.l.split_at_mut(C * G * N);
-        let (l_q, l_p) = (rows_of::<C, G, N>(l_q), rows_of::<C, G, N>(l_p));
-        let p = rows_of::<C, G, N>(&mut step.points[C * G * N..]);
-        let kept = rows_of::<C, G, N>(step.gradients);
+        let (l_q, l_p) = step.l.split_at_mut(C * N);
+        let (l_q, l_p) = (rows_of::<C, N>(l_q), rows_of::<C, N>(l_p));
+        let p = rows_of::<C, N>(&mut step.points[C * N..]);
+        let kept = rows_of::<C, N>(step.gradients);
 
         for c in 0..C {
-            l_p[c] = from_fn(|g| force(&hb[g], &computed[g][c].0));
-            kept[c] = from_fn(|g| computed[g][c].0);
+            l_p[c] = [force(&hb[0], &computed[c].0)];
+            kept[c] = [computed[c].0];
         }
         for c in 0..C {
             let moved = k.product(&l_p[c]);
-            let momenta: Row<f64, G, N> = from_fn(|g| placed(hi_p[c], lo_p[c], &moved[g]));
-            l_q[c] = from_fn(|g| times(&hb[g], &linear(w[c], &momenta[g], b[c])));
+            let momenta: Row<f64, 1, N> = [placed(hi_p[c], lo_p[c], &moved[0])];
+            l_q[c] = [times(&hb[0], &linear(w[c], &momenta[0], b[c]))];
             if self.keeps_momenta {
                 p[c] = momenta;
             }
         }
-        settle::<C, G, N>(k, step)
+        settle::<C, N>(k, step)
     }
 }

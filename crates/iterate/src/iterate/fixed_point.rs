@@ -3,12 +3,11 @@
 use crate::convergence::again::{Again, Once, Series};
 use crate::convergence::contraction::{Contraction, Progress};
 use crate::extrapolation::polynomial::Polynomial;
-use crate::forms::fused::{OneGroup, TwoGroups};
+use crate::forms::fused::OneGroup;
 use crate::iterate::compiled::ready;
 use crate::iterate::form::Form;
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::{Held, Preconditioner};
-use crate::layout::row::{HALF, fills_two};
 use crate::layout::state::State;
 use equip_autodiff::{Evaluator, Kinetic};
 use equip_scalar::Float;
@@ -169,7 +168,6 @@ impl<T: Float> Iterate<T> {
             match self.stride {
                 4 => self.fuse::<4>(energy, y, again),
                 8 => self.fuse::<8>(energy, y, again),
-                16 if fills_two::<T>(self.s) => self.fuse::<HALF>(energy, y, again),
                 _ => None,
             }
         } else {
@@ -194,15 +192,10 @@ impl<T: Float> Iterate<T> {
         y: &State<T>,
         again: &mut impl Again,
     ) -> Option<f64> {
-        let two_groups = fills_two::<T>(self.s);
         macro_rules! fused {
             ($method:ident, $task:expr, $again:expr) => {{
                 let task = $task.in_doubles()?;
-                if two_groups {
-                    energy.$method::<HALF, _>(&mut TwoGroups(task, $again))?
-                } else {
-                    energy.$method::<N, _>(&mut OneGroup(task, $again))?
-                }
+                energy.$method::<N, _>(&mut OneGroup(task, $again))?
             }};
         }
         Some(match self.form(y) {

@@ -7,10 +7,8 @@
 //!
 //! Cost: s³ products, of doubles in double-double.
 
-use crate::MAX_STAGES;
 use crate::layout::aligned::{Aligned, Places};
-use crate::layout::row::{rows, stride_for};
-use crate::matrix::product::{Mixes, Packed, product_any};
+use crate::layout::row::stride_for;
 use equip_scalar::{DoubleDouble, Float, InstructionSet, Kernel};
 use equip_tableau::Coefficients;
 
@@ -21,29 +19,29 @@ pub(crate) fn of<T: Float>(
     k: &[T],
     places: &mut Places,
 ) -> Aligned<T> {
-    let s = method.stages();
-    let stride = stride_for::<T>(s);
-    let k = &k[..s * stride];
+    let stride = stride_for::<T>(method.stages());
+    let k = &k[..method.stages() * stride];
     let mut twice = places.zeros(stride * stride);
     let doubles = (T::as_doubles(method.weights()), T::as_doubles(k));
     let (Some(b), Some(k), Some(to)) = (doubles.0, doubles.1, T::as_doubles_mut(&mut twice)) else {
         add_product(set, k, method, &mut twice);
         return twice;
     };
-    let width = s.next_multiple_of(8);
-    let mut columns = vec![DoubleDouble::exact(0.0); s * width];
-    for (to, from) in columns.chunks_exact_mut(width).zip(k.chunks_exact(stride)) {
-        for (x, &k) in to.iter_mut().zip(&from[..s]) {
-            *x = DoubleDouble::exact(k);
-        }
-    }
-    set.run(&mut Exactly {
-        columns: &columns,
-        b,
-        width,
-        stride,
-        twice: to,
+    let [k, b] = [k, b].map(|x| {
+        x.iter()
+            .map(|&x| DoubleDouble::exact(x))
+            .collect::<Vec<_>>()
     });
+    let mut wide = vec![DoubleDouble::exact(0.0); to.len()];
+    set.run(&mut Product {
+        k: &k,
+        b: &b,
+        stride,
+        twice: &mut wide,
+    });
+    to.iter_mut()
+        .zip(&wide)
+        .for_each(|(to, x)| *to = x.to_f64());
     twice
 }
 
@@ -83,71 +81,6 @@ impl<T: Float> Kernel for Product<'_, T> {
                 }
             }
         }
-    }
-}
-
-struct Exactly<'a> {
-    /// K, columns of this width.
-    columns: &'a [DoubleDouble],
-    b: &'a [f64],
-    width: usize,
-    stride: usize,
-    twice: &'a mut [f64],
-}
-
-impl Kernel for Exactly<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(&mut self) {
-        match self.width {
-            8 => self.packed::<1>(),
-            16 => self.packed::<2>(),
-            _ => self.any(),
-        }
-    }
-}
-
-impl Exactly<'_> {
-    /// Up to 16 stages.
-    #[inline(always)]
-    fn packed<const G: usize>(&mut self) {
-        let k = Packed::<DoubleDouble, G, 8, 16>::of(rows(self.columns), self.b.len());
-        let columns = self.columns.chunks_exact(self.width);
-        for (to, column) in self.twice.chunks_exact_mut(self.stride).zip(columns) {
-            let mut row = [[DoubleDouble::exact(0.0); 8]; G];
-            weigh(column, self.b, row.as_flattened_mut());
-            round(k.product(&row).as_flattened(), to);
-        }
-    }
-
-    #[inline(always)]
-    fn any(&mut self) {
-        let (s, groups) = (self.b.len(), self.width / 8);
-        let k = self.columns.as_chunks::<8>().0;
-        let columns = self.columns.chunks_exact(self.width);
-        for (to, column) in self.twice.chunks_exact_mut(self.stride).zip(columns) {
-            let mut row = [[DoubleDouble::exact(0.0); 8]; MAX_STAGES / 8];
-            weigh(column, self.b, row.as_flattened_mut());
-            for (g, to) in to.chunks_mut(8).enumerate() {
-                round(&product_any(k, &row[..groups], g, s), to);
-            }
-        }
-    }
-}
-
-/// B times a column.
-#[inline(always)]
-fn weigh(column: &[DoubleDouble], b: &[f64], to: &mut [DoubleDouble]) {
-    for ((to, &x), &b) in to.iter_mut().zip(column).zip(b) {
-        *to = x * DoubleDouble::exact(b);
-    }
-}
-
-#[inline(always)]
-fn round(from: &[DoubleDouble], to: &mut [f64]) {
-    for (to, x) in to.iter_mut().zip(from) {
-        *to = x.to_f64();
     }
 }
 
