@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from equip import Equip, Hamiltonian, solve
+from equip import Equip, Hamiltonian, Hbvm, solve
 
 INERTIA = np.array([1.0, 2.0, 3.0])
 
@@ -59,7 +59,7 @@ def test_a_pickled_one_is_the_same():
         (lambda q, p: {0: q[0]}, TypeError, "no place"),
         (lambda q, p: {(0, 1): q}, TypeError, "array of shape"),
         (lambda q: {}, TypeError, "function of"),
-        (lambda q, p: {(0, 1): 1 if q[0] > 0 else 2}, TypeError, ""),
+        (lambda q, p: {(0, 1): 1 if q[0] > 0 else 2}, TypeError, "compar"),
         (lambda q, p: {(0, 1): np.nan}, ValueError, "NaN"),
     ],
 )
@@ -76,3 +76,14 @@ def test_energies_without_a_bracket_are_refused():
     timed = Hamiltonian.with_time(lambda t, q, p: t * q @ q, 1)
     with pytest.raises(ValueError, match="depends on time"):
         timed.with_bracket(lambda q, p: {(0, 1): 1})
+
+
+def test_hbvm_conserves_h_with_a_constant_bracket_only():
+    energy = Hamiltonian(lambda q, p: (q @ q + 2 * p @ p) / 2 + q[1] ** 4 + 0.3 * q[0] * p[0], 2)
+    constant = energy.with_bracket(lambda q, p: {(0, 1): 1, (0, 2): 0.3, (1, 2): -0.5})
+    body = energy.with_bracket(lambda q, p: {(0, 1): -p[0], (0, 2): q[1], (1, 2): -q[0]})
+    errors = [
+        np.abs(solve(h, [0.9, 0.2], [0.4, 0.0], (0, 20), method=Hbvm(8, 2), step=0.4).energy_error).max()
+        for h in (constant, body)
+    ]
+    assert errors[0] < 1e-14 and errors[1] > 1e-8

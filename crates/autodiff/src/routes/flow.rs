@@ -145,6 +145,7 @@ impl<T: Float> Turned<T> {
         self.points.resize(3 * len, T::int(0));
         let (y, rest) = self.points.split_at_mut(len);
         y.copy_from_slice(states);
+        rest[len..].fill(T::int(0));
         let rows = rest
             .chunks_exact_mut(stride)
             .zip(gradients.chunks_exact(stride));
