@@ -37,7 +37,7 @@ pub struct Hamiltonian {
     /// H(t, q, p) alone, where the trace has H + p_t.
     pub(crate) alone: Option<Traced>,
     /// Of y' = B(y)∇H(y), if B is not J.
-    pub(crate) bracket: Option<(Traced, Bracket)>,
+    pub(crate) bracket: Option<Box<(Traced, Bracket)>>,
     /// Components of the state: an odd number if the last place is left free.
     pub(crate) components: usize,
 }
@@ -63,7 +63,7 @@ impl Hamiltonian {
     /// With the bracket of this bilinear form.
     pub(crate) fn set_bracket(&mut self, form: Traced) {
         let bracket = Bracket::new(self.energy_structure(), &form.shared.structure);
-        self.bracket = Some((form, bracket));
+        self.bracket = Some(Box::new((form, bracket)));
     }
 
     /// What is recorded, as a function of the state alone: H, also where H depends on time, which is the last
@@ -102,7 +102,7 @@ impl Hamiltonian {
         bytes::write(&Content {
             energy: energy.recording(),
             alone: self.alone.as_ref().map(Traced::recording),
-            form: self.bracket.as_ref().map(|(form, _)| form.recording()),
+            form: self.bracket.as_ref().map(|of| of.0.recording()),
             is_odd: self.components % 2 == 1,
         })
     }
@@ -202,7 +202,7 @@ impl Hamiltonian {
     /// ([`Evaluator`](crate::Evaluator)), and H does not separate.
     pub fn structure(&self) -> &Structure {
         match &self.bracket {
-            Some((_, bracket)) => &bracket.structure,
+            Some(of) => &of.1.structure,
             None => self.energy_structure(),
         }
     }

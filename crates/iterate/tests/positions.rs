@@ -1,4 +1,5 @@
 //! The linearised equations of H = T(p) + U(q), iterated for the positions alone.
+#![allow(clippy::unwrap_used)] // Helpers outside the test functions fail by panicking too.
 
 use equip_autodiff::Hamiltonian;
 use equip_iterate::{Contraction, Held, Iterate, LinearIteration, Progress, State};

@@ -76,7 +76,7 @@ impl<T: Float> Evaluator<T> {
             }
             Energy::External(external) => External(Box::new(ExternalEvaluator::new(external))),
         };
-        let bracket = of.bracket.as_ref().map(|(form, bracket)| {
+        let bracket = of.bracket.as_deref().map(|(form, bracket)| {
             Box::new(Turned {
                 of: bracket.clone(),
                 form: (ready::<T>().evaluator)(&form.shared),

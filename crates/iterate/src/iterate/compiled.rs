@@ -1,9 +1,11 @@
 //! What depends on the float type alone, compiled once with this crate for `f64` and double-double
 //! ([`equip_scalar::ready!`]).
 
+use crate::convergence::again::Series;
 use crate::extrapolation::polynomial::Polynomial;
 use crate::iterate::iterate::Iterate;
 use crate::layout::state::State;
+use equip_autodiff::{Evaluator, Kinetic};
 use equip_scalar::Float;
 use equip_tableau::Coefficients;
 use std::ops::Range;
@@ -12,10 +14,12 @@ use std::ops::Range;
 #[rustfmt::skip]
 #[allow(clippy::type_complexity)] // Signatures are what they are.
 pub(crate) struct Ready<T: Float> {
-    pub(crate) iterate: fn(&Coefficients<T>, usize, Option<equip_autodiff::Kinetic<T>>, &[T]) -> Iterate<T>,
+    pub(crate) iterate: fn(&Coefficients<T>, usize, Option<Kinetic<T>>, &[T]) -> Iterate<T>,
     pub(crate) at_rest: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T)),
     pub(crate) from_polynomial: fn(&mut Iterate<T>, &Coefficients<T>, (&State<T>, T, T), &Polynomial<T>, Option<&[T]>),
     pub(crate) polynomial: fn(&mut Polynomial<T>, equip_scalar::InstructionSet, [T; 3], bool),
+    pub(crate) once: fn(&mut Iterate<T>, &mut Evaluator<T>, &State<T>) -> f64,
+    pub(crate) series: fn(&mut Iterate<T>, &mut Evaluator<T>, &State<T>, &mut Series<'_>) -> f64,
     pub(crate) mix: fn(&mut Iterate<T>, &State<T>) -> f64,
     pub(crate) measure: fn(&mut Iterate<T>, &State<T>, Range<usize>),
     pub(crate) make_momenta: fn(&mut Iterate<T>, &State<T>),
@@ -33,6 +37,8 @@ impl<T: Float> Ready<T> {
         at_rest: Iterate::begin_at_rest,
         from_polynomial: Iterate::begin_from_polynomial,
         polynomial: Polynomial::make,
+        once: Iterate::once,
+        series: Iterate::series,
         mix: Iterate::mix,
         measure: Iterate::measure,
         make_momenta: Iterate::make_momenta,

@@ -90,9 +90,9 @@ impl<T: Float> Iterate<T> {
         self.is_incremental = can_be && self.z_is_k_l && !measures && series.is_next();
         self.has_momenta = measures;
         let change = if self.is_incremental {
-            self.run(energy, y, &mut series)
+            (ready::<T>().series)(self, energy, y, &mut series)
         } else {
-            self.run(energy, y, &mut Once)
+            (ready::<T>().once)(self, energy, y)
         };
         self.z_is_k_l = true;
         let made = series.made;
@@ -159,6 +159,21 @@ impl<T: Float> Iterate<T> {
             sizes.fold(most, |most, size| most.max(size))
         };
         rows.fold(T::int(0), worst).to_f64()
+    }
+
+    /// One iteration. Returns the change.
+    pub(crate) fn once(&mut self, energy: &mut Evaluator<T>, y: &State<T>) -> f64 {
+        self.run(energy, y, &mut Once)
+    }
+
+    /// Incremental iterations. Returns the last change.
+    pub(crate) fn series(
+        &mut self,
+        energy: &mut Evaluator<T>,
+        y: &State<T>,
+        series: &mut Series<'_>,
+    ) -> f64 {
+        self.run(energy, y, series)
     }
 
     /// Iterations of one form, by one kernel where there is one. Returns the last change.
