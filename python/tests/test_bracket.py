@@ -20,7 +20,7 @@ def rigid_body():
     return Hamiltonian(energy, 2).with_bracket(lambda q, p: {(0, 1): -p[0], (0, 2): q[1], (1, 2): -q[0]})
 
 
-def slope(t, m):
+def rate(t, m):
     omega = m / INERTIA + np.array([m[0] ** 3, 0, 0])
     return np.cross(m, omega)
 
@@ -33,7 +33,7 @@ def test_a_rigid_body_beside_scipy():
     method = Equip(stages=6)
     run = solve(body, start[:2], [start[2], 0.0], (0, 10), method=method, tolerance=1e-12)
     found = np.concatenate([run.q[-1], run.p[-1]])
-    expected = scipy.solve_ivp(slope, (0, 10), start, "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
+    expected = scipy.solve_ivp(rate, (0, 10), start, "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
     np.testing.assert_allclose(found[:3], expected, atol=1e-11)
     assert found[3] == 0
     assert abs(found @ found - start @ start) < 1e-14

@@ -134,7 +134,7 @@ fn a_heavy_top_is_integrated_with_order_2s() {
     );
 }
 
-/// A charge in a field B_z(x) = 1 + x/2, in (x, v) without a vector potential, beside the canonical system
+/// A charge in a field B_z(x) = 1 + x/2, in (x, v) without a vector potential, and the canonical system
 /// with A_y = x + x²/4: by fixed steps and by tolerance, and in double-double.
 #[test]
 fn a_charge_moves_as_with_a_vector_potential() {
@@ -239,7 +239,7 @@ fn a_casimir_that_is_not_quadratic_is_one_more_constraint() {
     assert!(largest_energy_error(&wide) < 1e-29);
 }
 
-/// w' beside differences of w, its products with a vector beside its entries, and many states beside one.
+/// w' is compared with differences of w, products with its entries, and many states with one.
 #[test]
 fn the_jacobian_is_that_of_w() {
     let (top, zero) = (heavy_top(), DoubleDouble::exact(0.0));
@@ -266,9 +266,12 @@ fn the_jacobian_is_that_of_w() {
         unit[column] = DoubleDouble::exact(1.0);
         evaluator.hessian_vector(&y, &unit, &mut product);
         for row in 0..6 {
-            let slope = (ends[0][row] - ends[1][row]) / (delta + delta);
+            let derivative = (ends[0][row] - ends[1][row]) / (delta + delta);
             let entry = by_entries[row][column];
-            assert!((slope - entry).to_f64().abs() < 1e-17, "{row} {column}");
+            assert!(
+                (derivative - entry).to_f64().abs() < 1e-17,
+                "{row} {column}"
+            );
             assert!(
                 (product[row] - entry).to_f64().abs() < 1e-30,
                 "{row} {column}"
@@ -294,7 +297,7 @@ fn the_jacobian_is_that_of_w() {
     }
 }
 
-/// Deviations beside differences of two runs.
+/// Deviations are compared with differences of two runs.
 #[test]
 fn deviations_follow_the_motion() {
     let top = heavy_top();
@@ -311,8 +314,8 @@ fn deviations_follow_the_motion() {
         .advance_to(&mut stepper, 3.0, &mut deviation)
         .unwrap();
     for (found, (a, b)) in deviation.iter().zip(ends[0].iter().zip(&ends[1])) {
-        let slope = (a - b) / 2e-5;
-        assert!((found - slope).abs() < 1e-8, "{found} {slope}");
+        let derivative = (a - b) / 2e-5;
+        assert!((found - derivative).abs() < 1e-8, "{found} {derivative}");
     }
 }
 

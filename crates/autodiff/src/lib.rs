@@ -53,3 +53,5 @@ pub use structure::pattern::Pattern;
 
 #[doc(hidden)]
 pub use native::fused::{Fused, StageGradients};
+#[doc(hidden)]
+pub use structure::conjugate::{conjugate, turned};

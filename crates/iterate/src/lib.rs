@@ -21,7 +21,6 @@ pub use extrapolation::polynomial::Polynomial;
 pub use iterate::iterate::Iterate;
 pub use iterate::moved::Kept;
 pub use iterate::precondition::{Held, Preconditioner};
-pub use layout::conjugate::turned;
 pub use layout::row::stride_for;
 pub use layout::state::State;
 pub use linear::linear_iteration::LinearIteration;

@@ -145,8 +145,8 @@ impl Recorded {
         finish(function.py(), fault, made)
     }
 
-    /// The system y' = B(y)∇H(y): `entries(q, p)` is called once with lists of m variables, and returns a list
-    /// of (i, j, B_ij).
+    /// The system y' = B(y)∇H(y): `entries(q, p)` is called once with lists of m variables, and returns a
+    /// list of (i, j, B_ij).
     fn with_bracket(&self, entries: &Bound<'_, PyAny>) -> PyResult<Self> {
         let (fault, m) = (RefCell::new(None), self.hamiltonian.degrees_of_freedom());
         let made = self.hamiltonian.clone().with_bracket(|y| {

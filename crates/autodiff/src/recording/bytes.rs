@@ -1,5 +1,5 @@
-//! A recording as bytes, which [`crate::recording::read`] reads: every node in its place, so that H and its
-//! derivatives keep every bit.
+//! A recording as bytes: every node in its place, so that H and its derivatives keep every bit. `read.rs`
+//! reads them.
 //!
 //! | bytes | what |
 //! |---|---|

@@ -39,8 +39,9 @@ pub(crate) fn read(
     }
     let mut content = head;
     let parts = content.byte()?;
-    // Time and a bracket of its own exclude each other.
-    let is_known = parts & ENERGY != 0 && parts < 2 * ODD && parts & (ALONE | FORM) != ALONE | FORM;
+    // Where H depends on time there is no bracket, and the components are pairs.
+    let with_time = parts & ALONE != 0 && parts & (FORM | ODD) != 0;
+    let is_known = parts & ENERGY != 0 && parts < 2 * ODD && !with_time;
     if !is_known {
         return Err(damaged(NOT_ONE_ENERGY));
     }

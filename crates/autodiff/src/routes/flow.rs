@@ -6,7 +6,7 @@
 
 use super::evaluator::{Evaluator, Source, Turned};
 use super::traced_evaluator::ready;
-use crate::structure::bracket::moved;
+use crate::structure::conjugate::turned;
 use equip_scalar::Float;
 
 use Source::{External, Traced, WithGradient};
@@ -176,10 +176,10 @@ impl<T: Float> Turned<T> {
     fn take(&self, w: &mut [T], stride: usize) {
         let n = w.len() / stride;
         for (c, w) in w.chunks_exact_mut(stride).enumerate() {
-            let (from, negative) = moved(c, n);
+            let (from, sign) = turned::<T>(c, n);
             let results = &self.of_form[(2 * n + from) * stride..][..stride];
             for (w, &x) in w.iter_mut().zip(results) {
-                *w = if negative { -x } else { x };
+                *w = sign * x;
             }
         }
     }
@@ -199,7 +199,7 @@ impl<T: Float> Turned<T> {
             self.pattern.dimension(),
         );
         for row in 0..n {
-            let negative = moved(row, n).1;
+            let sign = turned::<T>(row, n).1;
             for (e, _) in self.of.structure.hessian.row(row) {
                 let entry = &mut entries[e * stride..][..count];
                 match jacobian.direct[e] {
@@ -212,9 +212,7 @@ impl<T: Float> Turned<T> {
                         *x += b * h;
                     }
                 }
-                if negative {
-                    entry.iter_mut().for_each(|x| *x = -*x);
-                }
+                entry.iter_mut().for_each(|x| *x *= sign);
             }
         }
     }

@@ -12,6 +12,7 @@
 //!
 //! S has 3n components: y, g and λ, one after the other.
 
+use super::conjugate::turned;
 use super::facts::{HessianPattern, Structure};
 use super::pattern::Pattern;
 use std::ops::Range;
@@ -66,7 +67,7 @@ impl Bracket {
                 starts: vec![0],
             };
             for row in 0..n {
-                let lambda = 2 * n + moved(row, n).0;
+                let lambda = 2 * n + turned::<f64>(row, n).0;
                 for (_, column) in own.row(row) {
                     jacobian.direct.push(form.place(lambda, column));
                     let factors = form.row(lambda).filter(|(_, g)| (n..2 * n).contains(g));
@@ -82,20 +83,13 @@ impl Bracket {
     }
 }
 
-/// The component of y' that component `c` of w = Jᵀy' is, and whether with the opposite sign.
-#[inline]
-pub(crate) fn moved(c: usize, n: usize) -> (usize, bool) {
-    let m = n / 2;
-    if c < m { (c + m, true) } else { (c - m, false) }
-}
-
 /// The pattern of w'.
 fn pattern(energy: &Pattern, form: &Pattern) -> Pattern {
     let n = energy.dimension();
     let (mut row_starts, mut columns) = (vec![0], Vec::new());
     let mut own = Vec::new();
     for row in 0..n {
-        for (_, column) in form.row(2 * n + moved(row, n).0) {
+        for (_, column) in form.row(2 * n + turned::<f64>(row, n).0) {
             if column < n {
                 own.push(column);
             } else if column < 2 * n {

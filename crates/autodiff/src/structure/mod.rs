@@ -2,6 +2,7 @@
 
 pub(crate) mod bracket;
 pub(crate) mod colouring;
+pub(crate) mod conjugate;
 pub(crate) mod degree;
 pub(crate) mod facts;
 pub(crate) mod kinetic;

@@ -57,8 +57,8 @@ impl Checksum {
     }
 }
 
-/// The checksum of a function: of its formula, if that is recorded, and of its values and gradients at `y`
-/// and at two states beside it, so that energies that are types are told apart by their parameters too.
+/// The checksum of a function: of its formula, if that is recorded, and of its values and of w of
+/// y' = Jw at `y` and at two states near it, which tell apart external energies and their brackets.
 /// Three gradients.
 pub(crate) fn of_function<T: Float>(function: &mut Evaluator<T>, y: &[T]) -> String {
     let mut sum = Checksum::new();
@@ -71,7 +71,8 @@ pub(crate) fn of_function<T: Float>(function: &mut Evaluator<T>, y: &[T]) -> Str
             // Differences that no symmetry of the usual energies undoes.
             *x = y + T::ratio(k * (2 * j as i64 + 3), 16 * (j as i64 + 4));
         }
-        sum.value(function.gradient(&point, &mut gradient));
+        sum.value(function.value(&point));
+        function.flow_gradient(&point, &mut gradient);
         gradient.iter().for_each(|&x| sum.value(x));
     }
     sum.hexadecimal()

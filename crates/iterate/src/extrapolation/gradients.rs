@@ -23,11 +23,11 @@
 
 use crate::MAX_STAGES;
 use crate::extrapolation::polynomial::View;
-use crate::layout::conjugate::conjugate;
 use crate::layout::row::{
     Row, by_lanes, groups_of, lanes_of, larger, largest, literal, rows, rows_mut, times,
 };
 use crate::policy::LIKELY;
+use equip_autodiff::conjugate;
 use equip_scalar::{Float, Kernel};
 use std::array::from_fn;
 use std::ops::Range;

@@ -3,10 +3,9 @@
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};
 use crate::forms::fused::{Small, rows_of, settle};
-use crate::layout::conjugate::conjugate;
 use crate::layout::row::{Row, literal, rows, rows_mut, times};
 use crate::matrix::product::Mixes;
-use equip_autodiff::StageGradients;
+use equip_autodiff::{StageGradients, conjugate};
 use equip_scalar::{Float, Kernel, Lanes};
 use std::array::from_fn;
 use std::ops::Range;

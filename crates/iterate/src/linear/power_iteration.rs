@@ -10,9 +10,8 @@
 //!
 //! In doubles, whatever the float type. Cost: 2·[`ITERATIONS`] products with ∇²H, of the bound two to eight.
 
-use crate::layout::conjugate::turned;
 use crate::policy::{BOUNDS, ITERATIONS};
-use equip_autodiff::Pattern;
+use equip_autodiff::{Pattern, turned};
 
 /// ∇²H, and room to work with it.
 #[derive(Debug, Default)]

@@ -3,11 +3,10 @@
 //! Cost: s Hessians.
 
 use crate::iterate::iterate::Iterate;
-use crate::layout::conjugate::turned;
 use crate::layout::row::{by_groups, fused, scaled, stride_for};
 use crate::linear::power_iteration::PowerIteration;
 use crate::linear::row_times::row_times;
-use equip_autodiff::{Evaluator, Pattern};
+use equip_autodiff::{Evaluator, Pattern, turned};
 use equip_scalar::{Float, InstructionSet, Kernel};
 
 /// h b_i ∇²H(Y_i).

@@ -15,8 +15,8 @@
 use crate::alpha::direction::Direction;
 use crate::outcome::outcome::Counts;
 use crate::policy::FARTHEST;
-use equip_autodiff::Evaluator;
-use equip_iterate::{Held, Iterate, Preconditioner, State, stride_for, turned};
+use equip_autodiff::{Evaluator, turned};
+use equip_iterate::{Held, Iterate, Preconditioner, State, stride_for};
 use equip_scalar::{Float, mix_stages};
 use equip_tableau::{Coefficients, legendre_integrals_at};
 

@@ -19,8 +19,7 @@
 
 use crate::outcome::outcome::Outcome;
 use crate::policy::{FARTHEST, LEADING, RIDGE, SMALL};
-use equip_autodiff::{Evaluator, Hamiltonian};
-use equip_iterate::turned;
+use equip_autodiff::{Evaluator, Hamiltonian, turned};
 use equip_linear::DenseLu;
 use equip_scalar::Float;
 use equip_tableau::Coefficients;

@@ -11,8 +11,8 @@
 use crate::precondition::rows::Rows;
 use crate::precondition::schur::Schur;
 use crate::precondition::shifted_systems::ShiftedSystems;
-use equip_autodiff::Structure;
-use equip_iterate::{Held, Iterate, Preconditioner, turned};
+use equip_autodiff::{Structure, turned};
+use equip_iterate::{Held, Iterate, Preconditioner};
 use equip_linear::Singular;
 use equip_scalar::Float;
 use equip_tableau::Coefficients;

@@ -9,8 +9,8 @@
 //! Cost: 2/3 (s u)³ operations to factorise for u unknown components, 2 (s u)² for each right-hand side.
 
 use crate::precondition::rows::Rows;
-use equip_autodiff::{Evaluator, Pattern};
-use equip_iterate::{Held, Iterate, Preconditioner, State, turned};
+use equip_autodiff::{Evaluator, Pattern, turned};
+use equip_iterate::{Held, Iterate, Preconditioner, State};
 use equip_linear::{DenseLu, Singular};
 use equip_scalar::Float;
 use equip_tableau::Coefficients;

@@ -13,8 +13,7 @@
 
 use crate::policy::SPARSE_SHARE;
 use crate::precondition::schur::Block;
-use equip_autodiff::Pattern;
-use equip_iterate::turned;
+use equip_autodiff::{Pattern, turned};
 use equip_linear::{DenseLu, Singular};
 use equip_linear::{SparseLu, Symbolic};
 use nalgebra::{Complex, DVector};

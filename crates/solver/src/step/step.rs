@@ -100,7 +100,7 @@ impl<T: Float> Core<T> {
         }
         self.alphas.copy_from_slice(&self.start_alphas);
         let energy = self.constraints.first().filter(|c| c.is_energy());
-        // ∇H at the start says how the motion goes on where y' = J∇H.
+        // It is w of y' = Jw in a canonical system only.
         let energy = energy.filter(|_| self.energy.is_canonical());
         let known = energy.map(|c| c.start_gradient.as_slice());
         let is_last = self.constraints.is_empty() || self.is_deferred;

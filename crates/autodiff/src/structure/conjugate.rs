@@ -4,13 +4,15 @@ use equip_scalar::Float;
 
 /// The component c of ∇H that component `r` of J∇H is made of, and whether with the opposite sign: for n
 /// components the positions move by ∂H/∂p, the momenta by −∂H/∂q. The same map leads back.
+#[doc(hidden)]
 #[inline(always)]
-pub(crate) fn conjugate(r: usize, n: usize) -> (usize, bool) {
+pub fn conjugate(r: usize, n: usize) -> (usize, bool) {
     let m = n / 2;
     if r < m { (r + m, false) } else { (r - m, true) }
 }
 
 /// The component of J∇H that component `c` of ∇H goes to, and with which sign.
+#[doc(hidden)]
 #[inline(always)]
 pub fn turned<T: Float>(c: usize, n: usize) -> (usize, T) {
     let m = n / 2;
