@@ -3,6 +3,7 @@
 mod agreement;
 mod allocations;
 mod brackets;
+mod cases_astray;
 mod cases_step;
 mod cases_step_long;
 mod cases_step_starts;

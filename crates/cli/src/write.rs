@@ -1,7 +1,6 @@
 //! Files: the table of a run, its checkpoints, and outputs that no other program writes at the time.
 
 pub(crate) mod checkpoint;
-pub(crate) mod checksum;
 pub(crate) mod csv;
 pub(crate) mod lock;
 pub(crate) mod outputs;

@@ -337,17 +337,17 @@ pub enum IntegrateError<T: Float> {
     },
     /// The step has a solution, which has nothing to do with the motion.
     #[error(
-        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy has an error of {energy_error:e}, more than all terms of the energy ({scale:e}): the step is too large for them to have the solution that follows the motion; take a smaller step",
+        "in the step at t = {time}, h = {step} the stage equations lead to a state whose energy differs by {change:e}, where {exchanged:e} is exchanged between positions and momenta: the step is too large for them to have the solution that follows the motion; take a smaller step",
         time = plain(*time), step = plain(*step))]
     Astray {
         /// Start of the step.
         time: T,
         /// Its size.
         step: T,
-        /// H − H_ref at its end.
-        energy_error: T,
-        /// |H_ref| + Σ|∂_iH| σ_i at its start, σ the sizes of the components in the step.
-        scale: T,
+        /// What H changes by over the step.
+        change: T,
+        /// Σ_i h b_i Σ_c |q̇_c ṗ_c|, the energy exchanged in it.
+        exchanged: T,
     },
     /// The motion runs away to infinity, which it reaches in finite time.
     #[error(

@@ -58,6 +58,15 @@ impl<T: Float> Core<T> {
         &mut self.counts
     }
 
+    /// H at `y`, which is known at the end of the step made last if its energy was checked.
+    pub fn energy_at(&mut self, y: &[T]) -> T {
+        if self.options.check_energy && self.constraints.is_empty() && self.start == y {
+            return self.start_energy;
+        }
+        self.counts.energies += 1;
+        self.energy.compensated_value(y)
+    }
+
     /// The evaluator with the counts.
     pub fn energy_and_counts(&mut self) -> (&mut Evaluator<T>, &mut Counts) {
         (&mut self.energy, &mut self.counts)
@@ -147,6 +156,15 @@ impl<T: Float> Core<T> {
             max_halvings: self.options.max_halvings,
         }
     }
+
+    /// Where the iteration had come to at the end of that part, length n.
+    pub fn failed_end(&self) -> Vec<T> {
+        let rows = (self.stages.iterate.increments()).chunks_exact(self.stages.iterate.stride());
+        let sum = |row: &[T]| row.iter().fold(T::int(0), |sum, &l| sum + l);
+        (self.failed.0.iter().zip(rows))
+            .map(|(&y, row)| y + sum(row))
+            .collect()
+    }
 }
 
 /// The start of a run.
@@ -159,6 +177,10 @@ impl<T: Float> Core<T> {
         self.alphas.copy_from_slice(&self.start_alphas);
         for constraint in &mut self.constraints {
             constraint.begin(h_ref, y);
+        }
+        if self.constraints.is_empty() {
+            self.start.copy_from_slice(y);
+            self.start_energy = h_ref;
         }
     }
 }
@@ -252,6 +274,7 @@ impl<T: Float> Core<T> {
         }
         let gradients = self.constraints.iter().flat_map(|c| &c.start_gradient);
         memory.put("gradients", self.start.iter().chain(gradients).copied());
+        memory.put("energy", [self.start_energy]);
         let handed_on = self.alpha_solver.iter().flat_map(|solver| solver.handed_on);
         memory.put("handed on", handed_on);
         memory.put("noise", [T::exact(self.noise_expected)]);
@@ -292,6 +315,7 @@ impl<T: Float> Core<T> {
         for (constraint, gradient) in self.constraints.iter_mut().zip(gradients.chunks_exact(n)) {
             constraint.start_gradient.copy_from_slice(gradient);
         }
+        [self.start_energy] = memory.numbers("energy")?;
         if let Some(solver) = &mut self.alpha_solver {
             memory.read("handed on", &mut solver.handed_on)?;
         }

@@ -18,7 +18,9 @@ use crate::BytesError;
 use crate::recording::op::{Node, Op};
 use crate::recording::recorder::Recording;
 use equip_scalar::{Outside, Written};
+use fnv::FnvHasher;
 use std::convert::Infallible;
+use std::hash::Hasher;
 
 pub(super) const MAGIC: [u8; 8] = *b"equip H\n";
 pub(super) const FORMAT: u32 = 2;
@@ -221,7 +223,7 @@ fn write_all(data: &[u8], bytes: &mut Vec<u8>) {
 /// FNV-1a, 64 bits: each byte is mixed in by a map that can be undone, so that contents of one length that
 /// differ in one byte never have the same sum.
 pub(super) fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, &byte| {
-        (sum ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
+    let mut sum = FnvHasher::default();
+    sum.write(bytes);
+    sum.finish()
 }

@@ -8,13 +8,14 @@
 use crate::args::number;
 use crate::draw::samples::Picture;
 use crate::fault::Fault;
-use crate::write::checksum::checksum;
 use crate::write::csv::Mark;
 use equip_integrate::Checkpoint;
 use equip_scalar::DoubleDouble;
 use equip_scenes::Instance;
+use fnv::FnvHasher;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
+use std::hash::Hasher;
 use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -118,6 +119,12 @@ impl Saver {
         self.last = Instant::now();
         Ok(())
     }
+}
+
+fn checksum(bytes: &[u8]) -> u64 {
+    let mut sum = FnvHasher::default();
+    sum.write(bytes);
+    sum.finish()
 }
 
 /// The file that a checkpoint is written to before it takes its name.

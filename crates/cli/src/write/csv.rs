@@ -5,13 +5,14 @@
 //! Where a deviation is followed there are two more columns, `lyapunov,megno`, empty in the first row.
 
 use crate::fault::Fault;
-use crate::write::checksum::{checksum, continued};
 use crate::write::lock;
 use equip_integrate::ChaosIndicators;
 use equip_scalar::Float;
+use fnv::FnvHasher;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::fs::File;
+use std::hash::Hasher;
 use std::io::{self, BufRead, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -59,7 +60,7 @@ impl Mark {
             index: 0,
             last_row: String::new(),
             bytes: 0,
-            checksum: checksum(&[]),
+            checksum: FnvHasher::default().finish(),
         }
     }
 
@@ -134,14 +135,14 @@ impl Mark {
 /// The checksum of the next `count` bytes.
 fn checksum_of(file: &mut File, count: u64) -> io::Result<u64> {
     let mut reader = BufReader::new(file.take(count));
-    let mut sum = checksum(&[]);
+    let mut sum = FnvHasher::default();
     loop {
         let bytes = reader.fill_buf()?;
         let length = bytes.len();
         if length == 0 {
-            return Ok(sum);
+            return Ok(sum.finish());
         }
-        sum = continued(sum, bytes);
+        sum.write(bytes);
         reader.consume(length);
     }
 }
@@ -250,7 +251,9 @@ impl Rows {
     fn put(&mut self, text: String) -> io::Result<()> {
         self.out.write_all(text.as_bytes())?;
         self.mark.bytes += text.len() as u64;
-        self.mark.checksum = continued(self.mark.checksum, text.as_bytes());
+        let mut sum = FnvHasher::with_key(self.mark.checksum);
+        sum.write(text.as_bytes());
+        self.mark.checksum = sum.finish();
         self.mark.last_row = text;
         Ok(())
     }

@@ -7,6 +7,7 @@
 //! what the solver and step control remember of the steps so far, and the certificate so far. What is not: H,
 //! and what only watches a run (observers, events, output times).
 
+use crate::checkpoints::checksum;
 use crate::checkpoints::exact::Exact;
 use crate::checkpoints::memories::{ChaosMemory, ControlMemory};
 use crate::error::IntegrateError;
@@ -15,7 +16,7 @@ use equip_scalar::Float;
 use equip_solver::{Counts, Outcome};
 
 /// The version of what is in a checkpoint.
-pub(crate) const FORMAT: u32 = 12;
+pub(crate) const FORMAT: u32 = 13;
 
 /// A run at one of its steps, from which it can be resumed bit for bit. Made by
 /// [`Stepper::checkpoint`](crate::Stepper::checkpoint), read by `resume` and `integrate_from` of the same
@@ -33,7 +34,7 @@ pub(crate) const FORMAT: u32 = 12;
 /// assert_eq!(run.advance()?.q, again.advance()?.q);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Checkpoint {
@@ -167,6 +168,14 @@ impl Checkpoint {
             || now.to_string(),
             stored == now,
         )
+    }
+
+    /// The checksum of all that is in it.
+    fn sum(&self) -> String {
+        checksum::of(&Checkpoint {
+            checksum: String::new(),
+            ..self.clone()
+        })
     }
 
     /// Puts the checksum of the content on it.

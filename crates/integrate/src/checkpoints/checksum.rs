@@ -6,74 +6,59 @@
 use crate::checkpoints::exact::Exact;
 use equip_autodiff::Evaluator;
 use equip_scalar::Float;
+use fnv::FnvHasher;
+use std::hash::{Hash, Hasher};
 
-/// A sum over bytes.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Checksum(u64);
+/// FNV-1a, the same on machines of every word length and byte order.
+#[derive(Default)]
+struct Portable(FnvHasher);
 
-impl Checksum {
-    pub(crate) fn new() -> Self {
-        Checksum(0xcbf2_9ce4_8422_2325)
+impl Hasher for Portable {
+    fn finish(&self) -> u64 {
+        self.0.finish()
     }
 
-    fn bytes(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
+    fn write(&mut self, bytes: &[u8]) {
+        self.0.write(bytes);
     }
 
-    pub(crate) fn count(&mut self, count: u64) {
-        self.bytes(&count.to_le_bytes());
+    fn write_u32(&mut self, count: u32) {
+        self.write_u64(count.into());
     }
 
-    /// A text with its length, so that texts one after the other are told apart.
-    pub(crate) fn text(&mut self, text: &str) {
-        self.count(text.len() as u64);
-        self.bytes(text.as_bytes());
+    fn write_u64(&mut self, count: u64) {
+        self.write(&count.to_le_bytes());
     }
 
-    pub(crate) fn numbers<'a>(&mut self, numbers: impl IntoIterator<Item = &'a Exact>) {
-        let mut count = 0;
-        for number in numbers {
-            self.text(number.text());
-            count += 1;
-        }
-        self.count(count);
+    fn write_usize(&mut self, count: usize) {
+        self.write_u64(count as u64);
     }
+}
 
-    fn value<T: Float>(&mut self, x: T) {
-        // Four words at least: as many as have always been counted.
-        let parts = x.expansion();
-        let last = parts.iter().rposition(|&part| part != 0.0).unwrap_or(0);
-        for &part in &parts[..=last.max(3)] {
-            // All NaN are one.
-            let part = if part.is_nan() { f64::NAN } else { part };
-            self.count(part.to_bits());
-        }
-    }
-
-    pub(crate) fn hexadecimal(self) -> String {
-        format!("{:016x}", self.0)
-    }
+/// The checksum of what is hashed, in hexadecimal.
+pub(crate) fn of(content: &impl Hash) -> String {
+    let mut sum = Portable::default();
+    content.hash(&mut sum);
+    format!("{:016x}", sum.finish())
 }
 
 /// The checksum of a function: of its formula, if that is recorded, and of its values and of w of
 /// y' = Jw at `y` and at two states near it, which tell apart external energies and their brackets.
 /// Three gradients.
 pub(crate) fn of_function<T: Float>(function: &mut Evaluator<T>, y: &[T]) -> String {
-    let mut sum = Checksum::new();
-    if let Some(formula) = function.formula_checksum() {
-        sum.count(formula);
-    }
-    let (mut point, mut gradient) = (y.to_vec(), vec![T::int(0); y.len()]);
+    let (mut point, mut w) = (y.to_vec(), vec![T::int(0); y.len()]);
+    let mut values = Vec::with_capacity(3 * (y.len() + 1));
     for k in 0..3 {
         for (j, (x, &y)) in point.iter_mut().zip(y).enumerate() {
             // Differences that no symmetry of the usual energies undoes.
             *x = y + T::ratio(k * (2 * j as i64 + 3), 16 * (j as i64 + 4));
         }
-        sum.value(function.value(&point));
-        function.flow_gradient(&point, &mut gradient);
-        gradient.iter().for_each(|&x| sum.value(x));
+        values.push(function.value(&point));
+        function.flow_gradient(&point, &mut w);
+        values.extend_from_slice(&w);
     }
-    sum.hexadecimal()
+    // All NaN are one.
+    let number = |x: T| if x.is_nan() { T::exact(f64::NAN) } else { x };
+    let values: Vec<Exact> = values.into_iter().map(|x| Exact::of(number(x))).collect();
+    of(&(function.formula_checksum(), values))
 }

@@ -4,7 +4,7 @@ use crate::error::IntegrateError;
 use equip_scalar::{Float, Words};
 
 /// A number by the bits of its parts: hexadecimal, separated by colons, the largest part first.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(transparent))]
 pub(crate) struct Exact(String);
@@ -24,11 +24,6 @@ impl Exact {
             .map(|part| format!("{:016x}", part.to_bits()))
             .collect();
         Exact(text.join(":"))
-    }
-
-    /// The text.
-    pub(crate) fn text(&self) -> &str {
-        &self.0
     }
 
     /// A number that has to be finite.

@@ -8,7 +8,7 @@ use crate::report::variable_steps::VariableSteps;
 use equip_scalar::Float;
 
 /// What step control remembers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub(crate) struct ControlMemory {
@@ -22,7 +22,7 @@ pub(crate) struct ControlMemory {
 }
 
 /// A deviation and what has been summed of it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub(crate) struct ChaosMemory {

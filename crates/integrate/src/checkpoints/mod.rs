@@ -4,4 +4,3 @@ pub(crate) mod checkpoint;
 pub(crate) mod checksum;
 pub(crate) mod exact;
 pub(crate) mod memories;
-mod sum;

@@ -70,11 +70,11 @@ fn error_of<T: Float>(core: &mut Core<T>, failure: Failure<T>) -> IntegrateError
             step,
             halvings,
         },
-        Failure::Astray { residual, scale } => IntegrateError::Astray {
+        Failure::Astray { change, exchanged } => IntegrateError::Astray {
             time,
             step,
-            energy_error: residual,
-            scale,
+            change,
+            exchanged,
         },
         Failure::NoConvergence {
             iterations,

@@ -89,7 +89,7 @@ impl<T: Float> Integrator<T> {
     }
 
     /// Whether to evaluate H after steps that do not solve for it (Gauss, fixed α, quadratic H); on by
-    /// default.
+    /// default. Fixed steps over which H changes as along no motion are halved, if it is evaluated.
     #[must_use]
     pub fn measure_energy(mut self, measure: bool) -> Self {
         self.options.measure_energy = measure;
@@ -98,8 +98,8 @@ impl<T: Float> Integrator<T> {
 
     /// Whether a gradient written by hand is compared with H: at the start, after steps 1, 2, 4, 8, … and
     /// where a step fails or cannot keep the energy; on by default. A component that differs ends the run
-    /// with [`IntegrateError::WrongGradient`](crate::IntegrateError::WrongGradient). Gradients derived from H
-    /// need no check and cost nothing.
+    /// with [`IntegrateError::WrongGradient`](crate::IntegrateError::WrongGradient). Without it steps are
+    /// taken as they are, whatever H changes by. Gradients derived from H need no check and cost nothing.
     #[must_use]
     pub fn check_gradient(mut self, check: bool) -> Self {
         self.options.check_gradient = check;

@@ -136,8 +136,7 @@ impl<T: Float> Measured<T> {
                 seen.last = constraint.momentary_round_off();
             }
         } else if self.is_evaluated {
-            core.counts_mut().energies += 1;
-            let error = core.energy_mut().compensated_value(y) - h_ref;
+            let error = core.energy_at(y) - h_ref;
             if let Some(energy) = &mut self.energy {
                 energy.see(error);
             }

@@ -137,12 +137,11 @@ impl<T: Float> Integration<T> {
         made: Result<Outcome, IntegrateError<T>>,
     ) -> Result<Outcome, IntegrateError<T>> {
         if self.check_gradient {
-            let (time, energy) = (self.time, self.core.energy_mut());
             let checked = match made {
                 Ok(outcome) if outcome.is_uncorrected() => {
-                    check_gradient(energy, time + h, &self.next.hi)
+                    check_gradient(self.core.energy_mut(), self.time + h, &self.next.hi)
                 }
-                Err(_) => check_gradient(energy, time, &self.y.hi),
+                Err(_) => self.check_gradient_of_failed(),
                 Ok(_) => Ok(()),
             };
             if let Err(wrong) = checked {
@@ -151,6 +150,18 @@ impl<T: Float> Integration<T> {
             }
         }
         made
+    }
+
+    /// Whether a gradient written by hand is that of H where the step begins that has failed, and where it
+    /// had come to.
+    fn check_gradient_of_failed(&mut self) -> Result<(), IntegrateError<T>> {
+        let end = self.core.failed_end();
+        let energy = self.core.energy_mut();
+        check_gradient(energy, self.time, &self.y.hi)?;
+        if end.iter().all(|x| x.is_finite()) {
+            check_gradient(energy, self.time, &end)?;
+        }
+        Ok(())
     }
 
     /// Takes the step made by [`attempt`](Self::attempt), which ends at `time`.

@@ -29,7 +29,7 @@ impl<T: Float> Integration<T> {
         }
         let method = integrator.method.for_degree(system.structure().degree);
         let coefficients = coefficients(method)?;
-        let settings = options.validate(method)?;
+        let mut settings = options.validate(method)?;
         // Time counts as one of `all`.
         let (all, zero) = (system.degrees_of_freedom(), T::int(0));
         let m = all - usize::from(system.has_time());
@@ -60,6 +60,10 @@ impl<T: Float> Integration<T> {
             StepSizes::Fixed(sizes) => Some(sizes.h.abs()),
             StepSizes::Tolerance(_) => None,
         };
+        // Across a jump H may change by anything, and of a gradient taken as it is along any motion.
+        let is_bounded = system.is_canonical() && switches.is_empty() && options.check_gradient;
+        let is_measured = options.measure_energy && size.is_some();
+        settings.check_energy = is_bounded && (has_target || is_measured);
         let in_parts = size.and_then(|_| Substeps::boxed(&switches, &coefficients, 2 * all));
         let domains = WithinDomains::new(&switches, stages, 2 * all);
         let mut evaluator = system.evaluator::<T>();

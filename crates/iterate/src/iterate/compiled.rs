@@ -24,7 +24,7 @@ pub(crate) struct Ready<T: Float> {
     pub(crate) measure: fn(&mut Iterate<T>, &State<T>, Range<usize>),
     pub(crate) make_momenta: fn(&mut Iterate<T>, &State<T>),
     pub(crate) advance: fn(&Iterate<T>, &State<T>, &mut State<T>),
-    pub(crate) fill_k: fn(&mut Iterate<T>, &[T]),
+    pub(crate) fill_k: fn(&mut Iterate<T>, &Coefficients<T>, &[T]),
     pub(crate) keep_z: fn(&mut Iterate<T>),
     pub(crate) add_kept: fn(&mut Iterate<T>, &State<T>) -> f64,
     pub(crate) place: fn(&mut Iterate<T>, &State<T>),

@@ -55,8 +55,8 @@ impl<T: Float> Iterate<T> {
     }
 
     /// From now on with K of these α_k.
-    pub fn set_alphas(&mut self, alphas: &[T]) {
-        (ready::<T>().fill_k)(self, alphas);
+    pub fn set_alphas(&mut self, method: &Coefficients<T>, alphas: &[T]) {
+        (ready::<T>().fill_k)(self, method, alphas);
     }
 
     /// Changes Z of each unknown component c in place by `change(c, Z_c)`, and the stages with it.

@@ -11,7 +11,7 @@
 use crate::layout::aligned::{Aligned, Places};
 use crate::layout::row::{by_lanes, groups_of, lanes_of, placed, stride_for};
 use crate::layout::state::State;
-use crate::matrix::coefficients::Columns;
+use crate::matrix::columns::columns_into;
 use crate::matrix::twofold;
 use equip_autodiff::Kinetic;
 use equip_scalar::{Float, InstructionSet, Kernel};
@@ -26,8 +26,8 @@ pub struct Iterate<T: Float> {
     /// T(p), if it is quadratic with a diagonal M⁻¹.
     pub(crate) kinetic: Option<Kinetic<T>>,
     pub(crate) set: InstructionSet,
-    /// How K is made.
-    columns: Columns<T>,
+    /// Room for K row by row.
+    rows: Vec<T>,
     /// K(α) and K of the α_k a step starts from, column by column.
     pub(crate) k: Aligned<T>,
     pub(crate) k_start: Aligned<T>,
@@ -76,8 +76,8 @@ impl<T: Float> Iterate<T> {
         // One column for each place of L, also the padding: all zero there.
         let mut k = places.zeros(stride * stride);
         let mut k_start = places.zeros(stride * stride);
-        let columns = Columns::new(method);
-        columns.fill(set, alphas, &mut k_start);
+        let mut by_rows = vec![T::int(0); s * s];
+        columns_into(method, alphas, &mut by_rows, &mut k_start);
         k.copy_from_slice(&k_start);
         let kinetic = kinetic.filter(|kinetic| kinetic.diagonal().is_some());
         let hb = places.zeros(stride);
@@ -92,7 +92,7 @@ impl<T: Float> Iterate<T> {
             n,
             kinetic,
             set,
-            columns,
+            rows: by_rows,
             k,
             k_start,
             k_has_moved: false,
@@ -196,8 +196,8 @@ impl<T: Float> Iterate<T> {
     }
 
     /// K of these α_k.
-    pub(crate) fn fill_k(&mut self, alphas: &[T]) {
-        self.columns.fill(self.set, alphas, &mut self.k);
+    pub(crate) fn fill_k(&mut self, method: &Coefficients<T>, alphas: &[T]) {
+        columns_into(method, alphas, &mut self.rows, &mut self.k);
         self.k_has_moved = true;
     }
 }

@@ -1,5 +1,5 @@
 //! K(α) in the shapes in which it is multiplied.
 
-pub(crate) mod coefficients;
+pub(crate) mod columns;
 pub(crate) mod product;
 pub(crate) mod twofold;

@@ -87,7 +87,7 @@ impl<T: Float> Kernel for Product<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matrix::coefficients::Columns;
+    use crate::matrix::columns::columns_into;
 
     /// K L in double-double, K column by column.
     fn mixed(k: &[f64], s: usize, l: &[DoubleDouble]) -> Vec<DoubleDouble> {
@@ -106,7 +106,7 @@ mod tests {
             let stride = stride_for::<f64>(s);
             for set in InstructionSet::available() {
                 let mut k = vec![0.0; stride * stride];
-                Columns::new(&gauss).fill(set, &vec![0.0; s - 1], &mut k);
+                columns_into(&gauss, &vec![0.0; s - 1], &mut vec![0.0; s * s], &mut k);
                 let found = of(set, &gauss, &k, &mut Places::default());
                 for j in 0..s {
                     let mut l = vec![DoubleDouble::exact(0.0); s];

@@ -133,11 +133,6 @@ impl<T: Float> Constraint<T> {
         self.start_gradient.copy_from_slice(&self.gradient);
     }
 
-    /// |I_ref| + Σ_i |∂_iI σ_i| at the start of the step, with these sizes of the components.
-    pub(crate) fn start_scale(&self, sizes: &[T]) -> T {
-        self.reference.abs() + worth(&self.start_gradient, sizes)
-    }
-
     /// Whether g is round-off.
     pub(crate) fn is_at_round_off(&self) -> bool {
         self.residual.abs() <= self.round_off.max(self.late)

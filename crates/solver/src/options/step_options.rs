@@ -54,6 +54,9 @@ pub struct StepOptions<T> {
     pub max_halvings: u32,
     /// How the stages are iterated.
     pub preconditioner: Preconditioner,
+    /// Whether a step over which H changes as along no solution is halved. Of a method that does not solve
+    /// for H this evaluates H after every step.
+    pub check_energy: bool,
 }
 
 impl<T: Float> StepOptions<T> {
@@ -74,6 +77,7 @@ impl<T: Float> StepOptions<T> {
             alpha_bound: T::ratio(1, 20),
             max_halvings: 10,
             preconditioner: Preconditioner::default(),
+            check_energy: false,
         }
     }
 }

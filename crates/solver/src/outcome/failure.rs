@@ -24,10 +24,10 @@ pub enum Failure<T> {
     /// The stage equations have a solution that has nothing to do with the motion.
     #[error("the solution found does not follow the motion; take a smaller step")]
     Astray {
-        /// H − H_ref at the end of the step.
-        residual: T,
-        /// |H_ref| + Σ|∂_iH| σ_i at its start, σ the sizes of the components in the step.
-        scale: T,
+        /// What H changes by over the step.
+        change: T,
+        /// Σ_i h b_i Σ_c |q̇_c ṗ_c|, the energy exchanged in it.
+        exchanged: T,
     },
 }
 

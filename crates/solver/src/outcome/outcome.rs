@@ -72,7 +72,7 @@ impl Outcome {
 }
 
 /// Counts of work and outcomes. Equal runs have equal counts on every machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Counts {
@@ -107,7 +107,7 @@ pub struct Counts {
 }
 
 /// Numbers of steps, printed and written by the names of their outcomes; those that are zero are left out.
-#[derive(Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Default, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",

@@ -96,6 +96,9 @@ impl<T: Float> Choice<T> {
     /// A step begins: perhaps with a cheaper one than the last.
     pub(crate) fn begin_step(&mut self) {
         self.is_fresh = false;
+        if self.follows_stages() {
+            self.made_for = T::int(0);
+        }
         if self.wanted == Wanted::Diagonal {
             // Without springs the last step had none.
             self.active = Kind::Diagonal;
@@ -121,6 +124,11 @@ impl<T: Float> Choice<T> {
         self.active == Kind::Identity
     }
 
+    /// Whether M is there for steps of size `h`; of M that follows the stages, from this step.
+    pub(crate) fn is_made_for(&self, h: T) -> bool {
+        self.is_identity() || self.made_for == h
+    }
+
     /// Sees to it that M is there for a step of size `h` from `y`, at the stages as they are. Returns whether
     /// it is.
     pub(crate) fn make(
@@ -143,7 +151,7 @@ impl<T: Float> Choice<T> {
                     .full
                     .get_or_insert_with(|| Full::new(method, iterate, pattern.to_pattern()));
                 let room = (&mut self.state[..], &mut self.hessian[..]);
-                self.is_fresh = true;
+                (self.is_fresh, self.made_for) = (true, h);
                 full.linearise(iterate, energy, (y, h), room).is_ok()
             }
             _ if is_made => true,

@@ -64,14 +64,6 @@ impl<T: Float> Core<T> {
         if self.in_late_levels() <= T::int(STALLED) {
             return Ok(Outcome::AtRoundOff);
         }
-        // An energy error larger than the energy itself is that of a wrong root of the stage equations.
-        if let Some(energy) = self.energy_constraint() {
-            let sizes = self.stages.iterate.scale();
-            let (residual, scale) = (energy.residual, energy.start_scale(sizes));
-            if residual.abs() > scale {
-                return Err(Failure::Astray { residual, scale });
-            }
-        }
         if self.options.reach == Reach::Refuse {
             return Err(Failure::NoAlpha);
         }
@@ -250,7 +242,7 @@ impl<T: Float> Core<T> {
         }
         self.counts.alpha_updates += 1;
         let stages = &mut self.stages;
-        stages.iterate.set_alphas(&self.alphas);
+        stages.iterate.set_alphas(&stages.method, &self.alphas);
         solver.direction.follow(&mut stages.iterate, y);
         stages.contraction.disturb();
         Ok(())

@@ -28,8 +28,11 @@ pub struct Core<T: Float> {
     pub(crate) start_alphas: Vec<T>,
     /// What they are solved with, if any are free.
     pub(crate) alpha_solver: Option<Box<AlphaSolver<T>>>,
-    /// Where ∇I at the start of a step was evaluated.
+    /// Where ∇I at the start of a step was evaluated, or H, of a method that does not solve for it.
     pub(crate) start: Vec<T>,
+    pub(crate) start_energy: T,
+    /// Room for ∇H.
+    pub(crate) gradient: Vec<T>,
     /// Whether the α_k of a step wait until it is [completed](Self::complete).
     pub(crate) is_deferred: bool,
     /// The noise of y1 that is not seen in the constraints, as the last step had it: the stages with α = 0
@@ -113,6 +116,8 @@ impl<T: Float> Core<T> {
             },
             middles: vec![zero; options.max_halvings as usize],
             start: vec![T::NAN; n],
+            start_energy: T::int(0),
+            gradient: vec![T::int(0); n],
             failed: (vec![T::int(0); n], T::int(0), T::int(0)),
             alphas: start_alphas.clone(),
             start_alphas,

@@ -91,16 +91,18 @@ impl<T: Float> Stages<T> {
         counts: &mut Counts,
     ) -> Result<bool, Failure<T>> {
         let s = self.iterate.stages() as u64;
-        let (mut iterations, mut is_made) = (0, false);
+        let (mut iterations, mut begins) = (0, true);
         self.contraction.set_target(noise);
         while iterations < MOST_ITERATIONS {
             let is_old = self.choice.follows_stages() && !self.contraction.is_near();
-            if is_old || !is_made {
+            let makes = is_old || !self.choice.is_made_for(h);
+            if makes {
                 let at = (&self.method, &self.iterate);
                 if !self.choice.make(at, energy, (y, h), counts) {
                     return Err(self.choice.failure());
                 }
-                is_made = true;
+            }
+            if makes || std::mem::take(&mut begins) {
                 let amplification = self.choice.amplification(&mut self.iterate);
                 self.contraction.set_amplification(amplification);
             }

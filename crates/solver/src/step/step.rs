@@ -109,6 +109,7 @@ impl<T: Float> Core<T> {
             (self.stages).solve(&mut self.energy, (y, h), known, noise, &mut self.counts)?;
         self.stages.iterate.end_point(y, next);
         if is_last {
+            self.check_energy((y, h), next)?;
             return Ok(self.unconstrained);
         }
         self.keep((y, h), next, is_converged)
@@ -133,6 +134,7 @@ impl<T: Float> Core<T> {
             self.noise_expected = 0.0;
             return Ok(Outcome::AtRoundOff);
         }
+        self.check_residual(h)?;
         self.noise_expected = self.noise_allowed(SHARE);
         self.solve_alphas((y, h), next, is_converged)
     }

@@ -1,0 +1,85 @@
+//! Whether a step follows the motion, told from its energy (docs/adr/0020).
+//!
+//! Where a step is too long, its stage equations have solutions that have nothing to do with the motion:
+//! beside a singularity one body comes out behind another. They are found with any preconditioner, with one
+//! that contracts from afar more often. What H changes by is compared with the energy that is exchanged
+//! between positions and momenta,
+//!
+//! $$ W = \sum_i h b_i \sum_c |\dot q_c\, \dot p_c| \quad \text{at the stages } Y_i . $$
+//!
+//! If the derivative of the motion has Legendre coefficients that decay by 1/2 each, H changes by about 4⁻ˢ W
+//! in a step of s stages. A step over which it changes by more than 2⁻ˢ⁻¹ W is halved.
+
+use crate::outcome::failure::Failure;
+use crate::policy::{ASTRAY, STALLED};
+use crate::step::core::Core;
+use equip_iterate::State;
+use equip_scalar::Float;
+
+impl<T: Float> Core<T> {
+    /// Checks the step of size `h` from `y` to `next` by a method that does not solve for H.
+    pub(crate) fn check_energy(
+        &mut self,
+        (y, h): (&State<T>, T),
+        next: &State<T>,
+    ) -> Result<(), Failure<T>> {
+        if !self.options.check_energy || !self.constraints.is_empty() {
+            return Ok(());
+        }
+        let (start, end) = (self.energy_at(&y.hi), self.energy_at(&next.hi));
+        self.start.copy_from_slice(&next.hi);
+        self.start_energy = end;
+        let change = end - start;
+        let checked = self.check_change(change, h);
+        if checked.is_ok() {
+            return checked;
+        }
+        let (energy, gradient) = (&mut self.energy, &mut self.gradient);
+        let mut bound = |y: &State<T>| energy.gradient_with_bound(&y.hi, gradient).1;
+        let round_off = T::EPSILON * (bound(y) + bound(next));
+        self.counts.gradients += 2;
+        if change.abs() <= T::int(STALLED) * round_off {
+            return Ok(());
+        }
+        self.start.fill(T::NAN);
+        checked
+    }
+
+    /// Checks the step of size `h` with α = 0, of which the constraints have been evaluated.
+    pub(crate) fn check_residual(&self, h: T) -> Result<(), Failure<T>> {
+        let Some(energy) = self.energy_constraint() else {
+            return Ok(());
+        };
+        let change = energy.residual - energy.start_error;
+        if !self.options.check_energy || change.abs() <= T::int(STALLED) * energy.round_off() {
+            return Ok(());
+        }
+        self.check_change(change, h)
+    }
+
+    fn check_change(&self, change: T, h: T) -> Result<(), Failure<T>> {
+        let exchanged = self.exchanged(h);
+        let bound = T::int(ASTRAY << self.stages.method.degree());
+        if bound * change.abs() > exchanged {
+            return Err(Failure::Astray { change, exchanged });
+        }
+        Ok(())
+    }
+
+    /// W of the stages of a step of size `h`.
+    fn exchanged(&self, h: T) -> T {
+        let (l, stride) = (
+            self.stages.iterate.increments(),
+            self.stages.iterate.stride(),
+        );
+        let (of_q, of_p) = l.split_at(l.len() / 2);
+        let mut sums = [T::int(0); equip_iterate::MAX_STAGES];
+        for (q, p) in of_q.chunks_exact(stride).zip(of_p.chunks_exact(stride)) {
+            for (sum, (&q, &p)) in sums.iter_mut().zip(q.iter().zip(p)) {
+                *sum += (q * p).abs();
+            }
+        }
+        let stages = sums.iter().zip(self.stages.method.weights());
+        stages.fold(T::int(0), |sum, (&x, &b)| sum + x / (h * b).abs())
+    }
+}
