@@ -238,7 +238,7 @@ impl<T: Float> Constraint<T> {
         &self.gradient
     }
 
-    /// Below this g is round-off: the largest floor of late.
+    /// Below this g is round-off: the largest recent round-off level.
     pub fn round_off(&self) -> T {
         self.round_off.max(self.late)
     }
@@ -248,7 +248,7 @@ impl<T: Float> Constraint<T> {
         self.round_off
     }
 
-    /// |g| in the largest floors of late.
+    /// |g| in multiples of the largest recent round-off level.
     pub fn in_late_levels(&self) -> T {
         self.residual.abs() / self.round_off()
     }
@@ -267,8 +267,8 @@ impl<T: Float> Core<T> {
         memory.put("alphas", self.alphas.iter().copied());
         for (name, number) in [
             ("references", (|c| c.reference) as fn(&Constraint<T>) -> T),
-            ("floors", |c| c.late),
-            ("defects", |c| c.start_error),
+            ("round-off levels", |c| c.late),
+            ("start errors", |c| c.start_error),
         ] {
             memory.put(name, self.constraints.iter().map(number));
         }
@@ -300,8 +300,8 @@ impl<T: Float> Core<T> {
                 "references",
                 (|c| &mut c.reference) as fn(&mut Constraint<T>) -> &mut T,
             ),
-            ("floors", |c| &mut c.late),
-            ("defects", |c| &mut c.start_error),
+            ("round-off levels", |c| &mut c.late),
+            ("start errors", |c| &mut c.start_error),
         ] {
             memory.read(name, &mut numbers)?;
             for (constraint, &x) in self.constraints.iter_mut().zip(&numbers) {

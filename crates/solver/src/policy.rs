@@ -2,8 +2,8 @@
 //! --quick` were run with both ends of the range: the mean error beside Gauss's, its 98 % and the work differ
 //! by less than 2 %.
 
-/// Moves of the α_k of one step that may fail to halve what they are to remove: where the slopes all but
-/// vanish, Broyden's correction needs some. // moves; with 1 Kepler's problem, e = 0.6, s = 4, returns from
+/// Updates of α in one step that may fail to halve the energy error: where the derivatives by α all but
+/// vanish, Broyden's correction needs some. // updates; with 1 Kepler's problem, e = 0.6, s = 4, returns from
 /// 1000 steps and back to 5e-7 in place of 3e-10; with 16 15 of 1320 cells differ.
 pub(crate) const MOST_STALLS: u32 = 4;
 
@@ -11,14 +11,14 @@ pub(crate) const MOST_STALLS: u32 = 4;
 /// ratio; with 2⁻³ for every s three bodies are 1e3 off in energy after encounters, s = 8, with it 1e1; on
 /// the grid no cell whose steps resolve the motion has such a step (docs/adr/0020).
 pub(crate) const ASTRAY: i64 = 2;
-/// The largest floor of late loses 1 over this a step. // steps; floors swing by 30 within an oscillation of
-/// some 10 to 50 steps; 16 to 256 alike.
+/// The largest recent round-off level loses 1 over this a step. // steps; levels vary by a factor of 30
+/// within an oscillation of some 10 to 50 steps; 16 to 256 alike.
 pub(crate) const FADING: i64 = 64;
-/// α_k that move, at most, unless there are more constraints. // α_k; further ones disturb the stages the
+/// α_k that change, at most, unless there are more constraints. // α_k; further ones disturb the stages the
 /// more for the same displacement of the end point. Grid: errors are .71, .68, .67 and .74 of Gauss's with 2,
 /// 3, 5 and all of them, work 1.42, 1.44, 1.46, 1.48; with all 1.4 % of the steps more are uncorrected.
 pub(crate) const LEADING: usize = 3;
-/// The end point may move so many times as far as the defect of the step itself is worth, or as its local
+/// The change of y1 may be so many times that which the energy error of the step itself needs, or its local
 /// error. // ratio; with 4 times the local error 9 % of the steps of 14 systems are uncorrected, with 16 4 %;
 /// errors beyond 3 of Gauss's are 6 and 10 % of the cells; docs/adr/0023.
 pub(crate) const FARTHEST: i64 = 16;
@@ -33,8 +33,8 @@ pub(crate) const STATE_ROUNDING: i64 = 64;
 /// leaves about as little of the error. // ratio; with 100 Kepler's problem, e = 0.3, s = 4, h = 0.3, takes
 /// 2.2 updates a step in place of 1.9, and more iterations
 pub(crate) const SHARE: i64 = 1000;
-/// A defect of so many floors that moves of the α_k do not bring down is rounding. // floors; with 1 0.5 % of
-/// the steps more are uncorrected, with 32 0.2 % fewer, errors and work alike.
+/// An energy error of so many round-off levels that updates of α do not reduce is rounding. // levels; with 1
+/// 0.5 % of the steps more are uncorrected, with 32 0.2 % fewer, errors and work alike.
 pub(crate) const STALLED: i64 = 8;
 /// The ridge of the least-squares problem for the direction is the diagonal over this. // ratio; 1e2 to 1e4
 /// alike on the grid; with 10 1000 steps of Kepler's problem, e = 0.6, return to 7.5e-6 in place

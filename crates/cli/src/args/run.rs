@@ -115,7 +115,7 @@ pub(crate) struct RunArgs {
     /// λt/2 for chaotic); with --out two more columns, with --plot two more panels
     #[arg(long, visible_alias = "megno", help_heading = "Output")]
     pub(crate) lyapunov: bool,
-    /// Write the steps to FILE.csv: t, q, p, energy defect, outcome, with digits that read back exactly
+    /// Write the steps to FILE.csv: t, q, p, energy error, outcome, with digits that read back exactly
     #[arg(long, value_name = "FILE.csv", help_heading = "Output")]
     pub(crate) out: Option<PathBuf>,
     /// Write every K-th step only (the last one always)

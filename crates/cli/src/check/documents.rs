@@ -65,7 +65,7 @@ impl<'a> From<&'a Row> for Document<'a> {
                 .iter()
                 .map(|i| Quantity {
                     name: &i.name,
-                    max_error: i.defect,
+                    max_error: i.error,
                     in_round_offs: i.in_roundoff,
                 })
                 .collect(),
@@ -126,7 +126,7 @@ pub(crate) fn csv(rows: &[Row]) -> String {
             cell(m.energy),
             cell(m.gauss_energy),
             quoted(worst.map_or("", |i| &i.name)),
-            number(worst.map(|i| i.defect)),
+            number(worst.map(|i| i.error)),
             number(m.error),
             number(m.gauss_error),
             number(m.ratio()),

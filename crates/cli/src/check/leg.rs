@@ -81,8 +81,8 @@ pub(crate) struct Ended {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Kept {
     pub(crate) name: String,
-    /// Largest defect, in the quantity's own unit.
-    pub(crate) defect: f64,
+    /// Largest error, in the quantity's own unit.
+    pub(crate) error: f64,
     /// The same in units of ε Σ|∂_iI y_i|.
     pub(crate) in_roundoff: f64,
 }
@@ -92,7 +92,7 @@ pub(crate) struct Leg<T> {
     pub(crate) counts: Counts,
     /// Largest |H − H_ref|.
     pub(crate) energy: f64,
-    /// Largest |H − H_ref| in units of its floor over steps that say the energy is kept.
+    /// Largest |H − H_ref| in round-off levels over steps that say the energy is kept.
     pub(crate) levels: Option<f64>,
     /// The same with H evaluated in double-double; runs in f64 only.
     pub(crate) independent_levels: Option<f64>,
@@ -109,7 +109,7 @@ struct Watched<T: Float> {
     gradient: Vec<T>,
     name: String,
     start: T,
-    defect: T,
+    error: T,
     scale: T,
 }
 
@@ -122,7 +122,7 @@ impl<T: Float> Watched<T> {
             gradient: vec![T::int(0); y.len()],
             name: name.to_owned(),
             start,
-            defect: T::int(0),
+            error: T::int(0),
             scale: T::int(0),
         }
     }
@@ -133,9 +133,9 @@ impl<T: Float> Watched<T> {
             .gradient_with_compensated_value(y, &mut self.gradient);
         let moved = self.gradient.iter().zip(y);
         let scale = moved.fold(T::int(0), |sum, (&g, &y)| sum + (g * y).abs());
-        let defect = (value - self.start).abs();
-        if !(defect <= self.defect) {
-            self.defect = defect;
+        let error = (value - self.start).abs();
+        if !(error <= self.error) {
+            self.error = error;
         }
         if scale > self.scale {
             self.scale = scale;
@@ -147,11 +147,11 @@ impl<T: Float> Watched<T> {
         let zero = T::int(0);
         Kept {
             name: self.name.clone(),
-            defect: self.defect.to_f64(),
-            in_roundoff: if self.defect == zero {
+            error: self.error.to_f64(),
+            in_roundoff: if self.error == zero {
                 0.0
             } else {
-                (self.defect / unit).to_f64()
+                (self.error / unit).to_f64()
             },
         }
     }
@@ -177,7 +177,7 @@ impl Independent {
         }
     }
 
-    fn defect<T: Float>(&mut self, view: &StepView<'_, T>) -> f64 {
+    fn error<T: Float>(&mut self, view: &StepView<'_, T>) -> f64 {
         let state = view.q.iter().chain(view.p);
         for (wide, &x) in self.y.iter_mut().zip(state) {
             *wide = widen(x);
@@ -220,9 +220,9 @@ impl<T: Float> Watch<T> {
     }
 
     fn step(&mut self, view: &StepView<'_, T>, sample: bool) {
-        let defect = view.energy_error.map_or(0.0, Float::to_f64).abs();
-        if !(defect <= self.leg.energy) {
-            self.leg.energy = defect;
+        let error = view.energy_error.map_or(0.0, Float::to_f64).abs();
+        if !(error <= self.leg.energy) {
+            self.leg.energy = error;
         }
         if sample {
             self.leg.samples.push(view.q, view.p);
@@ -234,21 +234,21 @@ impl<T: Float> Watch<T> {
         let Some(round_off) = view.energy_round_off.filter(|_| view.outcome.energy_kept()) else {
             return;
         };
-        raise(&mut self.leg.levels, in_levels(defect, round_off.to_f64()));
+        raise(&mut self.leg.levels, in_levels(error, round_off.to_f64()));
         if let (Some(independent), true) = (&mut self.independent, sample) {
-            let defect = independent.defect(view);
-            let levels = in_levels(defect, round_off.to_f64());
+            let error = independent.error(view);
+            let levels = in_levels(error, round_off.to_f64());
             raise(&mut self.leg.independent_levels, levels);
         }
     }
 }
 
-/// |defect| / floor; a defect of zero is zero floors, also where the floor underflows.
-fn in_levels(defect: f64, round_off: f64) -> f64 {
-    if defect == 0.0 {
+/// |error| / round-off level; an error of zero is zero levels, also where the level underflows.
+fn in_levels(error: f64, round_off: f64) -> f64 {
+    if error == 0.0 {
         0.0
     } else {
-        (defect / round_off).abs()
+        (error / round_off).abs()
     }
 }
 

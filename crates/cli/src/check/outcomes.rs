@@ -36,7 +36,7 @@ pub(crate) fn outcomes(row: &Row) -> Vec<(&'static str, u64)> {
 
 pub(crate) const LEGEND: &str = "outcomes: S energy solved, F at the round-off level, uncorrected \
     C where α has no effect, B beyond the bound of α, D beyond the bound of the end point, U where the motion is not resolved; Q quadratic H, N energy not requested\n\
-    floors: largest |H − H_ref| in round-off levels, the worse of the solver's figure and one in double-double; \
+    levels: largest |H − H_ref| in round-off levels, the worse of the solver's figure and one in double-double; \
     energy: the same, absolute, EQUIP and Gauss\n\
     inv.: largest error of an invariant; error: of the trajectory, relative, largest over the grid, EQUIP and \
     Gauss; s: seconds of the row with Gauss and reference";

@@ -23,7 +23,7 @@ pub(crate) fn head(out: &mut impl Write, theme: &str) -> io::Result<()> {
     writeln!(
         out,
         "{INDENT}{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
-        "floors", "energy", "Gauss", "inv.", "error", "Gauss", "ratio", "s",
+        "levels", "energy", "Gauss", "inv.", "error", "Gauss", "ratio", "s",
     )
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn line(out: &mut impl Write, row: &Row) -> io::Result<()> {
         plain(row.levels()),
         format!("{:.1e}", m.energy),
         format!("{:.1e}", m.gauss_energy),
-        number(m.worst_invariant().map(|i| i.defect)),
+        number(m.worst_invariant().map(|i| i.error)),
         number(m.error),
         number(m.gauss_error),
         plain(m.ratio()),

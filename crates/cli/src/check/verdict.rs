@@ -3,10 +3,10 @@
 //! The criteria, the same for every row:
 //! - every step is accounted for: as many outcomes as steps asked for, or a typed error after the last, which
 //!   the row is to have or Gauss has on steps of the same size;
-//! - |H − H_ref| ≤ 8 floors on every step whose outcome says that the energy is kept, by the solver's own
-//!   evaluation of H and, for runs in `f64`, by one in double-double; H_ref is the number the run started
-//!   with. (After a start at a pericentre, where large terms cancel, that number itself is off by many floors
-//!   of the quiet part of the orbit.)
+//! - |H − H_ref| ≤ 8 round-off levels on every step whose outcome says that the energy is kept, by the
+//!   solver's own evaluation of H and, for runs in `f64`, by one in double-double; H_ref is the number the
+//!   run started with. (After a start at a pericentre, where large terms cancel, that number itself has an
+//!   error of many levels of the quiet part of the orbit.)
 //! - linear and quadratic invariants stay within (8 + 2√n) ε Σ|∂_iI y_i| over n steps, halves counted: the
 //!   random walk of rounding;
 //! - uncorrected steps leave at most twice the energy error of Gauss with the same steps,
@@ -150,7 +150,7 @@ fn energy(measured: &Measured, faults: &mut Vec<String>) {
         if let Some(levels) = levels
             && !(levels <= LEVELS)
         {
-            faults.push(format!("energy off by {levels:.3} floors{how}"));
+            faults.push(format!("energy error of {levels:.3} round-off levels{how}"));
         }
     }
     if !measured.energy.is_finite() {
@@ -164,7 +164,7 @@ fn invariants(measured: &Measured, faults: &mut Vec<String>) {
         if !(kept.in_roundoff <= most) {
             faults.push(format!(
                 "{} off by {:.1e}, {:.3} round-offs where {most:.3} are allowed",
-                kept.name, kept.defect, kept.in_roundoff
+                kept.name, kept.error, kept.in_roundoff
             ));
         }
     }
@@ -290,7 +290,7 @@ mod tests {
             |m| {
                 m.invariants = vec![Kept {
                     name: "L".into(),
-                    defect: 1e-14,
+                    error: 1e-14,
                     in_roundoff: 29.0,
                 }];
             },

@@ -41,7 +41,7 @@ pub(super) struct Outcome {
     pub(super) round_off: Option<f64>,
     /// Steps whose energy error was not removed.
     pub(super) uncorrected: u64,
-    /// Largest defect of each invariant.
+    /// Largest error of each invariant.
     pub(super) invariants: Vec<f64>,
     pub(super) steps: u64,
     pub(super) gradients: u64,

@@ -60,7 +60,7 @@ struct Sizes {
 }
 
 #[derive(Debug, Serialize)]
-struct Floor {
+struct RoundOff {
     round_off: Number,
     time: Number,
     scale: Number,
@@ -117,7 +117,7 @@ struct Document<'a> {
     steps: u64,
     energy: Option<Quantity>,
     energy_in_round_off_levels: Option<Number>,
-    energy_round_off: Option<Floor>,
+    energy_round_off: Option<RoundOff>,
     phase_per_step: Option<Phase>,
     motion_is_resolved: bool,
     energy_kept_on_every_step: bool,
@@ -162,7 +162,7 @@ pub(crate) fn document<T: Float>(finished: &Finished<'_, T>) -> serde_json::Resu
         steps: counts.steps,
         energy: certificate.energy.as_ref().map(quantity),
         energy_in_round_off_levels: certificate.energy_in_round_off_levels.map(Number::new),
-        energy_round_off: certificate.energy_round_off.map(|round_off| Floor {
+        energy_round_off: certificate.energy_round_off.map(|round_off| RoundOff {
             round_off: Number::new(round_off.round_off),
             time: Number::new(round_off.time),
             scale: Number::new(round_off.scale),

@@ -34,8 +34,8 @@
 //! divided by how many times as much that is, that of the flow along with it.
 //!
 //! Of a step that is longer than allowed the coefficients are taken less so many times what rounding makes
-//! of the slopes ([`Decay::estimate`]): where a stiff spring is near its length, far from the origin, and
-//! along a smooth chain, ∇H has few digits, and shorter steps have no more of them (docs/adr/0024).
+//! of the derivatives ([`Decay::estimate`]): where a stiff spring is near its length, far from the origin,
+//! and along a smooth chain, ∇H has few digits, and shorter steps have no more of them (docs/adr/0024).
 //!
 //! The same coefficients tell where the motion gets faster. By least squares γ_k ≈ w γ_{k−1}; if what limits
 //! the convergence is a singularity on the axis of time, w = 1/ρ and it lies at half a step divided by 1/z =
@@ -149,7 +149,7 @@ impl<T: Float> Decay<T> {
         }
     }
 
-    /// η: where on a switch H has another slope on the other side, it is taken at η or 1 − η.
+    /// η: where on a switch H has another derivative on the other side, it is taken at η or 1 − η.
     pub(crate) fn inset(&self) -> T {
         inset(self.s)
     }

@@ -48,7 +48,7 @@ pub(crate) const SOON: i64 = 8;
 pub(crate) const GROWN: i64 = 1000;
 /// A motion whose |q| grows by a factor e in so many steps of the size that fails escapes. // steps
 pub(crate) const ESCAPING: i64 = 4;
-/// A floor beyond one over this of the energies makes "kept" an empty word. // ratio; floors of resolved
+/// A round-off level beyond one over this of the energies makes "kept" an empty word. // ratio; of resolved
 /// motion in doubles are below 1e-12, and where 10⁹ times as much as is left cancels within H, 1e-6.
 pub(crate) const MOST_ROUND_OFF: i64 = 1_000_000;
 /// A trial whose error is the target over no more than this will do. // ratio

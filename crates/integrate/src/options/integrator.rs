@@ -106,7 +106,7 @@ impl<T: Float> Integrator<T> {
         self
     }
 
-    /// A further quantity whose defect the certificate shows.
+    /// A further quantity whose error the certificate shows.
     #[must_use]
     pub fn invariant(mut self, invariant: Invariant) -> Self {
         self.options.invariants.push(invariant);

@@ -48,7 +48,7 @@ pub struct Certificate<T> {
     /// hω of the fastest motion, where it was largest of the steps looked at: steps 1, 2, 4, 8, … whose
     /// iteration needed ∇²H or contracted slowly. `None` if there was none: hω then was small in these steps.
     pub phase_per_step: Option<PhasePerStep<T>>,
-    /// Defects of the invariants watched.
+    /// Errors of the invariants watched.
     pub invariants: Vec<Conserved<T>>,
     /// Smallest and largest α_1 … α_{s−1} used; empty if none was solved for. Those that never moved have no
     /// line in the text.

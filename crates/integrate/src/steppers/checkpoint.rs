@@ -135,7 +135,7 @@ impl<T: Float> Integration<T> {
         let errors: Vec<_> = measured.energy.iter_mut().chain(watched).collect();
         if errors.len() != from.errors.len() || measured.alpha_range.len() != from.alpha_range.len()
         {
-            return Err(damaged("the defects"));
+            return Err(damaged("the errors"));
         }
         for (conserved, [start, max, end]) in errors.into_iter().zip(&from.errors) {
             (conserved.start, conserved.max, conserved.end) =

@@ -19,7 +19,7 @@ pub struct StepView<'a, T> {
     pub p: &'a [T],
     /// H − H_ref at its end; `None` if it was not measured.
     pub energy_error: Option<T>,
-    /// Round-off floor of the energy defect, for steps that have an energy to reach.
+    /// Round-off level of the energy error, for steps that solve for the energy.
     pub energy_round_off: Option<T>,
     /// α_1 … α_{s−1} of the step (of its last part, if it was halved).
     pub alphas: &'a [T],

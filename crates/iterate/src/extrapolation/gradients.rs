@@ -2,8 +2,7 @@
 //! and the sizes of the components.
 //!
 //! The polynomial of degree s − 1 through the gradients at the stages of the last step, and of degree s if
-//! the gradient at the start of this one is known, is continued to the nodes of this step (project note,
-//! section 6):
+//! the gradient at the start of this one is known, is continued to the nodes of this step:
 //!
 //! $$ \nabla H(Y_i) \approx \sum_j E_{ij} L_j + \rho_i \nabla H(y_0), \qquad \rho_i = P_s(\tau_i)/P_s(a), \quad \tau_i = a + r c_i, $$
 //!

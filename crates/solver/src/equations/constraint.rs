@@ -1,17 +1,17 @@
-//! The second half of system (7): g = I(y1) − I_ref = 0, and the floor below which g is round-off.
+//! The second half of system (7): g = I(y1) − I_ref = 0, and the round-off level of g.
 //!
-//! I is the energy, or a further invariant that is to be kept. I_ref is its value at the start of the *run*:
-//! a defect that one step leaves is removed by a later one, and does not walk at random.
+//! I is the energy, or a further invariant that is to be conserved. I_ref is its value at the start of the
+//! *run*: an error that one step leaves is removed by a later one, and does not walk at random.
 //!
-//! *Floor* (project note, section 8). With v_k the nodes of the recording of I
+//! *Round-off level* (docs/adr/0002, docs/adr/0023). With v_k the nodes of the trace of I
 //!
-//! $$ \text{floor} = \varepsilon \Big( \sum_k |v_k\,\partial I/\partial v_k| + \sum_i |y_i\,\partial_i I|
+//! $$ \varepsilon \Big( \sum_k |v_k\,\partial I/\partial v_k| + \sum_i |y_i\,\partial_i I|
 //! \Big) + \nu \sum_i |\partial_i I|\, \sigma_i , $$
 //!
-//! ν being the rounding of stages that have settled, relative to the sizes σ of the components. Floors swing
-//! by 30 within one oscillation of a stiff spring, and a close encounter leaves a defect as large as its own
-//! floor: a defect is judged by the largest floor of late, one that fades by [`FADING`] a step once the
-//! defect is below the floor of a step itself.
+//! ν being the rounding of stages that have converged, relative to the sizes σ of the components. The level
+//! varies by a factor of 30 within one oscillation of a stiff mode, and a close encounter leaves an error as
+//! large as its own level. So g is compared with the largest recent level. That level fades by [`FADING`] a
+//! step once g is below the level of the step itself.
 
 use crate::options::invariant::Invariant;
 use crate::policy::FADING;
@@ -28,10 +28,10 @@ pub struct Constraint<T: Float> {
     /// g at the end of the step, and at its start.
     pub(crate) residual: T,
     pub(crate) start_error: T,
-    /// The floor at the end of the step, and the largest of late.
+    /// The round-off level at the end of the step, and the largest recent one.
     pub(crate) round_off: T,
     pub(crate) late: T,
-    /// The largest of late before the step.
+    /// The largest recent one before the step.
     late_before: T,
     /// ∇I at the end of the step, and at its start.
     pub(crate) gradient: Vec<T>,
@@ -80,8 +80,8 @@ impl<T: Float> Constraint<T> {
         (self.residual, self.start_error, self.round_off, self.late) = (zero, zero, zero, zero);
     }
 
-    /// Evaluates I, ∇I and the floor at `y1`; ν is the rounding of the stages relative to `sizes`. Returns
-    /// whether they are finite.
+    /// Evaluates I, ∇I and the round-off level at `y1`; ν is the rounding of the stages relative to `sizes`.
+    /// Returns whether they are finite.
     pub(crate) fn evaluate(
         &mut self,
         energy: &mut Evaluator<T>,

@@ -10,9 +10,9 @@
 //! |---|---|---|
 //! | K(α) = ½ 1 1ᵀ + Σ (ξ_k + α_k) T_k | (3)–(6), A = K B | [`equip_tableau::Coefficients::matrix_into`] |
 //! | residual Z − K L | (7), first line | [`stages`] |
-//! | g = H(y1) − H_ref and its floor | (7), second line | [`Oracle::step`] |
-//! | D at α = 0, the direction of least displacement | project note, section 10 | [`direction`] |
-//! | admissible α | project note, section 10 | [`Oracle::step`] |
+//! | g = H(y1) − H_ref and its round-off level | (7), second line | [`Oracle::step`] |
+//! | D at α = 0, the direction of least displacement | docs/adr/0026 | [`direction`] |
+//! | admissible α | docs/adr/0003 | [`Oracle::step`] |
 //!
 //! Cost: dense matrices of size s·2m, made and allocated anew in every iteration. Tests compare the solver
 //! with it; nothing else calls it.
@@ -61,8 +61,8 @@ impl<T: Float> Oracle<T> {
         }
     }
 
-    /// The step of size `h` from `y` whose defect at the start is `start_error`. `None` if Newton does not
-    /// converge.
+    /// The step of size `h` from `y` whose energy error at the start is `start_error`. `None` if Newton does
+    /// not converge.
     pub(crate) fn step(
         &mut self,
         gauss: &Coefficients<T>,
@@ -326,7 +326,7 @@ impl<T: Float> Oracle<T> {
         )
     }
 
-    /// g = H(y1) − H_ref, ∇H(y1) and the floor below which g is round-off.
+    /// g = H(y1) − H_ref, ∇H(y1) and its round-off level.
     fn residual(&mut self, end: &[T]) -> (T, Vec<T>, T) {
         let mut gradient = vec![T::int(0); end.len()];
         let (value, bound) = self.energy.gradient_with_bound(end, &mut gradient);

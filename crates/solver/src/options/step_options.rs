@@ -8,12 +8,12 @@ use equip_scalar::Float;
 #[non_exhaustive]
 pub enum Reach {
     /// Not further than some errors of the step itself. Else the step is made with α = 0, counted, and its
-    /// defect left to a later one.
+    /// energy error left to a later one.
     #[default]
     WithinError,
     /// As far as the bound of the α_k allows.
     Always,
-    /// As `WithinError`, and a step whose defect would be left ends the integration with an error.
+    /// As `WithinError`, and a step whose energy error would be left ends the integration with an error.
     Refuse,
 }
 

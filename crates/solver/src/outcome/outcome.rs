@@ -11,7 +11,7 @@ pub enum Outcome {
     NotAsked,
     /// H is at most quadratic: every member of the family keeps it, nothing to solve.
     Quadratic,
-    /// With α = 0 the energy defect was at the round-off level already: no α was needed.
+    /// With α = 0 the energy error was at the round-off level already: no α was needed.
     AtRoundOff,
     /// An α was found that brings H back to its reference within the round-off level.
     Solved,
@@ -62,7 +62,7 @@ impl Outcome {
         )
     }
 
-    /// Whether the defect of the step is left to a later one.
+    /// Whether the energy error of the step is left to a later one.
     pub fn is_uncorrected(self) -> bool {
         matches!(
             self,
@@ -155,7 +155,7 @@ impl Counts {
         self.outcomes.0[outcome as usize]
     }
 
-    /// Steps whose defect was left to later ones.
+    /// Steps whose energy error was left to later ones.
     pub fn uncorrected(&self) -> u64 {
         let uncorrected = Outcome::ALL.into_iter().filter(|o| o.is_uncorrected());
         uncorrected.map(|o| self.outcome(o)).sum()

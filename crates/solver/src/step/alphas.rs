@@ -3,7 +3,7 @@
 //! $$ Z = K(\alpha) L(Z), \qquad \alpha = D\,t, \qquad I(y_1) = I_{ref} . $$
 //!
 //! 1. D is computed once, at α = 0 ([`crate::alpha::direction`]).
-//! 2. t is updated by Newton's method with the slope that D brings along, then by the secant method; Z
+//! 2. t is updated by Newton's method with the derivative that D brings along, then by the secant method; Z
 //!    follows by ∂Z/∂t. The iteration for Z continues with K(α) until its noise no longer shows in I(y1),
 //!    and t is updated again.
 //! 3. At the round-off level of I the iteration for Z ends as that of Gauss does.

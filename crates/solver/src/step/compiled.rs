@@ -49,8 +49,8 @@ impl<T: Float> Core<T> {
     /// One step of size `h` from `y` at time `t` into `next`. `y` is not changed, whatever happens.
     ///
     /// # Errors
-    /// [`Failure`] when the stages do not converge, however often the step is halved, and when a defect would
-    /// be left that is refused.
+    /// [`Failure`] when the stages do not converge, however often the step is halved, and when an energy
+    /// error would be left that is refused.
     pub fn step(
         &mut self,
         y: &State<T>,

@@ -37,7 +37,7 @@ fn core(
     core
 }
 
-/// Defects of a few floors that no α_k bring down are rounding, whether or not others are refused.
+/// Energy errors of a few round-off levels that no α reduces are rounding, whether or not others are refused.
 #[test]
 fn rounding_is_not_refused() {
     let h = far_kepler();
@@ -62,7 +62,7 @@ fn rounding_is_not_refused() {
     assert_eq!(outcomes[0], outcomes[1]);
 }
 
-/// A step that fails leaves the floors of late as they were.
+/// A step that fails leaves the recent round-off levels as they were.
 #[test]
 fn a_step_that_fails_forgets_no_floor() {
     let h = far_kepler();
@@ -92,7 +92,8 @@ fn a_step_that_fails_in_its_second_half_leaves_the_floors() {
     assert_eq!(core.constraints[0].late, late);
 }
 
-/// The slope at the start of a step that its stages are guessed from is that of the energy, whatever is kept.
+/// The derivative at the start of a step that its stages are guessed from is that of the energy, whatever is
+/// conserved.
 #[test]
 fn the_gradient_of_an_invariant_is_none_of_the_energy() {
     let h = Hamiltonian::new(2, |q, p| {

@@ -1,7 +1,7 @@
 //! What a run by tolerance does at switches of H ([`crate::events::crossings`]): a step over one is made anew
 //! to end there, unless what the kink makes of it is below the tolerance ([`crate::events::roughness`]).
 //!
-//! The α_k of a step are sought when it is known to stay. Where it begins or ends on a switch, the slope
+//! The α_k of a step are sought when it is known to stay. Where it begins or ends on a switch, the derivative
 //! there is taken a little within the step, where H is that of one side.
 
 use crate::control::estimate::{End, Estimate};
