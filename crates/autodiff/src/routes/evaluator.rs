@@ -20,7 +20,7 @@ use equip_scalar::{Float, InstructionSet};
 ///
 /// | of H, whatever the bracket | of w |
 /// |---|---|
-/// | [`value`](Self::value), [`compensated_value`](Self::compensated_value), [`gradient`](Self::gradient), [`gradients`](Self::gradients), [`gradient_with_bound`](Self::gradient_with_bound), [`check_gradient`](Self::check_gradient) | [`flow_gradient`](Self::flow_gradient), [`gradients_by_component`](Self::gradients_by_component), [`gradient_rounding`](Self::gradient_rounding), [`hessian`](Self::hessian), [`hessian_vector`](Self::hessian_vector), [`hessians_by_component`](Self::hessians_by_component) |
+/// | [`value`](Self::value), [`compensated_value`](Self::compensated_value), [`gradient`](Self::gradient), [`gradients`](Self::gradients), [`gradient_with_bound`](Self::gradient_with_bound), [`check_gradient`](Self::check_gradient) | [`flow_gradient`](Self::flow_gradient), [`vector_field`](Self::vector_field), [`jacobian_vector`](Self::jacobian_vector), [`gradients_by_component`](Self::gradients_by_component), [`gradient_rounding`](Self::gradient_rounding), [`hessian`](Self::hessian), [`hessian_vector`](Self::hessian_vector), [`hessians_by_component`](Self::hessians_by_component) |
 #[derive(Debug, Clone)]
 pub struct Evaluator<T: Float> {
     pub(super) source: Source<T>,

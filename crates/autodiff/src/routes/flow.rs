@@ -6,7 +6,7 @@
 
 use super::evaluator::{Evaluator, Source, Turned};
 use super::traced_evaluator::ready;
-use crate::structure::conjugate::turned;
+use crate::structure::conjugate::{turn, turned};
 use equip_scalar::Float;
 
 use Source::{External, Traced, WithGradient};
@@ -34,6 +34,18 @@ impl<T: Float> Evaluator<T> {
         if let Some(turned) = &mut self.bracket {
             turned.turn_one(y, w);
         }
+    }
+
+    /// y' = Jw at `y`, into `f` (length n).
+    pub fn vector_field(&mut self, y: &[T], f: &mut [T]) {
+        self.flow_gradient(y, f);
+        turn(f);
+    }
+
+    /// (∂y'/∂y) v at `y`, into `product` (length n): the right-hand side of the variational equation.
+    pub fn jacobian_vector(&mut self, y: &[T], v: &[T], product: &mut [T]) {
+        self.hessian_vector(y, v, product);
+        turn(product);
     }
 
     /// w at `count` points at once, component by component: component c of point i stands at `c·stride + i`

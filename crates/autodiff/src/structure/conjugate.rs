@@ -11,6 +11,14 @@ pub fn conjugate(r: usize, n: usize) -> (usize, bool) {
     if r < m { (r + m, false) } else { (r - m, true) }
 }
 
+/// Jx in place of x.
+pub(crate) fn turn<T: Float>(x: &mut [T]) {
+    let (q, p) = x.split_at_mut(x.len() / 2);
+    for (q, p) in q.iter_mut().zip(p) {
+        (*q, *p) = (*p, -*q);
+    }
+}
+
 /// The component of J∇H that component `c` of ∇H goes to, and with which sign.
 #[doc(hidden)]
 #[inline(always)]

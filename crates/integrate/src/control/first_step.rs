@@ -19,7 +19,6 @@ use equip_scalar::Float;
 /// Workspace for it.
 #[derive(Debug)]
 pub(crate) struct FirstSize<T> {
-    covector: Vec<T>,
     f: Vec<T>,
     second: Vec<T>,
     third: Vec<T>,
@@ -29,7 +28,6 @@ impl<T: Float> FirstSize<T> {
     pub(crate) fn new(n: usize) -> Self {
         let zeros = || vec![T::int(0); n];
         FirstSize {
-            covector: zeros(),
             f: zeros(),
             second: zeros(),
             third: zeros(),
@@ -39,18 +37,10 @@ impl<T: Float> FirstSize<T> {
     /// Size of the first try from `y`, 1 where nothing moves, and that of the longest.
     pub(crate) fn sizes(&mut self, energy: &mut Evaluator<T>, y: &[T]) -> [f64; 2] {
         let n = y.len();
-        let FirstSize {
-            covector,
-            f,
-            second,
-            third,
-        } = self;
-        energy.flow_gradient(y, covector);
-        turn(covector, f);
-        energy.hessian_vector(y, f, covector);
-        turn(covector, second);
-        energy.hessian_vector(y, second, covector);
-        turn(covector, third);
+        let FirstSize { f, second, third } = self;
+        energy.vector_field(y, f);
+        energy.jacobian_vector(y, f, second);
+        energy.jacobian_vector(y, second, third);
         let half = n / 2;
         let groups = [0..half, half..n].map(|group| {
             [&*f, &*second, &*third].map(|x| {
@@ -98,13 +88,4 @@ fn turning_time([a, b, c]: [f64; 3]) -> f64 {
     let (a, b, c) = (a / unit, b / unit, c / unit);
     let time = (b + (b * b + 4.0 * a * c).sqrt()) / (2.0 * c);
     if time > 0.0 { time } else { f64::INFINITY }
-}
-
-/// out = J `x`.
-pub(crate) fn turn<T: Float>(x: &[T], out: &mut [T]) {
-    let m = x.len() / 2;
-    for j in 0..m {
-        out[j] = x[m + j];
-        out[m + j] = -x[j];
-    }
 }

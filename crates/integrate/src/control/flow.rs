@@ -21,7 +21,6 @@
 //! Cost: two products with ∇²H, of steps that fixed-point iteration does not solve, or slowly.
 
 use crate::control::estimate::Decay;
-use crate::control::first_step::turn;
 use equip_autodiff::Evaluator;
 use equip_scalar::Float;
 use equip_scalar::power::power;
@@ -55,8 +54,8 @@ impl<T: Float> Flow<T> {
         estimated.defect(&mut self.d);
         let before = estimated.in_units(&self.d);
         for _ in 0..2 {
-            energy.hessian_vector(y, &self.d, &mut self.product);
-            turn(&self.product, &mut self.d);
+            energy.jacobian_vector(y, &self.d, &mut self.product);
+            std::mem::swap(&mut self.d, &mut self.product);
             self.d.iter_mut().for_each(|x| *x *= h);
         }
         let z = (estimated.in_units(&self.d) / before).sqrt();

@@ -53,10 +53,10 @@ impl<T: Float> TooSmall<T> {
 fn growth<T: Float>(energy: &mut Evaluator<T>, start: &[T], y: &[T]) -> T {
     let m = y.len() / 2;
     let mut sizes = |y: &[T]| {
-        let mut gradient = vec![T::int(0); y.len()];
-        energy.flow_gradient(y, &mut gradient);
+        let mut f = vec![T::int(0); y.len()];
+        energy.vector_field(y, &mut f);
         let largest = |half: &[T]| half.iter().fold(T::int(0), |most, x| most.max(x.abs()));
-        [largest(&gradient[..m]), largest(&gradient[m..])]
+        [largest(&f[..m]), largest(&f[m..])]
     };
     let (first, now) = (sizes(start), sizes(y));
     let ratios = first.into_iter().zip(now);

@@ -27,7 +27,7 @@ const COMPARED: usize = 3;
 pub(crate) struct Roughness<T: Float> {
     /// Of s nodes, and of 2s.
     rules: [Coefficients<T>; 2],
-    gradient: Vec<T>,
+    field: Vec<T>,
     /// P_k at a place.
     values: Vec<T>,
     /// h γ̃_k of component c at c·COMPARED + k.
@@ -40,7 +40,7 @@ impl<T: Float> Roughness<T> {
         let fine = Coefficients::gauss((2 * method.stages()).min(MAX_STAGES)).ok()?;
         Some(Roughness {
             rules: [method.clone(), fine],
-            gradient: vec![T::int(0); n],
+            field: vec![T::int(0); n],
             values: vec![T::int(0); method.stages()],
             coefficients: vec![T::int(0); n * COMPARED],
         })
@@ -91,25 +91,19 @@ impl<T: Float> Roughness<T> {
         h: T,
         decay: &Decay<T>,
     ) -> f64 {
-        let half = self.gradient.len() / 2;
         let mut most = 0.0_f64;
         for pair in 0..path.pairs.len() {
             let [first, second] = path.pairs[pair];
             core.counts_mut().gradients += 2;
             for place in [1, 4].map(|fifths| first + (second - first) * T::ratio(fifths, 5)) {
                 let y = path.state_at(place);
-                core.energy_mut().flow_gradient(y, &mut self.gradient);
+                core.energy_mut().vector_field(y, &mut self.field);
                 legendre_at(place, &mut self.values);
-                for c in 0..self.gradient.len() {
-                    let force = if c < half {
-                        self.gradient[c + half]
-                    } else {
-                        -self.gradient[c - half]
-                    };
+                for (c, &f) in self.field.iter().enumerate() {
                     let terms = self.values.iter().enumerate();
                     let known =
                         terms.fold(T::int(0), |sum, (k, &p)| sum + p * path.coefficient(k, c));
-                    let defect = decay.in_tolerances(c, (second - first) * (h * force - known));
+                    let defect = decay.in_tolerances(c, (second - first) * (h * f - known));
                     most = if defect <= most { most } else { defect };
                 }
             }
@@ -126,22 +120,17 @@ impl<T: Float> Roughness<T> {
         (rule, start, length): (usize, T, T),
     ) {
         let rule = &self.rules[rule];
-        let half = self.gradient.len() / 2;
         core.counts_mut().gradients += rule.stages() as u64;
         for (&node, &weight) in rule.nodes().iter().zip(rule.weights()) {
             let place = start + length * node;
             let mut values = [T::int(0); COMPARED];
             legendre_at(place, &mut values);
             let y = path.state_at(place);
-            core.energy_mut().flow_gradient(y, &mut self.gradient);
+            core.energy_mut().vector_field(y, &mut self.field);
             let weight = weight * length * h;
-            for (c, sums) in self.coefficients.chunks_exact_mut(COMPARED).enumerate() {
-                // f = J∇H.
-                let rate = if c < half {
-                    weight * self.gradient[c + half]
-                } else {
-                    -weight * self.gradient[c - half]
-                };
+            let coefficients = self.coefficients.chunks_exact_mut(COMPARED);
+            for (sums, &f) in coefficients.zip(&self.field) {
+                let rate = weight * f;
                 for (sum, &value) in sums.iter_mut().zip(&values) {
                     *sum += value * rate;
                 }
