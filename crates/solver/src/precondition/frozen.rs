@@ -4,7 +4,8 @@
 //! each eigenvalue of A, complex and of size 2m, or m where H is separable
 //! ([`crate::precondition::shifted_systems`]). The step made backwards has the same with −h.
 //!
-//! Everything is in doubles: M decides how fast the solution is found, not which.
+//! Everything is in doubles: M decides how fast the solution is found, not which. Why not in real arithmetic:
+//! docs/adr/0032.
 //!
 //! Cost: ⌈s/2⌉ factorisations, a solve with each for every right-hand side.
 
