@@ -93,3 +93,23 @@ fn rounding_is_no_reason_to_halve() {
         }
     }
 }
+
+/// H with a force that jumps, which no trace of H tells: the steps over the jump are as short as they may
+/// be, and the run continues.
+#[test]
+fn a_force_that_jumps_is_stepped_over() {
+    let energy = |q: &[f64], p: &[f64]| 0.5 * p[0] * p[0] + q[0].abs();
+    let gradient = |q: &[f64], p: &[f64], dq: &mut [f64], dp: &mut [f64]| {
+        (dq[0], dp[0]) = (q[0].signum(), p[0]);
+    };
+    let tent = Hamiltonian::external(1, f64::EPSILON, energy, gradient).unwrap();
+    for method in [Gauss::stages(8), Equip::stages(8)] {
+        let at = (&tent, (&[1.0][..], &[0.0][..]));
+        let run = run(method, Preconditioner::Automatic, at, (0.1, 20.0));
+        let worst = run.certificate().energy.as_ref().unwrap().max;
+        println!("{method}: {worst:.1e}");
+        assert!(worst < 1e-3, "{method}: {worst}");
+        let options = method.tolerance(1e-6).record(Record::Ends);
+        assert!(options.integrate(&tent, &[1.0], &[0.0], 0.0..=20.0).is_ok());
+    }
+}

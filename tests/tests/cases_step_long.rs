@@ -113,10 +113,14 @@ fn no_drift_of_quadratic_invariants() {
 fn no_drift_of_orbits() {
     let values = ["0.1", "0.2", "0.28", "0.3", "0.33", "0.4", "0.5", "0.6"].map(|e| [("e", e)]);
     let cases = (values.each_ref()).map(|e| ("kepler", e.as_slice(), 0.1, 200_000));
-    let slopes = no_drift(&cases, 3.0);
     // Gauss's are 0.4 to 0.8.
-    let squares: f64 = slopes.iter().map(|slope| slope * slope).sum();
-    let mean = (squares / slopes.len() as f64).sqrt();
+    are_chance(&no_drift(&cases, 3.0));
+}
+
+/// Trends over a random walk's: their root mean square is 1 if they are chance.
+fn are_chance(trends: &[f64]) {
+    let squares: f64 = trends.iter().map(|trend| trend * trend).sum();
+    let mean = (squares / trends.len() as f64).sqrt();
     println!("root mean square {mean:.2}");
     assert!(mean < 1.5);
 }
@@ -137,7 +141,8 @@ fn no_drift_in_a_million_steps() {
         ("outer-solar-system", &[], 200.0, 1_000_000),
         ("spring-pendulum", &[("g", "0")], 2e-4, 1_000_000),
     ];
-    no_drift(&cases, 2.0);
+    // Of five numbers that are chance the largest is beyond 2 once in five times. Measured: 2.1.
+    are_chance(&no_drift(&cases, 3.0));
 }
 
 /// One step that asks for an α may not turn all later ones over to Newton.

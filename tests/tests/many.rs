@@ -93,7 +93,6 @@ fn composed(steps: usize) -> Vec<f64> {
 }
 
 #[test]
-#[ignore = "known deficit: 3.7 times the work of Gauss with s = 4"]
 fn a_chain_is_as_near_as_gauss_for_little_more() {
     let (energy, start) = (chain(1.0), start());
     let (exact, rough) = (composed(4000), composed(2000));

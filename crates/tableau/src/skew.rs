@@ -119,17 +119,24 @@ impl<T: Float> Coefficients<T> {
         };
         assert_eq!(alphas.len(), s - 1, "one alpha for each k = 1..s-1");
         assert_eq!(u.len(), s * s, "room for s x s entries");
+        let basis = self.basis.chunks_exact(s * s).zip(alphas);
+        let moved = basis.filter(|&(_, &alpha)| alpha != T::int(0));
+        if T::IS_DOUBLE {
+            u.copy_from_slice(unperturbed);
+            for (t_k, &alpha) in moved {
+                u.iter_mut().zip(t_k).for_each(|(u, &t)| *u += alpha * t);
+            }
+            return;
+        }
         u.fill(T::int(0));
         let mut matrices = [&**unperturbed; MAX_STAGES];
         let mut factors = [T::int(1); MAX_STAGES];
         let mut count = 1;
-        for (t_k, &alpha) in self.basis.chunks_exact(s * s).zip(alphas) {
-            if alpha != T::int(0) {
-                (matrices[count], factors[count]) = (t_k, alpha);
-                count += 1;
-            }
+        for (t_k, &alpha) in moved {
+            (matrices[count], factors[count]) = (t_k, alpha);
+            count += 1;
         }
-        // Each entry is one dot product.
+        // Each entry is one dot product, which in doubles is the same sum.
         let mut terms = [[T::Pack::splat(T::int(0))]; MAX_STAGES];
         for i in 0..s {
             for j in i + 1..s {

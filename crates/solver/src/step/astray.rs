@@ -8,7 +8,8 @@
 //! $$ W = \sum_i h b_i \sum_c |\dot q_c\, \dot p_c| \quad \text{at the stages } Y_i . $$
 //!
 //! If the derivative of the motion has Legendre coefficients that decay by 1/2 each, H changes by about 4⁻ˢ W
-//! in a step of s stages. A step over which it changes by more than 2⁻ˢ⁻¹ W is halved.
+//! in a step of s stages. A step over which it changes by more than 2⁻ˢ⁻¹ W is halved. Where it cannot be
+//! halved any further it is accepted up to W: the force may jump there.
 
 use crate::outcome::failure::Failure;
 use crate::policy::{ASTRAY, STALLED};
@@ -59,8 +60,11 @@ impl<T: Float> Core<T> {
 
     fn check_change(&self, change: T, h: T) -> Result<(), Failure<T>> {
         let exchanged = self.exchanged(h);
-        let bound = T::int(ASTRAY << self.stages.method.degree());
-        if bound * change.abs() > exchanged {
+        let share = match self.may_be_halved {
+            true => T::int(ASTRAY << self.stages.method.degree()),
+            false => T::int(1),
+        };
+        if share * change.abs() > exchanged {
             return Err(Failure::Astray { change, exchanged });
         }
         Ok(())

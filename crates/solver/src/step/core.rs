@@ -40,6 +40,8 @@ pub struct Core<T: Float> {
     pub(crate) noise_expected: f64,
     /// Outcome of a step without constraints.
     pub(crate) unconstrained: Outcome,
+    /// Whether the step that is attempted may be halved.
+    pub(crate) may_be_halved: bool,
     /// Mid points of halved steps, one for each level.
     pub(crate) middles: Vec<State<T>>,
     /// What dense output needs of the parts of a step.
@@ -114,6 +116,7 @@ impl<T: Float> Core<T> {
             } else {
                 Outcome::NotAsked
             },
+            may_be_halved: false,
             middles: vec![zero; options.max_halvings as usize],
             start: vec![T::NAN; n],
             start_energy: T::int(0),

@@ -42,6 +42,7 @@ impl<T: Float> Core<T> {
         if self.constraints.is_empty() {
             return Ok(self.unconstrained);
         }
+        self.may_be_halved = false;
         let kept = self.keep((y, h), next, true);
         match kept {
             Ok(_) => {
@@ -70,6 +71,7 @@ impl<T: Float> Core<T> {
         (y, t, h): (&State<T>, T, T),
         next: &mut State<T>,
     ) -> Result<Outcome, Failure<T>> {
+        self.may_be_halved = level < self.middles.len();
         match self.attempt((y, h), next) {
             Ok(outcome) => {
                 self.accept(next, h);
