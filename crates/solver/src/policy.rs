@@ -8,8 +8,8 @@
 pub(crate) const MOST_STALLS: u32 = 4;
 
 /// A step of s stages is halved if H changes by more than 2⁻ˢ over this of the energy that it exchanges. //
-/// ratio; with 2⁻³ for every s three bodies are 1e3 off in energy after encounters, s = 8, with it 1e1; on
-/// the grid no cell whose steps resolve the motion has such a step (docs/adr/0020).
+/// ratio; 1 to 4 alike: 176 runs over encounters of three bodies, and no cell of the grid whose steps resolve
+/// the motion has such a step (docs/adr/0020).
 pub(crate) const ASTRAY: i64 = 2;
 /// The largest recent round-off level loses 1 over this a step. // steps; levels vary by a factor of 30
 /// within an oscillation of some 10 to 50 steps; 16 to 256 alike.

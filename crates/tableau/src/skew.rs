@@ -4,8 +4,8 @@
 //! \qquad T_k = p_k p_{k-1}^T - p_{k-1} p_k^T.$$
 //!
 //! This is the paper's A = 𝒫 X_s 𝒫⁻¹, eqs. (3)–(6), with 𝒫⁻¹ = 𝒫ᵀB never formed, and with an α for every k
-//! instead of the last one only (docs/adr/0028). b_i a_ij + b_j a_ji = b_i b_j is then
-//! K_ij + K_ji = 1. Which identity is exact in which form:
+//! instead of the last one only (docs/adr/0003). b_i a_ij + b_j a_ji = b_i b_j is then K_ij + K_ji = 1. Which
+//! identity is exact in which form:
 //!
 //! | form | exact, not only to rounding | range |
 //! |---|---|---|

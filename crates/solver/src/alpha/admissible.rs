@@ -1,6 +1,6 @@
 //! How far the parameters α may change y1.
 //!
-//! *Admissible* (docs/adr/0023). A change of y1 caused by α is admissible up to [`FARTHEST`]
+//! *Admissible* (docs/adr/0013). A change of y1 caused by α is admissible up to [`FARTHEST`]
 //! times the larger of the local error of the step and the change that the step's own energy error is
 //! equivalent to, *plus the largest bound of the uncorrected steps just before*, which fades by 1/[`FADING`]
 //! a step: the error that such steps have left may be removed by a later one (docs/adr/0026). If there are

@@ -3,7 +3,7 @@
 //! I is the energy, or a further invariant that is to be conserved. I_ref is its value at the start of the
 //! *run*: an error that one step leaves is removed by a later one, and does not walk at random.
 //!
-//! *Round-off level* (docs/adr/0002, docs/adr/0023). With v_k the nodes of the trace of I
+//! *Round-off level* (docs/adr/0013). With v_k the nodes of the trace of I
 //!
 //! $$ \varepsilon \Big( \sum_k |v_k\,\partial I/\partial v_k| + \sum_i |y_i\,\partial_i I|
 //! \Big) + \nu \sum_i |\partial_i I|\, \sigma_i , $$

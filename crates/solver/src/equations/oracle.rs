@@ -12,7 +12,7 @@
 //! | residual Z − K L | (7), first line | [`stages`] |
 //! | g = H(y1) − H_ref and its round-off level | (7), second line | [`Oracle::step`] |
 //! | D at α = 0, the direction of least displacement | docs/adr/0026 | [`direction`] |
-//! | admissible α | docs/adr/0003 | [`Oracle::step`] |
+//! | admissible α | docs/adr/0013 | [`Oracle::step`] |
 //!
 //! Cost: dense matrices of size s·2m, made and allocated anew in every iteration. Tests compare the solver
 //! with it; nothing else calls it.
