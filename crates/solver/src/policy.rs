@@ -7,10 +7,6 @@
 /// 1000 steps and back to 5e-7 in place of 3e-10; with 16 15 of 1320 cells differ.
 pub(crate) const MOST_STALLS: u32 = 4;
 
-/// A step of s stages is halved if H changes by more than 2⁻ˢ over this of the energy that it exchanges. //
-/// ratio; 1 to 4 alike: 176 runs over encounters of three bodies, and no cell of the grid whose steps resolve
-/// the motion has such a step (docs/adr/0020).
-pub(crate) const ASTRAY: i64 = 2;
 /// The largest recent round-off level loses 1 over this a step. // steps; levels vary by a factor of 30
 /// within an oscillation of some 10 to 50 steps; 16 to 256 alike.
 pub(crate) const FADING: i64 = 64;

@@ -137,13 +137,10 @@ impl<T: Float> Coefficients<T> {
             count += 1;
         }
         // Each entry is one dot product, which in doubles is the same sum.
-        let mut terms = [[T::Pack::splat(T::int(0))]; MAX_STAGES];
         for i in 0..s {
             for j in i + 1..s {
-                for (term, matrix) in terms.iter_mut().zip(&matrices[..count]) {
-                    *term = [T::Pack::of(&[matrix[i * s + j]])];
-                }
-                [u[i * s + j]] = T::Pack::<1>::dot(&terms[..count], 0, &factors).numbers();
+                let term = |k: usize| T::Pack::<1>::of(&[matrices[k][i * s + j]]);
+                [u[i * s + j]] = T::Pack::dot(term, &factors[..count]).numbers();
             }
         }
         mirror(s, u);

@@ -12,7 +12,7 @@ use equip_scalar::{Kernel, Lanes};
 #[doc(hidden)]
 pub trait StageGradients<const C: usize, const N: usize> {
     /// The derivatives at the states, each of them with every bit of the one at a single state.
-    fn at(&self, states: &[[[f64; N]; 1]; C]) -> [Lanes<N>; C];
+    fn at(&self, states: &[[f64; N]; C]) -> [Lanes<N>; C];
 }
 
 /// What is to be done with the derivatives. Mark `run`, and all it calls, `#[inline(always)]`.
@@ -34,9 +34,9 @@ pub(crate) struct Called<'a>(pub(crate) &'a Code);
 
 impl<const C: usize, const N: usize> StageGradients<C, N> for Called<'_> {
     #[inline(always)]
-    fn at(&self, states: &[[[f64; N]; 1]; C]) -> [Lanes<N>; C] {
+    fn at(&self, states: &[[f64; N]; C]) -> [Lanes<N>; C] {
         let mut rows = [[0.0; N]; C];
-        let from = states.as_flattened().as_flattened();
+        let from = states.as_flattened();
         debug_assert_eq!(self.0.stride(), N);
         self.0.run(from, rows.as_flattened_mut(), &mut [], N);
         rows.map(Lanes)

@@ -22,9 +22,7 @@
 
 use crate::MAX_STAGES;
 use crate::extrapolation::polynomial::View;
-use crate::layout::row::{
-    Row, by_lanes, groups_of, lanes_of, larger, largest, literal, rows, rows_mut, times,
-};
+use crate::layout::row::{by_groups, larger, largest, stride_for, times};
 use crate::policy::LIKELY;
 use equip_autodiff::conjugate;
 use equip_scalar::{Float, Kernel};
@@ -53,23 +51,17 @@ impl<T: Float> Kernel for Foretell<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        by_lanes!(T, self.s, self)
+        by_groups!(T, self.s, self)
     }
 }
 
 impl<T: Float> Foretell<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) {
+    fn groups<const N: usize>(&mut self, groups: usize) {
         let (s, m) = (self.s, self.m);
         let l = self.l.as_chunks::<N>().0;
         let gradients = self.gradients.as_chunks_mut::<N>().0;
-        let groups = groups_of::<T, N>(s);
         let hb = self.hb.as_chunks::<N>().0;
-        match groups {
-            1 => return self.rows::<1, N>(),
-            2 => return self.rows::<2, N>(),
-            _ => {}
-        }
         let mut room = [[T::int(0); N]; MAX_STAGES];
         for c in 0..self.wanted {
             let (from, by_momentum) = conjugate(c, 2 * m);
@@ -83,27 +75,6 @@ impl<T: Float> Foretell<'_, T> {
                     .prolongation
                     .foretell_group(row, (g, s), sign, at_start);
                 gradients[c * groups + g] = likely(&gradient, &hb[g], most);
-            }
-        }
-    }
-}
-
-impl<T: Float> Foretell<'_, T> {
-    /// By rows of literal length.
-    #[inline(always)]
-    fn rows<const G: usize, const N: usize>(&mut self) {
-        let (s, m) = (self.s, self.m);
-        let l = rows::<T, G, N>(self.l);
-        let hb: &Row<T, G, N> = literal(rows(self.hb).first());
-        let gradients = rows_mut::<T, G, N>(self.gradients);
-        for c in 0..self.wanted {
-            let (from, by_momentum) = conjugate(c, 2 * m);
-            let at_start = self.known.map_or(T::int(0), |known| known[c]);
-            let sign = T::int(if by_momentum { -1 } else { 1 });
-            let most = most_likely(&l[from], self.ratio);
-            let gradient = self.prolongation.foretell(&l[from], s, sign, at_start);
-            for g in 0..G {
-                gradients[c][g] = likely(&gradient[g], &hb[g], most);
             }
         }
     }
@@ -144,24 +115,15 @@ impl<T: Float> Kernel for Sizes<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        by_lanes!(T, self.s, self)
+        by_groups!(T, self.s, self)
     }
 }
 
 impl<T: Float> Sizes<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) {
+    fn groups<const N: usize>(&mut self, groups: usize) {
         let points = self.points.as_chunks::<N>().0;
-        let groups = groups_of::<T, N>(self.s);
         let components = self.scale.iter_mut().zip(self.hi);
-        if groups == 1 {
-            for ((scale, &hi), points) in components.zip(points) {
-                let mut size = [hi.abs(); N];
-                larger(&mut size, points);
-                *scale = largest(size);
-            }
-            return;
-        }
         for ((scale, &hi), points) in components.zip(points.chunks_exact(groups)) {
             let mut size = [hi.abs(); N];
             points.iter().for_each(|points| larger(&mut size, points));

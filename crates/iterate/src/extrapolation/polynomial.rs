@@ -9,8 +9,8 @@
 //!
 //! Cost: s² multiplications, and 2 s² for each component that it is applied to.
 
-use crate::layout::row::{Row, groups_of, in_memory, lanes_of, literal, rows, stride_for};
-use crate::matrix::product::{applied, product_any};
+use crate::layout::row::{by_groups, stride_for};
+use crate::matrix::product::product_any;
 use equip_scalar::{Float, InstructionSet, Kernel};
 use equip_tableau::Coefficients;
 
@@ -97,24 +97,6 @@ pub(crate) struct View<'a, T> {
 }
 
 impl<T: Float> View<'_, T> {
-    /// E L + ρ ∇H(y0), from the L of a component.
-    #[inline(always)]
-    pub(crate) fn foretell<const G: usize, const N: usize>(
-        &self,
-        l: &Row<T, G, N>,
-        s: usize,
-        sign: T,
-        at_start: T,
-    ) -> Row<T, G, N> {
-        let mut coefficients = applied(self.coefficients, l, s);
-        let mut gradients = applied(self.at_nodes, in_memory(&mut coefficients), s);
-        let rho: &Row<T, G, N> = literal(rows(self.rho).first());
-        for (gradients, rho) in gradients.iter_mut().zip(rho) {
-            *gradients = foretold(gradients, rho, sign, at_start);
-        }
-        gradients
-    }
-
     /// The Legendre coefficients of L, which stands in any number of groups.
     #[inline(always)]
     pub(crate) fn coefficients<'b, const N: usize>(
@@ -167,29 +149,19 @@ impl<T: Float> Kernel for Make<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        if T::IS_DOUBLE {
-            match lanes_of::<T>(self.to.stages) {
-                4 => self.lanes::<4>(),
-                _ => self.lanes::<8>(),
-            }
-        } else if const { T::WIDTH == 1 } {
-            self.lanes::<1>();
-        } else {
-            self.lanes::<8>();
-        }
+        by_groups!(T, self.to.stages, self);
     }
 }
 
 impl<T: Float> Make<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) {
+    fn groups<const N: usize>(&mut self, groups: usize) {
         let to = &mut *self.to;
         let s = to.recurrence.len();
         let at_start = to.at_start.as_chunks_mut::<1>().0;
         classical(&to.recurrence, [self.start], at_start);
         let at_node = &mut to.at_node.as_chunks_mut::<N>().0[..=s];
         let scale = T::int(-1) / self.h;
-        let groups = groups_of::<T, N>(to.stages);
         let at_nodes = to.at_nodes.as_chunks_mut::<N>().0;
         let rho = to.rho.as_chunks_mut::<N>().0;
         for (g, nodes) in to.nodes.as_chunks::<N>().0.iter().enumerate() {

@@ -1,14 +1,12 @@
 //! The iteration of any H: Z ← K L with L = h b J∇H, all components.
 
 use crate::convergence::again::Again;
-use crate::forms::form::{Mix, Moved, Step};
+use crate::forms::form::{Mix, Step};
 use crate::forms::fused::{Small, rows_of, settle};
-use crate::layout::row::{Row, literal, rows, rows_mut, times};
+use crate::layout::row::{literal, times};
 use crate::matrix::product::Mixes;
 use equip_autodiff::{StageGradients, conjugate};
 use equip_scalar::{Float, Kernel, Lanes};
-use std::array::from_fn;
-use std::ops::Range;
 
 pub(crate) struct Full<'a, T>(pub(crate) Step<'a, T>);
 
@@ -47,33 +45,13 @@ impl<'a, T: Float> Mix<'a, T> for Full<'a, T> {
     }
 
     #[inline(always)]
-    fn block<const G: usize, const N: usize>(
-        &mut self,
-        k: &impl Mixes<T, G, N>,
-        block: Range<usize>,
-        change: &mut Moved<N>,
-    ) {
-        let step = &mut self.0;
-        let hb: Row<T, G, N> = *literal(rows(step.hb).first());
-        let gradients = rows::<T, G, N>(step.gradients);
-        let l = rows_mut::<T, G, N>(step.l);
-        for c in block.clone() {
-            let (from, negative) = conjugate(c, step.hi.len());
-            l[c] = from_fn(|g| increment(&hb[g], &gradients[from][g], negative));
-        }
-        step.advance(k, block, change);
-    }
-
-    #[inline(always)]
-    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<N>) {
-        let mut step = self.0.views::<N>();
-        let groups = step.hb.len();
+    fn increments<const N: usize>(&mut self, c: usize, groups: usize) {
+        let step = self.0.views::<N>(groups);
         let (from, negative) = conjugate(c, step.hi.len());
         for g in 0..groups {
-            step.l[c * groups + g] =
-                increment(&step.hb[g], &step.gradients[from * groups + g], negative);
+            let gradient = &step.gradients[from * groups + g];
+            step.l[c * groups + g] = increment(&step.hb[g], gradient, negative);
         }
-        step.advance(c, change);
     }
 }
 
@@ -82,19 +60,19 @@ impl<'a> Small<'a> for Full<'a, f64> {
     fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
-        k: &impl Mixes<f64, 1, N>,
+        k: &impl Mixes<N>,
         _again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.0;
         let computed: [Lanes<N>; C] = gradients.at(rows_of::<C, N>(step.points));
-        let hb: &Row<f64, 1, N> = literal(rows(step.hb).first());
+        let hb = literal(step.hb.first_chunk());
         let l = rows_of::<C, N>(step.l);
         let kept = rows_of::<C, N>(step.gradients);
 
         for c in 0..C {
             let (from, negative) = conjugate(c, C);
-            l[c] = [increment(&hb[0], &computed[from].0, negative)];
-            kept[c] = [computed[c].0];
+            l[c] = increment(hb, &computed[from].0, negative);
+            kept[c] = computed[c].0;
         }
         settle::<C, N>(k, step)
     }

@@ -7,7 +7,7 @@
 
 use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Step};
-use crate::layout::row::{OnLines, Row, difference, in_memory, literal, placed};
+use crate::layout::row::{OnLines, difference, in_memory, literal, placed};
 use crate::matrix::product::{Anew, Mixes, Square};
 use equip_autodiff::{Fused, StageGradients};
 
@@ -18,7 +18,7 @@ pub(crate) trait Small<'a>: Mix<'a, f64> {
     fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
-        k: &impl Mixes<f64, 1, N>,
+        k: &impl Mixes<N>,
         again: &mut impl Again,
     ) -> f64;
 }
@@ -47,13 +47,13 @@ impl<'a, S: Small<'a>, A: Again, const N: usize> Fused<N> for OneGroup<S, A> {
 /// lanes in memory: by itself the compiler takes all numbers out of their vectors.
 #[inline(always)]
 pub(crate) fn change<const C: usize, const N: usize>(
-    by: &[Row<f64, 1, N>; C],
+    by: &[[f64; N]; C],
     inverse_scale: &[f64; C],
 ) -> f64 {
     // Signed, as AVX2 compares.
     let mut most = OnLines([0_i64; N]);
     for (by, &inverse_scale) in by.iter().zip(inverse_scale) {
-        for (most, &by) in most.0.iter_mut().zip(&by[0]) {
+        for (most, &by) in most.0.iter_mut().zip(by) {
             *most = (*most).max((by * inverse_scale).abs().to_bits().cast_signed());
         }
     }
@@ -71,17 +71,17 @@ pub(crate) fn change<const C: usize, const N: usize>(
 /// Z ← K L and the stages; the largest change of Z.
 #[inline(always)]
 pub(crate) fn settle<const C: usize, const N: usize>(
-    k: &impl Mixes<f64, 1, N>,
+    k: &impl Mixes<N>,
     step: &mut Step<'_, f64>,
 ) -> f64 {
     let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
     let (l, z) = (rows_of::<C, N>(step.l), rows_of::<C, N>(step.z));
     let points = rows_of::<C, N>(step.points);
-    let mut by = [[[0.0; N]; 1]; C];
+    let mut by = [[0.0; N]; C];
     for c in 0..C {
         let moved = k.product(&l[c]);
-        points[c] = [placed(hi[c], lo[c], &moved[0])];
-        by[c] = [difference(&moved[0], &z[c][0])];
+        points[c] = placed(hi[c], lo[c], &moved);
+        by[c] = difference(&moved, &z[c]);
         z[c] = moved;
     }
     change(&by, numbers(step.inverse_scale))
@@ -95,6 +95,6 @@ pub(crate) fn numbers<const C: usize>(x: &[f64]) -> &[f64; C] {
 
 /// The rows of C components.
 #[inline(always)]
-pub(crate) fn rows_of<const C: usize, const N: usize>(x: &mut [f64]) -> &mut [Row<f64, 1, N>; C] {
-    literal(crate::layout::row::rows_mut(x).first_chunk_mut())
+pub(crate) fn rows_of<const C: usize, const N: usize>(x: &mut [f64]) -> &mut [[f64; N]; C] {
+    literal(x.as_chunks_mut().0.first_chunk_mut())
 }

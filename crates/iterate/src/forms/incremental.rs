@@ -17,14 +17,11 @@ use crate::convergence::again::Again;
 use crate::forms::form::{Mix, Moved, Step};
 use crate::forms::fused::{Small, change, numbers, rows_of};
 use crate::forms::separable::{Separable, force};
-use crate::layout::row::{
-    OnLines, Row, add, difference, in_memory, literal, placed, rows, rows_mut, scaled,
-};
-use crate::matrix::product::{Mixes, product_any};
+use crate::layout::row::{add, difference, literal, placed, scaled};
+use crate::matrix::product::Mixes;
 use equip_autodiff::StageGradients;
-use equip_scalar::{Float, Kernel, Pack};
+use equip_scalar::{Float, Kernel};
 use std::array::from_fn;
-use std::ops::Range;
 
 pub(crate) struct Incremental<'a, T> {
     /// With K B K in place of K.
@@ -72,93 +69,26 @@ impl<'a, T: Float> Mix<'a, T> for Incremental<'a, T> {
     }
 
     #[inline(always)]
-    fn block<const G: usize, const N: usize>(
-        &mut self,
-        k: &impl Mixes<T, G, N>,
-        block: Range<usize>,
-        change: &mut Moved<N>,
-    ) {
-        if !T::IS_DOUBLE {
-            return self.wide_block(k, block, change);
-        }
+    fn increments<const N: usize>(&mut self, c: usize, groups: usize) {
         let m = self.unknowns();
-        let (h, step) = (self.h, &mut self.half.step);
-        let hb: Row<T, G, N> = *literal(rows(step.hb).first());
-        let gradients = &rows::<T, G, N>(step.gradients)[block.clone()];
-        let l_p = &mut rows_mut::<T, G, N>(step.l)[block.start + m..block.end + m];
-        let z = &mut rows_mut::<T, G, N>(step.z)[block.clone()];
-        let q = &mut rows_mut::<T, G, N>(step.points)[block.clone()];
-        let (hi, lo) = (&step.hi[block.clone()], &step.lo[block.clone()]);
-        let inverse_scale = &step.inverse_scale[block.clone()];
-        let w = &self.half.inverse_masses[block.clone()];
-        let mut delta = OnLines([[T::int(0); N]; G]);
-        for c in 0..block.len() {
-            for g in 0..G {
-                delta.0[g] = moved(&hb[g], &gradients[c][g], &mut l_p[c][g]);
-            }
-            let mixed = k.mixed(&mut delta.0);
-            for g in 0..G {
-                let by = scaled(&mixed[g], h * w[c]);
-                change.see(&by, inverse_scale[c]);
-                add(&mut z[c][g], &by);
-                q[c][g] = placed(hi[c], lo[c], &z[c][g]);
-            }
+        let step = self.half.step.views::<N>(groups);
+        let (q, p) = (c * groups, (c + m) * groups);
+        for g in 0..groups {
+            step.delta[q + g] = moved(&step.hb[g], &step.gradients[q + g], &mut step.l[p + g]);
         }
     }
 
     #[inline(always)]
-    fn one<const N: usize>(&mut self, c: usize, change: &mut Moved<N>) {
-        let (m, h, w) = (self.unknowns(), self.h, self.half.inverse_masses[c]);
-        let step = self.half.step.views::<N>();
-        let groups = step.hb.len();
-        let (q, p) = (c * groups, (c + m) * groups);
+    fn advance<const N: usize>(&mut self, c: usize, groups: usize, change: &mut Moved<N>) {
+        let hw = self.h * self.half.inverse_masses[c];
+        let step = self.half.step.views::<N>(groups);
+        let q = c * groups;
         for g in 0..groups {
-            step.delta[g] = moved(&step.hb[g], &step.gradients[q + g], &mut step.l[p + g]);
-        }
-        for g in 0..groups {
-            let mixed = product_any(step.k, &step.delta[..groups], g, step.s);
-            let by = scaled(&mixed, h * w);
+            let mixed = step.mixed(&step.delta[q..][..groups], g);
+            let by = scaled(&mixed, hw);
             change.see(&by, step.inverse_scale[c]);
             add(&mut step.z[q + g], &by);
             step.points[q + g] = placed(step.hi[c], step.lo[c], &step.z[q + g]);
-        }
-    }
-}
-
-impl<T: Float> Incremental<'_, T> {
-    /// As [`Half::wide_block`].
-    #[inline(always)]
-    fn wide_block<const G: usize, const N: usize>(
-        &mut self,
-        k: &impl Mixes<T, G, N>,
-        block: Range<usize>,
-        change: &mut Moved<N>,
-    ) {
-        let (m, h) = (self.half.inverse_masses.len(), self.h);
-        let step = &mut self.half.step;
-        let hb = literal(rows::<T, G, N>(step.hb).first()).map(|hb| T::Pack::of(&hb));
-        let l_p = &mut rows_mut::<T, G, N>(step.l)[m..];
-        let z = rows_mut::<T, G, N>(step.z);
-        let q = rows_mut::<T, G, N>(step.points);
-        let splat = |x: T| T::Pack::<N>::splat(x);
-        let mut delta = OnLines([[T::int(0); N]; G]);
-        for c in block {
-            let gradient = &rows::<T, G, N>(step.gradients)[c];
-            for g in 0..G {
-                let new = -(hb[g] * T::Pack::of(&gradient[g]));
-                delta.0[g] = (new - T::Pack::of(&l_p[c][g])).numbers();
-                l_p[c][g] = new.numbers();
-            }
-            let mixed = k.packs(in_memory(&mut delta.0));
-            let by = splat(h * self.half.inverse_masses[c]);
-            let (hi, lo) = (splat(step.hi[c]), splat(step.lo[c]));
-            for g in 0..G {
-                let by = mixed[g] * by;
-                change.see_heads(by.heads(), step.inverse_scale[c]);
-                let moved = T::Pack::of(&z[c][g]) + by;
-                z[c][g] = moved.numbers();
-                q[c][g] = (hi + (moved + lo)).numbers();
-            }
         }
     }
 }
@@ -169,11 +99,11 @@ impl<'a> Small<'a> for Incremental<'a, f64> {
     fn kernel<const C: usize, const N: usize>(
         &mut self,
         gradients: &impl StageGradients<C, N>,
-        k: &impl Mixes<f64, 1, N>,
+        k: &impl Mixes<N>,
         again: &mut impl Again,
     ) -> f64 {
         let step = &mut self.half.step;
-        let hb: &Row<f64, 1, N> = literal(rows(step.hb).first());
+        let hb = literal(step.hb.first_chunk());
         let (hi, lo) = (numbers::<C>(step.hi), numbers::<C>(step.lo));
         let w = numbers::<C>(self.half.inverse_masses);
         let hw: [f64; C] = from_fn(|c| self.h * w[c]);
@@ -185,14 +115,13 @@ impl<'a> Small<'a> for Incremental<'a, f64> {
         loop {
             let computed = gradients.at(&q);
             for c in 0..C {
-                delta[c] = [moved(&hb[0], &computed[c].0, &mut l[c][0])];
+                delta[c] = moved(hb, &computed[c].0, &mut l[c]);
             }
-            let mut by = [[[0.0; N]; 1]; C];
+            let mut by = [[0.0; N]; C];
             for c in 0..C {
-                let mixed = k.product(&delta[c]);
-                by[c] = [scaled(&mixed[0], hw[c])];
-                add(&mut z[c][0], &by[c][0]);
-                q[c] = [placed(hi[c], lo[c], &z[c][0])];
+                by[c] = scaled(&k.product(&delta[c]), hw[c]);
+                add(&mut z[c], &by[c]);
+                q[c] = placed(hi[c], lo[c], &z[c]);
             }
             let change = change(&by, numbers(step.inverse_scale));
             if !again.again(change) {

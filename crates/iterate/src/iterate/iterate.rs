@@ -9,7 +9,7 @@
 //! Cost of an iteration: s gradients (of H, or of U) and 2m s² products. Nothing is allocated.
 
 use crate::layout::aligned::{Aligned, Places};
-use crate::layout::row::{by_lanes, groups_of, lanes_of, placed, stride_for};
+use crate::layout::row::{by_groups, placed, stride_for};
 use crate::layout::state::State;
 use crate::matrix::columns::columns_into;
 use crate::matrix::twofold;
@@ -216,14 +216,13 @@ impl<T: Float> Kernel for Place<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        by_lanes!(T, self.s, self)
+        by_groups!(T, self.s, self)
     }
 }
 
 impl<T: Float> Place<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) {
-        let groups = groups_of::<T, N>(self.s);
+    fn groups<const N: usize>(&mut self, groups: usize) {
         let points = self.points.as_chunks_mut::<N>().0.chunks_exact_mut(groups);
         let z = self.z.as_chunks::<N>().0.chunks_exact(groups);
         let starts = self.hi.iter().zip(self.lo);

@@ -1,4 +1,4 @@
-//! How a component's numbers at the stages lie: a *row* is G groups of N lanes, a lane for each stage and
+//! How a component's numbers at the stages lie: a *row* is some groups of N lanes, a lane for each stage and
 //! padding behind.
 //!
 //! Rows are arrays in memory and [`Pack`]s in arithmetic, which the compiler turns into vector instructions
@@ -6,8 +6,6 @@
 
 use equip_scalar::{Float, Pack};
 use std::array::from_fn;
-
-pub(crate) type Row<T, const G: usize, const N: usize> = [[T; N]; G];
 
 /// Lanes that `s` stages of this float are padded to.
 pub fn stride_for<T: Float>(s: usize) -> usize {
@@ -24,41 +22,8 @@ pub(crate) fn lanes_of<T: Float>(s: usize) -> usize {
     }
 }
 
-/// Lanes of half of sixteen stages.
-pub(crate) const HALF: usize = 8;
-
-/// Whether `s` stages of this float fill two groups.
-#[inline(always)]
-pub(crate) fn fills_two<T: Float>(s: usize) -> bool {
-    T::IS_DOUBLE && s == 2 * HALF
-}
-
-/// Groups of N lanes that `s` stages stand in.
-#[inline(always)]
-pub(crate) fn groups_of<T: Float, const N: usize>(s: usize) -> usize {
-    stride_for::<T>(s) / N
-}
-
-/// A task's `lanes` for the number of lanes that `s` stages of the float are worked on with, [`lanes_of`]
-/// being there.
-macro_rules! by_lanes {
-    ($float:ty, $s:expr, $task:ident) => {
-        if <$float>::IS_DOUBLE {
-            match lanes_of::<$float>($s) {
-                4 => $task.lanes::<4>(),
-                _ => $task.lanes::<8>(),
-            }
-        } else if const { <$float as Float>::WIDTH == 1 } {
-            $task.lanes::<1>()
-        } else {
-            $task.lanes::<8>()
-        }
-    };
-}
-pub(crate) use by_lanes;
-
 /// A task's `groups` for the number of lanes and groups that `s` stages of the float stand in, both of them
-/// literals: loops over groups are none. [`stride_for`] is to be there.
+/// literals, so that loops over groups are unrolled. [`stride_for`] must be in scope.
 macro_rules! by_groups {
     ($float:ty, $s:expr, $task:ident) => {
         match stride_for::<$float>($s) {
@@ -71,17 +36,6 @@ macro_rules! by_groups {
     };
 }
 pub(crate) use by_groups;
-
-/// Whole rows.
-#[inline(always)]
-pub(crate) fn rows<T, const G: usize, const N: usize>(x: &[T]) -> &[Row<T, G, N>] {
-    x.as_chunks().0.as_chunks().0
-}
-
-#[inline(always)]
-pub(crate) fn rows_mut<T, const G: usize, const N: usize>(x: &mut [T]) -> &mut [Row<T, G, N>] {
-    x.as_chunks_mut().0.as_chunks_mut().0
-}
 
 /// # Panics
 /// If what is there is shorter than its literal length.

@@ -1,6 +1,6 @@
 //! The state y = (q, p) with the part that rounding would lose, and the compensated update.
 
-use crate::layout::row::{by_lanes, groups_of, lanes_of};
+use crate::layout::row::{by_groups, stride_for};
 use equip_scalar::{Float, InstructionSet, Kernel, Pack};
 
 /// A state kept to about twice the working precision: y = `hi` + `lo`, with |`lo`| at most an ulp of `hi`.
@@ -70,14 +70,13 @@ impl<T: Float> Kernel for Advance<'_, T> {
 
     #[inline(always)]
     fn run(&mut self) {
-        by_lanes!(T, self.s, self)
+        by_groups!(T, self.s, self)
     }
 }
 
 impl<T: Float> Advance<'_, T> {
     #[inline(always)]
-    fn lanes<const N: usize>(&mut self) {
-        let groups = groups_of::<T, N>(self.s);
+    fn groups<const N: usize>(&mut self, groups: usize) {
         let rows = self.increments.as_chunks::<N>().0;
         let from = self.from.hi.iter().zip(&self.from.lo);
         let to = self.next.hi.iter_mut().zip(&mut self.next.lo);
@@ -92,7 +91,6 @@ impl<T: Float> Advance<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::row::stride_for;
     use equip_scalar::DoubleDouble;
 
     /// Sums of numbers of all sizes are those of double-double, to its rounding.

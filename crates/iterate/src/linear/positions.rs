@@ -9,8 +9,9 @@
 
 use crate::iterate::iterate::Iterate;
 use crate::iterate::precondition::Held;
-use crate::layout::row::{add, by_groups, dot, fused, fused_each, scaled, stride_for, times};
+use crate::layout::row::{add, by_groups, fused, fused_each, scaled, stride_for, times};
 use crate::linear::row_times::row_times;
+use crate::matrix::product::product_any;
 use crate::matrix::twofold::add_product;
 use equip_autodiff::Pattern;
 use equip_scalar::{Float, InstructionSet, Kernel, Pack, mix_stages};
@@ -248,7 +249,7 @@ impl<T: Float> Row<'_, T> {
         for side in side..side + S {
             let dl = &dl[(side * 2 * m + m + row) * groups..][..groups];
             for g in 0..groups {
-                let moved = dot(self.s, |j| &twofold[j * groups + g], dl.as_flattened());
+                let moved = product_any(twofold, dl, g, self.s);
                 let rest = &rest[(side * m + row) * groups + g];
                 x[(side * 2 * m + row) * groups + g] = fused(&moved, by, rest);
             }

@@ -289,14 +289,14 @@ impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
     }
 
     #[inline(always)]
-    fn dot<const G: usize>(a: &[[Self; G]], g: usize, b: &[DoubleDouble]) -> Self {
+    fn dot(a: impl Fn(usize) -> Self, b: &[DoubleDouble]) -> Self {
         let mut dot = Dot::new();
-        for (a, &b) in a.iter().zip(b) {
-            dot.add(a[g].words(), Self::splat(b).words());
+        for (j, &b) in b.iter().enumerate() {
+            dot.add(a(j).words(), Self::splat(b).words());
         }
         let total = Self::joined(dot.total());
         if total.is_special() {
-            return special_dot(a, g, b);
+            return special_dot(a, b);
         }
         total
     }
@@ -304,14 +304,13 @@ impl<const N: usize> Pack<DoubleDouble, N> for DoubleDoubles<N> {
 
 #[cold]
 #[inline(never)]
-fn special_dot<const N: usize, const G: usize>(
-    a: &[[DoubleDoubles<N>; G]],
-    g: usize,
+fn special_dot<const N: usize>(
+    a: impl Fn(usize) -> DoubleDoubles<N>,
     b: &[DoubleDouble],
 ) -> DoubleDoubles<N> {
     let mut sums = [DoubleDouble::ZERO; N];
-    for (a, &b) in a.iter().zip(b) {
-        for (sum, a) in sums.iter_mut().zip(a[g].numbers()) {
+    for (j, &b) in b.iter().enumerate() {
+        for (sum, a) in sums.iter_mut().zip(a(j).numbers()) {
             *sum += a * b;
         }
     }

@@ -105,19 +105,19 @@ impl<T: Float> MixPacks<'_, T> {
     fn packs<const N: usize>(&mut self) {
         let groups = self.stride / N;
         let (k, z) = (self.k.as_chunks::<N>().0, self.z.as_chunks_mut::<N>().0);
-        let mut columns = [[T::Pack::splat(T::int(0))]; BLOCK];
+        let mut columns = [T::Pack::splat(T::int(0)); BLOCK];
         for g in 0..groups {
             for first in (0..self.stages).step_by(BLOCK) {
                 let count = BLOCK.min(self.stages - first);
                 for (j, column) in columns[..count].iter_mut().enumerate() {
-                    *column = [T::Pack::of(&k[(first + j) * groups + g])];
+                    *column = T::Pack::of(&k[(first + j) * groups + g]);
                 }
                 let rows = self
                     .l
                     .chunks_exact(self.stride)
                     .zip(z.chunks_exact_mut(groups));
                 for (l, z) in rows {
-                    let sum = T::Pack::dot(&columns[..count], 0, &l[first..]);
+                    let sum = T::Pack::dot(|j| columns[j], &l[first..][..count]);
                     z[g] = if first == 0 {
                         sum.numbers()
                     } else {

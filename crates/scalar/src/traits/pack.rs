@@ -66,17 +66,17 @@ pub trait Pack<T: Scalar, const N: usize>: Piecewise {
     /// additions is short.
     fn total(packs: &[[T; N]]) -> (T, T);
 
-    /// Σ_j a_jg·b_j for one place g of several, in this order. Products and sums are rounded each for itself
-    /// in floats that do so cheaply; in others the sum as a whole is as exact as that.
+    /// Σ_j a(j)·b_j, in the order of j. Floats whose operations are cheap round every product and every sum;
+    /// others compute the sum as accurately as that.
     #[inline(always)]
-    fn dot<const G: usize>(a: &[[Self; G]], g: usize, b: &[T]) -> Self {
-        let mut terms = a.iter().zip(b);
-        let Some((a, &b)) = terms.next() else {
+    fn dot(a: impl Fn(usize) -> Self, b: &[T]) -> Self {
+        let mut terms = b.iter().enumerate();
+        let Some((j, &b)) = terms.next() else {
             return zero::<T, Self, N>();
         };
-        let mut sum = a[g] * Self::splat(b);
-        for (a, &b) in terms {
-            sum = sum + a[g] * Self::splat(b);
+        let mut sum = a(j) * Self::splat(b);
+        for (j, &b) in terms {
+            sum = sum + a(j) * Self::splat(b);
         }
         sum
     }

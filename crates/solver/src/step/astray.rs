@@ -12,7 +12,7 @@
 //! halved any further it is accepted up to W: the force may jump there.
 
 use crate::outcome::failure::Failure;
-use crate::policy::{ASTRAY, STALLED};
+use crate::policy::STALLED;
 use crate::step::core::Core;
 use equip_iterate::State;
 use equip_scalar::Float;
@@ -61,7 +61,7 @@ impl<T: Float> Core<T> {
     fn check_change(&self, change: T, h: T) -> Result<(), Failure<T>> {
         let exchanged = self.exchanged(h);
         let share = match self.may_be_halved {
-            true => T::int(ASTRAY << self.stages.method.degree()),
+            true => T::int(2 << self.stages.method.degree()),
             false => T::int(1),
         };
         if share * change.abs() > exchanged {
